@@ -1,0 +1,202 @@
+"""The message system: typed topics, services, one thread, run to completion.
+
+A message of an *input* topic (a key, a timer that fired, an operator's act) begins a cascade. Handlers publish
+*derived* messages, which queue and are delivered in order until none is left; only then does the next input
+begin. So causes come before effects, and feeding the recorded inputs again derives the same messages.
+"""
+
+import threading
+import traceback
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
+
+from sar_tui.framework.clock import Clock
+from sar_tui.framework.messages import Fault, Message
+
+M = TypeVar("M", bound=Message)
+Q = TypeVar("Q", bound=Message)
+A = TypeVar("A", bound=Message)
+
+Origin = Literal["input", "derived"]
+
+
+class Topic(Generic[M]):
+    """A named channel that carries one type of message.
+
+    Args:
+        name: how it is called in the database and on a graph, e.g. ``input/key``.
+        type: the message class; another class is refused.
+        origin: ``input`` for what comes from outside the nodes, ``derived`` for what they conclude.
+        keep: a late subscriber is given the last value.
+        stream: too many to log one by one (sensor samples); not written to ``events``.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        type: type[M],
+        origin: Origin = "derived",
+        *,
+        keep: bool = False,
+        stream: bool = False,
+    ) -> None:
+        self.name = name
+        self.type = type
+        self.origin = origin
+        self.keep = keep
+        self.stream = stream
+
+    def __repr__(self) -> str:
+        return f"Topic({self.name!r})"
+
+
+class Service(Generic[Q, A]):
+    """A named question that one node answers at once."""
+
+    def __init__(self, name: str, request: type[Q], answer: type[A]) -> None:
+        self.name = name
+        self.request = request
+        self.answer = answer
+
+    def __repr__(self) -> str:
+        return f"Service({self.name!r})"
+
+
+FAULT = Topic("framework/fault", Fault)
+"""A handler raised. Published by the bus itself, so it is declared here."""
+
+
+class Record(NamedTuple):
+    """A message as it passed: its number, the time of its cascade (ns), its topic."""
+
+    seq: int
+    at: int
+    topic: Topic[Any]
+    message: Message
+
+
+class Tap(Protocol):
+    """A listener to everything: the recorder. It is given whole cascades, so that none is ever half on disk."""
+
+    def __call__(self, cascade: list[Record]) -> None: ...
+
+
+class Bus:
+    """Carries messages between nodes on one thread.
+
+    Args:
+        clock: gives the time at which a cascade begins. May be replaced between cascades (replay, then live).
+        first_seq: the number of the first message; a resumed session goes on counting.
+    """
+
+    def __init__(self, clock: Clock, first_seq: int = 1) -> None:
+        self.clock = clock
+        self._owner = threading.get_ident()
+        self._handlers: dict[str, list[tuple[str, Callable[[Any], None]]]] = {}
+        self._services: dict[str, Callable[[Any], Any]] = {}
+        self._kept: dict[str, Message] = {}
+        self._taps: list[Tap] = []
+        self._cascade: list[Record] = []
+        self._inputs: deque[tuple[Topic[Any], Message]] = deque()
+        self._derived: deque[tuple[Topic[Any], Message]] = deque()
+        self._running = False
+        self._seq = first_seq
+        self._now = clock.now()
+
+    @property
+    def now(self) -> int:
+        """When the present cascade began, in ns: the same for all its messages, and the same again in a replay."""
+        return self._now
+
+    def subscribe(self, topic: Topic[M], handler: Callable[[M], None], owner: str = "") -> None:
+        """Deliver ``topic`` to ``handler``, after those subscribed before it. ``owner`` is named in a Fault."""
+        self._handlers.setdefault(topic.name, []).append((owner, handler))
+        if topic.keep and topic.name in self._kept:
+            handler(self._kept[topic.name])  # type: ignore[arg-type]
+
+    def serve(self, service: Service[Q, A], handler: Callable[[Q], A]) -> None:
+        """Answer ``service`` with ``handler``. Raises ValueError if another does already."""
+        if service.name in self._services:
+            raise ValueError(f"{service.name} is served already")
+        self._services[service.name] = handler
+
+    def tap(self, listener: Tap) -> None:
+        """Show ``listener`` every message that is not a stream's, a cascade at a time, once it is over."""
+        self._taps.append(listener)
+
+    def untap(self, listener: Tap) -> None:
+        """Stop showing messages to ``listener``."""
+        self._taps.remove(listener)
+
+    def call(self, service: Service[Q, A], request: Q) -> A:
+        """Ask, and be answered at once. The answerer's exception is the caller's."""
+        if type(request) is not service.request:
+            raise TypeError(f"{service.name} takes {service.request.__name__}, not {type(request).__name__}")
+        answer: A = self._services[service.name](request)
+        return answer
+
+    def publish(self, topic: Topic[M], message: M) -> None:
+        """Publish on the owning thread.
+
+        Raises:
+            TypeError: the topic carries another type.
+            RuntimeError: called from another thread, or a derived message with no cause.
+        """
+        if threading.get_ident() != self._owner:
+            raise RuntimeError(f"{topic.name} published from another thread; use post()")
+        if type(message) is not topic.type:
+            raise TypeError(f"{topic.name} carries {topic.type.__name__}, not {type(message).__name__}")
+        if topic.origin == "derived":
+            if not self._running:
+                raise RuntimeError(f"{topic.name} is derived: it can only follow from an input")
+            self._derived.append((topic, message))
+        else:
+            self._inputs.append((topic, message))
+            self.drain()
+
+    def post(self, topic: Topic[M], message: M) -> None:
+        """Publish an input from any thread: it is delivered as soon as the owning thread is free."""
+        if topic.origin != "input" or type(message) is not topic.type:
+            raise TypeError(f"{topic.name} cannot be posted with {type(message).__name__}")
+        self._inputs.append((topic, message))
+        self.clock.call_soon(self.drain)
+
+    def drain(self) -> None:
+        """Deliver what waits, one cascade after the other. Harmless when nothing does."""
+        if self._running:
+            return
+        self._running = True
+        try:
+            while self._inputs:
+                self._now = self.clock.now()
+                self._deliver(*self._inputs.popleft())
+                while self._derived:
+                    self._deliver(*self._derived.popleft())
+                cascade, self._cascade = self._cascade, []
+                for tap in self._taps:
+                    tap(cascade)
+        finally:
+            self._running = False
+
+    def _deliver(self, topic: Topic[Any], message: Message) -> None:
+        if not topic.stream:
+            self._cascade.append(Record(self._seq, self._now, topic, message))
+            self._seq += 1
+        if topic.keep:
+            self._kept[topic.name] = message
+        for owner, handler in self._handlers.get(topic.name, ()):
+            try:
+                handler(message)
+            except Exception as error:
+                if topic is not FAULT:
+                    self._derived.append((FAULT, _fault(owner, topic, error)))
+
+
+def _fault(owner: str, topic: Topic[Any], error: Exception) -> Fault:
+    return Fault(
+        node=owner,
+        topic=topic.name,
+        error=f"{type(error).__name__}: {error}",
+        trace="".join(traceback.format_exception(error)),
+    )

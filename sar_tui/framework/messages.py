@@ -1,0 +1,323 @@
+"""Every message of the loop. Frozen; times are ns of the session's clock unless the name says otherwise.
+
+Messages hold no session id and no participant code: two sessions with the same seed and the same presses
+hold the same messages.
+"""
+
+from typing import Literal
+
+import msgspec
+
+Valence = Literal["positive", "neutral", "negative"]
+Outcome = Literal["success", "failure"]
+Json = dict[str, str | int | float | bool | None]
+"""What a task may add to a trial's row."""
+
+
+class Message(msgspec.Struct, frozen=True, kw_only=True):
+    """The base of all messages. ``seat`` is who caused it, or whom it concerns."""
+
+    seat: str = "A"
+
+
+# --- inputs: what comes from outside the nodes -----------------------------------------------------------
+
+
+class SessionStarted(Message, frozen=True, kw_only=True):
+    """A run of the program begins on a session. ``run`` counts from 1; above 1 the session is resumed."""
+
+    run: int
+    task: str
+    theme: str
+    seed: int
+
+
+class KeyPressed(Message, frozen=True, kw_only=True):
+    """A key, stamped in the input thread. ``key`` is the character it types, or its name (``enter``, ``left``).
+
+    ``loop_lag``: how late (ns) the event loop was at its worst since the last prompt or key.
+    """
+
+    key: str
+    at: int
+    loop_lag: int = 0
+
+
+class Pasted(Message, frozen=True, kw_only=True):
+    """Text was pasted: never a response. Only its length is kept."""
+
+    length: int
+    at: int
+
+
+class FocusChanged(Message, frozen=True, kw_only=True):
+    """The terminal's window gained or lost the keyboard focus."""
+
+    focused: bool
+    at: int
+
+
+class Shown(Message, frozen=True, kw_only=True):
+    """A prompt reached the terminal.
+
+    ``source``: ``flush`` (stamped as the frame was flushed), ``refresh`` (after Textual's refresh: less sure),
+    ``virtual`` (simulated).
+    """
+
+    attempt: int
+    trial: int
+    presentation: int
+    at: int
+    source: Literal["flush", "refresh", "virtual"]
+
+
+class TimerFired(Message, frozen=True, kw_only=True):
+    """A node's timer fired. ``token`` tells it from an earlier timer of the same name."""
+
+    node: str
+    name: str
+    token: int
+    due: int
+
+
+class Operator(Message, frozen=True, kw_only=True):
+    """An act that steers the session.
+
+    ``command``: ``pause``, ``resume``, ``end``, ``skip`` (this prompt), ``repeat`` (this prompt), ``level``
+    (``value``). ``reason``: for a pause, how the person is: ``tired``, ``pain``, ``finished``, or empty.
+    """
+
+    command: Literal["pause", "resume", "end", "skip", "repeat", "level"]
+    actor: str = "participant"
+    reason: str = ""
+    value: int | None = None
+
+
+class OutputReport(Message, frozen=True, kw_only=True):
+    """An output tells what became of an action."""
+
+    action: str
+    output: str
+    state: Literal["started", "done", "aborted", "failed"]
+    at: int
+
+
+class Stored(Message, frozen=True, kw_only=True):
+    """The trial, and everything before it, is on disk."""
+
+    attempt: int
+    trial: int
+
+
+class StorageChanged(Message, frozen=True, kw_only=True):
+    """The disk refuses to write (``working`` False), or writes again."""
+
+    working: bool
+    reason: str = ""
+
+
+# --- derived: what the nodes conclude ---------------------------------------------------------------------
+
+
+class KeyPerceived(Message, frozen=True, kw_only=True):
+    """A key as the task sees it. ``gap`` is the time since the key before, None for the first; ``delay`` the
+    time from its stamp to its handling.
+
+    ``repeat``: the same key again within the repeat interval (a held key, a bouncing contact): never a response.
+    """
+
+    key: str
+    at: int
+    gap: int | None
+    repeat: bool
+    delay: int
+    loop_lag: int = 0
+
+
+class Waiting(Message, frozen=True, kw_only=True):
+    """What the session waits for, so that a screen can say so and a simulated participant can answer.
+
+    ``what``: ``enter`` (Return), ``quiet`` (no keys for a moment), ``foreperiod``, ``storage`` (the disk),
+    ``response``, ``resume`` (paused), ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
+    ``trial``, ``paused``, ``ended``. ``attempt_name`` is the attempt in words: "attempt 3 of 20". ``reason``,
+    when paused: how the person is (see `Operator`), ``interrupted`` (the program had ended), ``storage`` (the
+    disk refuses), ``restored`` (it no longer does).
+    """
+
+    what: Literal["enter", "quiet", "foreperiod", "storage", "response", "resume", "nothing"]
+    stage: Literal["instructions", "attempt", "trial", "paused", "ended"]
+    attempt: int = 0
+    trial: int = 0
+    level: int = 0
+    attempt_name: str = ""
+    trials: int = 0
+    goal: str = ""
+    reason: str = ""
+
+
+class AttemptStarted(Message, frozen=True, kw_only=True):
+    """The participant began an attempt."""
+
+    attempt: int
+    practice: bool
+    level: int
+    trials: int
+
+
+class Prompt(Message, frozen=True, kw_only=True):
+    """Show this now. ``text`` is its plain line, ``glyph`` what to draw very large, ``hint`` a word of help.
+
+    ``expected`` is the key that answers it (empty where any will do); ``presentation`` counts how often this
+    trial was shown (a pause repeats it); ``timeout`` is how long a response is awaited, in ns.
+    """
+
+    attempt: int
+    trial: int
+    presentation: int
+    level: int
+    stimulus: str
+    expected: str
+    text: str
+    glyph: str
+    hint: str = ""
+    choices: int
+    timeout: int
+
+
+class PromptVoided(Message, frozen=True, kw_only=True):
+    """A prompt, or the wait before it, was broken off; the trial will be repeated. It leaves no row."""
+
+    attempt: int
+    trial: int
+    presentation: int
+    reason: str
+
+
+class Timing(msgspec.Struct, frozen=True):
+    """The timing quality of one trial, so that a bad one can be excluded rather than averaged in.
+
+    ``handler_delay_ms``: from the key's stamp to its handling. ``loop_lag_ms``: how late the loop was at its
+    worst while the response was awaited. ``false_starts``: keys pressed in the foreperiod, which began it anew.
+    ``flags``: ``anticipation``, ``focus_lost``, ``paste``, ``repeat_key``, ``late_key``, ``skipped``,
+    ``onset_refresh``.
+    """
+
+    onset_source: str
+    handler_delay_ms: float | None
+    loop_lag_ms: float | None
+    false_starts: int
+    presentation: int
+    foreperiod_ms: float
+    flags: tuple[str, ...]
+
+
+class TrialEnded(Message, frozen=True, kw_only=True):
+    """One prompt and what came of it. A miss has no response. ``value`` is what it adds to the metric."""
+
+    attempt: int
+    trial: int
+    stimulus: str
+    response: str | None
+    correct: bool
+    onset: int | None
+    response_at: int | None
+    reaction_time_ms: float | None
+    value: float | None
+    timing: Timing
+    details: Json
+
+
+class AttemptEnded(Message, frozen=True, kw_only=True):
+    """One attempt, scored. ``feedback`` is ``none`` where none was due."""
+
+    attempt: int
+    practice: bool
+    level: int
+    metric: float | None
+    metric_unit: str
+    accuracy: float | None
+    correct: int
+    trials: int
+    outcome: Outcome
+    feedback: Literal["positive", "neutral", "negative", "none"]
+    started: int
+    ended: int
+
+
+class LevelChanged(Message, frozen=True, kw_only=True):
+    """The difficulty for the next attempt. ``reason``: ``success``, ``failure`` or ``operator``."""
+
+    previous: int
+    level: int
+    reason: str
+
+
+class Feedback(Message, frozen=True, kw_only=True):
+    """The agent owes the participant an answer to an attempt.
+
+    ``reason``: ``goal`` (reached), ``missed``, ``band`` (about the goal), ``accuracy`` (too low), ``empty``
+    (nothing to average).
+    """
+
+    attempt: int
+    level: int
+    valence: Valence
+    reason: Literal["goal", "missed", "band", "accuracy", "empty"]
+    metric: float | None
+    accuracy: float | None
+    correct: int
+    trials: int
+
+
+class Proposal(Message, frozen=True, kw_only=True):
+    """What the agent would say. ``kind``: ``greeting``, ``feedback``, ``goodbye``."""
+
+    id: str
+    kind: Literal["greeting", "feedback", "goodbye"]
+    text: str
+    face: str
+    valence: Valence | None = None
+    attempt: int = 0
+
+
+class Action(Message, frozen=True, kw_only=True):
+    """What is said, and who decided it."""
+
+    id: str
+    kind: str
+    text: str
+    face: str
+    decision: Literal["accepted", "edited", "rejected"]
+    actor: str
+    valence: Valence | None = None
+    attempt: int = 0
+
+
+class SessionEnded(Message, frozen=True, kw_only=True):
+    """The session is over: ``completed`` (every attempt done) or ``aborted`` (ended by a person)."""
+
+    status: Literal["completed", "aborted"]
+
+
+class Fault(Message, frozen=True, kw_only=True):
+    """A handler raised. The session's log keeps the trace; a participant never sees it."""
+
+    node: str
+    topic: str
+    error: str
+    trace: str
+
+
+# --- services ------------------------------------------------------------------------------------------------
+
+
+class Recall(Message, frozen=True, kw_only=True):
+    """Ask for the scored attempts so far, oldest first; ``level`` restricts, practice is left out."""
+
+    level: int | None = None
+
+
+class Attempts(Message, frozen=True, kw_only=True):
+    """The answer to Recall."""
+
+    attempts: tuple[AttemptEnded, ...]

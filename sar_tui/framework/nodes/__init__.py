@@ -1,0 +1,1 @@
+"""The nodes of the loop, one a file, in the order a key press meets them."""

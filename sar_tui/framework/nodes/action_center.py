@@ -1,0 +1,102 @@
+"""The Action Center: decides how the agent says what is due (thesis 3.2.4)."""
+
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.messages import (
+    AttemptEnded,
+    Feedback,
+    Proposal,
+    Recall,
+    SessionEnded,
+    SessionStarted,
+    Valence,
+)
+from sar_tui.framework.node import Node, on
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme, face_for
+from sar_tui.framework.topics import FEEDBACK, PROPOSED, RECALL, SESSION, SESSION_ENDED
+
+
+class ActionCenter(Node):
+    """Turns a feedback event into words and a face, after the form the Task Base asks for."""
+
+    name = "action_center"
+    emits = (PROPOSED,)
+    asks = (RECALL,)
+
+    def __init__(self, task: Task, theme: Theme, seed: int) -> None:
+        super().__init__()
+        self._task = task
+        self._theme = theme
+        self._chance = Chance(seed)
+        self._count = 0
+        self._last_wording: dict[str, str] = {}
+
+    @on(SESSION)
+    def greet(self, _: SessionStarted) -> None:
+        self._propose("greeting", self._word("greeting"))
+
+    @on(SESSION_ENDED)
+    def say_goodbye(self, _: SessionEnded) -> None:
+        self._propose("goodbye", self._word("goodbye"))
+
+    @on(FEEDBACK)
+    def answer(self, feedback: Feedback) -> None:
+        form = self._task.parameters.feedback_form
+        words = []
+        if form != "quantitative":
+            words.append(self._qualitative(feedback))
+        if form != "qualitative":
+            words.append(self._quantitative(feedback))
+        self._propose("feedback", " ".join(words), feedback.valence, feedback.attempt)
+
+    def _qualitative(self, feedback: Feedback) -> str:
+        situation = feedback.reason if feedback.reason in ("accuracy", "empty") else feedback.valence
+        return self._word(situation)
+
+    def _quantitative(self, feedback: Feedback) -> str:
+        """Compare with the last attempt at that level; where there is none, give the result and the goal."""
+        if feedback.reason in ("accuracy", "empty") or feedback.metric is None:
+            situation = "empty" if feedback.reason == "empty" else "accuracy"
+            return self._word(f"{situation}_figures", correct=str(feedback.correct), trials=str(feedback.trials))
+        metric = self._task.metric
+        value, goal = metric.show(feedback.metric), metric.show(self._task.parameters.threshold)
+        before = self._last_at_level(feedback)
+        if before is None or before.metric is None:
+            return self._word(f"{feedback.valence}_first", value=value, goal=goal)
+        difference = metric.show(abs(feedback.metric - before.metric))
+        if difference == metric.show(0):
+            return self._word(f"{feedback.valence}_same", value=value, goal=goal)
+        improved = metric.is_better(feedback.metric, before.metric)
+        return self._word(
+            f"{feedback.valence}_{'improved' if improved else 'worsened'}",
+            value=value,
+            goal=goal,
+            difference=difference,
+            change=metric.improved if improved else metric.worsened,
+        )
+
+    def _last_at_level(self, feedback: Feedback) -> AttemptEnded | None:
+        recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level)).attempts
+        return next((a for a in reversed(recalled) if a.attempt < feedback.attempt and a.metric is not None), None)
+
+    def _word(self, situation: str, **slots: str) -> str:
+        """A wording for a situation, not the same twice running, its slots filled."""
+        wordings = self._theme.phrases[situation]
+        fresh = [w for w in wordings if w != self._last_wording.get(situation)] or list(wordings)
+        wording = self._chance.choice(fresh, "wording", situation, self._count)
+        self._last_wording[situation] = wording
+        return wording.format(**slots)
+
+    def _propose(self, kind: str, text: str, valence: Valence | None = None, attempt: int = 0) -> None:
+        self._count += 1
+        self.emit(
+            PROPOSED,
+            Proposal(
+                id=f"a{self._count}",
+                kind=kind,  # type: ignore[arg-type]
+                text=text,
+                face=face_for(valence),
+                valence=valence,
+                attempt=attempt,
+            ),
+        )

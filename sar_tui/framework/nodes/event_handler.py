@@ -1,0 +1,413 @@
+"""The Event Handler: runs the task, from the first Enter to the last attempt (thesis 3.2.3)."""
+
+from enum import Enum, auto
+from typing import Literal
+
+import msgspec
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.clock import MS
+from sar_tui.framework.node import TimedNode, on
+from sar_tui.framework.policies import difficulty, feedback
+from sar_tui.framework.task import Result, Situation, Task
+from sar_tui.framework.topics import (
+    ATTEMPT_ENDED,
+    ATTEMPT_STARTED,
+    FEEDBACK,
+    FOCUS,
+    LEVEL,
+    OPERATOR,
+    PASTE,
+    PERCEIVED,
+    PROMPT,
+    SESSION,
+    SESSION_ENDED,
+    SHOWN,
+    STORAGE,
+    STORED,
+    TIMER,
+    TRIAL,
+    VOIDED,
+    WAITING,
+)
+from sar_tui.framework.trial import OpenTrial
+
+GRACE = 50 * MS
+"""A response stamped in time may be handled this much after the time-out."""
+
+
+class Phase(Enum):
+    """Where the session stands."""
+
+    INSTRUCTIONS = auto()
+    READY = auto()  # waits for Enter to begin an attempt
+    QUIET = auto()  # waits until no key has been pressed for a moment
+    FOREPERIOD = auto()
+    STORING = auto()  # the foreperiod is over; the last trial is not on disk yet
+    ONSET = auto()  # the prompt is on its way to the screen
+    RESPONSE = auto()
+    PAUSED = auto()
+    CLOSING = auto()  # every attempt is done; the last trial is not on disk yet
+    ENDED = auto()
+
+
+IN_TRIAL = {Phase.QUIET, Phase.FOREPERIOD, Phase.STORING, Phase.ONSET, Phase.RESPONSE}
+_ENTER_GOES_ON = ("interrupted", "restored")
+_WAITS: dict[Phase, tuple[str, str]] = {
+    Phase.INSTRUCTIONS: ("enter", "instructions"),
+    Phase.READY: ("enter", "attempt"),
+    Phase.QUIET: ("quiet", "trial"),
+    Phase.FOREPERIOD: ("foreperiod", "trial"),
+    Phase.STORING: ("storage", "trial"),
+    Phase.ONSET: ("response", "trial"),
+    Phase.CLOSING: ("storage", "ended"),
+    Phase.ENDED: ("nothing", "ended"),
+}
+
+
+class EventHandler(TimedNode):
+    """Attempts, prompts, scoring, difficulty, and when feedback is due.
+
+    A trial runs quiet → foreperiod → (storing) → onset → response; a key in the foreperiod begins it anew; a
+    pause, or the end of the program, voids it, and it is repeated under the same number with the same prompt.
+    """
+
+    name = "event_handler"
+    emits = (
+        TIMER,
+        WAITING,
+        ATTEMPT_STARTED,
+        PROMPT,
+        VOIDED,
+        TRIAL,
+        ATTEMPT_ENDED,
+        LEVEL,
+        FEEDBACK,
+        SESSION_ENDED,
+    )
+
+    def __init__(self, task: Task, seed: int) -> None:
+        super().__init__()
+        self.task = task
+        self.parameters = task.parameters
+        self._seed = seed
+        self._phase = Phase.INSTRUCTIONS
+        self._attempt = 1
+        self._difficulty = difficulty.start(self.parameters, task.levels)
+        self._results: list[Result] = []
+        self._trial: OpenTrial
+        self._attempt_started = 0
+        self._stored = (0, 0)
+        self._last_trial = (0, 0)
+        self._last_key: int | None = None
+        self._paused_from = Phase.INSTRUCTIONS
+        self._pause_reason = ""
+
+    # --- the session -------------------------------------------------------------------------------------
+
+    @on(SESSION)
+    def session_started(self, session: m.SessionStarted) -> None:
+        """The first run shows the instructions; a later one goes on where the last was cut off."""
+        self._last_key = None
+        self.cancel_timers()
+        self._stored = self._last_trial
+        if self._phase is Phase.CLOSING:
+            self._end("completed")
+        elif session.run == 1 or self._phase in (Phase.INSTRUCTIONS, Phase.ENDED):
+            self._wait(self._phase)
+        else:
+            self._pause("interrupted")
+
+    @on(OPERATOR)
+    def operator_acted(self, act: m.Operator) -> None:
+        if self._phase in (Phase.CLOSING, Phase.ENDED):
+            return
+        match act.command:
+            case "pause":
+                if self._pause_reason != "storage":
+                    self._pause(act.reason)
+            case "resume":
+                if self._phase is Phase.PAUSED and self._pause_reason != "storage":
+                    self._resume()
+            case "end":
+                self._void("ended")
+                self._end("aborted")
+            case "level":
+                self._set_level(act.value if act.value is not None else self._difficulty.level)
+            case "repeat":
+                if self._phase in IN_TRIAL:
+                    self._void("repeat")
+                    self._await_quiet()
+            case "skip":
+                if self._phase in IN_TRIAL:
+                    self._finish(Result(correct=False, flags=("skipped",)))
+
+    @on(STORAGE)
+    def storage_changed(self, storage: m.StorageChanged) -> None:
+        """A disk that refuses pauses the session; one that writes again lets it go on."""
+        if self._phase in (Phase.CLOSING, Phase.ENDED):
+            return
+        if not storage.working:
+            self._pause("storage")
+        elif self._phase is Phase.PAUSED and self._pause_reason == "storage":
+            self._pause("restored")
+
+    @on(STORED)
+    def stored(self, stored: m.Stored) -> None:
+        self._stored = (stored.attempt, stored.trial)
+        if self._phase is Phase.STORING and self._stored == self._last_trial:
+            self._show()
+        elif self._phase is Phase.CLOSING and self._stored == self._last_trial:
+            self._end("completed")
+
+    def _pause(self, reason: str) -> None:
+        if self._phase is not Phase.PAUSED:
+            self._paused_from = self._phase
+            self._void(reason or "pause")
+        self._pause_reason = reason
+        self._wait(Phase.PAUSED)
+
+    def _resume(self) -> None:
+        self._pause_reason = ""
+        if self._paused_from in IN_TRIAL:
+            self._last_key = self.now
+            self._await_quiet()
+        else:
+            self._wait(self._paused_from)
+
+    def _end(self, status: Literal["completed", "aborted"]) -> None:
+        self.cancel_timers()
+        self._wait(Phase.ENDED)
+        self.emit(SESSION_ENDED, m.SessionEnded(status=status))
+
+    # --- attempts -----------------------------------------------------------------------------------------
+
+    @property
+    def _is_practice(self) -> bool:
+        return self._attempt <= self.parameters.practice_attempts
+
+    @property
+    def _attempts(self) -> int:
+        return self.parameters.practice_attempts + self.parameters.attempts
+
+    def _attempt_name(self) -> str:
+        practice = self.parameters.practice_attempts
+        if self._is_practice:
+            return f"practice {self._attempt} of {practice}"
+        return f"attempt {self._attempt - practice} of {self.parameters.attempts}"
+
+    def _begin_attempt(self) -> None:
+        self._results = []
+        self._attempt_started = self.now
+        self.emit(
+            ATTEMPT_STARTED,
+            m.AttemptStarted(
+                attempt=self._attempt,
+                practice=self._is_practice,
+                level=self._difficulty.level,
+                trials=self.task.trials_per_attempt,
+            ),
+        )
+        self._trial = self._next_trial()
+        self._await_quiet()
+
+    def _end_attempt(self) -> None:
+        """Score, adapt, answer: in this order, so that memory holds the attempt before it is spoken of."""
+        score = self.task.score(self._results)
+        verdict = feedback.judge(score, self.task.metric, self.parameters)
+        due = self._is_practice or feedback.is_due(self._attempt - self.parameters.practice_attempts, self.parameters)
+        level = self._difficulty.level
+        self.emit(
+            ATTEMPT_ENDED,
+            m.AttemptEnded(
+                attempt=self._attempt,
+                practice=self._is_practice,
+                level=level,
+                metric=score.metric,
+                metric_unit=self.task.metric.unit,
+                accuracy=score.accuracy,
+                correct=score.correct,
+                trials=score.trials,
+                outcome=verdict.outcome,
+                feedback=verdict.valence if due else "none",
+                started=self._attempt_started,
+                ended=self.now,
+            ),
+        )
+        if not self._is_practice:
+            self._difficulty = difficulty.step(self._difficulty, verdict.outcome, self.parameters, self.task.levels)
+            self._tell_level(level, verdict.outcome)
+        if due:
+            self.emit(
+                FEEDBACK,
+                m.Feedback(
+                    attempt=self._attempt,
+                    level=level,
+                    valence=verdict.valence,
+                    reason=verdict.reason,
+                    metric=score.metric,
+                    accuracy=score.accuracy,
+                    correct=score.correct,
+                    trials=score.trials,
+                ),
+            )
+        if self._attempt == self._attempts:
+            self._wait(Phase.CLOSING)
+        else:
+            self._attempt += 1
+            self._results = []
+            self._wait(Phase.READY)
+
+    def _set_level(self, level: int) -> None:
+        highest = min(self.parameters.max_level, self.task.levels)
+        before = self._difficulty.level
+        self._difficulty = difficulty.Difficulty(max(self.parameters.min_level, min(level, highest)))
+        self._tell_level(before, "operator")
+        if self._phase is Phase.READY:
+            self._wait(Phase.READY)
+
+    def _tell_level(self, before: int, reason: str) -> None:
+        if self._difficulty.level != before:
+            self.emit(LEVEL, m.LevelChanged(previous=before, level=self._difficulty.level, reason=reason))
+
+    # --- trials --------------------------------------------------------------------------------------------
+
+    def _next_trial(self) -> OpenTrial:
+        number = len(self._results) + 1
+        situation = Situation(
+            attempt=self._attempt,
+            trial=number,
+            level=self._difficulty.level,
+            chance=Chance(self._seed, self._attempt, number),
+            session=Chance(self._seed),
+        )
+        return OpenTrial(situation, self.task.stimulus(situation))
+
+    def _await_quiet(self) -> None:
+        quiet = self.parameters.quiet_ms * MS
+        self._wait(Phase.QUIET)
+        self.set_timer("quiet", self.now if self._last_key is None else max(self.now, self._last_key + quiet))
+
+    def timer(self, name: str) -> None:
+        match name:
+            case "quiet":
+                wait = self._trial.draw_foreperiod(self.parameters.foreperiod_min_ms, self.parameters.foreperiod_max_ms)
+                self._wait(Phase.FOREPERIOD)
+                self.set_timer("foreperiod", self.now + wait)
+            case "foreperiod" if self._stored == self._last_trial:
+                self._show()
+            case "foreperiod":
+                self._wait(Phase.STORING)
+            case "timeout":
+                self._finish(self.task.timed_out(self._trial.view()))
+
+    def _show(self) -> None:
+        self.emit(PROMPT, self._trial.prompt(self.parameters.response_timeout_ms * MS))
+        self._wait(Phase.ONSET)
+
+    @on(SHOWN)
+    def shown(self, shown: m.Shown) -> None:
+        """The prompt is on the screen: judge what was pressed while it was on its way, and wait."""
+        if self._phase is not Phase.ONSET or not self._trial.is_shown_by(shown):
+            return
+        self._phase = Phase.RESPONSE
+        self._trial.set_onset(shown)
+        self.set_timer("timeout", shown.at + self.parameters.response_timeout_ms * MS + GRACE)
+        for percept in self._trial.early:
+            if self._phase is Phase.RESPONSE:
+                self._judge(percept)
+
+    @on(PERCEIVED)
+    def perceived(self, percept: m.KeyPerceived) -> None:
+        self._last_key = percept.at
+        match self._phase:
+            case Phase.INSTRUCTIONS if percept.key == "enter":
+                self._wait(Phase.READY)
+            case Phase.READY if percept.key == "enter" and not percept.repeat:
+                self._begin_attempt()
+            case Phase.PAUSED if percept.key == "enter" and self._pause_reason in _ENTER_GOES_ON:
+                self._resume()
+            case Phase.QUIET | Phase.FOREPERIOD | Phase.STORING:
+                self._disturbed()
+            case Phase.ONSET:
+                self._trial.early.append(percept)
+            case Phase.RESPONSE:
+                self._judge(percept)
+
+    @on(PASTE)
+    def pasted(self, paste: m.Pasted) -> None:
+        self._last_key = paste.at
+        if self._phase in IN_TRIAL:
+            self._trial.flag("paste")
+        if self._phase in (Phase.QUIET, Phase.FOREPERIOD, Phase.STORING):
+            self._disturbed()
+
+    @on(FOCUS)
+    def focus_changed(self, focus: m.FocusChanged) -> None:
+        if self._phase in IN_TRIAL and not focus.focused:
+            self._trial.flag("focus_lost")
+
+    def _disturbed(self) -> None:
+        """A key where none belongs: wait for quiet, and begin the foreperiod anew."""
+        if self._phase is not Phase.QUIET:
+            self._trial.false_starts += 1
+        self.cancel_timer("foreperiod")
+        self._await_quiet()
+
+    def _judge(self, percept: m.KeyPerceived) -> None:
+        trial = self._trial.view()
+        self._trial.remember(percept)
+        if percept.repeat:
+            self._trial.flag("repeat_key")
+        elif trial.latency_ms(percept.at) > self.parameters.response_timeout_ms:
+            self._trial.flag("late_key")
+            self._finish(self.task.timed_out(trial))
+        elif (result := self.task.perceived(trial, percept)) is not None:
+            self._finish(result)
+
+    def _finish(self, result: Result) -> None:
+        """Record the trial, and go on to the next or to the end of the attempt."""
+        self.cancel_timers()
+        latency = self._trial.latency_ms(result)
+        if latency is not None and latency < self.parameters.min_rt_ms:
+            result = msgspec.structs.replace(result, flags=(*result.flags, "anticipation"))
+        self.emit(TRIAL, self._trial.ended(result))
+        self._results.append(result)
+        self._last_trial = (self._attempt, len(self._results))
+        if len(self._results) < self.task.trials_per_attempt:
+            self._trial = self._next_trial()
+            self._await_quiet()
+        else:
+            self._end_attempt()
+
+    def _void(self, reason: str) -> None:
+        """Break a trial off; it will be repeated."""
+        self.cancel_timers()
+        if self._phase in IN_TRIAL:
+            self.emit(VOIDED, self._trial.voided(reason))
+            self._trial = self._trial.anew()
+
+    # --- waiting ------------------------------------------------------------------------------------------------
+
+    def _wait(self, phase: Phase) -> None:
+        """Enter a phase, and say what the session waits for."""
+        self._phase = phase
+        if phase is Phase.PAUSED:
+            what, stage = ("enter" if self._pause_reason in _ENTER_GOES_ON else "resume"), "paused"
+        else:
+            what, stage = _WAITS[phase]
+        self.emit(
+            WAITING,
+            m.Waiting(
+                what=what,  # type: ignore[arg-type]
+                stage=stage,  # type: ignore[arg-type]
+                attempt=self._attempt,
+                trial=len(self._results) + 1,
+                level=self._difficulty.level,
+                attempt_name=self._attempt_name(),
+                trials=self.task.trials_per_attempt,
+                goal=self.task.goal(self._difficulty.level),
+                reason=self._pause_reason,
+            ),
+        )

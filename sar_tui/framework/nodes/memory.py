@@ -1,0 +1,29 @@
+"""Memory: what happened so far in this session, for those who ask."""
+
+from sar_tui.framework.messages import AttemptEnded, Attempts, Recall
+from sar_tui.framework.node import Node, on, serves
+from sar_tui.framework.topics import ATTEMPT_ENDED, RECALL
+
+
+class Memory(Node):
+    """Working memory (thesis 3.2.5). It hears an attempt before feedback on it is due, so a recall includes it."""
+
+    name = "memory"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._attempts: list[AttemptEnded] = []
+
+    @on(ATTEMPT_ENDED)
+    def attempt_ended(self, attempt: AttemptEnded) -> None:
+        self._attempts.append(attempt)
+
+    @serves(RECALL)
+    def recall(self, request: Recall) -> Attempts:
+        return Attempts(
+            attempts=tuple(
+                attempt
+                for attempt in self._attempts
+                if attempt.seat == request.seat and not attempt.practice and request.level in (None, attempt.level)
+            )
+        )

@@ -1,0 +1,41 @@
+"""Perception: raw messages become what a task needs. Filtering lives here."""
+
+from sar_tui.framework.clock import MS
+from sar_tui.framework.messages import KeyPerceived, KeyPressed, SessionStarted
+from sar_tui.framework.node import Node, on
+from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.topics import KEY, PERCEIVED, SESSION
+
+
+class Perception(Node):
+    """Tells presses from repeats, and how far apart they are (thesis 4.2.1: "the time between key presses")."""
+
+    name = "perception"
+    emits = (PERCEIVED,)
+
+    def __init__(self, parameters: TaskParameters) -> None:
+        super().__init__()
+        self._repeat_interval = parameters.repeat_interval_ms * MS
+        self._last: KeyPressed | None = None
+
+    @on(SESSION)
+    def session_started(self, _: SessionStarted) -> None:
+        """Stamps of an earlier run cannot be compared."""
+        self._last = None
+
+    @on(KEY)
+    def key_pressed(self, press: KeyPressed) -> None:
+        last, self._last = self._last, press
+        gap = press.at - last.at if last else None
+        self.emit(
+            PERCEIVED,
+            KeyPerceived(
+                seat=press.seat,
+                key=press.key,
+                at=press.at,
+                gap=gap,
+                repeat=last is not None and last.key == press.key and press.at - last.at < self._repeat_interval,
+                delay=self.now - press.at,
+                loop_lag=press.loop_lag,
+            ),
+        )

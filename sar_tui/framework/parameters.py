@@ -1,0 +1,285 @@
+"""The Task Base: parameters declared once, from which the form, the checks, `--set` and the docs are made."""
+
+import difflib
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, TypeVar
+
+import msgspec
+from msgspec import Meta, inspect
+
+P = TypeVar("P", bound="TaskParameters")
+
+
+def meta(title: str, unit: str = "", help: str = "", **bounds: Any) -> Meta:
+    """Describe a parameter for the people who set it.
+
+    Args:
+        title: its name on the settings form.
+        unit: its unit, shown beside the field.
+        help: one or two plain sentences.
+        bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``.
+    """
+    return Meta(title=title, description=help or None, extra={"unit": unit}, **bounds)
+
+
+class ParameterError(ValueError):
+    """One or more parameters cannot be. ``problems`` maps each name to one clear sentence."""
+
+    def __init__(self, problems: Mapping[str, str]) -> None:
+        self.problems = dict(problems)
+        super().__init__(" ".join(problems.values()))
+
+
+class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """What every task can be set to. A task adds its own in a subclass.
+
+    Build them with ``build``, which checks; the constructor does not.
+    """
+
+    attempts: Annotated[int, meta("Attempts", help="How many attempts a session has.", ge=1, le=200)] = 20
+    practice_attempts: Annotated[
+        int,
+        meta("Practice attempts", help="Attempts before the first that counts; they never change the level.",
+             ge=0, le=20),
+    ] = 0  # fmt: skip
+    threshold: Annotated[
+        float,
+        meta(
+            "Goal",
+            help="The result of an attempt has to be better than this; equal is not enough.",
+            ge=0,
+            le=1e6,
+        ),
+    ] = 1000.0
+    neutral_band: Annotated[
+        float,
+        meta("Neutral band", help="This near the goal, on either side, feedback is neutral.", ge=0, le=1e6),
+    ] = 10.0
+    min_accuracy: Annotated[
+        float,
+        meta(
+            "Minimum accuracy",
+            help="The share of right responses an attempt needs to succeed, 0 to 1.",
+            ge=0,
+            le=1,
+        ),
+    ] = 0.8
+    consecutive_successes: Annotated[
+        int,
+        meta("Successes before harder", help="So many successes in a row raise the level by one.", ge=1, le=20),
+    ] = 1
+    consecutive_failures: Annotated[
+        int,
+        meta("Failures before easier", help="So many failures in a row lower the level by one.", ge=1, le=20),
+    ] = 1
+    start_level: Annotated[int, meta("Start level", help="The level of the first attempt.", ge=1, le=100)] = 1
+    min_level: Annotated[int, meta("Lowest level", help="The level never falls below this.", ge=1, le=100)] = 1
+    max_level: Annotated[
+        int,
+        meta(
+            "Highest level",
+            help="The level never rises above this, nor above the last level there is.",
+            ge=1,
+            le=100,
+        ),
+    ] = 10
+    difficulty_policy: Annotated[
+        Literal["thesis", "fixed"],
+        meta(
+            "Difficulty",
+            help="thesis: one level up or down after successes or failures in a row. fixed: stays.",
+        ),
+    ] = "thesis"
+    feedback_every: Annotated[
+        int, meta("Feedback every", "attempts", "The agent answers every so many attempts.", ge=1, le=100)
+    ] = 1
+    feedback_form: Annotated[
+        Literal["qualitative", "quantitative", "both"],
+        meta("Feedback form", help="In words only, with figures, or both."),
+    ] = "both"
+    response_timeout_ms: Annotated[
+        int,
+        meta(
+            "Response time-out",
+            "ms",
+            "After this long without a response the prompt is missed.",
+            ge=100,
+            le=600_000,
+        ),
+    ] = 5000
+    min_rt_ms: Annotated[
+        int,
+        meta("Fastest real response", "ms",
+             "A faster response is kept, marked as an anticipation, and left out of the result.", ge=0, le=1000),
+    ] = 100  # fmt: skip
+    quiet_ms: Annotated[
+        int,
+        meta(
+            "Quiet before a prompt",
+            "ms",
+            "No key may be pressed for this long before the wait begins.",
+            ge=0,
+            le=5000,
+        ),
+    ] = 500
+    foreperiod_min_ms: Annotated[
+        int, meta("Shortest wait", "ms", "The wait before a prompt is at least this long.", ge=0, le=60_000)
+    ] = 500
+    foreperiod_max_ms: Annotated[
+        int,
+        meta("Longest wait", "ms", "The wait before a prompt is random, at most this long.", ge=0, le=60_000),
+    ] = 1500
+    repeat_interval_ms: Annotated[
+        int,
+        meta(
+            "Key repeat interval",
+            "ms",
+            "The same key again within this time is a held key, not a press.",
+            ge=0,
+            le=1000,
+        ),
+    ] = 100
+
+    def problems(self) -> dict[str, str]:
+        """Settings that do not go together: parameter name to one clear sentence. Extend it in a subclass."""
+        problems = {}
+        if self.min_level > self.max_level:
+            problems["min_level"] = f"Lowest level ({self.min_level}) is above the highest ({self.max_level})."
+        elif not self.min_level <= self.start_level <= self.max_level:
+            problems["start_level"] = (
+                f"Start level ({self.start_level}) has to lie between {self.min_level} and {self.max_level}."
+            )
+        if self.foreperiod_min_ms > self.foreperiod_max_ms:
+            problems["foreperiod_min_ms"] = (
+                f"Shortest wait ({self.foreperiod_min_ms} ms) is above the longest ({self.foreperiod_max_ms} ms)."
+            )
+        return problems
+
+
+class Field(msgspec.Struct, frozen=True):
+    """One parameter as declared: all that a form, a check or a manual needs to know of it."""
+
+    name: str
+    title: str
+    unit: str
+    help: str
+    default: Any
+    kind: Literal["int", "float", "bool", "choice", "text", "list"]
+    ge: float | None = None
+    le: float | None = None
+    choices: tuple[str, ...] = ()
+
+    @property
+    def bounds(self) -> str:
+        """What is allowed, in words: "1 to 200"."""
+        if self.choices:
+            return ", ".join(self.choices)
+        if self.ge is not None and self.le is not None:
+            return f"{self.ge:g} to {self.le:g}" if self.le < 1e5 else f"{self.ge:g} or more"
+        return {"bool": "yes or no", "list": "words with a space between"}.get(self.kind, "")
+
+    def problem(self, value: object) -> str:
+        """Why ``value`` cannot be, in one sentence."""
+        shown = show(value)
+        if self.choices:
+            return f"{self.title} is one of {self.bounds}, not {shown}."
+        noun = {"int": "a whole number", "float": "a number"}.get(self.kind, "")
+        if noun and self.bounds:
+            return f"{self.title} is {noun}, {self.bounds}, not {shown}."
+        return f"{self.title} cannot be {shown}{f' ({self.bounds})' if self.bounds else ''}."
+
+
+def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
+    """The declared parameters of a task, the task's own first, then those common to all."""
+    common = set(TaskParameters.__struct_fields__)
+    info = inspect.type_info(parameters)
+    assert isinstance(info, inspect.StructType)
+    found = tuple(_field(field) for field in info.fields)
+    return tuple(sorted(found, key=lambda field: field.name in common))
+
+
+def _field(field: inspect.Field) -> Field:
+    kind = field.type
+    title, help, unit = field.name.replace("_", " ").capitalize(), "", ""
+    while isinstance(kind, inspect.Metadata):
+        schema = kind.extra_json_schema or {}
+        title = schema.get("title", title)
+        help = schema.get("description", help)
+        unit = (kind.extra or {}).get("unit", unit)
+        kind = kind.type
+    declared: dict[str, Any] = {"name": field.name, "title": title, "unit": unit, "help": help}
+    declared["default"] = field.default_factory() if field.default is msgspec.NODEFAULT else field.default
+    match kind:
+        case inspect.IntType(ge=ge, le=le):
+            return Field(**declared, kind="int", ge=ge, le=le)
+        case inspect.FloatType(ge=ge, le=le):
+            return Field(**declared, kind="float", ge=ge, le=le)
+        case inspect.BoolType():
+            return Field(**declared, kind="bool")
+        case inspect.LiteralType(values=values):
+            return Field(**declared, kind="choice", choices=_in_order(field, tuple(map(str, values))))
+        case inspect.VarTupleType() | inspect.ListType():
+            return Field(**declared, kind="list")
+        case _:
+            return Field(**declared, kind="text")
+
+
+def _in_order(field: inspect.Field, values: tuple[str, ...]) -> tuple[str, ...]:
+    """The default first, then the rest: msgspec forgets the order in which they were written."""
+    return tuple(sorted(values, key=lambda value: (value != field.default, value)))
+
+
+def read(field: Field, text: str) -> object:
+    """What a person typed for a field, as a value to be checked by ``build``."""
+    text = text.strip()
+    if field.kind == "list":
+        return text.replace(",", " ").split()
+    if field.kind == "bool":
+        return {"yes": True, "true": True, "on": True, "no": False, "false": False, "off": False}.get(
+            text.lower(), text
+        )
+    return text
+
+
+def show(value: object) -> str:
+    """A value as a person would type it: the inverse of ``read``."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, list | tuple):
+        return " ".join(map(str, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def build(parameters: type[P], values: Mapping[str, object]) -> P:
+    """Make checked parameters from values, typed or as text.
+
+    Raises:
+        ParameterError: naming every parameter that is unknown, out of bounds, or at odds with another.
+    """
+    declared = {field.name: field for field in fields(parameters)}
+    types = {field.name: field.type for field in msgspec.structs.fields(parameters)}
+    problems: dict[str, str] = {}
+    good: dict[str, Any] = {}
+    for name, value in values.items():
+        if name not in declared:
+            near = difflib.get_close_matches(name, declared, 1)
+            problems[name] = f"There is no parameter {name}." + (f" Did you mean {near[0]}?" if near else "")
+            continue
+        given = read(declared[name], value) if isinstance(value, str) else value
+        try:
+            good[name] = msgspec.convert(given, types[name], strict=not isinstance(value, str))
+        except msgspec.ValidationError:
+            problems[name] = declared[name].problem(value)
+    built = parameters(**good)
+    if problems or (problems := built.problems()):
+        raise ParameterError(problems)
+    return built
+
+
+def changed(parameters: TaskParameters) -> dict[str, Any]:
+    """Only what differs from the defaults, as plain values."""
+    return {
+        field.name: msgspec.to_builtins(getattr(parameters, field.name))
+        for field in fields(type(parameters))
+        if getattr(parameters, field.name) != field.default
+    }

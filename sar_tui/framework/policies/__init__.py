@@ -1,0 +1,1 @@
+"""Decisions as pure functions of (state, result), so that they can be read, tested and replayed."""

@@ -1,0 +1,107 @@
+"""A session: the one place where nodes, inputs and outputs meet."""
+
+from collections.abc import Iterable, Sequence
+
+from sar_tui.framework.bus import FAULT, Bus, Record
+from sar_tui.framework.clock import Clock, VirtualClock
+from sar_tui.framework.messages import Fault, SessionStarted
+from sar_tui.framework.node import Node
+from sar_tui.framework.nodes.action_center import ActionCenter
+from sar_tui.framework.nodes.arbiter import Arbiter
+from sar_tui.framework.nodes.event_handler import EventHandler
+from sar_tui.framework.nodes.memory import Memory
+from sar_tui.framework.nodes.perception import Perception
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import SESSION, SESSION_ENDED
+
+VITAL = (Perception.name, EventHandler.name, Memory.name)
+"""Nodes without which a session cannot go on."""
+
+
+class ReplayError(ValueError):
+    """What was recorded does not come out again: another version of the task or of the program made it."""
+
+
+class Session:
+    """The nodes of the loop on one bus.
+
+    Args:
+        task: built with its parameters.
+        theme: how the agent looks and speaks.
+        clock: live or virtual.
+        seed: of all that is random.
+        extra: input and output nodes: a screen, a simulated participant.
+    """
+
+    def __init__(self, task: Task, theme: Theme, clock: Clock, seed: int, extra: Sequence[Node] = ()) -> None:
+        self.task = task
+        self.theme = theme
+        self.seed = seed
+        self.clock = clock
+        self.bus = Bus(clock)
+        self.faults: list[Fault] = []
+        self.ended = False
+        self.nodes = (*core_nodes(task, theme, seed), *extra)
+        for node in self.nodes[: len(self.nodes) - len(extra)]:
+            node.attach(self.bus)
+        self._extra = extra
+        self.bus.subscribe(SESSION_ENDED, lambda _: self._end())
+        self.bus.subscribe(FAULT, self.faults.append)
+
+    @property
+    def broken(self) -> Fault | None:
+        """The fault that stops this session, if there was one."""
+        return next((fault for fault in self.faults if fault.node in VITAL), None)
+
+    def begin(self, run: int = 1) -> None:
+        """Begin a run: attach the inputs and outputs, and start the loop."""
+        for node in self._extra:
+            node.attach(self.bus)
+        self.bus.publish(SESSION, SessionStarted(run=run, task=self.task.name, theme=self.theme.name, seed=self.seed))
+
+    def replay(self, history: Iterable[Record]) -> None:
+        """Derive again what was recorded, so that the nodes stand where they stood. Before ``begin``.
+
+        The inputs are fed in their order, the clock set to each; what the nodes derive is compared with what
+        was recorded. Then the session's own clock is put back.
+
+        Raises:
+            ReplayError: they differ.
+        """
+        clock = VirtualClock()
+        self.bus.clock = clock
+        derived: list[Record] = []
+
+        def listen(cascade: list[Record]) -> None:
+            derived.extend(cascade)
+
+        self.bus.tap(listen)
+        for record in (recorded := list(history)):
+            if record.topic.origin == "input":
+                clock.set(record.at)
+                self.bus.publish(record.topic, record.message)
+        self.bus.untap(listen)
+        self.bus.clock = self.clock
+        for was, now in zip(recorded, derived, strict=False):
+            if (was.topic, was.message) != (now.topic, now.message):
+                raise ReplayError(
+                    f"Message {was.seq} ({was.topic.name}) does not come out as it was recorded: "
+                    "the task, the theme or the program has changed since."
+                )
+        if len(derived) != len(recorded):
+            raise ReplayError("The record of this session is not whole: it cannot be gone on with.")
+
+    def _end(self) -> None:
+        self.ended = True
+
+
+def core_nodes(task: Task, theme: Theme, seed: int) -> tuple[Node, ...]:
+    """The nodes of the framework, in the order in which they hear a message."""
+    return (
+        Perception(task.parameters),
+        Memory(),
+        EventHandler(task, seed),
+        ActionCenter(task, theme, seed),
+        Arbiter(),
+    )

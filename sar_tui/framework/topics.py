@@ -1,0 +1,35 @@
+"""The vocabulary of the whole system: every topic and service, by name."""
+
+from typing import Any
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.bus import FAULT, Service, Topic
+
+SESSION = Topic("session/started", m.SessionStarted, origin="input", keep=True)
+KEY = Topic("input/key", m.KeyPressed, origin="input")
+PASTE = Topic("input/paste", m.Pasted, origin="input")
+FOCUS = Topic("input/focus", m.FocusChanged, origin="input")
+SHOWN = Topic("screen/shown", m.Shown, origin="input")
+TIMER = Topic("timer/fired", m.TimerFired, origin="input")
+OPERATOR = Topic("operator/act", m.Operator, origin="input")
+REPORT = Topic("output/report", m.OutputReport, origin="input")
+STORED = Topic("store/stored", m.Stored, origin="input")
+STORAGE = Topic("store/changed", m.StorageChanged, origin="input")
+
+PERCEIVED = Topic("perception/key", m.KeyPerceived)
+WAITING = Topic("event_handler/waiting", m.Waiting, keep=True)
+ATTEMPT_STARTED = Topic("event_handler/attempt_started", m.AttemptStarted)
+PROMPT = Topic("event_handler/prompt", m.Prompt)
+VOIDED = Topic("event_handler/voided", m.PromptVoided)
+TRIAL = Topic("event_handler/trial", m.TrialEnded)
+ATTEMPT_ENDED = Topic("event_handler/attempt_ended", m.AttemptEnded)
+LEVEL = Topic("event_handler/level", m.LevelChanged, keep=True)
+FEEDBACK = Topic("event_handler/feedback", m.Feedback)
+SESSION_ENDED = Topic("event_handler/session_ended", m.SessionEnded)
+PROPOSED = Topic("action_center/proposed", m.Proposal)
+ACTION = Topic("arbiter/action", m.Action)
+
+RECALL = Service("memory/recall", m.Recall, m.Attempts)
+
+ALL: dict[str, Topic[Any]] = {topic.name: topic for topic in (*vars().values(), FAULT) if isinstance(topic, Topic)}
+"""Topics by name, to read back what was recorded."""

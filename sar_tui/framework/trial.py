@@ -1,0 +1,122 @@
+"""The trial in hand: from the quiet before its prompt to its row in the table."""
+
+from sar_tui.framework.clock import MS
+from sar_tui.framework.messages import KeyPerceived, Prompt, PromptVoided, Shown, Timing, TrialEnded
+from sar_tui.framework.task import Result, Situation, Stimulus, Trial
+
+
+class OpenTrial:
+    """What is known of one trial while it runs. A pause clears it, but for the count of its presentations.
+
+    Args:
+        situation: where in the session it stands.
+        stimulus: what it shows.
+    """
+
+    def __init__(self, situation: Situation, stimulus: Stimulus, presentation: int = 0) -> None:
+        self.situation = situation
+        self.stimulus = stimulus
+        self.presentation = presentation
+        self.foreperiod = 0
+        self.false_starts = 0
+        self.early: list[KeyPerceived] = []
+        self._onset: int | None = None
+        self._onset_source = ""
+        self._percepts: tuple[KeyPerceived, ...] = ()
+        self._flags: list[str] = []
+
+    def anew(self) -> "OpenTrial":
+        """The same trial, to be repeated."""
+        return OpenTrial(self.situation, self.stimulus, self.presentation)
+
+    def draw_foreperiod(self, shortest_ms: int, longest_ms: int) -> int:
+        """Choose the wait before the prompt, in ns: uniform between the bounds, the same at each repetition."""
+        share = self.situation.chance.uniform("foreperiod")
+        self.foreperiod = round((shortest_ms + share * (longest_ms - shortest_ms)) * MS)
+        return self.foreperiod
+
+    def flag(self, flag: str) -> None:
+        """Mark the trial, once."""
+        if flag not in self._flags:
+            self._flags.append(flag)
+
+    def prompt(self, timeout: int) -> Prompt:
+        """Present it once more."""
+        self.presentation += 1
+        return Prompt(
+            attempt=self.situation.attempt,
+            trial=self.situation.trial,
+            presentation=self.presentation,
+            level=self.situation.level,
+            stimulus=self.stimulus.name,
+            expected=self.stimulus.expected,
+            text=self.stimulus.text,
+            glyph=self.stimulus.glyph or self.stimulus.name,
+            hint=self.stimulus.hint,
+            choices=self.stimulus.choices,
+            timeout=timeout,
+        )
+
+    def is_shown_by(self, shown: Shown) -> bool:
+        """Whether ``shown`` speaks of this presentation."""
+        return (shown.attempt, shown.trial, shown.presentation) == (
+            self.situation.attempt,
+            self.situation.trial,
+            self.presentation,
+        )
+
+    def set_onset(self, shown: Shown) -> None:
+        """The prompt reached the screen."""
+        self._onset, self._onset_source = shown.at, shown.source
+        if shown.source == "refresh":
+            self.flag("onset_refresh")
+
+    def view(self) -> Trial:
+        """What a task is given to judge by. Only once shown."""
+        assert self._onset is not None
+        return Trial(self.situation, self.stimulus, self._onset, self._percepts)
+
+    def remember(self, percept: KeyPerceived) -> None:
+        """Keep a percept that has been judged."""
+        self._percepts = (*self._percepts, percept)
+
+    def voided(self, reason: str) -> PromptVoided:
+        """It is broken off."""
+        return PromptVoided(
+            attempt=self.situation.attempt,
+            trial=self.situation.trial,
+            presentation=self.presentation,
+            reason=reason,
+        )
+
+    def latency_ms(self, result: Result) -> float | None:
+        """From onset to the response; negative for a key that came first, None for a miss."""
+        if self._onset is None or result.response_at is None:
+            return None
+        return (result.response_at - self._onset) / MS
+
+    def ended(self, result: Result) -> TrialEnded:
+        """Its row."""
+        latency = self.latency_ms(result)
+        last = self._percepts[-1] if self._percepts else None
+        return TrialEnded(
+            attempt=self.situation.attempt,
+            trial=self.situation.trial,
+            stimulus=self.stimulus.name,
+            response=result.response,
+            correct=result.correct,
+            onset=self._onset,
+            response_at=result.response_at,
+            reaction_time_ms=latency if latency is not None and latency >= 0 else None,
+            value=result.value if result.counts else None,
+            timing=Timing(
+                onset_source=self._onset_source,
+                handler_delay_ms=last.delay / MS if last else None,
+                loop_lag_ms=last.loop_lag / MS if last else None,
+                false_starts=self.false_starts,
+                presentation=self.presentation,
+                foreperiod_ms=self.foreperiod / MS,
+                flags=(*self._flags, *result.flags),
+            ),
+            details=result.details,
+        )

@@ -1,0 +1,174 @@
+"""Finds tasks and themes, and loads them: those that ship, the user's own, and entry points.
+
+A task folder is loaded by path under the synthetic package ``sar_tui_tasks``, so that a bundled folder, a
+checkout's and a user's own work alike.
+"""
+
+import importlib
+import inspect
+import sys
+import types
+from collections.abc import Iterator
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import msgspec
+import platformdirs
+
+import sar_tui
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme, ThemeError
+
+_PACKAGE = "sar_tui_tasks"
+
+
+class PluginError(Exception):
+    """A task or theme cannot be found or loaded; one or two clear sentences."""
+
+
+class Catalogue:
+    """What is installed.
+
+    Args:
+        tasks: more folders to look for tasks in, before those that ship (`--tasks DIR`).
+        themes: more folders to look for themes in.
+    """
+
+    def __init__(self, tasks: tuple[Path, ...] = (), themes: tuple[Path, ...] = ()) -> None:
+        for folder in tasks:
+            if not folder.is_dir():
+                raise PluginError(f"There is no folder {folder} to find tasks in.")
+        self._tasks = (*tasks, user_folder() / "tasks", _shipped("tasks"))
+        self._themes = (*themes, user_folder() / "themes", _shipped("themes"))
+
+    def task_names(self) -> list[str]:
+        """The names of all tasks that can be chosen, whether or not they load."""
+        folders = (path.parent.name for path in _children(self._tasks, "task.py"))
+        return sorted({*folders, *(entry.name for entry in entry_points(group="sar_tui.tasks"))})
+
+    def task(self, name: str) -> type[Task]:
+        """Load a task by name. Raises PluginError, saying what is wrong with it."""
+        for path in _children(self._tasks, "task.py"):
+            if path.parent.name == name:
+                return load_task(path.parent)
+        for entry in entry_points(group="sar_tui.tasks"):
+            if entry.name == name:
+                return _checked(entry.load(), name)
+        raise PluginError(f"There is no task {name}. There is: {', '.join(self.task_names())}.")
+
+    def theme_names(self) -> list[str]:
+        """The names of all themes."""
+        return sorted({path.parent.name for path in _children(self._themes, "theme.toml")})
+
+    def theme(self, name: str) -> Theme:
+        """Load a theme by name. Raises PluginError."""
+        for path in _children(self._themes, "theme.toml"):
+            if path.parent.name == name:
+                return load_theme(path.parent)
+        raise PluginError(f"There is no theme {name}. There is: {', '.join(self.theme_names())}.")
+
+
+def user_folder() -> Path:
+    """Where a user keeps their own tasks and themes."""
+    return platformdirs.user_config_path("sar-tui")
+
+
+def _shipped(kind: str) -> Path:
+    """The folder of bundled tasks or themes: inside an installed package, beside it in a checkout."""
+    package = Path(sar_tui.__file__).parent
+    inside = package / kind
+    return inside if inside.is_dir() else package.parent / kind
+
+
+def _children(folders: tuple[Path, ...], file: str) -> Iterator[Path]:
+    for folder in folders:
+        if folder.is_dir():
+            yield from sorted(folder.glob(f"*/{file}"))
+
+
+def task_folder(task: type[Task]) -> Path:
+    """The folder a task was loaded from."""
+    return Path(inspect.getfile(task)).parent
+
+
+def load_task(folder: Path) -> type[Task]:
+    """Load the one task of a folder. Raises PluginError."""
+    if not (folder / "task.py").is_file():
+        raise PluginError(f"There is no task.py in {folder}.")
+    if not folder.name.isidentifier():
+        raise PluginError(f"A task's folder is named like a Python name; {folder.name} is not.")
+    name = f"{_PACKAGE}.{folder.name}"
+    _make_package(_PACKAGE, [])
+    known = sys.modules.get(name)
+    if known is None or list(known.__path__) != [str(folder)]:
+        for loaded in [m for m in sys.modules if m == name or m.startswith(f"{name}.")]:
+            del sys.modules[loaded]
+        _make_package(name, [str(folder)])
+    try:
+        importlib.invalidate_caches()
+        module = importlib.import_module(f"{name}.task")
+    except Exception as error:
+        raise PluginError(f"The task {folder.name} cannot be loaded: {_why(error)}") from error
+    found = [value for value in vars(module).values() if _is_task(value) and value.__module__ == module.__name__]
+    if len(found) != 1:
+        raise PluginError(f"{folder / 'task.py'} has to define one Task; it defines {len(found)}.")
+    return _checked(found[0], folder.name)
+
+
+def _why(error: Exception) -> str:
+    if isinstance(error, SyntaxError):
+        return f"line {error.lineno} of {Path(error.filename or '').name}: {error.msg}."
+    return f"{type(error).__name__}: {error}."
+
+
+def _make_package(name: str, path: list[str]) -> None:
+    if name not in sys.modules:
+        package = types.ModuleType(name)
+        package.__path__ = path
+        sys.modules[name] = package
+
+
+def _is_task(value: object) -> bool:
+    return isinstance(value, type) and issubclass(value, Task) and value is not Task and not inspect.isabstract(value)
+
+
+def _checked(task: type[Task], name: str) -> type[Task]:
+    missing = [attribute for attribute in ("name", "title", "metric") if not hasattr(task, attribute)]
+    if missing:
+        raise PluginError(f"The task {name} does not declare its {' or its '.join(missing)}.")
+    if task.name != name:
+        raise PluginError(f"The task in {name} calls itself {task.name}; the two have to be the same.")
+    return task
+
+
+class _ThemeFile(msgspec.Struct, forbid_unknown_fields=True):
+    title: str
+    summary: str
+    dark: bool
+    minimum_contrast: float
+    colors: dict[str, str]
+    faces: dict[str, str]
+
+
+def load_theme(folder: Path) -> Theme:
+    """Load a theme's folder: ``theme.toml`` and ``phrases.en.toml``. Raises PluginError."""
+    from sar_tui.framework.theme import Colors
+
+    try:
+        file = msgspec.toml.decode((folder / "theme.toml").read_bytes(), type=_ThemeFile)
+        phrases = msgspec.toml.decode((folder / "phrases.en.toml").read_bytes(), type=dict[str, tuple[str, ...]])
+        theme = Theme(
+            name=folder.name,
+            title=file.title,
+            summary=file.summary,
+            dark=file.dark,
+            minimum_contrast=file.minimum_contrast,
+            colors=msgspec.convert(file.colors, Colors),
+            faces={name: face.strip("\n") for name, face in file.faces.items()},
+            phrases=phrases,
+        )
+    except (OSError, UnicodeDecodeError, msgspec.MsgspecError, ThemeError) as error:
+        raise PluginError(f"The theme {folder.name} cannot be read: {error}") from error
+    if problems := theme.problems():
+        raise PluginError(f"The theme {folder.name} cannot be used: {' '.join(problems)}")
+    return theme

@@ -1,0 +1,1 @@
+"""The tasks that ship: one folder each, loaded by path like anyone's own."""

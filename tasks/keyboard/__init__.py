@@ -1,0 +1,1 @@
+"""The keyboard reaction task (thesis 4.2.1)."""

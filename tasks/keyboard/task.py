@@ -1,0 +1,166 @@
+"""The keyboard reaction task: press the key that appears, as fast as you can (thesis 4.2.1)."""
+
+import math
+from typing import Annotated, Any, Literal
+
+import msgspec
+
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.parameters import TaskParameters, meta
+from sar_tui.framework.task import Details, Metric, Result, Situation, Stimulus, Task, Trial
+
+from .layouts import ARROWS, Level, levels, needs_shift
+
+_GLYPHS = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
+
+
+class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
+    """The Task Base of the keyboard task."""
+
+    prompts_per_attempt: Annotated[
+        int, meta("Prompts per attempt", help="How many keys an attempt asks for.", ge=1, le=200)
+    ] = 20
+    threshold: Annotated[
+        float,
+        meta("Goal", "ms", "The mean reaction time of an attempt has to be below this; equal is not enough.",
+             ge=100, le=60_000),
+    ] = 1000.0  # fmt: skip
+    neutral_band: Annotated[
+        float, meta("Neutral band", "ms", "This near the goal, on either side, feedback is neutral.", ge=0, le=5000)
+    ] = 10.0
+    choice_set: Annotated[
+        Literal["both hands", "left hand", "right hand", "arrow keys"],
+        meta("Keys", help="Which keys the prompts are drawn from. One hand never needs Shift."),
+    ] = "both hands"
+    layout: Annotated[
+        Literal["qwerty", "azerty", "qwertz"],
+        meta("Keyboard layout", help="The six letters at the top left of the keyboard."),
+    ] = "qwerty"
+    levels: Annotated[
+        tuple[str, ...],
+        meta("Own levels", help="Own choice sets, easiest first, a word each (fj dfjk asdfjkl). Empty: those of Keys."),
+    ] = ()
+    sequence: Annotated[
+        Literal["random", "repeating"], meta("Sequence", help="Prompts at random, or the same sequence over and over.")
+    ] = "random"
+    sequence_length: Annotated[
+        int, meta("Sequence length", "prompts", "How long a repeating sequence is.", ge=2, le=100)
+    ] = 10
+
+    def problems(self) -> dict[str, str]:
+        problems = super().problems()
+        for word in self.levels:
+            if len(set(word)) != len(word) or not word.isprintable():
+                problems["levels"] = f"Own level {word!r} names a key twice, or one that cannot be typed."
+        count = len(self.chosen_levels())
+        if self.start_level > count or self.min_level > count:
+            name = "start_level" if self.start_level > count else "min_level"
+            problems[name] = (
+                f"There are only {count} levels in this choice of keys, so there is no level {getattr(self, name)}."
+            )
+        return problems
+
+    def chosen_levels(self) -> tuple[Level, ...]:
+        """The levels in force: one's own, else those of the choice set and layout."""
+        if self.levels:
+            return tuple(Level(tuple(word), any(key.isupper() for key in word)) for word in self.levels)
+        return levels(self.choice_set, self.layout)
+
+
+class KeyboardDetails(Details, frozen=True):
+    """What a keyboard trial keeps beyond the common columns."""
+
+    choices: Annotated[int, msgspec.Meta(description="Among how many keys the prompt was drawn.")]
+    key_gap_ms: Annotated[float | None, msgspec.Meta(description="Time since the key before this response, in ms.")]
+
+
+class KeyboardTask(Task):
+    """Each prompt takes one key. The metric is the mean reaction time of correct responses."""
+
+    name = "keyboard"
+    title = "Keyboard reaction"
+    summary = "Press the key that appears, as fast as you can."
+    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    Parameters = KeyboardParameters
+    Details = KeyboardDetails
+    parameters: KeyboardParameters
+
+    def __init__(self, parameters: TaskParameters) -> None:
+        super().__init__(parameters)
+        self._levels = self.parameters.chosen_levels()
+
+    @property
+    def levels(self) -> int:
+        return len(self._levels)
+
+    @property
+    def trials_per_attempt(self) -> int:
+        return self.parameters.prompts_per_attempt
+
+    def instructions(self) -> str:
+        prompts = self.parameters.prompts_per_attempt
+        return (
+            "A key appears in the middle of the screen.\n"
+            "Press that key as fast as you can, and then wait for the next one.\n\n"
+            f"An attempt asks for {prompts} {'key' if prompts == 1 else 'keys'}. You may rest between attempts.\n"
+            "To pause at any time, press Escape."
+        )
+
+    def goal(self, level: int) -> str:
+        seconds = self.parameters.threshold / 1000
+        unit = "second" if seconds == 1 else "seconds"
+        enough = math.ceil(self.parameters.min_accuracy * self.parameters.prompts_per_attempt - 1e-9)
+        goal = f"Your goal: press the right key in less than {seconds:g} {unit} on average"
+        if enough:
+            goal += f", with at least {enough} of {self.parameters.prompts_per_attempt} right"
+        return goal + "."
+
+    def stimulus(self, situation: Situation) -> Stimulus:
+        level = self._levels[situation.level - 1]
+        if self.parameters.sequence == "repeating":
+            place = (situation.trial - 1) % self.parameters.sequence_length
+            key = situation.session.choice(level.keys, "sequence", situation.level, place)
+        else:
+            key = situation.chance.choice(level.keys, "order")
+        return Stimulus(
+            name=key,
+            expected=key,
+            text=f"Press: {key}",
+            glyph=_GLYPHS.get(key, key),
+            hint=self._hint(level, key),
+            choices=len(level.keys),
+        )
+
+    def _hint(self, level: Level, key: str) -> str:
+        if key in ARROWS:
+            return "arrow key"
+        return "with Shift" if level.needs_shift and needs_shift(key, self.parameters.layout) else ""
+
+    def perceived(self, trial: Trial, percept: Any) -> Result:
+        level = self._levels[trial.situation.level - 1]
+        return Result(
+            response=percept.key,
+            correct=_same(percept.key, trial.stimulus.expected, case=level.needs_shift),
+            response_at=percept.at,
+            value=trial.latency_ms(percept.at),
+            details={
+                "choices": trial.stimulus.choices,
+                "key_gap_ms": None if percept.gap is None else percept.gap / 1_000_000,
+            },
+        )
+
+    def timed_out(self, trial: Trial) -> Result:
+        return Result(correct=False, details={"choices": trial.stimulus.choices, "key_gap_ms": None})
+
+    def rehearse(self, stimulus: Stimulus, reaction_ms: float, slip: bool, chance: Chance) -> list[tuple[float, str]]:
+        """A slip hits another key: a neighbour in the alphabet, or another arrow."""
+        if not slip:
+            return [(reaction_ms, stimulus.expected)]
+        others = [
+            key for key in (ARROWS if stimulus.expected in ARROWS else "asdfjkl") if key != stimulus.expected.lower()
+        ]
+        return [(reaction_ms, chance.choice(others, "slip"))]
+
+
+def _same(pressed: str, expected: str, *, case: bool) -> bool:
+    return pressed == expected if case else pressed.casefold() == expected.casefold()
