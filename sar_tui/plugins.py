@@ -60,12 +60,16 @@ class Catalogue:
         """The names of all themes."""
         return sorted({path.parent.name for path in _children(self._themes, "theme.toml")})
 
-    def theme(self, name: str) -> Theme:
-        """Load a theme by name. Raises PluginError."""
+    def theme_folder(self, name: str) -> Path:
+        """Where a theme is. Raises PluginError."""
         for path in _children(self._themes, "theme.toml"):
             if path.parent.name == name:
-                return load_theme(path.parent)
+                return path.parent
         raise PluginError(f"There is no theme {name}. There is: {', '.join(self.theme_names())}.")
+
+    def theme(self, name: str) -> Theme:
+        """Load a theme by name. Raises PluginError."""
+        return load_theme(self.theme_folder(name))
 
 
 def user_folder() -> Path:

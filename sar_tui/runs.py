@@ -1,0 +1,188 @@
+"""A run of the program on a session: plug-ins, store and nodes put together, the same way live and simulated."""
+
+import sqlite3
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import msgspec
+import sqlite_utils
+from filelock import BaseFileLock
+
+from sar_tui.framework.clock import Clock, VirtualClock
+from sar_tui.framework.node import Node
+from sar_tui.framework.parameters import TaskParameters, build
+from sar_tui.framework.session import ReplayError, Session
+from sar_tui.framework.task import Task
+from sar_tui.framework.topics import ATTEMPT_ENDED
+from sar_tui.plugins import Catalogue, task_folder
+from sar_tui.simulation.participant import SimulatedParticipant
+from sar_tui.simulation.person import Person
+from sar_tui.store import locks, participants, sessions
+from sar_tui.store.database import StoreError, connect
+from sar_tui.store.provenance import machine, software
+from sar_tui.store.recorder import Recorder
+
+
+class Plan(msgspec.Struct, frozen=True):
+    """What a session will be."""
+
+    task: type[Task]
+    parameters: TaskParameters
+    theme: str
+    participant: str
+    seed: int
+    mode: sessions.Mode = "live"
+
+
+class Failed(Exception):
+    """A session could not go on; one or two clear sentences."""
+
+
+class Run:
+    """A session under way in this program: its nodes, its recorder, its locks.
+
+    Made by ``start`` or ``resume``; ``close`` it when it is over, however it ended.
+    """
+
+    def __init__(
+        self,
+        row: str,
+        number: int,
+        session: Session,
+        recorder: Recorder,
+        database: sqlite_utils.Database,
+        held: list[BaseFileLock],
+    ) -> None:
+        self.id = row
+        self.number = number
+        self.session = session
+        self.recorder = recorder
+        self._database = database
+        self._locks = held
+
+    def begin(self) -> None:
+        """Start the loop."""
+        self.session.begin(self.number)
+
+    def check(self) -> None:
+        """Raise Failed if a vital node has broken."""
+        if fault := self.session.broken:
+            raise Failed(
+                f"The task {self.session.task.name} failed ({fault.error}). What was done so far is kept; "
+                f"`sar-tui show {self.id}` shows it."
+            )
+
+    def close(self) -> None:
+        """Let go. A session that has not ended is left as interrupted, to be gone on with."""
+        try:
+            if not self.session.ended:
+                sessions.interrupt(self._database, self.id)
+        except (StoreError, sqlite3.Error):
+            pass  # the lock tells as much: nobody holds it
+        finally:
+            for lock in self._locks:
+                lock.release()
+            self._database.conn.close()
+
+
+def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: Callable[[Task], Sequence[Node]]) -> Run:
+    """Enter a new session, and put its nodes together.
+
+    Args:
+        plan: what it will be.
+        folder: where data lives.
+        catalogue: where the theme is found.
+        clock: live or virtual.
+        extra: makes the input and output nodes for the task.
+
+    Raises:
+        StoreError: the database cannot be used, or the participant is in a live session.
+        PluginError: there is no such theme.
+    """
+    theme = catalogue.theme(plan.theme)
+    database = connect(folder)
+    held = []
+    participant = plan.participant
+    if plan.mode == "live":
+        participant = participants.add(database, plan.participant)
+        held.append(locks.hold(folder, "participant", participant))
+    task = plan.task(plan.parameters)
+    entry = sessions.create(
+        database,
+        task=task.name,
+        theme=theme.name,
+        participant=participant,
+        seed=plan.seed,
+        parameters=plan.parameters,
+        software=software(task_folder(plan.task), task.version, catalogue.theme_folder(theme.name)),
+        machine=machine(),
+        mode=plan.mode,
+    )
+    return _enter(entry, Session(task, theme, clock, plan.seed, extra(task)), folder, database, held)
+
+
+def resume(
+    session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, extra: Callable[[Task], Sequence[Node]]
+) -> Run:
+    """Bring an interrupted session back to where it was cut off, ready to begin.
+
+    Raises:
+        StoreError: there is no such session, or it is live, or it has ended.
+        PluginError: its task or theme is gone.
+        Failed: it cannot be brought back as it was.
+    """
+    database = connect(folder)
+    row = sessions.find(database, folder, session_id)
+    if row["status"] != "interrupted" or row["mode"] != "live":
+        state = row["status"] if row["mode"] == "live" else row["mode"]
+        raise StoreError(
+            f"The session {row['id']} is {state}; only a live one that was interrupted can be gone on with.",
+            bad_input=True,
+        )
+    held = [locks.hold(folder, "participant", row["participant"])]
+    kind = catalogue.task(row["task"])
+    task = kind(build(kind.Parameters, row["parameters"]))
+    session = Session(task, catalogue.theme(row["theme"]), clock, row["seed"], extra(task))
+    try:
+        session.replay(sessions.history(database, row["id"]))
+    except ReplayError as error:
+        raise Failed(f"The session {row['id']} cannot be gone on with. {error}") from error
+    return _enter(row["id"], session, folder, database, held)
+
+
+def _enter(
+    entry: str, session: Session, folder: Path, database: sqlite_utils.Database, held: list[BaseFileLock]
+) -> Run:
+    """Take the session's lock, enter the run, and record from here on."""
+    held.append(locks.hold(folder, "session", entry))
+    number = sessions.begin_run(database, entry)
+    inline = isinstance(session.clock, VirtualClock)
+    recorder = Recorder(database if inline else connect(folder), entry, number, session.bus, inline=inline)
+    return Run(entry, number, session, recorder, database, held)
+
+
+def simulate(
+    plan: Plan,
+    person: Person,
+    folder: Path,
+    catalogue: Catalogue,
+    progress: Callable[[int], None] = lambda attempt: None,
+) -> str:
+    """Run a whole session with a simulated participant, on a virtual clock, into the database; returns its id.
+
+    Raises:
+        StoreError, PluginError: as ``start``.
+        Failed: the task raised.
+    """
+    clock = VirtualClock()
+    run = start(plan, folder, catalogue, clock, lambda task: [SimulatedParticipant(person, task, plan.seed)])
+    try:
+        run.session.bus.subscribe(ATTEMPT_ENDED, lambda ended: progress(ended.attempt))
+        run.begin()
+        while not run.session.ended and clock.step():
+            run.check()
+        run.check()
+        run.recorder.write()
+    finally:
+        run.close()
+    return run.id

@@ -1,0 +1,1 @@
+"""Long-term memory: SQLite, in which nothing acknowledged is ever lost."""

@@ -1,0 +1,128 @@
+"""Opens the database: private, durable, of a known version."""
+
+import os
+import sqlite3
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+
+import platformdirs
+import sqlite_utils
+
+from sar_tui.store.schema import VERSION, migrations
+
+FILE = "sar-tui.db"
+_NOT_OURS = "{path} is not a SQLite database. Move it away, or choose another --data folder."
+_MAGIC = b"SQLite format 3\x00"
+
+
+class StoreError(Exception):
+    """The database cannot be used; one or two clear sentences. ``bad_input``: it is the wrong file, not a fault."""
+
+    def __init__(self, message: str, *, bad_input: bool = False) -> None:
+        super().__init__(message)
+        self.bad_input = bad_input
+
+
+def default_folder() -> Path:
+    """Where data lives unless told otherwise: ``SAR_TUI_DATA``, else the user's data folder."""
+    named = os.environ.get("SAR_TUI_DATA")
+    return Path(named) if named else platformdirs.user_data_path("sar-tui")
+
+
+def connect(folder: Path) -> sqlite_utils.Database:
+    """Open the database of a data folder, made or brought up to date if need be.
+
+    The folder is made 0700 and the file 0600. The connection commits by itself outside of explicit
+    transactions; write-ahead log, every commit synced to the disk.
+
+    Raises:
+        StoreError: not a database of ours, a newer version's, not writable, or the disk is full.
+    """
+    path = folder / FILE
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        os.close(os.open(path, os.O_RDWR | os.O_CREAT, 0o600))
+        if os.name == "posix" and stat.S_IMODE(path.stat().st_mode) != 0o600:
+            path.chmod(0o600)
+        with path.open("rb") as file:
+            start = file.read(len(_MAGIC))
+    except OSError as error:
+        raise StoreError(f"The data folder {folder} cannot be written to: {error.strerror}.") from error
+    if start and start != _MAGIC:
+        raise StoreError(_NOT_OURS.format(path=path), bad_input=True)
+    try:
+        connection = sqlite3.connect(path, timeout=10, isolation_level=None, check_same_thread=False)
+        connection.execute("PRAGMA journal_mode=WAL")
+        connection.execute("PRAGMA synchronous=FULL")
+        database = sqlite_utils.Database(connection)
+        _bring_up_to_date(database, path)
+    except sqlite3.Error as error:
+        raise explain(error, path) from error
+    return database
+
+
+def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
+    """What SQLite's error means, in words."""
+    code = (getattr(error, "sqlite_errorcode", 0) or 0) & 0xFF
+    known = {
+        sqlite3.SQLITE_FULL: f"The disk is full: {path} cannot grow. Free some space.",
+        sqlite3.SQLITE_READONLY: f"{path} is read-only. Give yourself the right to write to it and to its folder.",
+        sqlite3.SQLITE_CANTOPEN: f"{path} cannot be opened. Does the folder exist, and may you write to it?",
+        sqlite3.SQLITE_CORRUPT: f"{path} is damaged. Restore a backup, or choose another --data folder.",
+        sqlite3.SQLITE_NOTADB: _NOT_OURS.format(path=path),
+        sqlite3.SQLITE_BUSY: f"Another program keeps {path} locked. Close it and try again.",
+        sqlite3.SQLITE_IOERR: f"The disk refuses to write {path}.",
+    }
+    wrong_file = code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT)
+    return StoreError(known.get(code, f"{path}: {error}."), bad_input=wrong_file)
+
+
+@contextmanager
+def transaction(database: sqlite_utils.Database) -> Iterator[sqlite3.Connection]:
+    """All or nothing: committed and on the disk when the block ends.
+
+    Raises:
+        StoreError: the disk refuses; nothing has changed.
+    """
+    connection: sqlite3.Connection = database.conn
+    try:
+        connection.execute("BEGIN IMMEDIATE")
+        try:
+            yield connection
+            connection.execute("COMMIT")
+        except BaseException:
+            if connection.in_transaction:
+                connection.execute("ROLLBACK")
+            raise
+    except sqlite3.Error as error:
+        raise explain(error) from error
+
+
+def _bring_up_to_date(database: sqlite_utils.Database, path: Path) -> None:
+    (version,) = database.execute("PRAGMA user_version").fetchone()
+    if version > VERSION:
+        raise StoreError(
+            f"{path} was written by a newer sar-tui (data version {version}, and this one knows {VERSION}). "
+            "Update sar-tui.",
+            bad_input=True,
+        )
+    if version < VERSION:
+        if version:
+            _back_up(database, path, version)
+        migrations.apply(database)
+        database.execute(f"PRAGMA user_version={VERSION}")
+
+
+def _back_up(database: sqlite_utils.Database, path: Path, version: int) -> Path:
+    """Copy the file, before it is changed."""
+    stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
+    copy = path.with_name(f"{path.stem}-v{version}-{stamp}.db")
+    os.close(os.open(copy, os.O_RDWR | os.O_CREAT, 0o600))
+    target = sqlite3.connect(copy)
+    with target:
+        database.conn.backup(target)
+    target.close()
+    return copy

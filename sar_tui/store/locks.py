@@ -1,0 +1,49 @@
+"""Who is at work: file locks, which end with the program however it ends."""
+
+import os
+from pathlib import Path
+
+import filelock
+
+from sar_tui.store.database import StoreError
+
+
+class Held(StoreError):
+    """Another program has it."""
+
+
+def _path(folder: Path, kind: str, name: str) -> Path:
+    locks = folder / "locks"
+    locks.mkdir(parents=True, exist_ok=True, mode=0o700)
+    return locks / f"{kind}-{name}.lock"
+
+
+def hold(folder: Path, kind: str, name: str) -> filelock.BaseFileLock:
+    """Take the lock of a session or a participant until it is released, or this program ends.
+
+    Raises:
+        Held: another program has it.
+        StoreError: the folder cannot be written to.
+    """
+    try:
+        lock = filelock.FileLock(_path(folder, kind, name), mode=0o600)
+        lock.acquire(blocking=False)
+    except filelock.Timeout:
+        raise Held(f"The {kind} {name} is in a live session already, in another window or program.") from None
+    except OSError as error:
+        raise StoreError(f"The data folder {folder} cannot be written to: {os.strerror(error.errno or 0)}.") from error
+    return lock
+
+
+def is_held(folder: Path, kind: str, name: str) -> bool:
+    """Whether a program holds the lock just now."""
+    path = _path(folder, kind, name)
+    if not path.exists():
+        return False
+    lock = filelock.FileLock(path, mode=0o600)
+    try:
+        lock.acquire(blocking=False)
+    except filelock.Timeout:
+        return True
+    lock.release()
+    return False

@@ -1,0 +1,163 @@
+"""The Recorder: a tap on the bus that puts every message on the disk, and says when it is there."""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from datetime import UTC, datetime
+from typing import Any
+
+import msgspec
+import sqlite_utils
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.bus import Bus, Record
+from sar_tui.framework.topics import STORAGE, STORED
+from sar_tui.store.database import StoreError, transaction
+
+BATCH_SECONDS = 0.1
+"""How long a message that is no trial may wait for the disk."""
+RETRY_SECONDS = 1.0
+"""How often a disk that refused is asked again."""
+
+Rows = dict[str, list[tuple[Any, ...]]]
+
+_SQL = {
+    "events": "INSERT INTO events (session, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)",
+    "trials": (
+        "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, correct, onset_ns, response_ns,"
+        " reaction_time_ms, timing, details) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)"
+    ),
+    "attempts": (
+        "INSERT INTO attempts (session, attempt, seat, run, practice, level, metric, metric_unit, accuracy, correct,"
+        " trials, outcome, feedback, started_ns, ended_ns) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
+    ),
+    "proposals": "INSERT INTO actions (session, id, kind, proposed, proposed_ns) VALUES (?,?,?,?,?)",
+    "decisions": "UPDATE actions SET final=?, decision=?, actor=?, decided_ns=? WHERE session=? AND id=?",
+    "starts": "UPDATE actions SET started_ns=? WHERE session=? AND id=?",
+    "ends": "UPDATE actions SET ended_ns=? WHERE session=? AND id=?",
+    "closings": "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
+}
+"""What is done with the rows of a batch, in this order."""
+
+
+class Recorder:
+    """Writes a session's messages. A trial, and all before it, is one transaction, and is then acknowledged.
+
+    Inline (on a virtual clock) it writes as soon as a trial ends. In a live session ``run`` is given a thread:
+    the bus never waits for the disk. While the disk refuses, everything is kept and tried again, and the
+    session is told.
+
+    Args:
+        database: a connection of the recorder's own.
+        session, run: what the rows belong to.
+        bus: is tapped, and told of what is stored.
+        inline: write on the bus' own thread.
+    """
+
+    def __init__(
+        self, database: sqlite_utils.Database, session: str, run: int, bus: Bus, *, inline: bool = False
+    ) -> None:
+        self._database = database
+        self._session = session
+        self._run = run
+        self._bus = bus
+        self._inline = inline
+        self._queue: deque[list[Record]] = deque()
+        self._wake = threading.Event()
+        self._refused = False
+        bus.tap(self)
+
+    def __call__(self, cascade: list[Record]) -> None:
+        """Take a cascade from the bus."""
+        self._queue.append(cascade)
+        if any(isinstance(record.message, m.TrialEnded | m.SessionEnded) for record in cascade):
+            if self._inline:
+                self.write()
+            else:
+                self._wake.set()
+
+    @property
+    def pending(self) -> int:
+        """How many cascades are not on the disk yet."""
+        return len(self._queue)
+
+    def run(self, is_stopped: Callable[[], bool]) -> None:
+        """Write until stopped, and then what is left. For a thread of its own."""
+        while not is_stopped():
+            self._wake.wait(RETRY_SECONDS if self._refused else BATCH_SECONDS)
+            self._wake.clear()
+            self._try()
+        self._try()
+
+    def stop(self) -> None:
+        """Wake the thread, so that it sees that it is stopped."""
+        self._wake.set()
+
+    def _try(self) -> None:
+        try:
+            self.write()
+        except StoreError as error:
+            if not self._refused:
+                self._refused = True
+                self._bus.post(STORAGE, m.StorageChanged(working=False, reason=str(error)))
+        else:
+            if self._refused:
+                self._refused = False
+                self._bus.post(STORAGE, m.StorageChanged(working=True))
+
+    def write(self) -> None:
+        """Commit all that waits as one transaction, and acknowledge its trials.
+
+        Raises:
+            StoreError: the disk refuses; everything still waits.
+        """
+        count = len(self._queue)
+        if not count:
+            return
+        records = [record for cascade in list(self._queue)[:count] for record in cascade]
+        rows = _rows(self._session, self._run, records)
+        with transaction(self._database) as connection:
+            for kind, statement in _SQL.items():
+                if rows[kind]:
+                    connection.executemany(statement, rows[kind])
+        for _ in range(count):
+            self._queue.popleft()
+        for record in records:
+            if isinstance(trial := record.message, m.TrialEnded):
+                self._bus.post(STORED, m.Stored(seat=trial.seat, attempt=trial.attempt, trial=trial.trial))
+
+
+_json = msgspec.json.Encoder()
+
+
+def _text(value: object) -> str:
+    return _json.encode(value).decode()
+
+
+def _rows(session: str, run: int, records: list[Record]) -> Rows:
+    """The rows that messages become."""
+    rows: Rows = {kind: [] for kind in _SQL}
+    for record in records:
+        rows["events"].append((session, record.seq, run, record.at, record.topic.name, _text(record.message)))
+        match record.message:
+            case m.TrialEnded() as t:
+                rows["trials"].append(
+                    (session, t.attempt, t.trial, t.seat, run, t.stimulus, t.response, t.correct, t.onset,
+                     t.response_at, t.reaction_time_ms, _text(t.timing), _text(t.details))
+                )  # fmt: skip
+            case m.AttemptEnded() as a:
+                rows["attempts"].append(
+                    (session, a.attempt, a.seat, run, a.practice, a.level, a.metric, a.metric_unit, a.accuracy,
+                     a.correct, a.trials, a.outcome, a.feedback, a.started, a.ended)
+                )  # fmt: skip
+            case m.Proposal() as p:
+                rows["proposals"].append((session, p.id, p.kind, _text(p), record.at))
+            case m.Action() as a:
+                rows["decisions"].append((_text(a), a.decision, a.actor, record.at, session, a.id))
+            case m.OutputReport(state="started") as r:
+                rows["starts"].append((r.at, session, r.action))
+            case m.OutputReport() as r:
+                rows["ends"].append((r.at, session, r.action))
+            case m.SessionEnded() as e:
+                rows["closings"].append((e.status, datetime.now(UTC).isoformat(), session))
+    return rows

@@ -1,0 +1,109 @@
+"""The tables, and how older files become newer ones. Their columns are a contract: docs/data-dictionary.md."""
+
+import sqlite_utils
+
+migrations = sqlite_utils.Migrations("sar-tui")
+"""One function a version, in order; never changed once released."""
+
+VERSION = 1
+"""The number of migrations, kept in ``PRAGMA user_version``."""
+
+
+@migrations()
+def version_1(db: sqlite_utils.Database) -> None:
+    """Participants, sessions, runs, attempts, trials, actions, events, notes, settings."""
+    create = db.create_table
+    create("participants", {"code": str, "created_at": str}, pk="code")
+    create(
+        "settings",
+        {"participant": str, "task": str, "parameters": str, "theme": str, "updated_at": str},
+        pk=("participant", "task"),
+    )
+    create(
+        "sessions",
+        {
+            "id": str,
+            "task": str,
+            "theme": str,
+            "status": str,
+            "started_at": str,
+            "ended_at": str,
+            "seed": int,
+            "parameters": str,
+            "software": str,
+            "machine": str,
+            "mode": str,
+        },
+        pk="id",
+    )
+    create("seats", {"session": str, "seat": str, "participant": str}, pk=("session", "seat"))
+    create(
+        "runs",
+        {"session": str, "run": int, "clock_anchor": str, "boot_id": str, "pid": int},
+        pk=("session", "run"),
+    )
+    create(
+        "attempts",
+        {
+            "session": str,
+            "attempt": int,
+            "seat": str,
+            "run": int,
+            "practice": int,
+            "level": int,
+            "metric": float,
+            "metric_unit": str,
+            "accuracy": float,
+            "correct": int,
+            "trials": int,
+            "outcome": str,
+            "feedback": str,
+            "started_ns": int,
+            "ended_ns": int,
+        },
+        pk=("session", "attempt", "seat"),
+    )
+    create(
+        "trials",
+        {
+            "session": str,
+            "attempt": int,
+            "trial": int,
+            "seat": str,
+            "run": int,
+            "stimulus": str,
+            "response": str,
+            "correct": int,
+            "onset_ns": int,
+            "response_ns": int,
+            "reaction_time_ms": float,
+            "timing": str,
+            "details": str,
+        },
+        pk=("session", "attempt", "trial", "seat"),
+    )
+    create(
+        "actions",
+        {
+            "session": str,
+            "id": str,
+            "kind": str,
+            "proposed": str,
+            "final": str,
+            "decision": str,
+            "actor": str,
+            "proposed_ns": int,
+            "decided_ns": int,
+            "started_ns": int,
+            "ended_ns": int,
+        },
+        pk=("session", "id"),
+    )
+    create(
+        "events",
+        {"session": str, "seq": int, "run": int, "at_ns": int, "topic": str, "message": str},
+        pk=("session", "seq"),
+    )
+    create("notes", {"session": str, "at_ns": int, "author": str, "text": str})
+    db["seats"].create_index(["participant"])  # type: ignore[union-attr]
+    db["notes"].create_index(["session"])  # type: ignore[union-attr]

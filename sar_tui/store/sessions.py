@@ -1,0 +1,162 @@
+"""Sessions: begun, gone on with, looked at."""
+
+import os
+import secrets
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+import sqlite_utils
+
+from sar_tui.framework.bus import Record
+from sar_tui.framework.clock import host_now
+from sar_tui.framework.topics import ALL
+from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.locks import is_held
+
+Mode = Literal["live", "simulated", "replayed"]
+Row = dict[str, Any]
+
+_JSON = {"parameters", "software", "machine", "clock_anchor", "timing", "details", "proposed", "final", "message"}
+_BOOLEAN = {"practice", "correct"}
+
+
+def create(
+    db: sqlite_utils.Database,
+    *,
+    task: str,
+    theme: str,
+    participant: str,
+    seed: int,
+    parameters: object,
+    software: object,
+    machine: object,
+    mode: Mode,
+) -> str:
+    """Enter a new session and its participant's seat; returns its id."""
+    session = secrets.token_hex(5)
+    with transaction(db) as connection:
+        connection.execute(
+            "INSERT INTO sessions (id, task, theme, status, started_at, seed, parameters, software, machine, mode)"
+            " VALUES (?,?,?,'running',?,?,?,?,?,?)",
+            (session, task, theme, _utc(), seed, _dump(parameters), _dump(software), _dump(machine), mode),
+        )
+        connection.execute("INSERT INTO seats VALUES (?,'A',?)", (session, participant))
+    return session
+
+
+def begin_run(db: sqlite_utils.Database, session: str) -> int:
+    """Enter a run of this program on a session; returns its number, from 1."""
+    anchor = {"clock_ns": host_now(), "utc": _utc()}
+    with transaction(db) as connection:
+        (run,) = connection.execute("SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)).fetchone()
+        connection.execute(
+            "INSERT INTO runs VALUES (?,?,?,?,?)", (session, run, _dump(anchor), _boot_id(), os.getpid())
+        )
+        connection.execute("UPDATE sessions SET status='running', ended_at=NULL WHERE id=?", (session,))
+    return int(run)
+
+
+def interrupt(db: sqlite_utils.Database, session: str) -> None:
+    """Mark a session that was left before its end; it can be gone on with."""
+    with transaction(db) as connection:
+        connection.execute(
+            "UPDATE sessions SET status='interrupted', ended_at=? WHERE id=? AND status='running'", (_utc(), session)
+        )
+
+
+def _utc() -> str:
+    return datetime.now(UTC).isoformat()
+
+
+def _dump(value: object) -> str:
+    return msgspec.json.encode(value).decode()
+
+
+def _boot_id() -> str | None:
+    path = Path("/proc/sys/kernel/random/boot_id")
+    return path.read_text().strip() if path.exists() else None
+
+
+# --- looking at them -----------------------------------------------------------------------------------------
+
+
+def _typed(row: Row) -> Row:
+    """A row with its JSON columns decoded and its truth values true or false."""
+    return {
+        name: msgspec.json.decode(value)
+        if name in _JSON and value is not None
+        else bool(value)
+        if name in _BOOLEAN and name != "trials" and value in (0, 1)
+        else value
+        for name, value in row.items()
+    }
+
+
+def listing(db: sqlite_utils.Database, folder: Path, *, participant: str | None = None, limit: int = -1) -> list[Row]:
+    """Sessions, newest first, with their participant and how many attempts they hold.
+
+    A session that is called running, and that no program holds, was interrupted.
+    """
+    rows = db.query(
+        "SELECT sessions.*, seats.participant,"
+        " (SELECT count(*) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts"
+        " FROM sessions JOIN seats ON seats.session=sessions.id AND seat='A'"
+        " WHERE :who IS NULL OR participant=:who ORDER BY started_at DESC LIMIT :limit",
+        {"who": participant, "limit": limit},
+    )
+    return [_with_status(_typed(row), folder) for row in rows]
+
+
+def find(db: sqlite_utils.Database, folder: Path, name: str) -> Row:
+    """One session by its id, the beginning of it, or ``last``.
+
+    Raises:
+        StoreError: there is none, or more than one.
+    """
+    found = (
+        listing(db, folder, limit=1) if name == "last" else [r for r in listing(db, folder) if r["id"].startswith(name)]
+    )
+    if not name or not found:
+        raise StoreError(f"There is no session {name}. `sar-tui sessions` lists them.", bad_input=True)
+    if len(found) > 1:
+        raise StoreError(f"More than one session begins with {name}; write more of it.", bad_input=True)
+    return found[0]
+
+
+def _with_status(row: Row, folder: Path) -> Row:
+    if row["status"] == "running" and not is_held(folder, "session", row["id"]):
+        row["status"] = "interrupted"
+    return row
+
+
+def rows(db: sqlite_utils.Database, table: Literal["attempts", "trials", "actions", "runs"], session: str) -> list[Row]:
+    """The rows of a session in one table, in their order."""
+    return [_exact(table, row) for row in db.query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", (session,))]
+
+
+def _exact(table: str, row: Row) -> Row:
+    typed = _typed(row)
+    if table == "attempts":
+        typed["correct"] = row["correct"]
+    return typed
+
+
+def history(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
+    """Every message of a session, in order, to be replayed.
+
+    Raises:
+        StoreError: a message that this version of the program cannot read.
+    """
+    for seq, at, name, text in db.execute(
+        "SELECT seq, at_ns, topic, message FROM events WHERE session=? ORDER BY seq", (session,)
+    ):
+        try:
+            topic = ALL[name]
+            yield Record(seq, at, topic, msgspec.json.decode(text, type=topic.type))
+        except (KeyError, msgspec.MsgspecError) as error:
+            raise StoreError(
+                f"Message {seq} of session {session} cannot be read by this version of sar-tui."
+            ) from error
