@@ -9,7 +9,7 @@ import inspect
 import sys
 import types
 from collections.abc import Iterator
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 import msgspec
@@ -53,7 +53,7 @@ class Catalogue:
                 return load_task(path.parent)
         for entry in entry_points(group="sar_tui.tasks"):
             if entry.name == name:
-                return _checked(entry.load(), name)
+                return _from_entry_point(entry)
         raise PluginError(f"There is no task {name}. There is: {', '.join(self.task_names())}.")
 
     def theme_names(self) -> list[str]:
@@ -111,15 +111,28 @@ def load_task(folder: Path) -> type[Task]:
     try:
         importlib.invalidate_caches()
         module = importlib.import_module(f"{name}.task")
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise PluginError(f"The task {folder.name} cannot be loaded: {_why(error)}") from error
-    found = [value for value in vars(module).values() if _is_task(value) and value.__module__ == module.__name__]
+    own = [value for value in vars(module).values() if getattr(value, "__module__", None) == module.__name__]
+    found = [value for value in own if _is_task(value)]
+    if not found and (missing := _missing_methods(own)):
+        raise PluginError(f"The task {folder.name} does not define {', '.join(missing)}.")
     if len(found) != 1:
         raise PluginError(f"{folder / 'task.py'} has to define one Task; it defines {len(found)}.")
     return _checked(found[0], folder.name)
 
 
-def _why(error: Exception) -> str:
+def _from_entry_point(entry: EntryPoint) -> type[Task]:
+    try:
+        found = entry.load()
+    except Exception as error:
+        raise PluginError(f"The task {entry.name} cannot be loaded: {_why(error)}") from error
+    if not _is_task(found):
+        raise PluginError(f"The entry point {entry.name} ({entry.value}) is not a Task.")
+    return _checked(found, entry.name)
+
+
+def _why(error: BaseException) -> str:
     if isinstance(error, SyntaxError):
         return f"line {error.lineno} of {Path(error.filename or '').name}: {error.msg}."
     return f"{type(error).__name__}: {error}."
@@ -130,6 +143,12 @@ def _make_package(name: str, path: list[str]) -> None:
         package = types.ModuleType(name)
         package.__path__ = path
         sys.modules[name] = package
+
+
+def _missing_methods(values: list[object]) -> list[str]:
+    """What an unfinished task among them still has to define."""
+    unfinished = (value for value in values if isinstance(value, type) and issubclass(value, Task))
+    return sorted(next((value.__abstractmethods__ for value in unfinished), frozenset()))
 
 
 def _is_task(value: object) -> bool:

@@ -1,7 +1,8 @@
 """A run of the program on a session: plug-ins, store and nodes put together, the same way live and simulated."""
 
 import sqlite3
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import msgspec
@@ -10,7 +11,7 @@ from filelock import BaseFileLock
 
 from sar_tui.framework.clock import Clock, VirtualClock
 from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import TaskParameters, build
+from sar_tui.framework.parameters import ParameterError, TaskParameters, build
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ATTEMPT_ENDED
@@ -98,27 +99,46 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: C
     Raises:
         StoreError: the database cannot be used, or the participant is in a live session.
         PluginError: there is no such theme.
+        Failed: the task cannot be set up.
     """
     theme = catalogue.theme(plan.theme)
+    task = _set_up(plan.task, plan.parameters)
+    session = Session(task, theme, clock, plan.seed, extra(task))
     database = connect(folder)
-    held = []
-    participant = plan.participant
-    if plan.mode == "live":
-        participant = participants.add(database, plan.participant)
-        held.append(locks.hold(folder, "participant", participant))
-    task = plan.task(plan.parameters)
-    entry = sessions.create(
-        database,
-        task=task.name,
-        theme=theme.name,
-        participant=participant,
-        seed=plan.seed,
-        parameters=plan.parameters,
-        software=software(task_folder(plan.task), task.version, catalogue.theme_folder(theme.name)),
-        machine=machine(),
-        mode=plan.mode,
-    )
-    return _enter(entry, Session(task, theme, clock, plan.seed, extra(task)), folder, database, held)
+    held: list[BaseFileLock] = []
+    with _let_go_on_failure(database, held):
+        participant = plan.participant
+        if plan.mode == "live":
+            participant = participants.add(database, plan.participant)
+            held.append(locks.hold(folder, "participant", participant))
+        entry = sessions.create(
+            database,
+            task=task.name,
+            theme=theme.name,
+            participant=participant,
+            seed=plan.seed,
+            parameters=plan.parameters,
+            software=software(task_folder(plan.task), task.version, catalogue.theme_folder(theme.name)),
+            machine=machine(),
+            mode=plan.mode,
+        )
+        return _enter(entry, session, folder, database, held)
+
+
+def resumable(database: sqlite_utils.Database, folder: Path, name: str) -> sessions.Row:
+    """The interrupted session of that name, as `store.sessions.find` knows it.
+
+    Raises:
+        StoreError: there is no such session, or it is live, or it has ended.
+    """
+    row = sessions.find(database, folder, name)
+    if row["status"] != "interrupted" or row["mode"] != "live":
+        state = row["status"] if row["mode"] == "live" else row["mode"]
+        raise StoreError(
+            f"The session {row['id']} is {state}; only a live one that was interrupted can be gone on with.",
+            bad_input=True,
+        )
+    return row
 
 
 def resume(
@@ -132,22 +152,36 @@ def resume(
         Failed: it cannot be brought back as it was.
     """
     database = connect(folder)
-    row = sessions.find(database, folder, session_id)
-    if row["status"] != "interrupted" or row["mode"] != "live":
-        state = row["status"] if row["mode"] == "live" else row["mode"]
-        raise StoreError(
-            f"The session {row['id']} is {state}; only a live one that was interrupted can be gone on with.",
-            bad_input=True,
-        )
-    held = [locks.hold(folder, "participant", row["participant"])]
-    kind = catalogue.task(row["task"])
-    task = kind(build(kind.Parameters, row["parameters"]))
-    session = Session(task, catalogue.theme(row["theme"]), clock, row["seed"], extra(task))
+    held: list[BaseFileLock] = []
+    with _let_go_on_failure(database, held):
+        row = resumable(database, folder, session_id)
+        held.append(locks.hold(folder, "participant", row["participant"]))
+        kind = catalogue.task(row["task"])
+        try:
+            task = _set_up(kind, build(kind.Parameters, row["parameters"]))
+            session = Session(task, catalogue.theme(row["theme"]), clock, row["seed"], extra(task))
+            session.replay(sessions.history(database, row["id"]))
+        except (ParameterError, ReplayError) as error:
+            raise Failed(f"The session {row['id']} cannot be gone on with. {error}") from error
+        return _enter(row["id"], session, folder, database, held)
+
+
+def _set_up(kind: type[Task], parameters: TaskParameters) -> Task:
     try:
-        session.replay(sessions.history(database, row["id"]))
-    except ReplayError as error:
-        raise Failed(f"The session {row['id']} cannot be gone on with. {error}") from error
-    return _enter(row["id"], session, folder, database, held)
+        return kind(parameters)
+    except Exception as error:
+        raise Failed(f"The task {kind.name} cannot be set up ({type(error).__name__}: {error}).") from error
+
+
+@contextmanager
+def _let_go_on_failure(database: sqlite_utils.Database, held: list[BaseFileLock]) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        for lock in held:
+            lock.release()
+        database.conn.close()
+        raise
 
 
 def _enter(

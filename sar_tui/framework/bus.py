@@ -87,10 +87,9 @@ class Bus:
 
     Args:
         clock: gives the time at which a cascade begins. May be replaced between cascades (replay, then live).
-        first_seq: the number of the first message; a resumed session goes on counting.
     """
 
-    def __init__(self, clock: Clock, first_seq: int = 1) -> None:
+    def __init__(self, clock: Clock) -> None:
         self.clock = clock
         self._owner = threading.get_ident()
         self._handlers: dict[str, list[tuple[str, Callable[[Any], None]]]] = {}
@@ -101,13 +100,17 @@ class Bus:
         self._inputs: deque[tuple[Topic[Any], Message]] = deque()
         self._derived: deque[tuple[Topic[Any], Message]] = deque()
         self._running = False
-        self._seq = first_seq
+        self._seq = 1
         self._now = clock.now()
 
     @property
     def now(self) -> int:
         """When the present cascade began, in ns: the same for all its messages, and the same again in a replay."""
         return self._now
+
+    def count_from(self, seq: int) -> None:
+        """Number the next message ``seq``: a resumed session goes on counting."""
+        self._seq = seq
 
     def subscribe(self, topic: Topic[M], handler: Callable[[M], None], owner: str = "") -> None:
         """Deliver ``topic`` to ``handler``, after those subscribed before it. ``owner`` is named in a Fault."""

@@ -36,7 +36,7 @@ class Clock(Protocol):
         """The present, in ns. Comparable only within one run of the program."""
         ...
 
-    def call_at(self, when: int, callback: Callable[[], None]) -> Handle:
+    def call_at(self, when: int, callback: Callable[[], object]) -> Handle:
         """Call back at ``when`` (ns), on the thread that owns the clock."""
         ...
 
@@ -46,19 +46,26 @@ class Clock(Protocol):
 
 
 class LiveClock:
-    """The host's steady clock, with callbacks on an asyncio loop."""
+    """The host's steady clock. Its callbacks run inside ``run``, so that whoever awaits that owns the session."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
+        self._due: asyncio.Queue[Callable[[], object]] = asyncio.Queue()
 
     def now(self) -> int:
         return host_now()
 
-    def call_at(self, when: int, callback: Callable[[], None]) -> Handle:
-        return self._loop.call_later(max(0, when - host_now()) / SECOND, callback)
+    def call_at(self, when: int, callback: Callable[[], object]) -> Handle:
+        return self._loop.call_later(max(0, when - host_now()) / SECOND, self._due.put_nowait, callback)
 
     def call_soon(self, callback: Callable[[], object]) -> None:
-        self._loop.call_soon_threadsafe(callback)
+        if not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._due.put_nowait, callback)
+
+    async def run(self) -> None:
+        """Run callbacks as they fall due, until cancelled."""
+        while True:
+            (await self._due.get())()
 
 
 class _Due:

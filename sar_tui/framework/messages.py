@@ -256,7 +256,7 @@ class Feedback(Message, frozen=True, kw_only=True):
     """The agent owes the participant an answer to an attempt.
 
     ``reason``: ``goal`` (reached), ``missed``, ``band`` (about the goal), ``accuracy`` (too low), ``empty``
-    (nothing to average).
+    (no response could be timed).
     """
 
     attempt: int

@@ -176,11 +176,11 @@ class Field(msgspec.Struct, frozen=True):
             return ", ".join(self.choices)
         if self.ge is not None and self.le is not None:
             return f"{self.ge:g} to {self.le:g}" if self.le < 1e5 else f"{self.ge:g} or more"
-        return {"bool": "yes or no", "list": "words with a space between"}.get(self.kind, "")
+        return {"bool": "yes or no", "list": "words, a space between"}.get(self.kind, "")
 
     def problem(self, value: object) -> str:
         """Why ``value`` cannot be, in one sentence."""
-        shown = show(value)
+        shown = show(value) or "empty"
         if self.choices:
             return f"{self.title} is one of {self.bounds}, not {shown}."
         noun = {"int": "a whole number", "float": "a number"}.get(self.kind, "")
@@ -247,7 +247,9 @@ def show(value: object) -> str:
         return "yes" if value else "no"
     if isinstance(value, list | tuple):
         return " ".join(map(str, value))
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float) and value.is_integer():
+        return str(int(value))
+    return str(value)
 
 
 def build(parameters: type[P], values: Mapping[str, object]) -> P:

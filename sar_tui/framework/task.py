@@ -29,7 +29,7 @@ class Metric(msgspec.Struct, frozen=True):
     unit: str
     better: Literal["lower", "higher"]
     improved: str = "better"
-    worsened: str = "less"
+    worsened: str = "worse"
     decimals: int = 0
 
     def is_better(self, value: float, than: float) -> bool:

@@ -158,6 +158,11 @@ def _wording_problems(situation: str, wording: str, slots: set[str]) -> list[str
     found = [
         f"A wording for {situation} uses the slot {name}, which it does not have." for name in sorted(used - slots)
     ]
+    if not found:
+        try:
+            wording.format(**dict.fromkeys(slots, "figure"))
+        except (ValueError, LookupError) as error:
+            found.append(f"A wording for {situation} has broken slots ({error}): {wording!r}.")
     if situation in QUALITATIVE and holds_number(wording):
         found.append(f"A wording for {situation} holds a number: {wording!r}.")
     if situation in QUANTITATIVE and not used & _FIGURES:

@@ -1,7 +1,7 @@
 """A simulated participant: an output that sees prompts and an input that presses keys, on the bus like any other."""
 
 from sar_tui.framework.chance import Chance
-from sar_tui.framework.clock import MS
+from sar_tui.framework.clock import MS, Handle
 from sar_tui.framework.messages import Action, KeyPressed, OutputReport, Prompt, Shown, Waiting
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.task import Stimulus, Task
@@ -25,11 +25,14 @@ class SimulatedParticipant(Node):
         self._person = person
         self._task = task
         self._seed = seed
+        self._enter: Handle | None = None
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        if waiting.what == "enter":
-            self._press("enter", self.now + READING)
+        """Press Enter for the screen that is up, not for one that has gone."""
+        if self._enter:
+            self._enter.cancel()
+        self._enter = self._press("enter", self.now + READING) if waiting.what == "enter" else None
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
@@ -59,5 +62,5 @@ class SimulatedParticipant(Node):
         for state in ("started", "done"):
             self.emit(REPORT, OutputReport(action=action.id, output="screen", state=state, at=self.now))
 
-    def _press(self, key: str, at: int) -> None:
-        self.bus.clock.call_at(at, lambda: self.emit(KEY, KeyPressed(key=key, at=at)))
+    def _press(self, key: str, at: int) -> Handle:
+        return self.bus.clock.call_at(at, lambda: self.emit(KEY, KeyPressed(key=key, at=at)))

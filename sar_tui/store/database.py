@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
+import filelock
 import platformdirs
 import sqlite_utils
 
@@ -50,18 +51,27 @@ def connect(folder: Path) -> sqlite_utils.Database:
         with path.open("rb") as file:
             start = file.read(len(_MAGIC))
     except OSError as error:
-        raise StoreError(f"The data folder {folder} cannot be written to: {error.strerror}.") from error
+        raise _unwritable(folder, error) from error
     if start and start != _MAGIC:
         raise StoreError(_NOT_OURS.format(path=path), bad_input=True)
     try:
         connection = sqlite3.connect(path, timeout=10, isolation_level=None, check_same_thread=False)
-        connection.execute("PRAGMA journal_mode=WAL")
-        connection.execute("PRAGMA synchronous=FULL")
         database = sqlite_utils.Database(connection)
-        _bring_up_to_date(database, path)
+        with filelock.FileLock(path.with_suffix(".lock"), timeout=10, mode=0o600):
+            connection.execute("PRAGMA journal_mode=WAL")
+            connection.execute("PRAGMA synchronous=FULL")
+            _bring_up_to_date(database, path)
+    except filelock.Timeout:
+        raise StoreError(f"Another program keeps {path} locked. Close it and try again.") from None
+    except OSError as error:
+        raise _unwritable(folder, error) from error
     except sqlite3.Error as error:
         raise explain(error, path) from error
     return database
+
+
+def _unwritable(folder: Path, error: OSError) -> StoreError:
+    return StoreError(f"The data folder {folder} cannot be written to: {error.strerror}.")
 
 
 def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:

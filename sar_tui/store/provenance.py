@@ -43,9 +43,7 @@ def folder_hash(folder: Path) -> str:
 
 def machine() -> dict[str, Any]:
     """The machine and the terminal, with what is known to blur timing in ``flags``."""
-    multiplexer = next(
-        (name for name, sign in (("tmux", "TMUX"), ("screen", "STY"), ("zellij", "ZELLIJ")) if sign in os.environ), None
-    )
+    multiplexer = next((name for name, sign in _MULTIPLEXERS.items() if sign in os.environ), None)
     ssh = any(name in os.environ for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT"))
     flags = [*(["ssh"] if ssh else []), *([multiplexer] if multiplexer else [])]
     return {

@@ -4,13 +4,13 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, ClassVar
 
 import msgspec
 import sqlite_utils
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Bus, Record
+from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.topics import STORAGE, STORED
 from sar_tui.store.database import StoreError, transaction
 
@@ -54,6 +54,9 @@ class Recorder:
         inline: write on the bus' own thread.
     """
 
+    name: ClassVar[str] = "recorder"
+    emits: ClassVar[tuple[Topic[Any], ...]] = (STORED, STORAGE)
+
     def __init__(
         self, database: sqlite_utils.Database, session: str, run: int, bus: Bus, *, inline: bool = False
     ) -> None:
@@ -64,6 +67,7 @@ class Recorder:
         self._inline = inline
         self._queue: deque[list[Record]] = deque()
         self._wake = threading.Event()
+        self._finished = threading.Event()
         self._refused = False
         bus.tap(self)
 
@@ -83,11 +87,18 @@ class Recorder:
 
     def run(self, is_stopped: Callable[[], bool]) -> None:
         """Write until stopped, and then what is left. For a thread of its own."""
-        while not is_stopped():
-            self._wake.wait(RETRY_SECONDS if self._refused else BATCH_SECONDS)
-            self._wake.clear()
+        try:
+            while not is_stopped():
+                self._wake.wait(RETRY_SECONDS if self._refused else BATCH_SECONDS)
+                self._wake.clear()
+                self._try()
             self._try()
-        self._try()
+        finally:
+            self._finished.set()
+
+    def wait(self, seconds: float) -> bool:
+        """Wait for a stopped ``run`` to have written the rest; False if it has not by then."""
+        return self._finished.wait(seconds)
 
     def stop(self) -> None:
         """Wake the thread, so that it sees that it is stopped."""

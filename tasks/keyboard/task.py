@@ -50,8 +50,8 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
     def problems(self) -> dict[str, str]:
         problems = super().problems()
         for word in self.levels:
-            if len(set(word)) != len(word) or not word.isprintable():
-                problems["levels"] = f"Own level {word!r} names a key twice, or one that cannot be typed."
+            if not word or len(set(word)) != len(word) or not word.isprintable():
+                problems["levels"] = f"Own level {word!r} names no key, a key twice, or one that cannot be typed."
         count = len(self.chosen_levels())
         if self.start_level > count or self.min_level > count:
             name = "start_level" if self.start_level > count else "min_level"

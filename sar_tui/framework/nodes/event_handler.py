@@ -95,6 +95,9 @@ class EventHandler(TimedNode):
         self._phase = Phase.INSTRUCTIONS
         self._attempt = 1
         self._difficulty = difficulty.start(self.parameters, task.levels)
+        self._level = self._difficulty.level
+        self._overridden = False
+        self._focused = True
         self._results: list[Result] = []
         self._trial: OpenTrial
         self._attempt_started = 0
@@ -110,6 +113,7 @@ class EventHandler(TimedNode):
     def session_started(self, session: m.SessionStarted) -> None:
         """The first run shows the instructions; a later one goes on where the last was cut off."""
         self._last_key = None
+        self._focused = True
         self.cancel_timers()
         self._stored = self._last_trial
         if self._phase is Phase.CLOSING:
@@ -170,7 +174,7 @@ class EventHandler(TimedNode):
 
     def _resume(self) -> None:
         self._pause_reason = ""
-        if self._paused_from in IN_TRIAL:
+        if self._is_under_way:
             self._last_key = self.now
             self._await_quiet()
         else:
@@ -188,6 +192,11 @@ class EventHandler(TimedNode):
         return self._attempt <= self.parameters.practice_attempts
 
     @property
+    def _is_under_way(self) -> bool:
+        """Whether an attempt has begun, and not ended."""
+        return (self._paused_from if self._phase is Phase.PAUSED else self._phase) in IN_TRIAL
+
+    @property
     def _attempts(self) -> int:
         return self.parameters.practice_attempts + self.parameters.attempts
 
@@ -199,13 +208,14 @@ class EventHandler(TimedNode):
 
     def _begin_attempt(self) -> None:
         self._results = []
+        self._overridden = False
         self._attempt_started = self.now
         self.emit(
             ATTEMPT_STARTED,
             m.AttemptStarted(
                 attempt=self._attempt,
                 practice=self._is_practice,
-                level=self._difficulty.level,
+                level=self._level,
                 trials=self.task.trials_per_attempt,
             ),
         )
@@ -217,7 +227,7 @@ class EventHandler(TimedNode):
         score = self.task.score(self._results)
         verdict = feedback.judge(score, self.task.metric, self.parameters)
         due = self._is_practice or feedback.is_due(self._attempt - self.parameters.practice_attempts, self.parameters)
-        level = self._difficulty.level
+        level = self._level
         self.emit(
             ATTEMPT_ENDED,
             m.AttemptEnded(
@@ -235,9 +245,10 @@ class EventHandler(TimedNode):
                 ended=self.now,
             ),
         )
-        if not self._is_practice:
+        if not (self._is_practice or self._overridden):
             self._difficulty = difficulty.step(self._difficulty, verdict.outcome, self.parameters, self.task.levels)
             self._tell_level(level, verdict.outcome)
+        self._level = self._difficulty.level
         if due:
             self.emit(
                 FEEDBACK,
@@ -260,10 +271,14 @@ class EventHandler(TimedNode):
             self._wait(Phase.READY)
 
     def _set_level(self, level: int) -> None:
+        """Set the level of the next attempt. The one under way keeps its own, and does not change the next."""
         highest = min(self.parameters.max_level, self.task.levels)
         before = self._difficulty.level
         self._difficulty = difficulty.Difficulty(max(self.parameters.min_level, min(level, highest)))
         self._tell_level(before, "operator")
+        self._overridden = True
+        if not self._is_under_way:
+            self._level = self._difficulty.level
         if self._phase is Phase.READY:
             self._wait(Phase.READY)
 
@@ -278,7 +293,7 @@ class EventHandler(TimedNode):
         situation = Situation(
             attempt=self._attempt,
             trial=number,
-            level=self._difficulty.level,
+            level=self._level,
             chance=Chance(self._seed, self._attempt, number),
             session=Chance(self._seed),
         )
@@ -303,6 +318,8 @@ class EventHandler(TimedNode):
                 self._finish(self.task.timed_out(self._trial.view()))
 
     def _show(self) -> None:
+        if not self._focused:
+            self._trial.flag("focus_lost")
         self.emit(PROMPT, self._trial.prompt(self.parameters.response_timeout_ms * MS))
         self._wait(Phase.ONSET)
 
@@ -345,6 +362,7 @@ class EventHandler(TimedNode):
 
     @on(FOCUS)
     def focus_changed(self, focus: m.FocusChanged) -> None:
+        self._focused = focus.focused
         if self._phase in IN_TRIAL and not focus.focused:
             self._trial.flag("focus_lost")
 
@@ -356,11 +374,12 @@ class EventHandler(TimedNode):
         self._await_quiet()
 
     def _judge(self, percept: m.KeyPerceived) -> None:
-        trial = self._trial.view()
-        self._trial.remember(percept)
         if percept.repeat:
             self._trial.flag("repeat_key")
-        elif trial.latency_ms(percept.at) > self.parameters.response_timeout_ms:
+            return
+        trial = self._trial.view()
+        self._trial.remember(percept)
+        if trial.latency_ms(percept.at) > self.parameters.response_timeout_ms:
             self._trial.flag("late_key")
             self._finish(self.task.timed_out(trial))
         elif (result := self.task.perceived(trial, percept)) is not None:
@@ -404,10 +423,10 @@ class EventHandler(TimedNode):
                 stage=stage,  # type: ignore[arg-type]
                 attempt=self._attempt,
                 trial=len(self._results) + 1,
-                level=self._difficulty.level,
+                level=self._level,
                 attempt_name=self._attempt_name(),
                 trials=self.task.trials_per_attempt,
-                goal=self.task.goal(self._difficulty.level),
+                goal=self.task.goal(self._level),
                 reason=self._pause_reason,
             ),
         )

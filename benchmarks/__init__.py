@@ -1,0 +1,1 @@
+"""Timing, start-up and scale, measured on the machine at hand: ``python -m benchmarks``."""

@@ -1,0 +1,52 @@
+"""From start to first paint: sar-tui's home screen against the emptiest of Textual apps."""
+
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from sar_tui.simulation.terminal import Terminal, visible
+
+_PATIENCE = 20_000_000_000
+
+
+def first_paint(command: list[str]) -> float:
+    """Seconds from starting a program to the first thing that can be seen of it.
+
+    Raises:
+        TimeoutError: nothing can be seen.
+    """
+    with Terminal(command) as terminal:
+        while not visible(bytes(terminal.output)):
+            if not terminal.read(terminal.started_at + _PATIENCE):
+                raise TimeoutError(f"{command} shows nothing.")
+        painted = (terminal.read_at - terminal.started_at) / 1e9
+        terminal.settle(seconds=2)
+        terminal.press("ctrl+q")
+        terminal.wait()
+    return painted
+
+
+def measure(starts: int, folder: Path, on_start: Callable[[], None]) -> dict[str, Any]:
+    """Medians of both, in turns, after one start of each that is not counted."""
+    with tempfile.TemporaryDirectory(dir=folder) as own:
+        commands = {
+            "empty Textual": [sys.executable, "-m", "benchmarks.empty"],
+            "sar-tui": [sys.executable, "-m", "sar_tui", "--data", own],
+        }
+        seconds: dict[str, list[float]] = {name: [] for name in commands}
+        for start in range(starts + 1):
+            for name, command in commands.items():
+                taken = first_paint(command)
+                if start:
+                    seconds[name].append(taken)
+                on_start()
+    medians = {name: median(taken) for name, taken in seconds.items()}
+    return {
+        "starts": starts,
+        "median_s": medians,
+        "ratio": medians["sar-tui"] / medians["empty Textual"],
+        "seconds": {name: [round(value, 4) for value in taken] for name, taken in seconds.items()},
+    }

@@ -1,0 +1,112 @@
+"""What was measured, as tables for the terminal and for a page, and where it was measured."""
+
+import os
+import platform
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from rich import box
+from rich.table import Table
+
+import sar_tui
+
+Results = Mapping[str, Any]
+Rows = list[list[str]]
+
+_FIGURES = {
+    "n": "trials",
+    "mean_ms": "bias (mean)",
+    "median_ms": "median",
+    "sd_ms": "SD",
+    "robust_sd_ms": "robust SD",
+    "iqr_ms": "IQR",
+    "p99_ms": "p99",
+    "max_ms": "worst",
+}
+
+
+def machine() -> dict[str, Any]:
+    """What it was measured on; nothing that names the machine or its owner."""
+    return {
+        "system": platform.system(),
+        "release": platform.release(),
+        "architecture": platform.machine(),
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "python": platform.python_version(),
+        "textual": version("textual"),
+        "sar_tui": sar_tui.__version__,
+    }
+
+
+def _processor() -> str:
+    """The processor's model, where the system tells it."""
+    listing = Path("/proc/cpuinfo")
+    lines = listing.read_text().splitlines() if listing.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.processor()
+
+
+def tables(results: Results) -> dict[str, Rows]:
+    """Each table by its title; the first row is its head."""
+    response, paint, scale = results["response"], results["paint"], results["scale"]
+    return {
+        "Recorded minus true reaction time (ms)": [
+            ["program", *_FIGURES.values()],
+            *(
+                [name, *(_number(figures[figure]) for figure in _FIGURES)]
+                for name, figures in response["programs"].items()
+            ),
+        ],
+        "Start to first paint (s)": [
+            ["program", "median"],
+            *([name, f"{seconds:.3f}"] for name, seconds in paint["median_s"].items()),
+            ["ratio", f"{paint['ratio']:.2f}"],
+        ],
+        "A simulated trial, with the database on": [
+            ["trials per second", "ms per trial", "ms per bare commit", "ratio"],
+            [f"{scale[name]:.2f}" for name in ("trials_per_s", "trial_ms", "commit_ms", "ratio")],
+        ],
+        "Checks": [["check", "result"], *([name, "pass" if ok else "FAIL"] for name, ok in response["checks"].items())],
+    }
+
+
+def _number(value: float) -> str:
+    return str(value) if isinstance(value, int) else f"{value:.3f}"
+
+
+def drawn(title: str, rows: Rows) -> Table:
+    """A table for the terminal."""
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
+    for number, name in enumerate(rows[0]):
+        table.add_column(name, justify="right" if number else "left")
+    for row in rows[1:]:
+        table.add_row(*row)
+    return table
+
+
+def page(results: Results) -> str:
+    """The page of the latest results, in Markdown."""
+    own, quality = results["machine"], results["response"]["quality"]
+    lines = [
+        "# The latest benchmark",
+        "",
+        f"{results['measured_at'][:10]}: {own['processor']}, {own['cores']} cores, {own['system']} {own['release']}; "
+        f"Python {own['python']}, Textual {own['textual']}, sar-tui {own['sar_tui']}. `make bench` makes this page.",
+    ]
+    for title, (head, *rows) in tables(results).items():
+        lines += ["", f"## {title}", "", _line(head), _line(["---", *["---:"] * (len(head) - 1)])]
+        lines += [_line(row) for row in rows]
+    late = f"{quality['handler_delay_ms_median']:.2f} ms in the median, {quality['handler_delay_ms_max']:.2f} at worst"
+    sources = ", ".join(f"{count} × {source}" for source, count in quality["onset_sources"].items())
+    lines += [
+        "",
+        f"sar-tui's own account: onsets stamped at {sources}; from a key's stamp to its handler {late}.",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _line(cells: list[str]) -> str:
+    return f"| {' | '.join(cells)} |".replace("|median|", "\\|median\\|")

@@ -1,0 +1,47 @@
+"""Simulated trials a second, each on the disk before the next; beside what the disk itself takes for a commit."""
+
+import sqlite3
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from sar_tui import runs
+from sar_tui.framework.parameters import build
+from sar_tui.plugins import Catalogue
+from sar_tui.simulation.person import PEOPLE
+
+
+def measure(attempts: int, folder: Path, on_attempt: Callable[[], None]) -> dict[str, Any]:
+    """Trials a second of a simulated session, and how many bare commits a trial takes."""
+    catalogue = Catalogue()
+    task = catalogue.task("keyboard")
+    parameters = build(task.Parameters, {"attempts": attempts})
+    plan = runs.Plan(task=task, parameters=parameters, theme="calm", participant="BENCH", seed=1, mode="simulated")
+    with tempfile.TemporaryDirectory(dir=folder) as own:
+        started = time.perf_counter()
+        runs.simulate(plan, PEOPLE["average"], Path(own), catalogue, lambda attempt: on_attempt())
+        taken = time.perf_counter() - started
+        trials = attempts * task(parameters).trials_per_attempt
+        commit = _commit(Path(own), trials)
+    return {
+        "trials": trials,
+        "trials_per_s": trials / taken,
+        "trial_ms": 1e3 * taken / trials,
+        "commit_ms": 1e3 * commit,
+        "ratio": taken / trials / commit,
+    }
+
+
+def _commit(folder: Path, commits: int) -> float:
+    """Seconds that SQLite takes for one synced commit of one row, with the settings sar-tui has."""
+    with closing(sqlite3.connect(folder / "commits.db", isolation_level=None)) as database:
+        database.execute("PRAGMA journal_mode=WAL")
+        database.execute("PRAGMA synchronous=FULL")
+        database.execute("CREATE TABLE rows (number INTEGER PRIMARY KEY, text TEXT)")
+        started = time.perf_counter()
+        for number in range(commits):
+            database.execute("INSERT INTO rows VALUES (?, 'a row of some forty characters, or nearly')", (number,))
+        return (time.perf_counter() - started) / commits

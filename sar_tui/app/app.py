@@ -1,0 +1,203 @@
+"""The app: what holds the screens together, and what happens when the terminal, a signal or a fault ends it."""
+
+import asyncio
+import contextlib
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import ClassVar
+
+from textual import events
+from textual.app import App
+from textual.binding import Binding, BindingType
+from textual.driver import Driver
+
+from sar_tui.app.driver import OnsetWatch, watched
+from sar_tui.app.live import LiveSession
+from sar_tui.app.screens.too_small import TooSmallScreen, is_too_small
+from sar_tui.app.themes import textual_theme
+from sar_tui.framework.clock import Clock
+from sar_tui.framework.parameters import ParameterError
+from sar_tui.plugins import Catalogue, PluginError
+from sar_tui.runs import Failed, Plan
+from sar_tui.store.database import StoreError, connect
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
+
+
+class SarTui(App[int]):
+    """Home, settings, sessions.
+
+    Args:
+        folder: where data lives.
+        catalogue: the tasks and themes there are.
+        begin: a plan, or the id of an interrupted session, to begin with at once; then the app ends after it.
+        clock: for tests: a clock to be advanced by hand.
+    """
+
+    TITLE = "sar-tui"
+    CSS_PATH = "app.tcss"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("ctrl+q", "quit", "Quit", priority=True, id="quit"),
+        Binding("ctrl+c", "interrupt", "Stop", show=False, priority=True, id="interrupt"),
+        Binding("f1", "help", "Help", id="help"),
+        Binding("question_mark", "help", "Help", show=False, id="help-2"),
+    ]
+
+    def __init__(
+        self, folder: Path, catalogue: Catalogue, begin: Plan | str | None = None, clock: Clock | None = None
+    ) -> None:
+        self.onset_watch = OnsetWatch()
+        super().__init__()
+        self.folder = folder
+        self.catalogue = catalogue
+        self.database = connect(folder)
+        self.live: LiveSession | None = None
+        self.failure = ""
+        self._begin = begin
+        self._session_clock = clock
+        for name in catalogue.theme_names():
+            self.register_theme(textual_theme(catalogue.theme(name)))
+        self.use_theme("calm")
+
+    def get_driver_class(self) -> type[Driver]:
+        return watched(super().get_driver_class(), self.onset_watch, self._terminal_gone)
+
+    def use_theme(self, name: str) -> None:
+        """Wear a theme of the Social-Behavioral Base."""
+        self.theme = f"sar-{name}"
+
+    # --- beginning ----------------------------------------------------------------------------------------
+
+    def on_mount(self) -> None:
+        from sar_tui.app.screens.home import HomeScreen
+
+        self._catch_signals()
+        if self._begin is None:
+            self.push_screen(HomeScreen())
+        else:
+            self.begin_session(self._begin)
+
+    def begin_session(self, what: Plan | str) -> None:
+        """Open a new or an interrupted session on a screen of its own; say so if that cannot be."""
+        from sar_tui.app.screens.session import SessionScreen
+
+        live = LiveSession(self.folder, self.catalogue, self._session_clock)
+        screen = SessionScreen(live)
+        try:
+            live.open(screen, what)
+        except (StoreError, PluginError, ParameterError, Failed) as error:
+            self._cannot_begin(str(error))
+            return
+        self.live = live
+        self.clear_notifications()
+        self.use_theme(live.run.session.theme.name)
+        self.push_screen(screen, self._session_left)
+
+    def _cannot_begin(self, why: str) -> None:
+        if self._begin is None:
+            self.notify(why, severity="warning", timeout=15)
+        else:
+            self.failure = why
+            self.exit(return_code=1)
+
+    def _session_left(self, _: object) -> None:
+        """The session's screen is gone: after its summary, or because the task failed."""
+        self.close_session()
+        if self._begin is not None or self.failure:
+            self.exit(return_code=1 if self.failure else 0)
+
+    def close_session(self) -> None:
+        """End the live session's workers, if there is one, and let go of it."""
+        if self.live:
+            self.live.close(self)
+
+    def on_app_blur(self, event: events.AppBlur) -> None:
+        self._tell_focus(False, event.time)
+
+    def on_app_focus(self, event: events.AppFocus) -> None:
+        self._tell_focus(True, event.time)
+
+    def _tell_focus(self, focused: bool, seconds: float) -> None:
+        if self.live and not self.live.is_closed:
+            self.live.keyboard.focused(focused, seconds)
+
+    # --- the terminal --------------------------------------------------------------------------------------
+
+    def on_resize(self) -> None:
+        if is_too_small(self.size) and not isinstance(self.screen, TooSmallScreen):
+            self.push_screen(TooSmallScreen())
+
+    def _catch_signals(self) -> None:
+        """A signal ends the app in order: the terminal restored, everything written."""
+        if os.name != "posix" or self.is_headless:
+            return
+        loop = asyncio.get_running_loop()
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            number = getattr(signal, name)
+            loop.add_signal_handler(number, self.exit, None, 128 + number)
+
+    def _terminal_gone(self) -> None:
+        """Called from the writing thread."""
+        self.call_later(self.exit, None, 128 + getattr(signal, "SIGHUP", 1))
+
+    # --- ending ---------------------------------------------------------------------------------------------
+
+    def action_interrupt(self) -> None:
+        """Ctrl-C, anywhere."""
+        self.exit(return_code=INTERRUPTED)
+
+    def action_help(self) -> None:
+        from sar_tui.app.screens.help import HelpScreen
+
+        if not isinstance(self.screen, HelpScreen):
+            self.push_screen(HelpScreen(self.screen))
+
+    def _handle_exception(self, error: Exception) -> None:
+        """A fault of ours: no traceback on anybody's screen, unless asked for."""
+        if self.is_headless or os.environ.get("SAR_TUI_DEBUG"):
+            super()._handle_exception(error)
+            return
+        self.failure = f"sar-tui failed ({type(error).__name__}: {error}). Set SAR_TUI_DEBUG=1 to see where."
+        self._return_code = 1
+        self._close_messages_no_wait()
+
+
+def run_app(folder: Path, catalogue: Catalogue, plan: Plan | None = None, resume: str | None = None) -> int:
+    """Run the app in this terminal; returns the exit code.
+
+    Args:
+        folder: where data lives.
+        catalogue: the tasks and themes there are.
+        plan: go straight into this session.
+        resume: go straight on with the interrupted session of this id.
+
+    Raises:
+        StoreError, PluginError: before the app opens.
+    """
+    app = SarTui(folder, catalogue, plan or resume)
+    app.run()
+    app.close_session()
+    code = app.return_code or 0
+    for line in _last_words(app, code):
+        _tell(line)
+    return code
+
+
+def _last_words(app: SarTui, code: int) -> list[str]:
+    words = [app.failure] if app.failure else []
+    if code == INTERRUPTED:
+        words.append("Stopped with Ctrl-C.")
+    live = app.live
+    if live and not live.run.session.ended:
+        words.append(f"The session is kept. Go on with it: sar-tui resume {live.run.id}")
+    if live and live.unsaved:
+        words.append("The disk would not take the session's last messages; the trials acknowledged before are safe.")
+    return words
+
+
+def _tell(line: str) -> None:
+    with contextlib.suppress(OSError):  # the terminal may be gone: then there is nobody to tell
+        print(line, file=sys.stderr)

@@ -1,0 +1,91 @@
+"""A live session in the app: its run, the two workers that carry it, and how it ends."""
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sar_tui.app.screen_output import ScreenOutput, Stage
+from sar_tui.framework.bus import FAULT
+from sar_tui.framework.clock import Clock, LiveClock
+from sar_tui.framework.messages import Fault, Operator
+from sar_tui.framework.topics import OPERATOR
+from sar_tui.inputs.keyboard import Keyboard
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, Run, resume, start
+
+if TYPE_CHECKING:
+    from textual.app import App
+
+_LAST_WRITE_SECONDS = 5.0
+"""How long the end of a session waits for the disk."""
+
+
+class LiveSession:
+    """Starts, carries and ends a run.
+
+    Two Textual workers do the work: ``session`` is the task in which the bus, perception and event handling
+    run; ``storage`` is the thread that writes. Both end with ``close``.
+    """
+
+    def __init__(self, folder: Path, catalogue: Catalogue, clock: Clock | None = None) -> None:
+        self.clock = clock or LiveClock(asyncio.get_running_loop())
+        self.keyboard = Keyboard()
+        self.screen: ScreenOutput
+        self.run: Run
+        self._folder = folder
+        self._catalogue = catalogue
+        self._closing = False
+
+    def open(self, stage: Stage, what: Plan | str) -> None:
+        """Enter a new session (a plan) or an interrupted one (its id). Raises as `runs.start` and `runs.resume`."""
+        self.screen = ScreenOutput(stage)
+        nodes = [self.keyboard, self.screen]
+        if isinstance(what, Plan):
+            self.run = start(what, self._folder, self._catalogue, self.clock, lambda task: nodes)
+        else:
+            self.run = resume(what, self._folder, self._catalogue, self.clock, lambda task: nodes)
+
+    def begin(self, app: "App[int]", broken: Callable[[str], None]) -> None:
+        """Start both workers and the loop. ``broken`` is called when the task has failed."""
+        if isinstance(self.clock, LiveClock):
+            app.run_worker(self.clock.run(), name="session", group="session", description="bus, perception, events")
+            app.run_worker(self._store, name="storage", group="storage", thread=True, description="SQLite")
+
+        def faulted(fault: Fault) -> None:
+            if self.run.session.broken is fault:
+                broken(fault.error)
+
+        self.run.session.bus.subscribe(FAULT, faulted)
+        self.clock.call_soon(self.run.begin)
+
+    def _store(self) -> None:
+        from textual.worker import get_current_worker
+
+        worker = get_current_worker()
+        self.run.recorder.run(lambda: self._closing or worker.is_cancelled)
+
+    def operate(self, act: Operator) -> None:
+        """Steer the session."""
+        self.run.session.bus.post(OPERATOR, act)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the session has been let go of."""
+        return self._closing
+
+    @property
+    def unsaved(self) -> int:
+        """How many messages are not on the disk."""
+        return self.run.recorder.pending
+
+    def close(self, app: "App[int]") -> None:
+        """Stop both workers, write what is left, and let go of the session."""
+        if self._closing:
+            return
+        self._closing = True
+        app.workers.cancel_group(app, "session")
+        if isinstance(self.clock, LiveClock):
+            self.run.recorder.stop()
+            self.run.recorder.wait(_LAST_WRITE_SECONDS)
+        self.run.close()

@@ -1,0 +1,46 @@
+"""Help: what this screen is for, and its keys."""
+
+from typing import ClassVar
+
+from rich.table import Table
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import VerticalScroll
+from textual.screen import ModalScreen, Screen
+from textual.widgets import Static
+
+_KEYS = {
+    "question_mark": "?",
+    "escape": "Esc",
+    "enter": "Enter",
+    "ctrl+q": "Ctrl-Q",
+    "ctrl+p": "Ctrl-P",
+    "ctrl+s": "Ctrl-S",
+    "ctrl+r": "Ctrl-R",
+}
+
+
+class HelpScreen(ModalScreen[None]):
+    """Lists the keys of the screen beneath it."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,enter,space,f1,q", "dismiss", "Close", id="help-close")]
+
+    def __init__(self, about: Screen[object]) -> None:
+        super().__init__()
+        self._about = about
+
+    def compose(self) -> ComposeResult:
+        with VerticalScroll(id="help"):
+            yield Static(getattr(self._about, "HELP_TEXT", ""), markup=False)
+            yield Static(self._keys())
+            yield Static("Press Enter to close this.", classes="muted")
+
+    def _keys(self) -> Table:
+        table = Table.grid(padding=(0, 2))
+        seen = set()
+        for binding in self._about.active_bindings.values():
+            name, key = binding.binding.description, binding.binding.key
+            if binding.binding.show and binding.enabled and name and name not in seen:
+                seen.add(name)
+                table.add_row(_KEYS.get(key, key.upper()), name.capitalize())
+        return table

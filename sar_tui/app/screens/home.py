@@ -1,0 +1,203 @@
+"""Home: who sits down, what they do, and what was done before."""
+
+import secrets
+from typing import Any, ClassVar
+
+from textual import on
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.screen import Screen
+from textual.widgets import Button, Footer, OptionList, Static
+from textual.widgets.option_list import Option
+
+from sar_tui.framework.parameters import ParameterError, build
+from sar_tui.framework.task import Task
+from sar_tui.plugins import PluginError
+from sar_tui.runs import Plan
+from sar_tui.store import participants, sessions
+
+_NEW = "+"
+
+
+class HomeScreen(Screen[None]):
+    """Three lists to choose from, a button to start, and the recent sessions. Arrows and Enter are enough."""
+
+    HELP_TEXT = (
+        "Choose who takes part, the task and the theme; then Start.\n"
+        "The arrows move within a list and between lists, Enter chooses.\n"
+        "A session that was interrupted stands at the top of the list below: Enter goes on with it.\n\n"
+        "Participants are codes, never names."
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("right", "next", "Next list", show=False, id="next"),
+        Binding("left", "previous", "Previous list", show=False, id="previous"),
+        Binding("f2", "settings", "Settings (therapist)", id="settings"),
+    ]
+
+    app: Any
+
+    def compose(self) -> ComposeResult:
+        yield Static("sar-tui", id="title")
+        with Horizontal(id="choices"):
+            for name, title in (("participant", "Who"), ("task", "Task"), ("theme", "Theme")):
+                choices = OptionList(id=name, classes="choice", markup=False)
+                choices.border_title = title
+                yield choices
+        with Horizontal(id="buttons"):
+            yield Static("", id="about", markup=False)
+            yield Button("Start", id="start", variant="primary", compact=True)
+            yield Button("Settings", id="settings", compact=True)
+        with Vertical(id="recent-box"):
+            recent = OptionList(id="recent", markup=False)
+            recent.border_title = "Recent sessions"
+            yield recent
+        yield Footer()
+
+    def on_mount(self) -> None:
+        tasks = self.query_one("#task", OptionList)
+        for name in self.app.catalogue.task_names():
+            try:
+                tasks.add_option(Option(self.app.catalogue.task(name).title, id=name))
+            except PluginError:
+                tasks.add_option(Option(f"{name} (does not load)", id=name, disabled=True))
+        themes = self.query_one("#theme", OptionList)
+        for name in self.app.catalogue.theme_names():
+            themes.add_option(Option(self.app.catalogue.theme(name).title, id=name))
+        tasks.highlighted = themes.highlighted = 0
+
+    def on_screen_resume(self) -> None:
+        self._list_participants()
+        self._list_recent()
+        if self.focused is None:
+            self.query_one("#participant").focus()
+
+    # --- the lists ---------------------------------------------------------------------------------------
+
+    def _list_participants(self, chosen: str | None = None) -> None:
+        people = self.query_one("#participant", OptionList)
+        chosen = chosen or self._chosen("participant")
+        codes = participants.codes(self.app.database)
+        people.clear_options()
+        people.add_options([Option(code, id=code) for code in codes])
+        people.add_option(Option("+ New participant", id=_NEW))
+        people.highlighted = codes.index(chosen) if chosen in codes else 0
+
+    def _list_recent(self) -> None:
+        recent = self.query_one("#recent", OptionList)
+        rows = sessions.listing(self.app.database, self.app.folder, limit=30)
+        rows.sort(key=lambda row: not _can_go_on(row))
+        recent.clear_options()
+        recent.add_options([Option(_line(row), id=row["id"]) for row in rows])
+        if not rows:
+            recent.add_option(Option("None yet.", disabled=True))
+
+    def _chosen(self, name: str) -> str | None:
+        choices = self.query_one(f"#{name}", OptionList)
+        if choices.highlighted is None:
+            return None
+        chosen = choices.get_option_at_index(choices.highlighted).id
+        return None if chosen == _NEW else chosen
+
+    @on(OptionList.OptionHighlighted)
+    def _chose(self) -> None:
+        """Tell what Start would do, and wear the theme."""
+        if theme := self._chosen("theme"):
+            self.app.use_theme(theme)
+        who, task = self._chosen("participant"), self._chosen("task")
+        about = f"{who}: {self.app.catalogue.task(task).title}" if who and task else "Choose or add a participant."
+        self.query_one("#about", Static).update(about)
+
+    @on(OptionList.OptionHighlighted, "#participant, #task")
+    def _show_kept_theme(self) -> None:
+        """A participant's theme is kept with their settings."""
+        who, task = self._chosen("participant"), self._chosen("task")
+        if who and task:
+            kept = participants.settings(self.app.database, who, task).theme
+            if kept in (names := self.app.catalogue.theme_names()):
+                self.query_one("#theme", OptionList).highlighted = names.index(kept)
+
+    @on(OptionList.OptionSelected, "#participant")
+    def _participant_selected(self, event: OptionList.OptionSelected) -> None:
+        if event.option.id == _NEW:
+            self._add_participant()
+        else:
+            self.action_next()
+
+    @on(OptionList.OptionSelected, "#task, #theme")
+    def _go_to_next(self) -> None:
+        self.action_next()
+
+    def _add_participant(self) -> None:
+        from sar_tui.app.screens.new_participant import NewParticipantScreen
+
+        def added(code: str | None) -> None:
+            if code:
+                self._list_participants(code)
+                self.query_one("#task").focus()
+
+        self.app.push_screen(NewParticipantScreen(), added)
+
+    @on(OptionList.OptionSelected, "#recent")
+    def _recent_selected(self, event: OptionList.OptionSelected) -> None:
+        from sar_tui.app.screens.past_session import PastSessionScreen
+
+        row = sessions.find(self.app.database, self.app.folder, event.option.id or "")
+        if _can_go_on(row):
+            self.app.begin_session(row["id"])
+        else:
+            self.app.push_screen(PastSessionScreen(row))
+
+    # --- what can be done ---------------------------------------------------------------------------------
+
+    def action_next(self) -> None:
+        """The focus goes to the next list."""
+        self.focus_next()
+
+    def action_previous(self) -> None:
+        """The focus goes to the list before."""
+        self.focus_previous()
+
+    @on(Button.Pressed, "#start")
+    def _start(self) -> None:
+        if (chosen := self._participant_and_task()) is None:
+            return
+        who, task = chosen
+        theme = self._chosen("theme") or "calm"
+        kept = participants.settings(self.app.database, who, task.name)
+        try:
+            parameters = build(task.Parameters, kept.parameters)
+        except ParameterError as error:
+            self.notify(f"The settings of {who} do not fit: {error}", severity="warning", timeout=15)
+            return
+        participants.save_settings(self.app.database, who, task.name, participants.Settings(kept.parameters, theme))
+        self.app.begin_session(Plan(task, parameters, theme, who, secrets.randbelow(2**31)))
+
+    @on(Button.Pressed, "#settings")
+    def action_settings(self) -> None:
+        """The therapist's door."""
+        from sar_tui.app.screens.settings import SettingsScreen
+
+        if chosen := self._participant_and_task():
+            self.app.push_screen(SettingsScreen(*chosen))
+
+    def _participant_and_task(self) -> tuple[str, type[Task]] | None:
+        who, name = self._chosen("participant"), self._chosen("task")
+        if not who or not name:
+            self.notify("Choose or add a participant first.", severity="warning")
+            self.query_one("#participant").focus()
+            return None
+        return who, self.app.catalogue.task(name)
+
+
+def _can_go_on(row: sessions.Row) -> bool:
+    return bool(row["status"] == "interrupted" and row["mode"] == "live")
+
+
+def _line(row: sessions.Row) -> str:
+    """A session in a line: when, who, what, how it ended."""
+    when = row["started_at"][:16].replace("T", " ")
+    done = f"{row['attempts']} of {row['parameters'].get('attempts', '?')}"
+    how = "interrupted: Enter goes on" if _can_go_on(row) else row["status"]
+    kind = "" if row["mode"] == "live" else f" ({row['mode']})"
+    return f"{when}  {row['participant']:<8} {row['task']:<10} {done:>9}  {how}{kind}"

@@ -1,0 +1,48 @@
+"""Asks for a participant's code."""
+
+from typing import Any, ClassVar
+
+from textual import on
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical
+from textual.screen import ModalScreen
+from textual.widgets import Input, Static
+
+from sar_tui.store import participants
+from sar_tui.store.database import StoreError
+
+
+class NewParticipantScreen(ModalScreen[str | None]):
+    """Gives the new code, or None."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Cancel", id="cancel")]
+
+    app: Any
+
+    def compose(self) -> ComposeResult:
+        with Vertical(id="new-participant"):
+            yield Static("New participant", classes="headline")
+            yield Static("A code, such as P01. Never a name.", markup=False)
+            yield Input(placeholder="P01", max_length=32, id="code")
+            yield Static("", id="problem", markup=False)
+            yield Static("Press Enter to add, Esc to cancel.", classes="muted")
+
+    @on(Input.Changed)
+    def _check(self, event: Input.Changed) -> None:
+        self._tell(event.value)
+
+    def _tell(self, code: str) -> bool:
+        problem = ""
+        try:
+            if participants.check_code(code) in participants.codes(self.app.database):
+                problem = "This code is taken."
+        except StoreError as error:
+            problem = str(error) if code.strip() else ""
+        self.query_one("#problem", Static).update(problem)
+        return bool(code.strip()) and not problem
+
+    @on(Input.Submitted)
+    def _add(self, event: Input.Submitted) -> None:
+        if self._tell(event.value):
+            self.dismiss(participants.add(self.app.database, event.value))

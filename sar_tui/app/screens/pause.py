@@ -1,0 +1,59 @@
+"""The pause menu: go on, tired, in pain, finished. Only ending asks again."""
+
+from textual.message import Message
+from textual.widgets import OptionList
+from textual.widgets.option_list import Option
+
+from sar_tui.framework.messages import Operator
+
+_WORDS = {
+    "": ("Paused", "Take your time."),
+    "tired": ("Have a rest", "Take all the rest you need. Nothing is lost."),
+    "pain": ("Please stop and rest", "Tell your therapist or the experimenter about the pain before you go on."),
+    "finished": ("End the session now?", "What you did is kept. It cannot be gone on with afterwards."),
+}
+_CHOICES = {
+    "": ("go on", "tired", "pain", "finished"),
+    "tired": ("go on", "pain", "finished"),
+    "pain": ("go on", "finished"),
+    "finished": ("go on", "end"),
+}
+_LABELS = {
+    "go on": "Go on",
+    "tired": "I am tired",
+    "pain": "I am in pain",
+    "finished": "I am finished",
+    "end": "Yes, end the session",
+}
+
+
+class PauseMenu(OptionList):
+    """Chosen with the arrows and Enter. Every choice is an operator's act by the participant."""
+
+    class Chosen(Message):
+        """The participant chose."""
+
+        def __init__(self, act: Operator) -> None:
+            super().__init__()
+            self.act = act
+
+    def open(self, reason: str) -> None:
+        """Show the choices there are after a pause for ``reason``."""
+        title, words = _WORDS.get(reason, _WORDS[""])
+        self.border_title = title
+        self.border_subtitle = "arrows and Enter"
+        self.clear_options()
+        self.add_option(Option(f"{words}\n", disabled=True))
+        self.add_options([Option(_LABELS[choice], id=choice) for choice in _CHOICES.get(reason, _CHOICES[""])])
+        self.highlighted = 1
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        event.stop()
+        match event.option.id:
+            case "go on":
+                act = Operator(command="resume")
+            case "end":
+                act = Operator(command="end", reason="finished")
+            case reason:
+                act = Operator(command="pause", reason=reason or "")
+        self.post_message(self.Chosen(act))

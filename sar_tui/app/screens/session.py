@@ -1,0 +1,272 @@
+"""The session's screen: what the participant sees, from the instructions to the summary."""
+
+import functools
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from textual import events
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.screen import Screen
+from textual.widgets import ContentSwitcher, Footer, ProgressBar, Static
+
+from sar_tui.app.live import LiveSession
+from sar_tui.app.quiet import Quiet
+from sar_tui.app.screens.pause import PauseMenu
+from sar_tui.app.screens.summary import Summary
+from sar_tui.framework.messages import (
+    Action,
+    AttemptEnded,
+    AttemptStarted,
+    Operator,
+    Prompt,
+    Recall,
+    SessionEnded,
+    Shown,
+    Waiting,
+)
+from sar_tui.framework.topics import RECALL
+from sar_tui.widgets.agent import Agent
+from sar_tui.widgets.big_prompt import BigPrompt
+
+_UNSEEN = 0.25
+"""Seconds after a repaint by which a flush should have been stamped; then the repaint itself is the onset."""
+
+
+class SessionScreen(Screen[None]):
+    """The stage of a session (see `screen_output.Stage`), and its keyboard.
+
+    Nothing on it moves while a response is awaited.
+    """
+
+    HELP_TEXT = (
+        "Do the task that appears. When the screen waits, press Enter.\n"
+        "To pause at any time, press Escape; nothing is lost.\n"
+    )
+    AUTO_FOCUS = ""
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "pause", "Pause", id="pause")]
+
+    app: Any
+
+    def __init__(self, live: LiveSession) -> None:
+        super().__init__()
+        self._live = live
+        self._quiet = Quiet()
+        self._waiting: Waiting | None = None
+        self._unstamped = False
+
+    def compose(self) -> ComposeResult:
+        session = self._live.run.session
+        with Horizontal(id="top"):
+            yield Static(session.task.title, id="task", markup=False)
+            yield Static("", id="where", markup=False)
+        with ContentSwitcher(initial="message", id="stage"):
+            with Vertical(id="message"):
+                yield Static("", id="headline", markup=False)
+                yield Static("", id="text", markup=False)
+                yield Static("", id="enter", markup=False)
+            yield BigPrompt(id="prompt")
+            yield PauseMenu(id="menu")
+            yield Summary(session.task, id="summary")
+        yield Agent(session.theme.faces, id="agent")
+        with Horizontal(id="progress"):
+            yield Static("", id="trials-label", markup=False)
+            yield ProgressBar(id="trials", show_eta=False, show_percentage=False)
+            yield Static("", id="attempts-label", markup=False)
+            yield ProgressBar(id="attempts", show_eta=False, show_percentage=False)
+        yield Footer()
+
+    def on_mount(self) -> None:
+        session = self._live.run.session
+        parameters = session.task.parameters
+        self.query_one("#attempts", ProgressBar).update(
+            total=parameters.practice_attempts + parameters.attempts, progress=0
+        )
+        self.query_one("#trials", ProgressBar).update(total=session.task.trials_per_attempt, progress=0)
+        self._live.begin(self.app, self._broken)
+
+    def on_unmount(self) -> None:
+        self._quiet.end_attempt()
+
+    # --- the keyboard ------------------------------------------------------------------------------------
+
+    def on_key(self, event: events.Key) -> None:
+        waiting = self._waiting
+        if waiting is None or isinstance(self.focused, PauseMenu):
+            return
+        if waiting.stage != "trial" and event.key in ("question_mark", "f1", "ctrl+p"):
+            return
+        if waiting.stage == "ended" and waiting.what == "nothing":
+            if event.key in ("enter", "space"):
+                event.stop()
+                self.dismiss()
+            return
+        if event.key not in ("escape", "f1", "ctrl+p"):
+            event.stop()
+            event.prevent_default()
+        self._live.keyboard.pressed(event.key, event.character, event.time, self._quiet.lag)
+
+    def on_paste(self, event: events.Paste) -> None:
+        event.stop()
+        self._live.keyboard.pasted(len(event.text), event.time)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
+        """A pause is offered where there is something to pause."""
+        return action != "pause" or (self._waiting is not None and self._waiting.stage not in ("paused", "ended"))
+
+    def action_pause(self) -> None:
+        """At once and unconfirmed."""
+        self._live.operate(Operator(command="pause"))
+
+    def on_screen_suspend(self) -> None:
+        """Something covers this screen: a participant cannot be asked to respond."""
+        if self._waiting and self._waiting.stage == "trial":
+            self.action_pause()
+
+    def on_pause_menu_chosen(self, event: PauseMenu.Chosen) -> None:
+        self._live.operate(event.act)
+
+    # --- the stage: what the loop asks of the screen ---------------------------------------------------------
+
+    def show_prompt(self, prompt: Prompt) -> None:
+        """Put the prompt up; its onset is the flush of the frame that holds its text."""
+        tell = functools.partial(Shown, attempt=prompt.attempt, trial=prompt.trial, presentation=prompt.presentation)
+        self._unstamped = True
+        self.app.onset_watch.arm(prompt.text, functools.partial(self._flushed, tell))
+        self.query_one(BigPrompt).show(prompt.glyph, prompt.text, prompt.hint)
+        self.call_after_refresh(self._refreshed, tell)
+
+    def _flushed(self, tell: Callable[..., Shown], at: int) -> None:
+        """On the writing thread: the frame is with the terminal."""
+        self._unstamped = False
+        self._live.screen.shown(tell(at=at, source="flush"))
+
+    def _refreshed(self, tell: Callable[..., Shown]) -> None:
+        """The frame is painted. Where no flush can be seen (a test, Windows) this is the onset, and is called so."""
+        shown = tell(at=self._live.clock.now(), source="refresh")
+
+        def fall_back() -> None:
+            if self._unstamped:
+                self._live.screen.shown(shown)
+
+        if getattr(self.app._driver, "can_stamp_onset", False):
+            self.set_timer(_UNSEEN, fall_back)
+        else:
+            fall_back()
+
+    def clear_prompt(self) -> None:
+        self._quiet.end_trial()
+        self.query_one(BigPrompt).clear()
+
+    def begin_attempt(self, started: AttemptStarted) -> None:
+        self._quiet.begin_attempt()
+        self.query_one(Agent).say("", "listening")
+
+    def progress(self, done: int) -> None:
+        self.query_one("#trials", ProgressBar).update(progress=done)
+        self._count("#trials-label", done)
+
+    def end_attempt(self, ended: AttemptEnded) -> None:
+        self._quiet.end_attempt()
+        self.query_one("#attempts", ProgressBar).update(progress=ended.attempt)
+
+    def say(self, action: Action) -> None:
+        self.query_one(Agent).say(action.text, action.face, action.valence)
+
+    def wait(self, waiting: Waiting) -> None:
+        entered = self._waiting is None or self._waiting.stage != waiting.stage
+        self._waiting = waiting
+        if waiting.what in ("foreperiod", "response"):
+            if waiting.what == "response":
+                self._quiet.begin_trial()
+            return
+        match waiting.stage:
+            case "instructions":
+                self._message("Welcome", self._live.run.session.task.instructions(), "Press Enter to go on.")
+            case "attempt":
+                headline = waiting.attempt_name.capitalize()
+                self._message(headline, waiting.goal, f"Press Enter to begin {waiting.attempt_name}.")
+                self._where(waiting)
+            case "trial" if entered:
+                self._begin_trials(waiting)
+            case "paused":
+                self._paused(waiting)
+            case "ended" if waiting.what == "storage":
+                self._message("Finished", "Your results are being saved.", "")
+
+    def end(self, ended: SessionEnded) -> None:
+        session = self._live.run.session
+        attempts = session.bus.call(RECALL, Recall()).attempts
+        self.query_one(Summary).show(attempts, ended.status)
+        self._stage("summary")
+
+    # --- what stands where ------------------------------------------------------------------------------------
+
+    def _begin_trials(self, waiting: Waiting) -> None:
+        self.query_one("#trials", ProgressBar).update(total=waiting.trials, progress=waiting.trial - 1)
+        self._count("#trials-label", waiting.trial - 1)
+        self._where(waiting)
+        self.query_one(BigPrompt).clear()
+        self._stage("prompt")
+
+    def _paused(self, waiting: Waiting) -> None:
+        self._where(waiting)
+        match waiting.reason:
+            case "interrupted":
+                self._message(
+                    "Welcome back",
+                    f"We go on with {waiting.attempt_name}. {waiting.goal}",
+                    "Press Enter to go on.",
+                )
+            case "storage":
+                self._message(
+                    "Please fetch the experimenter",
+                    "The computer cannot save just now, so the session has paused.\n"
+                    "Everything you did is kept. For the experimenter: the disk is full or refuses to write;\n"
+                    "the session goes on when there is space again.",
+                    "",
+                )
+            case "restored":
+                self._message("Thank you for waiting", "Everything is saved again.", "Press Enter to go on.")
+            case reason:
+                self.query_one(PauseMenu).open(reason)
+                self._stage("menu")
+
+    def _message(self, headline: str, text: str, enter: str) -> None:
+        self.query_one("#headline", Static).update(headline)
+        self.query_one("#text", Static).update(text)
+        self.query_one("#enter", Static).update(enter)
+        self._stage("message")
+
+    def _stage(self, name: str) -> None:
+        self.query_one("#stage", ContentSwitcher).current = name
+        menu = self.query_one(PauseMenu)
+        self.set_focus(menu if name == "menu" else None)
+        summary = name == "summary"
+        self.query_one("#progress").display = not summary
+        self.refresh_bindings()
+
+    def _where(self, waiting: Waiting) -> None:
+        self.query_one("#where", Static).update(f"{waiting.attempt_name.capitalize()} · level {waiting.level}")
+        parameters = self._live.run.session.task.parameters
+        total = parameters.practice_attempts + parameters.attempts
+        self.query_one("#attempts", ProgressBar).update(progress=waiting.attempt - 1)
+        self.query_one("#attempts-label", Static).update(f"  Attempts {waiting.attempt - 1} of {total} ")
+
+    def _count(self, label: str, done: int) -> None:
+        total = self._live.run.session.task.trials_per_attempt
+        self.query_one(label, Static).update(f"Prompts {done} of {total} ")
+
+    def _broken(self, error: str) -> None:
+        """The task raised: nothing is lost, but it cannot go on."""
+        self._quiet.end_attempt()
+        self.app.failure = (
+            f"The task {self._live.run.session.task.name} failed ({error}). What was done so far is kept."
+        )
+        self._message(
+            "Please fetch the experimenter",
+            "Something went wrong in this task, so the session has stopped.\nEverything you did is kept.",
+            "Press Enter to close.",
+        )
+        self._waiting = Waiting(what="nothing", stage="ended")

@@ -1,0 +1,61 @@
+"""The closing summary: the metric and the level over attempts (the thesis' Figure 4.4), in words and as a plot."""
+
+from collections.abc import Sequence
+
+from rich.text import Text
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.widgets import Static
+
+from sar_tui.framework.messages import AttemptEnded
+from sar_tui.framework.task import Task
+
+
+class Summary(Vertical):
+    """What was done, for the participant and the therapist beside them."""
+
+    def __init__(self, task: Task, id: str | None = None) -> None:
+        super().__init__(id=id)
+        self._motor_task = task
+        self._attempts: Sequence[AttemptEnded] = ()
+
+    def compose(self) -> ComposeResult:
+        yield Static("", id="facts", markup=False)
+        yield Static("", id="plot")
+        yield Static("Press Enter to finish.", id="finish", markup=False)
+
+    def show(self, attempts: Sequence[AttemptEnded], status: str = "completed") -> None:
+        """Show a session's scored attempts."""
+        self._attempts = attempts
+        self.query_one("#facts", Static).update(self._facts(status))
+        self.call_after_refresh(self._draw)
+
+    def on_resize(self) -> None:
+        self._draw()
+
+    def _facts(self, status: str) -> str:
+        done = len(self._attempts)
+        metric = self._motor_task.metric
+        words = "You did" if status == "completed" else "The session was ended after"
+        facts = f"{words} {done} {'attempt' if done == 1 else 'attempts'}."
+        values = [a.metric for a in self._attempts if a.metric is not None]
+        if values:
+            best = (min if metric.better == "lower" else max)(values)
+            facts += f" Best result: {metric.show(best)}. Highest level: {max(a.level for a in self._attempts)}."
+        return facts
+
+    def _draw(self) -> None:
+        from sar_tui.plot import attempts_figure
+
+        plot = self.query_one("#plot", Static)
+        if not self._attempts or plot.size.width < 20 or plot.size.height < 6:
+            return
+        figure = attempts_figure(
+            [a.level for a in self._attempts],
+            [a.metric for a in self._attempts],
+            metric=f"{self._motor_task.metric.name.replace('_', ' ')} ({self._motor_task.metric.unit})",
+            threshold=self._motor_task.parameters.threshold,
+            width=plot.size.width,
+            height=plot.size.height,
+        )
+        plot.update(Text.from_ansi(figure))

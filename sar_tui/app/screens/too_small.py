@@ -1,0 +1,35 @@
+"""Says that the terminal is too small, until it is not."""
+
+from textual.app import ComposeResult
+from textual.geometry import Size
+from textual.screen import Screen
+from textual.widgets import Static
+
+MINIMUM = Size(80, 24)
+
+
+def is_too_small(size: Size) -> bool:
+    """Whether the screens do not fit. A size of 0 is not known yet."""
+    return 0 < size.width < MINIMUM.width or 0 < size.height < MINIMUM.height
+
+
+class TooSmallScreen(Screen[None]):
+    """Stands over whatever was there; a session beneath it is paused."""
+
+    def compose(self) -> ComposeResult:
+        yield Static(id="too-small", markup=False)
+
+    def on_mount(self) -> None:
+        self._tell()
+
+    def on_resize(self) -> None:
+        self._tell()
+        if not is_too_small(self.app.size):
+            self.dismiss()
+
+    def _tell(self) -> None:
+        size = self.app.size
+        self.query_one("#too-small", Static).update(
+            f"This window is too small.\n\nPlease make it larger.\n\n"
+            f"It has {size.width} by {size.height} characters;\n{MINIMUM.width} by {MINIMUM.height} are needed."
+        )

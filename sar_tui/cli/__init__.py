@@ -1,0 +1,81 @@
+"""The commands. Each is a few lines that call the rooms above; what is heavy is imported when a command runs."""
+
+import sys
+from typing import Annotated
+
+import typer
+
+from sar_tui import __version__
+from sar_tui.cli import doctor, graph, live, sessions, simulate, tasks, themes
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, need_terminal
+from sar_tui.cli.errors import INTERRUPTED, Commands
+
+app = typer.Typer(
+    name="sar-tui",
+    cls=Commands,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"sar-tui {__version__}")
+        raise typer.Exit
+
+
+@app.callback(invoke_without_command=True)
+def open_app(
+    context: typer.Context,
+    data: Data = None,
+    tasks: Tasks = None,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Motor-rehabilitation tasks in a terminal. Without a command: opens the app."""
+    home = Home.of(context, data, tasks)
+    context.obj = home
+    if context.invoked_subcommand is None:
+        catalogue = home.catalogue()
+        need_terminal()
+        from sar_tui.app.app import run_app
+
+        raise typer.Exit(run_app(home.folder, catalogue))
+
+
+def measure_timing(
+    context: typer.Context,
+    trials: Annotated[int, typer.Option(min=10, max=10_000, help="How many responses to measure.")] = 100,
+    as_json: AsJson = False,
+    data: Data = None,
+) -> None:
+    """Measure this machine's and terminal's timing, and say whether it is fit for an experiment."""
+    from sar_tui.cli.timing import run
+
+    raise typer.Exit(run(Home.of(context, data).folder, trials, as_json))
+
+
+app.command("run")(live.run)
+app.command("resume")(live.resume)
+app.command("simulate")(simulate.simulate)
+app.command("sessions")(sessions.sessions)
+app.command("show")(sessions.show)
+app.add_typer(tasks.app, name="tasks")
+app.command("themes")(themes.themes)
+app.command("graph")(graph.graph)
+app.command("timing")(measure_timing)
+app.command("doctor")(doctor.doctor)
+
+
+def main() -> None:
+    """The program. Ends it with an exit code: 0 done, 1 failed, 2 bad usage or input, 130 stopped by Ctrl-C."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    try:
+        app()
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)

@@ -1,0 +1,111 @@
+"""What every command shares: where data and tasks are, and how results are printed."""
+
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import typer
+
+if TYPE_CHECKING:
+    import sqlite_utils
+    from rich.console import Console
+
+    from sar_tui.plugins import Catalogue
+
+Data = Annotated[
+    Path | None,
+    typer.Option(
+        "--data", metavar="DIR", show_default=False, help="Where data lives; else SAR_TUI_DATA, else your data folder."
+    ),
+]
+Tasks = Annotated[
+    list[Path] | None,
+    typer.Option("--tasks", metavar="DIR", show_default=False, help="Look for tasks here, too. May be repeated."),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+Pairs = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="NAME=VALUE", show_default=False, help="Set a parameter of the task. May be repeated."
+    ),
+]
+Seed = Annotated[
+    int | None,
+    typer.Option(
+        "--seed", min=0, max=2**63 - 1, show_default=False, help="Decides all that is random; without it, it is drawn."
+    ),
+]
+
+
+class Home(NamedTuple):
+    """Where data lives and tasks are found, as told before or after the command."""
+
+    data: Path | None = None
+    tasks: tuple[Path, ...] = ()
+
+    @classmethod
+    def of(cls, context: typer.Context, data: Path | None = None, tasks: Sequence[Path] | None = None) -> "Home":
+        """What a command was told, and before it the commands above it."""
+        above = context.find_object(cls) or cls()
+        return cls(data or above.data, (*(tasks or ()), *above.tasks))
+
+    @property
+    def folder(self) -> Path:
+        """The data folder."""
+        from sar_tui.store.database import default_folder
+
+        return self.data or default_folder()
+
+    def catalogue(self) -> "Catalogue":
+        """What is installed. Raises PluginError where a folder does not exist."""
+        from sar_tui.plugins import Catalogue
+
+        return Catalogue(self.tasks)
+
+    @contextmanager
+    def database(self) -> "Iterator[sqlite_utils.Database]":
+        """The database, for as long as it is needed. Raises StoreError."""
+        from sar_tui.store.database import connect
+
+        database = connect(self.folder)
+        try:
+            yield database
+        finally:
+            database.conn.close()
+
+
+def console(*, error: bool = False) -> "Console":
+    """Where to print for people. It honours NO_COLOR, and is plain where there is no terminal."""
+    from rich.console import Console
+
+    return Console(stderr=error, highlight=False, soft_wrap=False)
+
+
+def print_json(value: object) -> None:
+    """Print for programs: one line of JSON."""
+    import msgspec
+
+    print(msgspec.json.encode(value).decode())
+
+
+def new_seed() -> int:
+    """A seed nobody chose."""
+    import secrets
+
+    return secrets.randbelow(2**31)
+
+
+def need_terminal() -> None:
+    """Refuse to open the app where there is no screen and keyboard for it."""
+    from sar_tui.cli.errors import Refused
+
+    if not all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
+        reason = "its input or output is redirected"
+    elif os.environ.get("TERM") in ("dumb", "unknown"):
+        reason = f"this one (TERM={os.environ['TERM']}) cannot place text on the screen"
+    else:
+        return
+    raise Refused(f"This needs a real terminal: {reason}. `sar-tui simulate` works without one.")

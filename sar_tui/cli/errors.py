@@ -1,0 +1,76 @@
+"""How a command ends when something is wrong: one or two sentences on stderr, and an exit code."""
+
+import os
+import sys
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+DEBUG = "SAR_TUI_DEBUG"
+
+_UsageError = typer.BadParameter.__bases__[0]  # typer brings its own click, or uses another, by its version
+
+
+class Refused(Exception):
+    """Bad usage or input; one or two clear sentences."""
+
+
+class Commands(TyperGroup):
+    """The commands, with their errors told in words."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            result = super().invoke(ctx)
+            sys.stdout.flush()
+        except (typer.Exit, typer.Abort, _UsageError):
+            raise
+        except KeyboardInterrupt:
+            _tell("Stopped.")
+            raise typer.Exit(INTERRUPTED) from None
+        except BrokenPipeError:
+            _close_stdout()
+            raise typer.Exit(FAILED) from None
+        except Exception as error:
+            if os.environ.get(DEBUG):
+                raise
+            code, sentence = explain(error)
+            _tell(sentence)
+            raise typer.Exit(code) from None
+        return result
+
+
+def explain(error: Exception) -> tuple[int, str]:
+    """The exit code and the sentences for an error."""
+    import sqlite3
+
+    from sar_tui import runs
+    from sar_tui.framework.parameters import ParameterError
+    from sar_tui.plugins import PluginError
+    from sar_tui.store import database
+
+    match error:
+        case database.StoreError():
+            return BAD_INPUT if error.bad_input else FAILED, str(error)
+        case Refused() | PluginError() | ParameterError():
+            return BAD_INPUT, str(error)
+        case runs.Failed():
+            return FAILED, str(error)
+        case sqlite3.Error():
+            return explain(database.explain(error))
+        case OSError(strerror=str(reason), filename=str(name)):
+            return FAILED, f"{name} cannot be used: {reason}."
+    return FAILED, (
+        f"Something went wrong that should not have ({type(error).__name__}: {error}). "
+        f"Run it again with {DEBUG}=1 to see where."
+    )
+
+
+def _tell(sentence: str) -> None:
+    print(sentence, file=sys.stderr)
+
+
+def _close_stdout() -> None:
+    """Nobody reads it any more: let nothing be written to it when the program ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

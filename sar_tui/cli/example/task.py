@@ -1,0 +1,124 @@
+"""Finger tapping: tap the keys in turn, as often as you can, until the time is over."""
+
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import msgspec
+
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.messages import KeyPerceived
+from sar_tui.framework.parameters import TaskParameters, meta
+from sar_tui.framework.task import Details, Metric, Result, Situation, Stimulus, Task, Trial
+
+# What a level asks for, easiest first: these keys, one after the other, over and over.
+SEQUENCES = ("f", "fj", "dfj", "dfjk", "sdfjkl")
+
+
+class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
+    """What a therapist can set. Each is a field on the settings form, and `--set NAME=VALUE` on the command line.
+
+    The parameters of `TaskParameters` are there, too; declare one of them again to give it another default or
+    other bounds. ``meta`` takes a title, a unit, a sentence of help, and the bounds, both inclusive.
+    """
+
+    prompts_per_attempt: Annotated[
+        int, meta("Turns per attempt", help="How many turns of tapping an attempt has.", ge=1, le=20)
+    ] = 3
+    threshold: Annotated[
+        float, meta("Goal", "taps/s", "The mean rate of an attempt has to be above this.", ge=0.1, le=20)
+    ] = 3.0
+    neutral_band: Annotated[
+        float, meta("Neutral band", "taps/s", "This near the goal, on either side, feedback is neutral.", ge=0, le=5)
+    ] = 0.1
+    response_timeout_ms: Annotated[
+        int, meta("Tapping time", "ms", "How long a turn of tapping lasts.", ge=1000, le=60_000)
+    ] = 5000
+    wrong_share: Annotated[
+        float, meta("Wrong taps allowed", help="The share of wrong taps a turn may have, 0 to 1.", ge=0, le=1)
+    ] = 0.2
+
+
+class ExampleDetails(Details, frozen=True):
+    """What is kept with each trial beyond the common columns, in ``trials.details``."""
+
+    taps: Annotated[int, msgspec.Meta(description="How many taps there were, right or wrong.")]
+    wrong: Annotated[int, msgspec.Meta(description="How many of them were not the next key of the sequence.")]
+
+
+class ExampleTask(Task):
+    """One trial is one turn of tapping. The metric is the rate of right taps.
+
+    A task keeps no state: all it needs is handed to it, so that a trial can be repeated, resumed and replayed.
+    """
+
+    name = "example"  # the folder has the same name
+    title = "Finger tapping"
+    summary = "Tap the keys in turn, as often as you can."
+    metric = Metric("tapping_rate", unit="taps/s", better="higher", improved="faster", worsened="slower", decimals=1)
+    Parameters = ExampleParameters
+    Details = ExampleDetails
+    parameters: ExampleParameters
+
+    @property
+    def levels(self) -> int:
+        return len(SEQUENCES)
+
+    @property
+    def trials_per_attempt(self) -> int:
+        return self.parameters.prompts_per_attempt
+
+    def instructions(self) -> str:
+        """Shown before the first attempt."""
+        seconds = self.parameters.response_timeout_ms / 1000
+        return (
+            "Some keys appear on the screen.\n"
+            "Tap them in turn, from left to right and then again from the left, as often as you can.\n\n"
+            f"After {seconds:g} seconds they disappear, and you may rest.\n"
+            "To pause at any time, press Escape."
+        )
+
+    def stimulus(self, situation: Situation) -> Stimulus:
+        """What a prompt shows. It follows from the situation alone: draw what is random from ``situation.chance``."""
+        keys = SEQUENCES[situation.level - 1]
+        return Stimulus(
+            name=keys,
+            expected="",  # no single key ends this trial
+            text=f"Tap: {keys}",  # the plain line that a screen reader reads: keep it in one line
+            glyph=keys,  # what stands very large on the screen
+            hint="again and again",
+            choices=len(keys),
+        )
+
+    def perceived(self, trial: Trial, percept: Any) -> Result | None:
+        """Judge a key while the prompt is up. None: go on waiting; the key is kept in ``trial.percepts``."""
+        return None
+
+    def timed_out(self, trial: Trial) -> Result:
+        """Judge the trial when its time is over."""
+        taps: Sequence[KeyPerceived] = [percept for percept in trial.percepts if not percept.repeat]
+        if not taps:
+            return Result(correct=False, details={"taps": 0, "wrong": 0})
+        keys = trial.stimulus.name
+        right = 0
+        for tap in taps:
+            if tap.key == keys[right % len(keys)]:
+                right += 1
+        wrong = len(taps) - right
+        seconds = self.parameters.response_timeout_ms / 1000
+        return Result(
+            correct=wrong <= self.parameters.wrong_share * len(taps),
+            response="".join(tap.key for tap in taps),
+            response_at=taps[0].at,
+            value=right / seconds,  # what this trial adds to the metric: an attempt's is the mean of its trials'
+            details={"taps": len(taps), "wrong": wrong},
+        )
+
+    def rehearse(self, stimulus: Stimulus, reaction_ms: float, slip: bool, chance: Chance) -> list[tuple[float, str]]:
+        """What a simulated participant presses: (milliseconds after onset, key). Only a task of one key needs none."""
+        pace = reaction_ms / 2
+        duration = self.parameters.response_timeout_ms
+        times = [reaction_ms + pace * tap for tap in range(int((duration - reaction_ms) / pace))]
+        keys = [stimulus.name[tap % len(stimulus.name)] for tap in range(len(times))]
+        if slip:
+            keys = ["x" if chance.uniform("wrong", tap) < 0.5 else key for tap, key in enumerate(keys)]
+        return list(zip(times, keys, strict=True))

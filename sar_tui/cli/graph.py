@@ -1,0 +1,46 @@
+"""``sar-tui graph``: the running loop, drawn from the nodes' own declarations."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+
+if TYPE_CHECKING:
+    from sar_tui.framework.graph import Graph
+    from sar_tui.framework.task import Task
+    from sar_tui.framework.theme import Theme
+
+
+def graph(
+    context: typer.Context,
+    task: Annotated[str, typer.Argument(help="The task's name; `sar-tui tasks` lists them.", show_default=False)],
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Draw the nodes of a task's loop, and the topics and services between them."""
+    catalogue = Home.of(context, data, tasks).catalogue()
+    kind = catalogue.task(task)
+    whole = _loop(kind, catalogue.theme("calm"))
+    if as_json:
+        print_json({"task": task, "nodes": whole.nodes, "edges": whole.edges})
+        return
+
+    from sar_tui.cli.graph_drawing import draw
+
+    out = console()
+    out.print(draw(whole, out.width), markup=False, end="")
+
+
+def _loop(kind: "type[Task]", theme: "Theme") -> "Graph":
+    """The loop as the app runs it: keyboard, the framework's nodes, screen, and the recorder."""
+    from sar_tui.app.screen_output import ScreenOutput
+    from sar_tui.cli.setting import parameters
+    from sar_tui.framework.graph import graph
+    from sar_tui.framework.session import core_nodes
+    from sar_tui.inputs.keyboard import Keyboard
+    from sar_tui.store.recorder import Recorder
+
+    core = core_nodes(kind(parameters(kind, {})), theme, seed=0)
+    return graph([Keyboard, *(type(node) for node in core), ScreenOutput], [Recorder])

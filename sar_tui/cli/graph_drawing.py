@@ -1,0 +1,68 @@
+"""Draws a graph of nodes as text: the longest way through the loop from top to bottom, all else as its branches."""
+
+import textwrap
+from collections.abc import Iterator, Sequence
+
+from sar_tui.framework.graph import Edge, Graph, Part, spine
+
+_INDENT = "  "
+
+
+def draw(whole: Graph, width: int) -> str:
+    """The drawing, lines of at most ``width`` characters, as far as the names allow."""
+    way = spine(whole)
+    parts = {part.name: part for part in whole.nodes}
+    inner = max(len(name) for name in parts)
+    lines: list[str] = []
+    for name, below in zip(way, [*way[1:], None], strict=True):
+        lines += _node(parts[name], below, whole, inner, width)
+    rest = [part for part in whole.nodes if part.name not in way]
+    for part in rest:
+        lines += ["", *_node(part, None, whole, inner, width)]
+    return "\n".join([*lines, "", "│ ──▶ topic: told whenever it happens    ┄┄▶ service: asked, answered at once", ""])
+
+
+def _node(part: Part, below: str | None, whole: Graph, inner: int, width: int) -> Iterator[str]:
+    """A box, its branches, and the way down to the next."""
+    out = [edge for edge in whole.edges if edge.source == part.name]
+    down = [edge.name for edge in out if edge.kind == "topic" and edge.target == below]
+    branches = list(_branches([edge for edge in out if edge.name not in down or edge.target != below]))
+    middle = (inner + 2) // 2
+    stem = "┬" if down or branches else "─"
+    yield f"{_INDENT}╭{'─' * (inner + 2)}╮"
+    yield f"{_INDENT}│ {part.name.center(inner)} │{_note(part)}"
+    yield f"{_INDENT}╰{'─' * middle}{stem}{'─' * (inner + 1 - middle)}╯"
+    margin = _INDENT + " " * (middle + 1)
+    longest = max((len(target) for target, _, _ in branches), default=0)
+    for number, (target, arrow, names) in enumerate(branches, start=1):
+        last = number == len(branches) and not down
+        head = f"{margin}{'╰' if last else '├'}{arrow} {target.ljust(longest)}  "
+        follow = f"{margin}{' ' if last else '│'}".ljust(len(head))
+        yield from textwrap.wrap(
+            ", ".join(names), width, initial_indent=head, subsequent_indent=follow, break_long_words=False,
+            break_on_hyphens=False,
+        )  # fmt: skip
+    for name in down:
+        yield f"{margin}│ {name}"
+    if down:
+        yield f"{margin}▼"
+
+
+def _branches(edges: Sequence[Edge]) -> Iterator[tuple[str, str, list[str]]]:
+    """Who else is told or asked, and what."""
+    for kind, arrow in (("topic", "──▶"), ("service", "┄┄▶")):
+        for target in dict.fromkeys(edge.target for edge in edges if edge.kind == kind):
+            yield target, arrow, [edge.name for edge in edges if (edge.kind, edge.target) == (kind, target)]
+
+
+def _note(part: Part) -> str:
+    """What its edges do not tell."""
+    notes = {
+        "input": "  input: what the participant does",
+        "output": "  output: what the participant gets",
+        "tap": "  hears every message, and puts it on the disk",
+        "outside": "  the program around the loop",
+    }
+    if part.answers:
+        return f"  answers {', '.join(part.answers)}"
+    return notes.get(part.kind, "")

@@ -1,0 +1,77 @@
+"""``sar-tui run`` and ``sar-tui resume``: straight into a session."""
+
+from typing import Annotated
+
+import typer
+
+from sar_tui.cli.common import Data, Home, Pairs, Seed, Tasks, need_terminal, new_seed
+from sar_tui.cli.errors import Refused
+from sar_tui.cli.setting import pairs, parameters
+
+
+def run(
+    context: typer.Context,
+    task: Annotated[str, typer.Argument(help="The task's name; `sar-tui tasks` lists them.", show_default=False)],
+    participant: Annotated[
+        str, typer.Option("-p", "--participant", metavar="CODE", show_default=False, help="Who: a code, never a name.")
+    ],
+    settings: Pairs = None,
+    theme: Annotated[
+        str | None, typer.Option(show_default=False, help="How the agent looks and speaks; else as saved.")
+    ] = None,
+    seed: Seed = None,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Go straight into a session. It starts from the participant's saved settings."""
+    home = Home.of(context, data, tasks)
+    catalogue = home.catalogue()
+    kind = catalogue.task(task)
+    given = pairs(settings)
+    parameters(kind, given)
+
+    from sar_tui.runs import Plan
+    from sar_tui.store import participants
+
+    code = participants.check_code(participant)
+    with home.database() as database:
+        saved = participants.settings(database, code, task)
+    plan = Plan(
+        task=kind,
+        parameters=parameters(kind, {**saved.parameters, **given}),
+        theme=catalogue.theme(theme or saved.theme).name,
+        participant=code,
+        seed=new_seed() if seed is None else seed,
+    )
+    need_terminal()
+    from sar_tui.app.app import run_app
+
+    raise typer.Exit(run_app(home.folder, catalogue, plan=plan))
+
+
+def resume(
+    context: typer.Context,
+    session: Annotated[
+        str, typer.Argument(metavar="[SESSION|last]", help="Its id, or the beginning of it.", show_default=False)
+    ] = "last",
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Go on with an interrupted session: without an argument, the latest."""
+    home = Home.of(context, data, tasks)
+    catalogue = home.catalogue()
+
+    from sar_tui.runs import resumable
+    from sar_tui.store.sessions import listing
+
+    with home.database() as database:
+        if session == "last":
+            rows = listing(database, home.folder)
+            session = next((r["id"] for r in rows if (r["status"], r["mode"]) == ("interrupted", "live")), "")
+            if not session:
+                raise Refused("No session was interrupted, so there is none to go on with.")
+        chosen = resumable(database, home.folder, session)["id"]
+    need_terminal()
+    from sar_tui.app.app import run_app
+
+    raise typer.Exit(run_app(home.folder, catalogue, resume=chosen))

@@ -1,0 +1,39 @@
+"""Begins a new task as a copy of the example."""
+
+from pathlib import Path
+
+from sar_tui.cli.errors import Refused
+
+_EXAMPLE = Path(__file__).parent / "example"
+_NAME = "example"
+
+
+def make(name: str, to: Path) -> Path:
+    """Make the folder of a new task; returns it, absolute. Raises Refused."""
+    if not name.isidentifier() or not name.islower():
+        raise Refused(f"A task is named like a Python name in small letters, such as tapping; {name!r} is not.")
+    folder = to.resolve() / name
+    if folder.exists():
+        raise Refused(f"{folder} exists already. Choose another name, or another folder with --to.")
+    folder.mkdir(parents=True)
+    for file in ("task.py", "README.md"):
+        text = (_EXAMPLE / file).read_text(encoding="utf-8")
+        (folder / file).write_text(_renamed(text, name, folder), encoding="utf-8")
+    return folder
+
+
+def _renamed(text: str, name: str, folder: Path) -> str:
+    """The example's text, with the new task's name in the places that name it."""
+    title = "".join(word.capitalize() for word in name.split("_"))
+    for there, here in (
+        ("ExampleParameters", f"{title}Parameters"),
+        ("ExampleDetails", f"{title}Details"),
+        ("ExampleTask", f"{title}Task"),
+        (f'name = "{_NAME}"', f'name = "{name}"'),
+        (f"simulate {_NAME}", f"simulate {name}"),
+        (f"run {_NAME}", f"run {name}"),
+        ("PATH", str(folder)),
+        ("FOLDER", str(folder.parent)),
+    ):
+        text = text.replace(there, here)
+    return text

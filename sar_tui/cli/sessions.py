@@ -1,0 +1,155 @@
+"""``sar-tui sessions`` and ``sar-tui show``: what was recorded."""
+
+from collections import Counter
+from collections.abc import Sequence
+from statistics import median
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from sar_tui.framework.task import Metric
+
+Row = dict[str, Any]
+_FIGURE = (100, 14)
+"""The plot's width at most, and its height."""
+
+
+def sessions(
+    context: typer.Context,
+    participant: Annotated[
+        str | None,
+        typer.Option("-p", "--participant", metavar="CODE", show_default=False, help="Only this participant's."),
+    ] = None,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """List the recorded sessions, the newest first."""
+    from sar_tui.store import participants
+    from sar_tui.store.sessions import listing
+
+    home = Home.of(context, data, tasks)
+    code = participants.check_code(participant) if participant else None
+    with home.database() as database:
+        rows = listing(database, home.folder, participant=code)
+    if as_json:
+        print_json({"sessions": rows})
+        return
+    out = console()
+    if not rows:
+        whose = f" of {code}" if code else ""
+        out.print(f"There are no sessions{whose} yet. `sar-tui simulate keyboard --user average` makes one.")
+        return
+
+    from sar_tui.cli.tables import add, local_time, table
+
+    made = table("session", "began", "who", "task", "status", "attempts", right=("attempts",))
+    for row in rows:
+        status = row["status"] if row["mode"] == "live" else f"{row['status']}, {row['mode']}"
+        add(made, row["id"], local_time(row["started_at"]), row["participant"], row["task"], status, row["attempts"])
+    out.print(made)
+
+
+def show(
+    context: typer.Context,
+    session: Annotated[
+        str, typer.Argument(metavar="SESSION|last", help="Its id, or the beginning of it.", show_default=False)
+    ],
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Show a session: its facts, its attempts, their plot, and how well it was timed."""
+    from sar_tui.store import sessions as store
+
+    home = Home.of(context, data, tasks)
+    with home.database() as database:
+        found = store.find(database, home.folder, session)
+        attempts = store.rows(database, "attempts", found["id"])
+        trials = store.rows(database, "trials", found["id"])
+    if as_json:
+        print_json({"session": found, "attempts": attempts, "trials": trials})
+        return
+
+    from sar_tui.cli.tables import attempts_table, summary
+
+    metric = _metric(home, found["task"], attempts)
+    out = console()
+    _print_facts(out, found)
+    if attempts:
+        out.print(attempts_table(attempts, metric), end="\n\n")
+        _print_figure(out, attempts, metric, found["parameters"]["threshold"])
+    out.print(summary(attempts, metric), end="\n\n")
+    _print_timing(out, found["machine"], trials)
+
+
+def _metric(home: Home, task: str, attempts: Sequence[Row]) -> "Metric":
+    """The task's metric; where the task is gone, what is known of it."""
+    from sar_tui.framework.task import Metric
+    from sar_tui.plugins import PluginError
+
+    try:
+        return home.catalogue().task(task).metric
+    except PluginError:
+        return Metric("result", unit=attempts[0]["metric_unit"] if attempts else "", better="lower", decimals=1)
+
+
+def _print_facts(out: "Console", row: Row) -> None:
+    from sar_tui.cli.tables import local_time
+
+    ended = f", ended {local_time(row['ended_at'])}" if row["ended_at"] else ""
+    for name, value in (
+        ("Session", f"{row['id']}  {row['status']}{'' if row['mode'] == 'live' else ', ' + row['mode']}"),
+        ("Participant", row["participant"]),
+        ("Task", f"{row['task']}, theme {row['theme']}, seed {row['seed']}"),
+        ("Began", f"{local_time(row['started_at'])}{ended}"),
+        ("Made by", f"sar-tui {row['software']['sar_tui']}, Python {row['software']['python']}"),
+    ):
+        out.print(f"{name:<12} {value}", markup=False)
+    out.print()
+
+
+def _print_figure(out: "Console", attempts: Sequence[Row], metric: "Metric", threshold: float) -> None:
+    """The thesis' Figure 4.4."""
+    from rich.text import Text
+
+    from sar_tui.plot import attempts_figure
+
+    scored = [row for row in attempts if not row["practice"]]
+    if not scored:
+        return
+    figure = attempts_figure(
+        [row["level"] for row in scored],
+        [row["metric"] for row in scored],
+        metric=f"{metric.name.replace('_', ' ')}{f' ({metric.unit})' if metric.unit else ''}",
+        threshold=threshold,
+        width=min(out.width, _FIGURE[0]),
+        height=_FIGURE[1],
+        color=out.is_terminal and not out.no_color,
+        outcomes=[row["outcome"] for row in scored],
+    )
+    out.print(Text.from_ansi(figure), soft_wrap=True, end="\n\n")
+
+
+def _print_timing(out: "Console", machine: Row, trials: Sequence[Row]) -> None:
+    """How far the reaction times can be trusted."""
+    if machine["flags"]:
+        out.print(f"! Timing is blurred by {' and '.join(machine['flags'])}: the keys came through it.")
+    timings = [trial["timing"] for trial in trials]
+    if not timings:
+        return
+    flags = Counter(flag for timing in timings for flag in timing["flags"])
+    flagged = sum(bool(timing["flags"]) for timing in timings)
+    names = ", ".join(f"{name} {count}" for name, count in flags.most_common())
+    out.print(f"Timing: {flagged} of {len(timings)} trials carry a flag{f' ({names})' if names else ''}.")
+    sources = Counter(timing["onset_source"] for timing in timings if timing["onset_source"])
+    if sources:
+        out.print(f"Onsets stamped at: {', '.join(f'{name} {count}' for name, count in sources.most_common())}.")
+    delays = [timing["handler_delay_ms"] for timing in timings if timing["handler_delay_ms"] is not None]
+    if delays:
+        out.print(f"From a key's stamp to its handling: median {median(delays):.2f} ms.")

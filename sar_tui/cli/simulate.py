@@ -1,0 +1,109 @@
+"""``sar-tui simulate``: a whole session by a simulated participant."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import Enum
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Home, Pairs, Seed, Tasks, console, new_seed, print_json
+from sar_tui.cli.setting import pairs, parameters
+
+if TYPE_CHECKING:
+    from sar_tui.simulation.person import Person
+
+
+class User(str, Enum):
+    """Who can be simulated: the names in `simulation.person.PEOPLE`, which is not imported for ``--help``."""
+
+    poor = "poor"
+    average = "average"
+    competent = "competent"
+
+
+def simulate(
+    context: typer.Context,
+    task: Annotated[str, typer.Argument(help="The task's name; `sar-tui tasks` lists them.", show_default=False)],
+    user: Annotated[User, typer.Option(help="Who does it.", show_default=False)],
+    participant: Annotated[
+        str, typer.Option("-p", "--participant", metavar="CODE", help="The code it is kept under.")
+    ] = "SIM",
+    attempts: Annotated[
+        int | None, typer.Option(show_default=False, help="How many attempts; else as the task says.")
+    ] = None,
+    seed: Seed = None,
+    settings: Pairs = None,
+    theme: Annotated[str, typer.Option(help="How the agent speaks.")] = "calm",
+    practice_effect: Annotated[
+        float | None,
+        typer.Option(
+            min=0, max=0.9, show_default=False, help="The share of the reaction time that practice takes off."
+        ),
+    ] = None,
+    fatigue: Annotated[
+        float | None,
+        typer.Option(min=0, max=1, show_default=False, help="The share of it that each attempt adds."),
+    ] = None,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Run a whole session with a simulated participant, through the same nodes, into the database."""
+    home = Home.of(context, data, tasks)
+    catalogue = home.catalogue()
+    kind = catalogue.task(task)
+    values: dict[str, object] = {**pairs(settings)}
+    if attempts is not None:
+        values["attempts"] = attempts
+
+    from sar_tui import runs
+    from sar_tui.store import participants, sessions
+
+    plan = runs.Plan(
+        task=kind,
+        parameters=parameters(kind, values),
+        theme=theme,
+        participant=participants.check_code(participant),
+        seed=new_seed() if seed is None else seed,
+        mode="simulated",
+    )
+    person = _person(user, practice_effect, fatigue)
+    with _progress(plan.parameters.practice_attempts + plan.parameters.attempts) as advance:
+        session = runs.simulate(plan, person, home.folder, catalogue, advance)
+    with home.database() as database:
+        rows = sessions.rows(database, "attempts", session)
+    if as_json:
+        print_json({"session": session, "attempts": rows})
+        return
+
+    from sar_tui.cli.tables import attempts_table, summary
+
+    out = console()
+    out.print(attempts_table(rows, kind.metric))
+    out.print(f"{summary(rows, kind.metric)} Seed {plan.seed}. `sar-tui show {session}` shows more.")
+
+
+def _person(user: User, practice: float | None, fatigue: float | None) -> "Person":
+    import msgspec
+
+    from sar_tui.simulation.person import PEOPLE
+
+    changes = {"practice": practice, "fatigue": fatigue}
+    return msgspec.structs.replace(
+        PEOPLE[user.value], **{name: value for name, value in changes.items() if value is not None}
+    )
+
+
+@contextmanager
+def _progress(attempts: int) -> Iterator[Callable[[int], None]]:
+    """A bar on stderr, if a person is there to see it."""
+    error = console(error=True)
+    if not error.is_terminal:
+        yield lambda attempt: None
+        return
+    from rich.progress import Progress
+
+    with Progress(console=error, transient=True) as bar:
+        task = bar.add_task("attempts", total=attempts)
+        yield lambda attempt: bar.update(task, completed=attempt)

@@ -1,0 +1,64 @@
+"""Tables of attempts and of anything else, for people."""
+
+from collections.abc import Sequence
+from datetime import datetime
+from typing import TYPE_CHECKING, Any
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+if TYPE_CHECKING:
+    from sar_tui.framework.task import Metric
+
+Row = dict[str, Any]
+_OUTCOMES = {"success": "● reached", "failure": "○ missed"}
+
+
+def table(*columns: str, right: Sequence[str] = ()) -> Table:
+    """An empty table: a head, a line, rows; the columns in ``right`` are numbers."""
+    made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    for column in columns:
+        made.add_column(column, justify="right" if column in right else "left", overflow="fold")
+    return made
+
+
+def add(made: Table, *cells: object) -> None:
+    """Add a row; what looks like markup is text, and nothing is a dash."""
+    made.add_row(*(Text("–" if cell in (None, "") else str(cell)) for cell in cells))
+
+
+def attempts_table(rows: Sequence[Row], metric: "Metric") -> Table:
+    """One attempt a row."""
+    result = metric.name.replace("_", " ")
+    made = table("attempt", "level", result, "right", "goal", "feedback", right=("attempt", "level", result, "right"))
+    for row in rows:
+        add(
+            made,
+            f"{row['attempt']}{' practice' if row['practice'] else ''}",
+            row["level"],
+            None if row["metric"] is None else metric.show(row["metric"]),
+            f"{row['correct']} of {row['trials']}",
+            _OUTCOMES[row["outcome"]],
+            "" if row["feedback"] == "none" else row["feedback"],
+        )
+    return made
+
+
+def summary(rows: Sequence[Row], metric: "Metric") -> str:
+    """A session in a sentence; practice does not count."""
+    scored = [row for row in rows if not row["practice"]]
+    if not scored:
+        return "No attempt was finished."
+    reached = sum(row["outcome"] == "success" for row in scored)
+    values = [row["metric"] for row in scored if row["metric"] is not None]
+    mean = f", mean {metric.name.replace('_', ' ')} {metric.show(sum(values) / len(values))}" if values else ""
+    return (
+        f"{len(scored)} attempt{'s' if len(scored) > 1 else ''}, {reached} reached the goal, "
+        f"level {scored[0]['level']} to {scored[-1]['level']}{mean}."
+    )
+
+
+def local_time(stamp: str | None) -> str:
+    """A UTC stamp of the database as the clock on the wall shows it."""
+    return datetime.fromisoformat(stamp).astimezone().strftime("%Y-%m-%d %H:%M") if stamp else ""

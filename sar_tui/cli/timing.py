@@ -1,0 +1,203 @@
+"""``sar-tui timing``: is this machine fit for an experiment?
+
+Measured are sar-tui itself and a bare loop, in turns, each in a pseudo-terminal with a scripted participant in front
+of it (``simulation.closed_loop``). The verdict is the worst that any of these says:
+
+=============  ============  =========  =======  ========================  ==================
+verdict        robust SD     |median|   p99      terminal                  clock
+=============  ============  =========  =======  ========================  ==================
+fit            1 ms or less  1 ms       5 ms     neither of these          steps of 0.1 ms
+fit with care  3 ms or less  3 ms       20 ms    in a multiplexer          steps of 0.1 ms
+not fit        more          more       more     over SSH                  coarser
+=============  ============  =========  =======  ========================  ==================
+
+1 ms is well below what a keyboard's own scanning adds (11-73 ms, Bridges et al. 2020). The terminal that is measured in
+is not the one that is sat at, so an SSH line or a multiplexer is judged by its name: its delay is in no figure.
+"""
+
+import json
+import math
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+
+import msgspec
+
+from sar_tui.cli.common import console, print_json
+from sar_tui.cli.errors import FAILED
+from sar_tui.cli.tables import add, table
+from sar_tui.simulation.closed_loop import BARE, MOST_PROMPTS, SAR_TUI, Mismatch, take_turns
+from sar_tui.simulation.scripted import NoPrompt
+from sar_tui.simulation.spread import Spread, spread
+from sar_tui.store import provenance
+
+FILE = "timing.json"
+VERDICTS = ("fit", "fit with care", "not fit")
+_LIMITS = (
+    ("robust_sd_ms", 1.0, 3.0, "Reaction times scatter by {:.1f} ms (robust SD)."),
+    ("median_ms", 1.0, 3.0, "Reaction times are off by {:.1f} ms (median)."),
+    ("p99_ms", 5.0, 20.0, "One reaction time in a hundred is off by {:.1f} ms or more (p99)."),
+)
+_COARSE_CLOCK = 1e-4
+_BUSY = 0.5
+"""So much of each core in use, by the load average, is told as a cause."""
+
+
+class Circumstances(msgspec.Struct, frozen=True):
+    """What is known to blur timing here.
+
+    Args:
+        ssh: the person sits at another machine.
+        multiplexer: tmux or the like, if in one.
+        load: the load average over a minute, before measuring; None where there is none.
+        cores: of the processor.
+        clock_step: the resolution of the clock, in s.
+        stamped_at_flush: the share of prompts whose onset was stamped as the frame was flushed.
+    """
+
+    ssh: bool = False
+    multiplexer: str | None = None
+    load: float | None = None
+    cores: int = 1
+    clock_step: float = 1e-9
+    stamped_at_flush: float = 1.0
+
+
+def run(folder: Path, trials: int, as_json: bool) -> int:
+    """Measure, print, and keep the figures in ``folder/timing.json`` for later sessions; returns the exit code."""
+    if sys.platform == "win32":
+        print("Timing cannot be measured on Windows: it has no pseudo-terminals. Use Linux or macOS.", file=sys.stderr)
+        return FAILED
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    load = os.getloadavg()[0]
+    try:
+        with _progress(2 * trials) as on_press:
+            measured = take_turns((SAR_TUI, BARE), trials, max(4, math.ceil(trials / MOST_PROMPTS)), folder, on_press)
+    except (NoPrompt, Mismatch, TimeoutError) as error:
+        print(f"Timing could not be measured. {error}", file=sys.stderr)
+        return FAILED
+    own, bare = (spread([trial.error_ms for trial in measured[program.name]]) for program in (SAR_TUI, BARE))
+    machine = provenance.machine()
+    at_flush = [trial.timing.get("onset_source") == "flush" for trial in measured[SAR_TUI.name]]
+    verdict, reasons = judge(
+        own,
+        bare,
+        Circumstances(
+            ssh=machine["ssh"],
+            multiplexer=machine["multiplexer"],
+            load=load,
+            cores=machine["cores"] or 1,
+            clock_step=time.get_clock_info("monotonic").resolution,
+            stamped_at_flush=sum(at_flush) / len(at_flush),
+        ),
+    )
+    figures = {
+        "measured_at": datetime.now(UTC).isoformat(),
+        "trials": own.n,
+        "median_ms": own.median_ms,
+        "sd_ms": own.sd_ms,
+        "robust_sd_ms": own.robust_sd_ms,
+        "p99_ms": own.p99_ms,
+        "verdict": verdict,
+    }
+    _keep(folder / FILE, figures)
+    if as_json:
+        print_json({"timing": {**figures, "reasons": reasons, "bare": own_figures(bare)}})
+    else:
+        _print(own, bare, verdict, reasons)
+    return 0
+
+
+def judge(own: Spread, bare: Spread, here: Circumstances) -> tuple[str, list[str]]:
+    """The verdict, and why: first what was found, then what may be the cause."""
+    worst, reasons = 0, []
+    for name, fit, care, words in _LIMITS:
+        value = getattr(own, name)
+        if abs(value) > fit:
+            worst = max(worst, 1 if abs(value) <= care else 2)
+            reasons.append(words.format(value))
+    if worst:
+        reasons += _causes(own, bare, here)
+    if here.stamped_at_flush < 1:
+        worst = max(worst, 1)
+        reasons.append("Some prompts could not be stamped as they reached the terminal; the next best was used.")
+    if here.multiplexer:
+        worst = max(worst, 1)
+        reasons.append(f"You are in {here.multiplexer}, whose own delay is in no figure. Run sessions outside of it.")
+    if here.ssh:
+        worst = 2
+        reasons.append("You are connected by SSH: the network's delay is in no figure. Run sessions where you sit.")
+    if here.clock_step > _COARSE_CLOCK:
+        worst = 2
+        reasons.append(f"This machine's clock moves in steps of {here.clock_step * 1e3:.1f} ms.")
+    return VERDICTS[worst], reasons
+
+
+def _causes(own: Spread, bare: Spread, here: Circumstances) -> list[str]:
+    causes = []
+    if here.load is not None and here.load > _BUSY * here.cores:
+        causes.append(
+            f"The machine is busy (load {here.load:.1f} on {here.cores} core{'s' if here.cores > 1 else ''}). "
+            "Close other programs and measure again."
+        )
+    if any(abs(getattr(bare, name)) > fit for name, fit, *_ in _LIMITS):
+        causes.append("A bare loop is no better: it is the machine, not the program. Is it virtual, or saving power?")
+    else:
+        causes.append("A bare loop does better on this machine. Measure again; if it stays so, please report it.")
+    return causes
+
+
+def own_figures(figures: Spread) -> dict[str, float | int]:
+    """Those of a spread's figures that are kept and printed."""
+    names = ("median_ms", "sd_ms", "robust_sd_ms", "p99_ms")
+    return {"trials": figures.n} | {name: getattr(figures, name) for name in names}
+
+
+def _keep(path: Path, figures: dict[str, object]) -> None:
+    """Write at once or not at all, for nobody else to read."""
+    handle, name = tempfile.mkstemp(prefix=".timing-", dir=path.parent)  # mkstemp makes it 0600
+    with os.fdopen(handle, "w") as file:
+        json.dump(figures, file, indent=2)
+    Path(name).replace(path)
+
+
+def _print(own: Spread, bare: Spread, verdict: str, reasons: list[str]) -> None:
+    columns = ("bias (median)", "SD", "robust SD", "p99", "worst")
+    made = table("error, ms", "trials", *columns, right=("trials", *columns))
+    for name, figures in (("sar-tui", own), ("a bare loop", bare)):
+        shown = (figures.median_ms, figures.sd_ms, figures.robust_sd_ms, figures.p99_ms, figures.max_ms)
+        add(made, name, figures.n, *(f"{value:.2f}" for value in shown))
+    out = console()
+    out.print(made)
+    plain = {
+        "fit": "This machine is fit for an experiment: its error is far below what keyboards and people vary by.",
+        "fit with care": "This machine is fit for an experiment, with care:",
+        "not fit": "This machine is not fit for an experiment:",
+    }
+    out.print(f"\n{plain[verdict]}")
+    for reason in reasons:
+        out.print(f"  {reason}")
+    out.print("\nNot in these figures: the keyboard (11-73 ms), the terminal's drawing and the monitor.")
+
+
+@contextmanager
+def _progress(presses: int) -> Iterator[Callable[[str], None]]:
+    """A bar on stderr, if a person is there to see it."""
+    error = console(error=True)
+    if not error.is_terminal:
+        yield lambda name: None
+        return
+    from rich.progress import Progress
+
+    with Progress(console=error, transient=True, auto_refresh=False) as bar:
+        task = bar.add_task("measuring", total=presses)
+
+        def on_press(name: str) -> None:
+            bar.update(task, advance=1, description=f"measuring {name}", refresh=True)
+
+        yield on_press

@@ -1,0 +1,141 @@
+"""The thesis' Figure 4.4 in text: result and level over the attempts of a session."""
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from typing import Any
+
+REACHED, MISSED, EMPTY, LEVEL, GOAL = "●", "○", "×", "░", "╌"
+"""What stands for an attempt that reached its goal, missed it, had nothing to average; for the level; for the goal."""
+
+_MARGIN = len("attempt")
+_SMALLEST = (30, 7)
+
+
+def attempts_figure(
+    levels: Sequence[int],
+    metrics: Sequence[float | None],
+    *,
+    metric: str,
+    threshold: float,
+    width: int,
+    height: int,
+    color: bool = True,
+    outcomes: Sequence[str] = (),
+) -> str:
+    """Draw the metric (left axis) and the level (right axis, shaded) over attempts, with the goal as a line.
+
+    Args:
+        levels: of each attempt.
+        metrics: of each attempt; None where there was nothing to average.
+        metric: its name and unit, as the heading of the left axis.
+        threshold: the goal.
+        width, height: in characters, the heading and the axes included.
+        color: with ANSI colours; the markers tell the same without.
+        outcomes: ``success`` or ``failure`` of each attempt; without them all have the same marker.
+
+    Returns:
+        ``height`` lines of ``width`` characters, a plot of at least 30 by 7.
+    """
+    if not levels:
+        return "There are no attempts to show yet."
+    import plotext
+
+    width, height = max(width, _SMALLEST[0]), max(height, _SMALLEST[1])
+    plotext.clear_figure()
+    try:
+        body = _body(plotext, levels, metrics, threshold, (width, height - 1), outcomes)
+    finally:
+        plotext.clear_figure()
+    lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
+    lines[-1] = "attempt" + lines[-1][_MARGIN:]
+    text = "\n".join([_heading(metric, threshold, metrics, outcomes, width), *lines])
+    return text if color else plotext.uncolorize(text)
+
+
+def _body(
+    plt: Any,
+    levels: Sequence[int],
+    metrics: Sequence[float | None],
+    threshold: float,
+    size: tuple[int, int],
+    outcomes: Sequence[str],
+) -> str:
+    """The axes and what stands between them; a canvas of two lines less than the height."""
+    count, rows = len(levels), size[1] - 2
+    attempts = range(1, count + 1)
+    plt.limit_size(False, False)
+    plt.theme("clear")
+    plt.plotsize(*size)
+    plt.xaxes(True, False)
+    plt.xlim(0.5, count + 0.5)
+    low, high = _limits([*(m for m in metrics if m is not None), threshold])
+    plt.ylim(low, high, yside="left")
+    highest = max(1, *levels)
+    rise = rows // highest or rows / highest
+    plt.ylim(1 / rise, rows / rise, yside="right")
+
+    plt.bar(attempts, levels, width=1, minimum=1 / rise, marker=LEVEL, color="blue", yside="right")
+    plt.plot([0.5, count + 0.5], [threshold] * 2, marker=GOAL)
+    for run in _runs(metrics):
+        plt.plot([attempt for attempt, _ in run], [value for _, value in run], marker="braille")
+    marks = _marks(metrics, outcomes)
+    for mark, colour in ((REACHED, "green"), (MISSED, "red"), (EMPTY, "red")):
+        found = [attempt for attempt, its in zip(attempts, marks, strict=True) if its == mark]
+        if found:
+            heights = [low if mark == EMPTY else metrics[attempt - 1] for attempt in found]
+            plt.scatter(found, heights, marker=mark, color=colour, style="bold")
+
+    ticks = _round_numbers(low, high, max(2, rows // 2))
+    plt.yticks(ticks, [f"{tick:g}".rjust(_MARGIN) for tick in ticks], yside="left")
+    plt.yticks(shown := sorted(set(levels)), [str(level) for level in shown], yside="right")
+    every = math.ceil(count * (len(str(count)) + 1) / (size[0] - _MARGIN - 6))
+    labelled = [attempt for attempt in attempts if every == 1 or attempt == 1 or attempt % every == 0]
+    plt.xticks(labelled, [str(attempt) for attempt in labelled])
+    return str(plt.build())
+
+
+def _marks(metrics: Sequence[float | None], outcomes: Sequence[str]) -> list[str]:
+    known = outcomes or ["success"] * len(metrics)
+    return [
+        EMPTY if value is None else REACHED if outcome == "success" else MISSED
+        for value, outcome in zip(metrics, known, strict=True)
+    ]
+
+
+def _heading(
+    metric: str, threshold: float, metrics: Sequence[float | None], outcomes: Sequence[str], width: int
+) -> str:
+    """The names of the axes at both ends, and between them as much of the legend as there is room for."""
+    used = set(_marks(metrics, outcomes))
+    legend = [f"{REACHED} reached", f"{MISSED} missed"] if outcomes else []
+    legend += [f"{EMPTY} no result"] if EMPTY in used else []
+    legend += [f"{GOAL} goal {threshold:g}"]
+    right = f"{LEVEL} level"
+    left = metric[: width - len(right) - 2]
+    while legend and len("  ".join([left, *legend, right])) > width:
+        legend.pop()
+    middle = "  ".join(legend)
+    return left + middle.center(width - len(left) - len(right)) + right
+
+
+def _runs(metrics: Sequence[float | None]) -> Iterator[list[tuple[int, float]]]:
+    """The attempts that a line may join: those with a result, side by side."""
+    for has_result, run in groupby(enumerate(metrics, start=1), key=lambda item: item[1] is not None):
+        if has_result:
+            yield [(attempt, value) for attempt, value in run if value is not None]
+
+
+def _limits(values: Sequence[float]) -> tuple[float, float]:
+    """Room above and below the values."""
+    low, high = min(values), max(values)
+    room = 0.06 * (high - low) or 0.1 * abs(high) or 1.0
+    return low - room, high + room
+
+
+def _round_numbers(low: float, high: float, most: int) -> list[float]:
+    """At most ``most`` round numbers between two bounds, a step of 1, 2 or 5 times a power of ten apart."""
+    power = 10 ** math.floor(math.log10((high - low) / most))
+    step = next(s for m in (1, 2, 5, 10, 20) if (high - low) / (s := m * power) <= most)
+    first = math.ceil(low / step)
+    return [round(n * step, 10) for n in range(first, math.floor(high / step) + 1)][:most]

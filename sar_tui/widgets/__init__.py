@@ -1,0 +1,1 @@
+"""Textual widgets that screens, and the views of tasks, may use."""

@@ -1,0 +1,100 @@
+"""One field of the settings form, made from a parameter's declaration."""
+
+from textual import on
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical
+from textual.message import Message
+from textual.widgets import Input, Label, Select, Static, Switch
+
+from sar_tui.framework.parameters import Field, show
+
+
+class ParameterField(Vertical):
+    """Title, value, unit, and under it what is allowed, what it means, or what is wrong.
+
+    Args:
+        field: the declaration.
+        value: what it is set to.
+    """
+
+    DEFAULT_CSS = """
+    ParameterField { height: auto; padding: 0 1; margin: 0 0 1 0; }
+    ParameterField > Horizontal { height: 1; }
+    ParameterField .mark { width: 2; color: $accent; }
+    ParameterField .title { width: 24; }
+    ParameterField Input, ParameterField Select { width: 22; }
+    ParameterField .unit { width: 1fr; padding: 0 1; color: $text-muted; }
+    ParameterField .help { padding: 0 2; color: $text-muted; height: auto; }
+    ParameterField.wrong .help { color: $warning; }
+    ParameterField:focus-within .title { text-style: bold; }
+    """
+
+    class Changed(Message):
+        """The field holds another value."""
+
+        def __init__(self, field: "ParameterField") -> None:
+            super().__init__()
+            self.field = field
+
+    def __init__(self, field: Field, value: object) -> None:
+        super().__init__(id=f"parameter-{field.name}")
+        self.field = field
+        self._value = value
+
+    def compose(self) -> ComposeResult:
+        with Horizontal():
+            yield Static("", classes="mark")
+            yield Label(self.field.title, classes="title", markup=False)
+            yield self._editor()
+            yield Label(self._about(), classes="unit", markup=False)
+        yield Static(self.field.help, classes="help", markup=False)
+
+    def _editor(self) -> Input | Select[str] | Switch:
+        match self.field.kind:
+            case "choice":
+                options = [(choice, choice) for choice in self.field.choices]
+                return Select(options, value=str(self._value), allow_blank=False, compact=True)
+            case "bool":
+                return Switch(bool(self._value))
+            case _:
+                return Input(show(self._value), compact=True)
+
+    def _about(self) -> str:
+        bounds = "" if self.field.choices else self.field.bounds
+        unit = f"{self.field.unit} " if self.field.unit else ""
+        return f"{unit}{f'({bounds})' if bounds else ''}"
+
+    @property
+    def value(self) -> object:
+        """What the field holds: a truth value, or text as it was typed."""
+        return self._value
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether it differs from the default."""
+        return show(self._value) != show(self.field.default)
+
+    def reset(self) -> None:
+        """Put the default back."""
+        editor = self.query_one("Input, Select, Switch")
+        if isinstance(editor, Input):
+            editor.value = show(self.field.default)
+        elif isinstance(editor, Switch):
+            editor.value = bool(self.field.default)
+        elif isinstance(editor, Select):
+            editor.value = str(self.field.default)
+
+    @on(Input.Changed)
+    @on(Select.Changed)
+    @on(Switch.Changed)
+    def _edited(self, event: Input.Changed | Select.Changed | Switch.Changed) -> None:
+        event.stop()
+        self._value = event.value
+        self.post_message(self.Changed(self))
+
+    def tell(self, problem: str) -> None:
+        """Mark the field as changed from its default, and as wrong if there is a problem."""
+        default = f" Default: {show(self.field.default) or 'none'}." if self.is_changed else ""
+        self.query_one(".mark", Static).update("● " if self.is_changed else "  ")
+        self.query_one(".help", Static).update(problem or self.field.help + default)
+        self.set_class(bool(problem), "wrong")

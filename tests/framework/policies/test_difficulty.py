@@ -1,0 +1,87 @@
+"""Given a level, when attempts succeed or fail, then it moves by one, within its bounds, after so many in a row."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.messages import Outcome
+from sar_tui.framework.parameters import TaskParameters, build
+from sar_tui.framework.policies import difficulty
+from sar_tui.framework.policies.difficulty import Difficulty
+
+OUTCOMES = st.lists(st.sampled_from(["success", "failure"]), max_size=80)
+
+
+@st.composite
+def set_ups(draw: st.DrawFn) -> tuple[TaskParameters, int]:
+    """Parameters that go together, and how many levels the task has (never fewer than the lowest and the first)."""
+    low, first, high = sorted(draw(st.tuples(*[st.integers(1, 15)] * 3)))
+    parameters = build(
+        TaskParameters,
+        {
+            "min_level": low,
+            "start_level": first,
+            "max_level": high,
+            "consecutive_successes": draw(st.integers(1, 4)),
+            "consecutive_failures": draw(st.integers(1, 4)),
+        },
+    )
+    return parameters, draw(st.integers(first, 20))
+
+
+def levels(parameters: TaskParameters, count: int, outcomes: list[Outcome]) -> list[int]:
+    state = difficulty.start(parameters, count)
+    found = [state.level]
+    for outcome in outcomes:
+        state = difficulty.step(state, outcome, parameters, count)
+        found.append(state.level)
+    return found
+
+
+@given(set_ups(), OUTCOMES)
+def test_the_level_never_leaves_its_bounds_and_moves_by_one(
+    set_up: tuple[TaskParameters, int], outcomes: list[Outcome]
+) -> None:
+    parameters, count = set_up
+    found = levels(parameters, count, outcomes)
+    assert found[0] == parameters.start_level
+    assert all(parameters.min_level <= level <= min(parameters.max_level, count) for level in found)
+    for before, outcome, after in zip(found, outcomes, found[1:], strict=False):
+        assert after - before in ((0, 1) if outcome == "success" else (0, -1))
+
+
+@given(set_ups(), OUTCOMES)
+def test_the_level_moves_exactly_when_so_many_in_a_row_are_reached(
+    set_up: tuple[TaskParameters, int], outcomes: list[Outcome]
+) -> None:
+    parameters, count = set_up
+    level, run, kind = parameters.start_level, 0, ""
+    expected = [level]
+    for outcome in outcomes:
+        run = run + 1 if outcome == kind else 1
+        kind = outcome
+        needed = parameters.consecutive_successes if outcome == "success" else parameters.consecutive_failures
+        if run == needed:
+            run = 0
+            if outcome == "success":
+                level = min(level + 1, parameters.max_level, count)
+            else:
+                level = max(level - 1, parameters.min_level)
+        expected.append(level)
+    assert levels(parameters, count, outcomes) == expected
+
+
+@given(st.integers(1, 10), OUTCOMES)
+def test_a_fixed_level_stays(start: int, outcomes: list[Outcome]) -> None:
+    parameters = build(TaskParameters, {"start_level": start, "difficulty_policy": "fixed"})
+    assert set(levels(parameters, 10, outcomes)) == {start}
+
+
+def test_by_default_every_success_raises_and_every_failure_lowers() -> None:
+    parameters = build(TaskParameters, {})
+    assert levels(parameters, 10, ["success", "success", "failure", "success"]) == [1, 2, 3, 2, 3]
+
+
+def test_a_task_with_fewer_levels_than_asked_for_begins_and_stays_at_its_last() -> None:
+    parameters = build(TaskParameters, {"start_level": 5, "min_level": 4})
+    assert difficulty.start(parameters, 3) == Difficulty(3)
+    assert levels(parameters, 3, ["success", "failure", "failure"]) == [3, 3, 3, 3]

@@ -1,0 +1,96 @@
+"""Given an attempt's score, when it is judged, then outcome and valence follow from the goal alone."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.parameters import TaskParameters, build
+from sar_tui.framework.policies.feedback import Judgement, is_due, judge
+from sar_tui.framework.task import Metric, Score
+
+TIME = Metric("time", unit="ms", better="lower")
+TAPS = Metric("taps", unit="taps", better="higher")
+P = build(TaskParameters, {"threshold": 1000, "neutral_band": 10, "min_accuracy": 0.8})
+
+METRICS = st.one_of(st.none(), st.integers(0, 2000).map(float), st.floats(0, 2000))
+ACCURACIES = st.one_of(st.none(), st.integers(0, 20).map(lambda right: right / 20))
+
+
+def score(metric: float | None, accuracy: float | None = 1.0) -> Score:
+    return Score(metric=metric, accuracy=accuracy, correct=0, trials=20)
+
+
+def test_exactly_the_threshold_is_failure() -> None:
+    sharp = build(TaskParameters, {"threshold": 1000, "neutral_band": 0})
+    assert judge(score(1000.0), TIME, sharp).outcome == "failure"
+    assert judge(score(1000.0), TAPS, sharp).outcome == "failure"
+    assert judge(score(999.999), TIME, sharp) == Judgement("success", "positive", "goal")
+    assert judge(score(1000.001), TAPS, sharp) == Judgement("success", "positive", "goal")
+
+
+@pytest.mark.parametrize(
+    ("metric", "expected"),
+    [
+        (989.999, Judgement("success", "positive", "goal")),
+        (990.0, Judgement("success", "neutral", "band")),
+        (999.9, Judgement("success", "neutral", "band")),
+        (1000.0, Judgement("failure", "neutral", "band")),
+        (1010.0, Judgement("failure", "neutral", "band")),
+        (1010.001, Judgement("failure", "negative", "missed")),
+    ],
+)
+def test_within_the_band_bounds_included_feedback_is_neutral_whatever_the_outcome(
+    metric: float, expected: Judgement
+) -> None:
+    assert judge(score(metric), TIME, P) == expected
+
+
+@pytest.mark.parametrize(
+    ("metric", "expected"),
+    [
+        (1010.001, Judgement("success", "positive", "goal")),
+        (1010.0, Judgement("success", "neutral", "band")),
+        (990.0, Judgement("failure", "neutral", "band")),
+        (989.999, Judgement("failure", "negative", "missed")),
+    ],
+)
+def test_where_higher_is_better_above_the_threshold_is_success(metric: float, expected: Judgement) -> None:
+    assert judge(score(metric), TAPS, P) == expected
+
+
+@pytest.mark.parametrize("metric", [None, 1.0, 995.0, 1005.0, 5000.0])
+def test_below_the_minimum_accuracy_feedback_is_negative_and_names_accuracy(metric: float | None) -> None:
+    assert judge(score(metric, 0.79), TIME, P) == Judgement("failure", "negative", "accuracy")
+
+
+def test_exactly_the_minimum_accuracy_is_enough() -> None:
+    assert judge(score(500.0, 16 / 20), TIME, P).outcome == "success"
+
+
+def test_nothing_to_average_is_failure() -> None:
+    assert judge(score(None, 1.0), TIME, P) == Judgement("failure", "negative", "empty")
+
+
+def test_a_task_without_accuracy_is_judged_by_its_metric() -> None:
+    assert judge(score(500.0, None), TIME, P) == Judgement("success", "positive", "goal")
+    assert judge(score(None, None), TIME, P) == Judgement("failure", "negative", "empty")
+
+
+@given(METRICS, ACCURACIES, st.sampled_from([TIME, TAPS]), st.integers(1, 2000), st.integers(0, 100))
+def test_praise_is_never_given_for_failure_nor_blame_for_success(
+    metric: float | None, accuracy: float | None, kind: Metric, threshold: int, band: int
+) -> None:
+    parameters = build(TaskParameters, {"threshold": threshold, "neutral_band": band})
+    verdict = judge(score(metric, accuracy), kind, parameters)
+    assert (verdict.valence, verdict.outcome) not in (("positive", "failure"), ("negative", "success"))
+    enough = accuracy is None or accuracy >= 0.8
+    better = metric is not None and (metric < threshold if kind is TIME else metric > threshold)
+    assert (verdict.outcome == "success") == (enough and better)
+    near = metric is not None and abs(metric - threshold) <= band
+    assert (verdict.valence == "neutral") == (enough and near)
+
+
+@given(st.integers(1, 10), st.integers(1, 100))
+def test_feedback_is_due_after_every_nth_attempt(every: int, attempt: int) -> None:
+    parameters = build(TaskParameters, {"feedback_every": every})
+    assert is_due(attempt, parameters) == (attempt in range(every, 101, every))

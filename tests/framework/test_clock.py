@@ -1,0 +1,75 @@
+"""Given a virtual clock, when time passes, then callbacks run in their order, and identically each time."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.clock import VirtualClock
+
+
+def test_the_clock_stands_still_until_told_to_move() -> None:
+    clock = VirtualClock(5)
+    ran: list[str] = []
+    clock.call_at(5, lambda: ran.append("due at once"))
+    assert (clock.now(), ran) == (5, [])
+
+
+@given(st.lists(st.integers(0, 50)))
+def test_callbacks_run_by_time_and_by_request_where_times_are_equal(times: list[int]) -> None:
+    clock = VirtualClock()
+    ran: list[tuple[int, int, int]] = []
+    for number, when in enumerate(times):
+        clock.call_at(when, lambda number=number, when=when: ran.append((when, number, clock.now())))
+    while clock.step():
+        pass
+    assert ran == [(when, number, when) for when, number in sorted((when, n) for n, when in enumerate(times))]
+
+
+def test_a_callback_asked_for_in_the_past_runs_now() -> None:
+    clock = VirtualClock(100)
+    at: list[int] = []
+    clock.call_at(20, lambda: at.append(clock.now()))
+    assert clock.step()
+    assert at == [100]
+
+
+def test_a_callback_may_ask_for_another() -> None:
+    clock = VirtualClock()
+    at: list[int] = []
+    clock.call_at(10, lambda: clock.call_at(clock.now() + 5, lambda: at.append(clock.now())))
+    clock.advance(20)
+    assert (at, clock.now()) == ([15], 20)
+
+
+def test_advance_runs_what_falls_due_and_leaves_the_rest() -> None:
+    clock = VirtualClock()
+    ran: list[int] = []
+    for when in (10, 20, 30):
+        clock.call_at(when, lambda when=when: ran.append(when))
+    clock.advance(20)
+    assert (ran, clock.now()) == ([10, 20], 20)
+    clock.advance(20)
+    assert (ran, clock.now()) == ([10, 20, 30], 40)
+
+
+def test_what_is_called_off_does_not_run_and_does_not_move_the_clock() -> None:
+    clock = VirtualClock()
+    ran: list[str] = []
+    clock.call_at(10, lambda: ran.append("called off")).cancel()
+    assert not clock.step()
+    assert (ran, clock.now()) == ([], 0)
+
+
+def test_set_moves_the_clock_and_runs_nothing() -> None:
+    clock = VirtualClock()
+    ran: list[str] = []
+    clock.call_at(10, lambda: ran.append("skipped over"))
+    clock.set(10)
+    assert (ran, clock.now()) == ([], 10)
+
+
+def test_call_soon_runs_before_any_time_passes() -> None:
+    clock = VirtualClock(7)
+    at: list[int] = []
+    clock.call_soon(lambda: at.append(clock.now()))
+    clock.advance(0)
+    assert at == [7]

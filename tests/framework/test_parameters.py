@@ -1,0 +1,170 @@
+"""Given a task's declaration, when people set parameters, then what cannot be is refused in a clear sentence."""
+
+import math
+from typing import Annotated, Any, Literal
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.parameters import (
+    Field,
+    ParameterError,
+    TaskParameters,
+    build,
+    changed,
+    fields,
+    meta,
+    read,
+    show,
+)
+
+
+class Parameters(TaskParameters, frozen=True, kw_only=True):
+    """One of each kind."""
+
+    reach: Annotated[float, meta("Reach", "cm", "How far.", ge=0, le=100)] = 30.5
+    repetitions: Annotated[int, meta("Repetitions", ge=1, le=12)] = 3
+    hand: Annotated[Literal["left", "right"], meta("Hand")] = "right"
+    mirrored: Annotated[bool, meta("Mirrored")] = False
+    words: Annotated[tuple[str, ...], meta("Words")] = ("one", "two")
+    nickname: Annotated[str, meta("Nickname")] = "x"
+    undescribed: int = 4
+
+
+FIELDS = {field.name: field for field in fields(Parameters)}
+
+
+def problem(**values: object) -> str:
+    with pytest.raises(ParameterError) as caught:
+        build(Parameters, values)
+    return str(caught.value)
+
+
+def values_of(field: Field) -> st.SearchStrategy[Any]:
+    word = st.text("abcdefghijklmnopqrstuvwxyz;.#é", min_size=1, max_size=4)
+    match field.kind:
+        case "int":
+            low, high = field.ge, field.le
+            return st.integers(-1000 if low is None else int(low), 1000 if high is None else int(high))
+        case "float":
+            return st.floats(field.ge or 0, field.le or 1e6)
+        case "bool":
+            return st.booleans()
+        case "choice":
+            return st.sampled_from(field.choices)
+        case "list":
+            return st.lists(word, max_size=3).map(tuple)
+        case _:
+            return word
+
+
+ONE_OF_THE_TASKS = st.sampled_from(["reach", "repetitions", "hand", "mirrored", "words", "nickname", "undescribed"])
+
+
+def test_a_declared_field_knows_all_that_a_form_needs() -> None:
+    assert FIELDS["reach"] == Field("reach", "Reach", "cm", "How far.", 30.5, "float", 0, 100)
+    assert FIELDS["hand"] == Field("hand", "Hand", "", "", "right", "choice", choices=("right", "left"))
+    assert FIELDS["undescribed"] == Field("undescribed", "Undescribed", "", "", 4, "int")
+    assert [FIELDS[name].kind for name in ("mirrored", "words", "nickname")] == ["bool", "list", "text"]
+
+
+def test_the_tasks_own_parameters_come_first() -> None:
+    names = list(FIELDS)
+    assert names.index("undescribed") == 6
+    assert names[7:] == list(TaskParameters.__struct_fields__)
+
+
+@pytest.mark.parametrize("field", fields(TaskParameters), ids=lambda field: field.name)
+def test_every_common_parameter_has_a_title_and_a_default_that_can_be(field: Field) -> None:
+    assert field.title != field.name
+    assert getattr(build(TaskParameters, {field.name: show(field.default)}), field.name) == field.default
+
+
+@given(st.data())
+def test_what_is_shown_can_be_typed_again(data: st.DataObject) -> None:
+    name = data.draw(ONE_OF_THE_TASKS)
+    value = data.draw(values_of(FIELDS[name]))
+    assert getattr(build(Parameters, {name: show(value)}), name) == value
+
+
+@given(st.data())
+def test_typed_and_given_values_come_to_the_same(data: st.DataObject) -> None:
+    name = data.draw(ONE_OF_THE_TASKS)
+    value = data.draw(values_of(FIELDS[name]))
+    assert build(Parameters, {name: value}) == build(Parameters, {name: show(value)})
+
+
+@given(st.floats(), st.sampled_from(["reach", "threshold", "neutral_band", "min_accuracy"]))
+def test_a_number_is_within_its_bounds_or_refused(value: float, name: str) -> None:
+    field = FIELDS[name]
+    assert field.ge is not None
+    assert field.le is not None
+    for given_as in (value, repr(value)):
+        if field.ge <= value <= field.le:
+            assert getattr(build(Parameters, {name: given_as}), name) == value
+        else:
+            assert problem(**{name: given_as}).startswith(f"{field.title} is a number, ")
+
+
+@given(st.text(), st.sampled_from([field.name for field in fields(Parameters)]))
+def test_anything_may_be_typed_and_nothing_but_a_sentence_comes_of_it(text: str, name: str) -> None:
+    problems: dict[str, str] = {}
+    value: object = None
+    try:
+        value = getattr(build(Parameters, {name: text}), name)
+    except ParameterError as error:
+        problems = error.problems
+    assert all(sentence.endswith(".") for sentence in problems.values())
+    assert not isinstance(value, float) or math.isfinite(value)
+
+
+def test_the_bounds_are_inclusive() -> None:
+    assert build(Parameters, {"repetitions": 1}).repetitions == 1
+    assert build(Parameters, {"repetitions": "12"}).repetitions == 12
+    assert problem(repetitions=13) == "Repetitions is a whole number, 1 to 12, not 13."
+    assert problem(repetitions="0") == "Repetitions is a whole number, 1 to 12, not 0."
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"repetitions": "many"}, "Repetitions is a whole number, 1 to 12, not many."),
+        ({"repetitions": 2.5}, "Repetitions is a whole number, 1 to 12, not 2.5."),
+        ({"repetitions": True}, "Repetitions is a whole number, 1 to 12, not yes."),
+        ({"reach": "nan"}, "Reach is a number, 0 to 100, not nan."),
+        ({"hand": "both"}, "Hand is one of right, left, not both."),
+        ({"mirrored": "perhaps"}, "Mirrored cannot be perhaps (yes or no)."),
+        ({"repetition": 2}, "There is no parameter repetition. Did you mean repetitions?"),
+        ({"qqq": 2}, "There is no parameter qqq."),
+        ({"min_level": 6, "max_level": 5}, "Lowest level (6) is above the highest (5)."),
+        ({"start_level": 6, "max_level": 5}, "Start level (6) has to lie between 1 and 5."),
+        ({"start_level": 2, "min_level": 3}, "Start level (2) has to lie between 3 and 10."),
+        (
+            {"foreperiod_min_ms": 900, "foreperiod_max_ms": 800},
+            "Shortest wait (900 ms) is above the longest (800 ms).",
+        ),
+    ],
+)
+def test_what_cannot_be_is_told_in_one_sentence(values: dict[str, object], sentence: str) -> None:
+    assert problem(**values) == sentence
+
+
+def test_every_problem_is_told_and_not_only_the_first() -> None:
+    with pytest.raises(ParameterError) as caught:
+        build(Parameters, {"repetitions": 0, "hand": "both", "nonsense": 1})
+    assert set(caught.value.problems) == {"repetitions", "hand", "nonsense"}
+
+
+def test_a_list_is_typed_with_spaces_or_commas() -> None:
+    assert read(FIELDS["words"], " fj, dfjk  asdf ") == ["fj", "dfjk", "asdf"]
+
+
+@given(st.data())
+def test_only_what_differs_from_the_defaults_is_kept_and_brings_the_rest_back(data: st.DataObject) -> None:
+    name = data.draw(ONE_OF_THE_TASKS)
+    value = data.draw(values_of(FIELDS[name]))
+    built = build(Parameters, {name: value})
+    kept = changed(built)
+    assert set(kept) == ({name} if value != FIELDS[name].default else set())
+    assert build(Parameters, kept) == built
