@@ -89,7 +89,8 @@ def _body(
     ticks = _round_numbers(low, high, max(2, rows // 2))
     plt.yticks(ticks, [f"{tick:g}".rjust(_MARGIN) for tick in ticks], yside="left")
     plt.yticks(shown := sorted(set(levels)), [str(level) for level in shown], yside="right")
-    every = math.ceil(count * (len(str(count)) + 1) / (size[0] - _MARGIN - 6))
+    room = count * (len(str(count)) + 1) / (size[0] - _MARGIN - 6)
+    every = next(step for power in (1, 10, 100, 1000, 10_000) for m in (1, 2, 5) if (step := m * power) >= room)
     labelled = [attempt for attempt in attempts if every == 1 or attempt == 1 or attempt % every == 0]
     plt.xticks(labelled, [str(attempt) for attempt in labelled])
     return str(plt.build())

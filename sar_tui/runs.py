@@ -20,7 +20,7 @@ from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.person import Person
 from sar_tui.store import locks, participants, sessions
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.provenance import machine, software
+from sar_tui.store.provenance import machine, measured_timing, software
 from sar_tui.store.recorder import Recorder
 
 
@@ -119,7 +119,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: C
             seed=plan.seed,
             parameters=plan.parameters,
             software=software(task_folder(plan.task), task.version, catalogue.theme_folder(theme.name)),
-            machine=machine(),
+            machine=machine() | {"timing": measured_timing(folder)},
             mode=plan.mode,
         )
         return _enter(entry, session, folder, database, held)
@@ -213,10 +213,10 @@ def simulate(
     try:
         run.session.bus.subscribe(ATTEMPT_ENDED, lambda ended: progress(ended.attempt))
         run.begin()
-        while not run.session.ended and clock.step():
-            run.check()
-        run.check()
+        while not (run.session.ended or run.session.broken) and clock.step():
+            pass
         run.recorder.write()
+        run.check()
     finally:
         run.close()
     return run.id

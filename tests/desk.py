@@ -47,14 +47,16 @@ class Screen(Node):
             self.bus.clock.call_at(self.now + SHOWING, lambda: self.show(prompt))
 
     def show(self, prompt: m.Prompt, at: int | None = None) -> None:
-        self.onset = self.bus.clock.now() if at is None else at
+        onset = self.bus.clock.now() if at is None else at
+        if prompt is self.prompt and self.waiting is not None and self.waiting.what == "response":
+            self.onset = onset
         self.emit(
             SHOWN,
             m.Shown(
                 attempt=prompt.attempt,
                 trial=prompt.trial,
                 presentation=prompt.presentation,
-                at=self.onset,
+                at=onset,
                 source=self.source,
             ),
         )

@@ -122,12 +122,12 @@ class SarTui(App[int]):
 
     def _tell_focus(self, focused: bool, seconds: float) -> None:
         if self.live and not self.live.is_closed:
-            self.live.keyboard.focused(focused, seconds)
+            self.live.keyboard.focused(focused, self.live.stamp(seconds))
 
     # --- the terminal --------------------------------------------------------------------------------------
 
-    def on_resize(self) -> None:
-        if is_too_small(self.size) and not isinstance(self.screen, TooSmallScreen):
+    def on_resize(self, event: events.Resize) -> None:
+        if is_too_small(event.size) and not isinstance(self.screen, TooSmallScreen):
             self.push_screen(TooSmallScreen())
 
     def _catch_signals(self) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from sar_tui.app.screen_output import ScreenOutput, Stage
 from sar_tui.framework.bus import FAULT
-from sar_tui.framework.clock import Clock, LiveClock
+from sar_tui.framework.clock import SECOND, Clock, LiveClock
 from sar_tui.framework.messages import Fault, Operator
 from sar_tui.framework.topics import OPERATOR
 from sar_tui.inputs.keyboard import Keyboard
@@ -58,6 +58,10 @@ class LiveSession:
 
         self.run.session.bus.subscribe(FAULT, faulted)
         self.clock.call_soon(self.run.begin)
+
+    def stamp(self, seconds: float) -> float:
+        """A terminal event's stamp on the session's clock: its own, unless that clock is moved by hand."""
+        return seconds if isinstance(self.clock, LiveClock) else self.clock.now() / SECOND
 
     def _store(self) -> None:
         from textual.worker import get_current_worker

@@ -6,9 +6,15 @@ from typing import Annotated
 import typer
 
 from sar_tui import __version__
-from sar_tui.cli import doctor, graph, live, sessions, simulate, tasks, themes
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, need_terminal
+from sar_tui.cli.doctor import doctor
 from sar_tui.cli.errors import INTERRUPTED, Commands
+from sar_tui.cli.graph import graph
+from sar_tui.cli.live import resume, run
+from sar_tui.cli.sessions import sessions, show
+from sar_tui.cli.simulate import simulate
+from sar_tui.cli.tasks import app as tasks_app
+from sar_tui.cli.themes import themes
 
 app = typer.Typer(
     name="sar-tui",
@@ -51,23 +57,21 @@ def measure_timing(
     trials: Annotated[int, typer.Option(min=10, max=10_000, help="How many responses to measure.")] = 100,
     as_json: AsJson = False,
     data: Data = None,
+    tasks: Tasks = None,
 ) -> None:
-    """Measure this machine's and terminal's timing, and say whether it is fit for an experiment."""
-    from sar_tui.cli.timing import run
+    """Measure how well this machine times.
 
-    raise typer.Exit(run(Home.of(context, data).folder, trials, as_json))
+    Says whether it is fit for an experiment, and why; the figures are kept with later sessions.
+    """
+    from sar_tui.cli import timing
+
+    raise typer.Exit(timing.run(Home.of(context, data, tasks).folder, trials, as_json))
 
 
-app.command("run")(live.run)
-app.command("resume")(live.resume)
-app.command("simulate")(simulate.simulate)
-app.command("sessions")(sessions.sessions)
-app.command("show")(sessions.show)
-app.add_typer(tasks.app, name="tasks")
-app.command("themes")(themes.themes)
-app.command("graph")(graph.graph)
+for command in (run, resume, simulate, sessions, show, graph, themes, doctor):
+    app.command()(command)
 app.command("timing")(measure_timing)
-app.command("doctor")(doctor.doctor)
+app.add_typer(tasks_app, name="tasks")
 
 
 def main() -> None:

@@ -35,7 +35,7 @@ Pairs = Annotated[
 Seed = Annotated[
     int | None,
     typer.Option(
-        "--seed", min=0, max=2**63 - 1, show_default=False, help="Decides all that is random; without it, it is drawn."
+        "--seed", metavar="N", min=0, max=2**63 - 1, show_default=False, help="Decides all that is random; else drawn."
     ),
 ]
 

@@ -10,7 +10,9 @@ from typer.core import TyperGroup
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 DEBUG = "SAR_TUI_DEBUG"
 
-_UsageError = typer.BadParameter.__bases__[0]  # typer brings its own click, or uses another, by its version
+_UsageError: type[Exception] = typer.BadParameter.__bases__[
+    0
+]  # typer brings its own click, or uses another, by its version
 
 
 class Refused(Exception):
@@ -59,8 +61,8 @@ def explain(error: Exception) -> tuple[int, str]:
             return FAILED, str(error)
         case sqlite3.Error():
             return explain(database.explain(error))
-        case OSError(strerror=str(reason), filename=str(name)):
-            return FAILED, f"{name} cannot be used: {reason}."
+        case OSError() if error.filename:
+            return FAILED, f"{error.filename} cannot be used: {error.strerror}."
     return FAILED, (
         f"Something went wrong that should not have ({type(error).__name__}: {error}). "
         f"Run it again with {DEBUG}=1 to see where."

@@ -14,12 +14,14 @@ if TYPE_CHECKING:
 
 def graph(
     context: typer.Context,
-    task: Annotated[str, typer.Argument(help="The task's name; `sar-tui tasks` lists them.", show_default=False)],
+    task: Annotated[
+        str, typer.Argument(metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False)
+    ],
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Draw the nodes of a task's loop, and the topics and services between them."""
+    """Draw the nodes and topics of a task's loop."""
     catalogue = Home.of(context, data, tasks).catalogue()
     kind = catalogue.task(task)
     whole = _loop(kind, catalogue.theme("calm"))

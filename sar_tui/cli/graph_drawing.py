@@ -58,8 +58,8 @@ def _branches(edges: Sequence[Edge]) -> Iterator[tuple[str, str, list[str]]]:
 def _note(part: Part) -> str:
     """What its edges do not tell."""
     notes = {
-        "input": "  input: what the participant does",
-        "output": "  output: what the participant gets",
+        "input": "  user interface: what the participant does",
+        "output": "  user interface: what the participant gets",
         "tap": "  hears every message, and puts it on the disk",
         "outside": "  the program around the loop",
     }

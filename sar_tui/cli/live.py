@@ -11,19 +11,25 @@ from sar_tui.cli.setting import pairs, parameters
 
 def run(
     context: typer.Context,
-    task: Annotated[str, typer.Argument(help="The task's name; `sar-tui tasks` lists them.", show_default=False)],
+    task: Annotated[
+        str, typer.Argument(metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False)
+    ],
     participant: Annotated[
         str, typer.Option("-p", "--participant", metavar="CODE", show_default=False, help="Who: a code, never a name.")
     ],
     settings: Pairs = None,
     theme: Annotated[
-        str | None, typer.Option(show_default=False, help="How the agent looks and speaks; else as saved.")
+        str | None,
+        typer.Option(metavar="NAME", show_default=False, help="How the agent looks and speaks; else as saved."),
     ] = None,
     seed: Seed = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Go straight into a session. It starts from the participant's saved settings."""
+    """Go straight into a session.
+
+    It starts from the participant's saved settings; --set and --theme hold for this session alone.
+    """
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
@@ -57,7 +63,10 @@ def resume(
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Go on with an interrupted session: without an argument, the latest."""
+    """Go on with an interrupted session.
+
+    Without an argument: the latest.
+    """
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
 

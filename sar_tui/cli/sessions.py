@@ -43,7 +43,9 @@ def sessions(
     out = console()
     if not rows:
         whose = f" of {code}" if code else ""
-        out.print(f"There are no sessions{whose} yet. `sar-tui simulate keyboard --user average` makes one.")
+        out.print(
+            f"There are no sessions{whose} yet. `sar-tui simulate keyboard --user average` makes one.", soft_wrap=True
+        )
         return
 
     from sar_tui.cli.tables import add, local_time, table
@@ -64,7 +66,7 @@ def show(
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Show a session: its facts, its attempts, their plot, and how well it was timed."""
+    """Show a session: attempts, plot, timing."""
     from sar_tui.store import sessions as store
 
     home = Home.of(context, data, tasks)
@@ -84,7 +86,7 @@ def show(
     if attempts:
         out.print(attempts_table(attempts, metric), end="\n\n")
         _print_figure(out, attempts, metric, found["parameters"]["threshold"])
-    out.print(summary(attempts, metric), end="\n\n")
+    out.print(summary(attempts, metric), soft_wrap=True, end="\n\n")
     _print_timing(out, found["machine"], trials)
 
 

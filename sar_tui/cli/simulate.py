@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from enum import Enum
+from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from sar_tui.simulation.person import Person
 
 
-class User(str, Enum):
+class User(StrEnum):
     """Who can be simulated: the names in `simulation.person.PEOPLE`, which is not imported for ``--help``."""
 
     poor = "poor"
@@ -24,32 +24,41 @@ class User(str, Enum):
 
 def simulate(
     context: typer.Context,
-    task: Annotated[str, typer.Argument(help="The task's name; `sar-tui tasks` lists them.", show_default=False)],
-    user: Annotated[User, typer.Option(help="Who does it.", show_default=False)],
+    task: Annotated[
+        str, typer.Argument(metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False)
+    ],
+    user: Annotated[User, typer.Option(help="Who does it: how fast, and how often wrong.", show_default=False)],
     participant: Annotated[
         str, typer.Option("-p", "--participant", metavar="CODE", help="The code it is kept under.")
     ] = "SIM",
     attempts: Annotated[
-        int | None, typer.Option(show_default=False, help="How many attempts; else as the task says.")
+        int | None, typer.Option(metavar="N", show_default=False, help="How many attempts; else as the task says.")
     ] = None,
     seed: Seed = None,
     settings: Pairs = None,
-    theme: Annotated[str, typer.Option(help="How the agent speaks.")] = "calm",
+    theme: Annotated[str, typer.Option(metavar="NAME", help="How the agent speaks.")] = "calm",
     practice_effect: Annotated[
         float | None,
         typer.Option(
-            min=0, max=0.9, show_default=False, help="The share of the reaction time that practice takes off."
+            metavar="SHARE",
+            min=0,
+            max=0.9,
+            show_default=False,
+            help="What practice takes off the reaction time, 0 to 0.9.",
         ),
     ] = None,
     fatigue: Annotated[
         float | None,
-        typer.Option(min=0, max=1, show_default=False, help="The share of it that each attempt adds."),
+        typer.Option(metavar="SHARE", min=0, max=1, show_default=False, help="What each attempt adds to it, 0 to 1."),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Run a whole session with a simulated participant, through the same nodes, into the database."""
+    """Run a session with a simulated participant.
+
+    The same nodes as in front of a person, on a clock that jumps from one event to the next, into the database.
+    """
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
@@ -81,7 +90,7 @@ def simulate(
 
     out = console()
     out.print(attempts_table(rows, kind.metric))
-    out.print(f"{summary(rows, kind.metric)} Seed {plan.seed}. `sar-tui show {session}` shows more.")
+    out.print(f"{summary(rows, kind.metric)} Seed {plan.seed}. `sar-tui show {session}` shows more.", soft_wrap=True)
 
 
 def _person(user: User, practice: float | None, fatigue: float | None) -> "Person":

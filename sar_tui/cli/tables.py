@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from datetime import datetime
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from rich import box
 from rich.table import Table
@@ -15,11 +15,12 @@ Row = dict[str, Any]
 _OUTCOMES = {"success": "● reached", "failure": "○ missed"}
 
 
-def table(*columns: str, right: Sequence[str] = ()) -> Table:
-    """An empty table: a head, a line, rows; the columns in ``right`` are numbers."""
+def table(*columns: str, right: Sequence[str] = (), whole: Sequence[str] = ()) -> Table:
+    """An empty table: a head, a line, rows. Columns in ``right`` are numbers; those in ``whole`` are never folded."""
     made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for column in columns:
-        made.add_column(column, justify="right" if column in right else "left", overflow="fold")
+        justify: Literal["left", "right"] = "right" if column in right else "left"
+        made.add_column(column, justify=justify, overflow="fold", no_wrap=column in whole)
     return made
 
 

@@ -51,9 +51,9 @@ def check(folder: Path) -> Iterator[Check]:
     try:
         kind = load_task(folder)
     except PluginError as error:
-        yield Check("loads", str(error))
+        yield Check("can be loaded", str(error))
         return
-    yield Check("loads")
+    yield Check("can be loaded")
     declared = Check("declares its title and metric", _asked(lambda: _declaration(kind)))
     yield declared
     described = Check("describes every parameter: title, help, bounds", _asked(lambda: _parameters(kind)))
@@ -146,7 +146,7 @@ def _prompts(kind: type[Task], task: Task) -> str:
                 return f"The prompt's text is not one line of plain text {where}: {prompt.text!r}."
             if prompt.choices < 1:
                 return f"The prompt is drawn from {prompt.choices} stimuli {where}."
-            if prompt not in (task.stimulus(situation),) or prompt != again.stimulus(situation):
+            if prompt != task.stimulus(situation) or prompt != again.stimulus(situation):
                 return f"The prompt is another one when asked again {where}. Draw from situation.chance alone."
     return ""
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
-from sar_tui.cli.errors import FAILED
+from sar_tui.cli.errors import FAILED, Refused
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -44,18 +44,18 @@ def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = Non
     out = console()
     out.print(made)
     for problem in broken:
-        out.print(f"✗ {problem['name']}: {problem['error']}", markup=False)
+        out.print(f"✗ {problem['name']}: {problem['error']}", markup=False, soft_wrap=True)
 
 
 @app.command("show")
 def show_task(
     context: typer.Context,
-    name: Annotated[str, typer.Argument(help="The task's name.", show_default=False)],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="The task's name.", show_default=False)],
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Show what can be set for a task, for --set NAME=VALUE."""
+    """Show what can be set for a task."""
     from sar_tui.framework.parameters import fields, show
 
     task = Home.of(context, data, tasks).catalogue().task(name)
@@ -69,19 +69,23 @@ def show_task(
 
     out = console()
     out.print(f"{task.title}. {task.summary}\n", markup=False)
-    made = table("name", "default", "allowed", "unit", "what it is")
+    made = table("name", "default", "allowed", "what it is", whole=("name", "default"))
     for field in declared:
         words = f"{field.title}. {field.help}" if field.help else field.title
-        add(made, field.name, show(field.default), field.bounds, field.unit, words)
+        add(made, field.name, show(field.default), f"{field.bounds} {field.unit}".strip(), words)
     out.print(made)
 
 
 @app.command("new")
 def new_task(
-    name: Annotated[str, typer.Argument(help="Its name: a small word, such as tapping.", show_default=False)],
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Its name: a small word, such as tapping.", show_default=False)
+    ],
     to: Annotated[Path, typer.Option("--to", metavar="DIR", help="Where its folder is made.")] = Path(),
+    data: Data = None,
+    tasks: Tasks = None,
 ) -> None:
-    """Begin a new task: a folder with a working example, to be changed."""
+    """Begin a new task from a working example."""
     from sar_tui.cli.scaffold import make
 
     folder = make(name, to)
@@ -96,31 +100,28 @@ def new_task(
 
 @app.command("check")
 def check_task(
-    path: Annotated[Path, typer.Argument(help="The task's folder.", show_default=False)],
+    path: Annotated[Path, typer.Argument(metavar="PATH", help="The task's folder.", show_default=False)],
     as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
 ) -> None:
     """Test a task folder against the contract of tasks."""
     from sar_tui.cli.task_check import check
 
     folder = path.resolve()
+    if not folder.is_dir():
+        raise Refused(f"There is no folder {path} to check.")
     out = console()
-    found = []
-    for check_made in check(folder):
-        found.append(check_made)
+    made = []
+    for done in check(folder):
+        made.append(done)
         if not as_json:
-            out.print(
-                f"✓ {check_made.check}" if check_made.ok else f"✗ {check_made.check}. {check_made.problem}",
-                markup=False,
-            )
-    passed = all(check_made.ok for check_made in found)
+            line = f"✓ {done.check}" if done.ok else f"✗ {done.check}. {done.problem}"
+            out.print(line, markup=False, soft_wrap=True)
+    passed = all(done.ok for done in made)
     if as_json:
-        print_json(
-            {
-                "task": folder.name,
-                "passed": passed,
-                "checks": [{"check": c.check, "ok": c.ok, "problem": c.problem} for c in found],
-            }
-        )
+        rows = [{"check": done.check, "ok": done.ok, "problem": done.problem} for done in made]
+        print_json({"task": folder.name, "passed": passed, "checks": rows})
     elif passed:
         out.print(f"{folder.name} keeps the contract.", markup=False)
     if not passed:

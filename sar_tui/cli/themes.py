@@ -6,7 +6,7 @@ from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
 
 
 def themes(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
-    """List the themes: how the agent looks and speaks."""
+    """List how the agent can look and speak."""
     from sar_tui.plugins import PluginError
 
     catalogue = Home.of(context, data, tasks).catalogue()

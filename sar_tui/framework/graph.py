@@ -56,7 +56,7 @@ def graph(nodes: Sequence[type[Node]], taps: Sequence[type[Listener]] = ()) -> G
 
     Args:
         nodes: in the order in which they hear a message.
-        taps: those who hear everything; only what they say has edges.
+        taps: those who hear everything; they have an edge from a topic that nobody else hears.
     """
     parts = [_part(node) for node in nodes]
     parts += [Part(tap.name, "tap", emits=_names(tap.emits)) for tap in taps]
@@ -64,12 +64,13 @@ def graph(nodes: Sequence[type[Node]], taps: Sequence[type[Listener]] = ()) -> G
     orphans = dict.fromkeys(name for part in parts for name in part.hears if name not in emitted)
     if orphans:
         parts.append(Part(OUTSIDE, "outside", emits=tuple(orphans)))
+    heard = {name for part in parts for name in part.hears}
     told = [
         Edge(source.name, target.name, name, "topic")
         for source in parts
         for name in source.emits
         for target in parts
-        if name in target.hears
+        if name in target.hears or (target.kind == "tap" and name not in heard)
     ]
     asked = [
         Edge(source.name, target.name, name, "service")

@@ -139,7 +139,7 @@ class Waiting(Message, frozen=True, kw_only=True):
 
     ``what``: ``enter`` (Return), ``quiet`` (no keys for a moment), ``foreperiod``, ``storage`` (the disk),
     ``response``, ``resume`` (paused), ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
-    ``trial``, ``paused``, ``ended``. ``attempt_name`` is the attempt in words: "attempt 3 of 20". ``reason``,
+    ``trial``, ``paused``, ``ended``. ``attempt_name`` is the attempt in words: "attempt 3 of 20"; ``goal`` what it aims at, but for trials. ``reason``,
     when paused: how the person is (see `Operator`), ``interrupted`` (the program had ended), ``storage`` (the
     disk refuses), ``restored`` (it no longer does).
     """

@@ -125,6 +125,10 @@ class Terminal:
         """Make the terminal another size; the program is told by SIGWINCH."""
         fcntl.ioctl(self._file, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
 
+    def modes(self) -> list[object]:
+        """How the terminal is set (`termios.tcgetattr`): whether it echoes, edits lines, sends signals."""
+        return list(termios.tcgetattr(self._file))
+
     def read(self, until: int) -> bool:
         """Read once, and stamp it; False if nothing came until then (ns), or the program has let go."""
         if self.ended:

@@ -8,6 +8,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 import sar_tui
 
 _MULTIPLEXERS = {"tmux": "TMUX", "screen": "STY", "zellij": "ZELLIJ"}
@@ -39,6 +41,19 @@ def folder_hash(folder: Path) -> str:
         if path.is_file() and "__pycache__" not in path.parts:
             digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
+
+
+TIMING_FILE = "timing.json"
+"""Where `sar-tui timing` leaves its figures, in the data folder."""
+
+
+def measured_timing(folder: Path) -> dict[str, Any] | None:
+    """What `sar-tui timing` measured on this machine, if it did."""
+    try:
+        timing: dict[str, Any] = msgspec.json.decode((folder / TIMING_FILE).read_bytes(), type=dict)
+    except (OSError, msgspec.MsgspecError):
+        return None
+    return timing
 
 
 def machine() -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from rich.segment import Segment
 from rich.style import Style
+from textual.geometry import Size
 from textual.strip import Strip
 from textual.widget import Widget
 
@@ -21,21 +22,20 @@ class BigPrompt(Widget):
         self._text = ""
         self._hint = ""
         self._lines: list[tuple[str, bool]] = []
+        self._composed_for: Size | None = None
 
     def show(self, glyph: str, text: str, hint: str = "") -> None:
         """Put a prompt up: drawn large, with ``text`` as it is on a line of its own."""
-        self._glyph, self._text, self._hint = glyph, text, hint
-        self._compose_lines()
-        self.refresh()
+        self._change(glyph, text, hint)
 
     def clear(self) -> None:
         """Show the fixation point only."""
-        self._glyph, self._text, self._hint = None, "", ""
-        self._compose_lines()
-        self.refresh()
+        self._change(None, "", "")
 
-    def on_resize(self) -> None:
-        self._compose_lines()
+    def _change(self, glyph: str | None, text: str, hint: str) -> None:
+        self._glyph, self._text, self._hint = glyph, text, hint
+        self._composed_for = None
+        self.refresh()
 
     def _compose_lines(self) -> None:
         width, height = self.size
@@ -43,8 +43,11 @@ class BigPrompt(Widget):
         block = [*((line, True) for line in drawn), ("", False), (self._text, True), (self._hint, False)]
         top = max(0, (height - len(block)) // 2)
         self._lines = [("", False)] * top + block
+        self._composed_for = self.size
 
     def render_line(self, y: int) -> Strip:
+        if self._composed_for != self.size:
+            self._compose_lines()
         width = self.size.width
         style = self.rich_style
         if y >= len(self._lines):

@@ -16,6 +16,7 @@ from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
 from sar_tui.runs import Plan
 from sar_tui.store import participants, sessions
+from sar_tui.store.provenance import machine
 
 _NEW = "+"
 
@@ -38,7 +39,7 @@ class HomeScreen(Screen[None]):
     app: Any
 
     def compose(self) -> ComposeResult:
-        yield Static("sar-tui", id="title")
+        yield Static(_title(), id="title", markup=False)
         with Horizontal(id="choices"):
             for name, title in (("participant", "Who"), ("task", "Task"), ("theme", "Theme")):
                 choices = OptionList(id=name, classes="choice", markup=False)
@@ -188,6 +189,12 @@ class HomeScreen(Screen[None]):
             self.query_one("#participant").focus()
             return None
         return who, self.app.catalogue.task(name)
+
+
+def _title() -> str:
+    """The name, and what is known to blur timing in this terminal."""
+    flags = machine()["flags"]
+    return "sar-tui" + (f"   (inside {' and '.join(flags)}: reaction times are less exact)" if flags else "")
 
 
 def _can_go_on(row: sessions.Row) -> bool:

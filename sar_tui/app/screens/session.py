@@ -83,7 +83,8 @@ class SessionScreen(Screen[None]):
         self.query_one("#attempts", ProgressBar).update(
             total=parameters.practice_attempts + parameters.attempts, progress=0
         )
-        self.query_one("#trials", ProgressBar).update(total=session.task.trials_per_attempt, progress=0)
+        self.query_one("#trials", ProgressBar).update(total=session.task.trials_per_attempt)
+        self._count(0)
         self._live.begin(self.app, self._broken)
 
     def on_unmount(self) -> None:
@@ -105,11 +106,11 @@ class SessionScreen(Screen[None]):
         if event.key not in ("escape", "f1", "ctrl+p"):
             event.stop()
             event.prevent_default()
-        self._live.keyboard.pressed(event.key, event.character, event.time, self._quiet.lag)
+        self._live.keyboard.pressed(event.key, event.character, self._live.stamp(event.time), self._quiet.lag)
 
     def on_paste(self, event: events.Paste) -> None:
         event.stop()
-        self._live.keyboard.pasted(len(event.text), event.time)
+        self._live.keyboard.pasted(len(event.text), self._live.stamp(event.time))
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
         """A pause is offered where there is something to pause."""
@@ -164,8 +165,7 @@ class SessionScreen(Screen[None]):
         self.query_one(Agent).say("", "listening")
 
     def progress(self, done: int) -> None:
-        self.query_one("#trials", ProgressBar).update(progress=done)
-        self._count("#trials-label", done)
+        self._count(done)
 
     def end_attempt(self, ended: AttemptEnded) -> None:
         self._quiet.end_attempt()
@@ -204,14 +204,14 @@ class SessionScreen(Screen[None]):
     # --- what stands where ------------------------------------------------------------------------------------
 
     def _begin_trials(self, waiting: Waiting) -> None:
-        self.query_one("#trials", ProgressBar).update(total=waiting.trials, progress=waiting.trial - 1)
-        self._count("#trials-label", waiting.trial - 1)
+        self._count(waiting.trial - 1)
         self._where(waiting)
         self.query_one(BigPrompt).clear()
         self._stage("prompt")
 
     def _paused(self, waiting: Waiting) -> None:
         self._where(waiting)
+        self._count(waiting.trial - 1)
         match waiting.reason:
             case "interrupted":
                 self._message(
@@ -248,15 +248,17 @@ class SessionScreen(Screen[None]):
         self.refresh_bindings()
 
     def _where(self, waiting: Waiting) -> None:
+        """Say in the corner and at the foot how far the session has come."""
         self.query_one("#where", Static).update(f"{waiting.attempt_name.capitalize()} · level {waiting.level}")
         parameters = self._live.run.session.task.parameters
         total = parameters.practice_attempts + parameters.attempts
         self.query_one("#attempts", ProgressBar).update(progress=waiting.attempt - 1)
         self.query_one("#attempts-label", Static).update(f"  Attempts {waiting.attempt - 1} of {total} ")
 
-    def _count(self, label: str, done: int) -> None:
+    def _count(self, done: int) -> None:
         total = self._live.run.session.task.trials_per_attempt
-        self.query_one(label, Static).update(f"Prompts {done} of {total} ")
+        self.query_one("#trials", ProgressBar).update(progress=done)
+        self.query_one("#trials-label", Static).update(f"Prompts {done} of {total} ")
 
     def _broken(self, error: str) -> None:
         """The task raised: nothing is lost, but it cannot go on."""

@@ -57,5 +57,6 @@ class Summary(Vertical):
             threshold=self._motor_task.parameters.threshold,
             width=plot.size.width,
             height=plot.size.height,
+            outcomes=[a.outcome for a in self._attempts],
         )
         plot.update(Text.from_ansi(figure))

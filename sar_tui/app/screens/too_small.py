@@ -1,5 +1,6 @@
 """Says that the terminal is too small, until it is not."""
 
+from textual import events
 from textual.app import ComposeResult
 from textual.geometry import Size
 from textual.screen import Screen
@@ -19,16 +20,10 @@ class TooSmallScreen(Screen[None]):
     def compose(self) -> ComposeResult:
         yield Static(id="too-small", markup=False)
 
-    def on_mount(self) -> None:
-        self._tell()
-
-    def on_resize(self) -> None:
-        self._tell()
-        if not is_too_small(self.app.size):
+    def on_resize(self, event: events.Resize) -> None:
+        size = event.size
+        if not is_too_small(size):
             self.dismiss()
-
-    def _tell(self) -> None:
-        size = self.app.size
         self.query_one("#too-small", Static).update(
             f"This window is too small.\n\nPlease make it larger.\n\n"
             f"It has {size.width} by {size.height} characters;\n{MINIMUM.width} by {MINIMUM.height} are needed."

@@ -426,7 +426,7 @@ class EventHandler(TimedNode):
                 level=self._level,
                 attempt_name=self._attempt_name(),
                 trials=self.task.trials_per_attempt,
-                goal=self.task.goal(self._level),
+                goal="" if stage == "trial" else self.task.goal(self._level),
                 reason=self._pause_reason,
             ),
         )

@@ -1,0 +1,67 @@
+"""Draws the pictures of the documentation from the app itself: ``python -m docs.pictures``."""
+
+import asyncio
+import re
+import tempfile
+from pathlib import Path
+
+from sar_tui.app.app import SarTui
+from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.framework.parameters import build
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, simulate
+from sar_tui.simulation.person import PEOPLE
+
+IMAGES = Path(__file__).parent / "images"
+
+
+def _save(app: SarTui, name: str) -> None:
+    """Keep the screen as an SVG that fetches no font from anywhere."""
+    svg = re.sub(r"@font-face\s*\{.*?\}", "", app.export_screenshot(title="sar-tui"), flags=re.DOTALL)
+    (IMAGES / f"{name}.svg").write_text(svg.replace("Fira Code", "monospace"))
+
+
+async def _draw() -> None:
+    catalogue = Catalogue()
+    keyboard = catalogue.task("keyboard")
+    clock = VirtualClock(SECOND)
+    with tempfile.TemporaryDirectory() as folder:
+        data = Path(folder)
+        done = simulate(
+            Plan(keyboard, build(keyboard.Parameters, {}), "calm", "P01", 1, "simulated"), PEOPLE["average"], data, catalogue
+        )
+        app = SarTui(data, catalogue, Plan(keyboard, build(keyboard.Parameters, {}), "calm", "P01", 3), clock)
+        async with app.run_test(size=(80, 24)) as pilot:
+            await _settle(pilot, clock)
+            await pilot.press("enter")
+            await _settle(pilot, clock)
+            await pilot.press("enter")
+            await _settle(pilot, clock)
+            for _ in range(400):
+                clock.advance(10 * MS)
+                await pilot.pause()
+                if "Press:" in app.export_screenshot().replace("&#160;", " "):
+                    break
+            _save(app, "prompt")
+        past = SarTui(data, catalogue)
+        async with past.run_test(size=(80, 24)) as pilot:
+            await pilot.pause()
+            _save(past, "home")
+            from sar_tui.app.screens.past_session import PastSessionScreen
+            from sar_tui.store import sessions
+
+            past.push_screen(PastSessionScreen(sessions.find(past.database, data, done)))
+            await pilot.pause()
+            await pilot.pause()
+            _save(past, "summary")
+
+
+async def _settle(pilot: object, clock: VirtualClock) -> None:
+    for _ in range(3):
+        clock.advance(MS)
+        await pilot.pause()  # type: ignore[attr-defined]
+
+
+if __name__ == "__main__":
+    IMAGES.mkdir(exist_ok=True)
+    asyncio.run(_draw())

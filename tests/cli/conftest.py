@@ -1,0 +1,52 @@
+"""The program called as a person calls it, in this process, with a data folder of its own."""
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from sar_tui.cli import main
+
+
+class Called(NamedTuple):
+    """What a call of the program came to."""
+
+    code: int
+    out: str
+    err: str
+
+    @property
+    def json(self) -> Any:
+        return json.loads(self.out)
+
+
+Call = Callable[..., Called]
+
+
+@pytest.fixture
+def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Call:
+    """``call("simulate", "keyboard", ...)``; its data is in ``tmp_path / "data"``."""
+    monkeypatch.setenv("SAR_TUI_DATA", str(tmp_path / "data"))
+    monkeypatch.setenv("COLUMNS", "160")
+    for name in ("SAR_TUI_DEBUG", "NO_COLOR", "FORCE_COLOR", "SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY"):
+        monkeypatch.delenv(name, raising=False)
+
+    def program(*arguments: object) -> Called:
+        monkeypatch.setattr(sys, "argv", ["sar-tui", *map(str, arguments)])
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            main()
+        captured = capsys.readouterr()
+        return Called(int(ended.value.code or 0), captured.out, captured.err)
+
+    return program
+
+
+@pytest.fixture
+def simulated(call: Call) -> str:
+    """A short simulated session; its id."""
+    called = call("simulate", "keyboard", "--user", "average", "--seed", 1, "--attempts", 4, "-p", "p01", "--json")
+    return str(called.json["session"])

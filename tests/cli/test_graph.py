@@ -1,0 +1,111 @@
+"""``sar-tui graph``: the thesis' Figure 4.2, made from the code."""
+
+from typing import Any, ClassVar
+
+import pytest
+
+from sar_tui.framework.graph import graph, spine
+from sar_tui.framework.node import Node, TimedNode, on
+from sar_tui.framework.topics import ACTION, KEY, PERCEIVED, TIMER
+from tests.cli.conftest import Call
+
+
+@pytest.fixture
+def edges(call: Call) -> set[tuple[str, str, str, str]]:
+    found = call("graph", "keyboard", "--json").json["edges"]
+    return {(edge["from"], edge["to"], edge["name"], edge["kind"]) for edge in found}
+
+
+@pytest.mark.parametrize(
+    "edge",
+    [
+        ("keyboard", "perception", "input/key", "topic"),
+        ("perception", "event_handler", "perception/key", "topic"),
+        ("event_handler", "action_center", "event_handler/feedback", "topic"),
+        ("event_handler", "memory", "event_handler/attempt_ended", "topic"),
+        ("action_center", "memory", "memory/recall", "service"),
+        ("action_center", "arbiter", "action_center/proposed", "topic"),
+        ("arbiter", "screen", "arbiter/action", "topic"),
+        ("event_handler", "screen", "event_handler/prompt", "topic"),
+        ("screen", "event_handler", "screen/shown", "topic"),
+        ("recorder", "event_handler", "store/stored", "topic"),
+    ],
+    ids=lambda edge: f"{edge[0]} to {edge[1]}",
+)
+def test_the_loop_is_the_thesis_figure(edges: set[tuple[str, str, str, str]], edge: tuple[str, str, str, str]) -> None:
+    assert edge in edges
+
+
+def test_no_node_is_shown_to_talk_to_itself(edges: set[tuple[str, str, str, str]]) -> None:
+    assert not [edge for edge in edges if edge[0] == edge[1]]
+    assert not [edge for edge in edges if edge[2] == TIMER.name]
+
+
+def test_json_has_the_nodes_and_what_each_declares(call: Call) -> None:
+    printed = call("graph", "keyboard", "--json").json
+    assert set(printed) == {"task", "nodes", "edges"}
+    nodes = {node["name"]: node for node in printed["nodes"]}
+    kinds = {name: node["kind"] for name, node in nodes.items()}
+    assert (kinds["keyboard"], kinds["memory"], kinds["screen"], kinds["recorder"]) == (
+        "input",
+        "node",
+        "output",
+        "tap",
+    )
+    assert nodes["memory"]["answers"] == ["memory/recall"]
+
+
+def test_the_drawing_goes_down_the_loop(call: Call) -> None:
+    called = call("graph", "keyboard")
+    assert called.code == 0
+    way = ["keyboard", "perception", "event_handler", "action_center", "arbiter", "screen"]
+    boxes = [line.split("│")[1].strip() for line in called.out.splitlines() if line.startswith("  │ ")]
+    assert boxes[:6] == way
+    assert {"memory", "recorder"} <= set(boxes)
+    assert "┄┄▶ memory" in called.out
+    assert max(map(len, called.out.splitlines())) <= 160
+
+
+def test_an_unknown_task_has_no_graph(call: Call) -> None:
+    assert call("graph", "juggling").code == 2
+
+
+class Eye(Node):
+    name = "eye"
+    emits = (KEY,)
+
+
+class Brain(TimedNode):
+    name = "brain"
+    emits: ClassVar[tuple[Any, ...]] = (TIMER, PERCEIVED)
+
+    @on(KEY)
+    def seen(self, _: object) -> None: ...
+
+
+class Mouth(Node):
+    name = "mouth"
+
+    @on(PERCEIVED)
+    def understood(self, _: object) -> None: ...
+
+    @on(ACTION)
+    def acted(self, _: object) -> None: ...
+
+
+def test_a_graph_is_made_from_declarations_alone() -> None:
+    made = graph([Eye, Brain, Mouth])
+    assert [(edge.source, edge.target, edge.name) for edge in made.edges] == [
+        ("eye", "brain", "input/key"),
+        ("brain", "mouth", "perception/key"),
+        ("app", "mouth", "arbiter/action"),
+    ]
+    assert spine(made) == ["eye", "brain", "mouth"]
+
+
+def test_what_only_the_recorder_hears_goes_there() -> None:
+    class Ear:
+        name: ClassVar[str] = "ear"
+        emits: ClassVar[tuple[Any, ...]] = ()
+
+    assert [(edge.source, edge.target) for edge in graph([Eye], [Ear]).edges] == [("eye", "ear")]

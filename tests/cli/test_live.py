@@ -1,0 +1,124 @@
+"""``sar-tui``, ``run`` and ``resume``: what the app is opened with. The app itself is tested elsewhere."""
+
+import sqlite3
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan
+from sar_tui.store import participants
+from sar_tui.store.database import connect
+from tests.cli.conftest import Call
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
+    """A terminal, and an app that only notes what it was opened with, and ends with 7."""
+    calls: list[dict[str, Any]] = []
+
+    def run_app(folder: Path, catalogue: Catalogue, plan: Plan | None = None, resume: str | None = None) -> int:
+        calls.append({"folder": folder, "catalogue": catalogue, "plan": plan, "resume": resume})
+        return 7
+
+    monkeypatch.setattr("sar_tui.app.app.run_app", run_app)
+    monkeypatch.setenv("TERM", "xterm-256color")
+    stream = SimpleNamespace(isatty=lambda: True)
+    monkeypatch.setattr("sar_tui.cli.common.sys", SimpleNamespace(stdin=stream, stdout=stream, stderr=stream))
+    return calls
+
+
+def interrupted(call: Call, folder: Path) -> str:
+    """A live session that was cut off."""
+    session = call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "--json").json["session"]
+    with sqlite3.connect(folder / "data" / "sar-tui.db") as connection:
+        connection.execute("UPDATE sessions SET mode='live', status='running' WHERE id=?", (session,))
+    return str(session)
+
+
+def test_without_a_command_the_app_opens(call: Call, opened: list[dict[str, Any]], tmp_path: Path) -> None:
+    assert call().code == 7
+    (how,) = opened
+    assert (how["folder"], how["plan"], how["resume"]) == (tmp_path / "data", None, None)
+
+
+def test_run_plans_a_live_session(call: Call, opened: list[dict[str, Any]]) -> None:
+    options = ("--set", "attempts=3", "--theme", "high-contrast", "--seed", 5)
+    assert call("run", "keyboard", "-p", "p01", *options).code == 7
+    plan = opened[0]["plan"]
+    assert (plan.task.name, plan.participant, plan.theme, plan.seed, plan.mode) == (
+        "keyboard", "P01", "high-contrast", 5, "live",
+    )  # fmt: skip
+    assert plan.parameters.attempts == 3
+
+
+def test_run_starts_from_the_participants_settings(call: Call, opened: list[dict[str, Any]], tmp_path: Path) -> None:
+    database = connect(tmp_path / "data")
+    kept = participants.Settings({"attempts": 6, "prompts_per_attempt": 8}, "high-contrast")
+    participants.save_settings(database, "P01", "keyboard", kept)
+    database.conn.close()
+    call("run", "keyboard", "-p", "P01", "--set", "attempts=2")
+    plan = opened[0]["plan"]
+    assert (plan.parameters.attempts, plan.parameters.prompts_per_attempt, plan.theme) == (2, 8, "high-contrast")
+
+
+def test_seeds_are_drawn_anew(call: Call, opened: list[dict[str, Any]]) -> None:
+    for _ in range(2):
+        call("run", "keyboard", "-p", "P01")
+    assert opened[0]["plan"].seed != opened[1]["plan"].seed
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["juggling", "-p", "P01"], "There is no task juggling."),
+        (["keyboard", "-p", "P01", "--theme", "nope"], "There is no theme nope."),
+        (["keyboard", "-p", "P01", "--set", "attempts=0"], "Attempts is a whole number"),
+        (["keyboard", "-p", "-"], "A participant code has"),
+    ],
+    ids=["task", "theme", "parameter", "code"],
+)
+def test_bad_input_never_opens_the_app(
+    call: Call, opened: list[dict[str, Any]], arguments: list[str], says: str
+) -> None:
+    called = call("run", *arguments)
+    assert called.code == 2
+    assert says in called.err
+    assert opened == []
+
+
+@pytest.mark.parametrize("arguments", [[], ["last"], ["its id"]], ids=["nothing", "last", "its id"])
+def test_resume_goes_on_with_the_interrupted_session(
+    call: Call, opened: list[dict[str, Any]], tmp_path: Path, arguments: list[str]
+) -> None:
+    session = interrupted(call, tmp_path)
+    call("simulate", "keyboard", "--user", "poor", "--attempts", 1)
+    assert call("resume", *[session[:6] if word == "its id" else word for word in arguments]).code == 7
+    assert opened[0]["resume"] == session
+
+
+def test_resume_without_an_interrupted_session_is_bad_input(
+    call: Call, opened: list[dict[str, Any]], simulated: str
+) -> None:
+    assert call("resume").err == "No session was interrupted, so there is none to go on with.\n"
+    assert call("resume").code == 2
+    called = call("resume", simulated)
+    assert called.code == 2
+    assert "is simulated; only a live one that was interrupted" in called.err
+    assert call("resume", "zzz").code == 2
+    assert opened == []
+
+
+def test_timing_is_measured_with_what_was_asked(call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    asked = []
+
+    def run(folder: Path, trials: int, as_json: bool) -> int:
+        asked.append((folder, trials, as_json))
+        return 0
+
+    monkeypatch.setattr("sar_tui.cli.timing.run", run)
+    assert call("timing", "--trials", 20, "--json").code == 0
+    assert asked == [(tmp_path / "data", 20, True)]
+    assert call("timing", "--trials", 1).code == 2

@@ -1,0 +1,194 @@
+"""The program as a whole: help, version, exit codes, and errors told in words."""
+
+import os
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import sar_tui
+from tests.cli.conftest import Call
+
+HEAVY = ("textual", "numpy", "sqlite3", "sqlite_utils", "plotext", "msgspec")
+COMMANDS = (
+    ["run"],
+    ["resume"],
+    ["simulate"],
+    ["sessions"],
+    ["show"],
+    ["tasks"],
+    ["tasks", "show"],
+    ["tasks", "new"],
+    ["tasks", "check"],
+    ["themes"],
+    ["graph"],
+    ["timing"],
+    ["doctor"],
+)
+
+
+def program(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "sar_tui", *arguments],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        stdin=subprocess.DEVNULL,
+        check=False,
+    )
+
+
+def test_version_is_the_packages(call: Call) -> None:
+    assert call("--version") == (0, f"sar-tui {sar_tui.__version__}\n", "")
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["-h"], ["--version"], ["simulate", "--help"], ["tasks", "--help"]])
+def test_help_and_version_import_nothing_heavy(arguments: list[str]) -> None:
+    script = (
+        "import sys; from sar_tui.cli import main\n"
+        f"sys.argv = ['sar-tui', *{arguments!r}]\n"
+        "try: main()\n"
+        f"finally: print([name for name in {HEAVY!r} if name in sys.modules], file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr.strip()) == (0, "[]")
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_every_command_takes_the_data_and_tasks_folders_and_has_help(call: Call, command: list[str]) -> None:
+    called = call(*command, "--help")
+    assert called.code == 0
+    assert "--data DIR" in called.out
+    assert "--tasks DIR" in called.out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["nonsense"], ["--nonsense"], ["simulate"], ["tasks", "nonsense"], ["run", "keyboard"], ["show"], ["graph"]],
+    ids=" ".join,
+)
+def test_bad_usage_is_told_plainly(call: Call, arguments: list[str]) -> None:
+    called = call(*arguments)
+    assert called.code == 2
+    assert called.out == ""
+    assert called.err.startswith("Usage: sar-tui")
+    assert "Error: " in called.err
+    assert "╭" not in called.err
+
+
+@pytest.mark.parametrize("before", [True, False], ids=["before the command", "after it"])
+def test_the_data_folder_may_be_named_before_or_after_the_command(call: Call, tmp_path: Path, before: bool) -> None:
+    option = ("--data", tmp_path / "elsewhere")
+    simulate = ("simulate", "keyboard", "--user", "poor", "--attempts", 1)
+    assert call(*(option + simulate if before else simulate + option)).code == 0
+    assert (tmp_path / "elsewhere" / "sar-tui.db").exists()
+    assert not (tmp_path / "data").exists()
+
+
+def test_the_folder_named_last_counts(call: Call, tmp_path: Path) -> None:
+    call("--data", tmp_path / "one", "sessions", "--data", tmp_path / "two")
+    assert not (tmp_path / "one").exists()
+    assert (tmp_path / "two").exists()
+
+
+@pytest.mark.parametrize("arguments", [["--tasks", "/no/such", "tasks"], ["tasks", "--tasks", "/no/such"]])
+def test_a_tasks_folder_that_is_not_there_is_bad_input(call: Call, arguments: list[str]) -> None:
+    called = call(*arguments)
+    assert (called.code, called.err) == (2, "There is no folder /no/such to find tasks in.\n")
+
+
+def test_a_file_that_is_no_database_is_bad_input(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "sar-tui.db").write_text("Dear diary, today I was a text file.")
+    called = call("sessions")
+    assert called.code == 2
+    assert "is not a SQLite database" in called.err
+
+
+def test_a_newer_database_is_bad_input(call: Call, tmp_path: Path, simulated: str) -> None:
+    with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
+        connection.execute("PRAGMA user_version=99")
+    called = call("show", simulated)
+    assert called.code == 2
+    assert "newer sar-tui" in called.err
+
+
+def test_a_folder_that_cannot_be_made_is_a_failure(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    called = call("sessions", "--data", tmp_path / "file" / "data")
+    assert called.code == 1
+    assert "cannot be written to" in called.err
+    assert called.err.count("\n") == 1
+
+
+def test_a_database_error_is_explained(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    def break_down(*_: object, **__: object) -> None:
+        raise sqlite3.OperationalError("no such table: sessions")
+
+    monkeypatch.setattr("sar_tui.store.sessions.listing", break_down)
+    assert call("sessions") == (1, "", "sar-tui.db: no such table: sessions.\n")
+
+
+def test_an_unforeseen_error_is_a_sentence(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    def break_down(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("a plain mistake")
+
+    monkeypatch.setattr("sar_tui.store.sessions.listing", break_down)
+    called = call("sessions")
+    assert called.code == 1
+    assert "ZeroDivisionError: a plain mistake" in called.err
+    assert "SAR_TUI_DEBUG=1" in called.err
+    assert "Traceback" not in called.err
+
+    monkeypatch.setenv("SAR_TUI_DEBUG", "1")
+    monkeypatch.setattr(sys, "argv", ["sar-tui", "sessions"])
+    from sar_tui.cli import main
+
+    with pytest.raises(ZeroDivisionError):
+        main()
+
+
+def test_ctrl_c_is_130_and_a_word(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("sar_tui.store.sessions.listing", interrupted)
+    assert call("sessions") == (130, "", "Stopped.\n")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX systems")
+@pytest.mark.parametrize("how", ["--json", "table"])
+def test_a_reader_that_goes_away_is_no_error(tmp_path: Path, how: str) -> None:
+    simulate = ("simulate", "keyboard", "--user", "poor", "--attempts", "30", "--data", str(tmp_path))
+    assert program(*simulate).returncode == 0
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [sys.executable, "-m", "sar_tui", "show", "last", "--data", str(tmp_path), *(["--json"] * (how == "--json"))],
+        stdout=writing,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    os.close(writing)
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize("arguments", [[], ["run", "keyboard", "-p", "P01"]], ids=["the app", "run"])
+@pytest.mark.parametrize("term", ["xterm", "dumb"])
+def test_without_a_terminal_the_app_is_refused(tmp_path: Path, arguments: list[str], term: str) -> None:
+    done = program(*arguments, TERM=term, SAR_TUI_DATA=str(tmp_path))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "terminal" in done.stderr
+    assert "sar-tui simulate" in done.stderr
+
+
+def test_a_dumb_terminal_is_refused(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    for stream in ("stdin", "stdout", "stderr"):
+        monkeypatch.setattr(getattr(sys, stream), "isatty", lambda: True, raising=False)
+    monkeypatch.setenv("TERM", "dumb")
+    called = call()
+    assert called.code == 2
+    assert "TERM=dumb" in called.err

@@ -1,0 +1,110 @@
+"""``sar-tui sessions`` and ``show``: what was recorded, for people and programs."""
+
+import json
+import sqlite3
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import Call
+
+
+def change(folder: Path, statement: str, *values: object) -> None:
+    with sqlite3.connect(folder / "data" / "sar-tui.db") as connection:
+        connection.execute(statement, values)
+
+
+def test_sessions_json_has_the_columns_of_the_table(call: Call, simulated: str) -> None:
+    printed = call("sessions", "--json").json
+    assert set(printed) == {"sessions"}
+    (row,) = printed["sessions"]
+    assert {
+        "id",
+        "task",
+        "status",
+        "started_at",
+        "ended_at",
+        "seed",
+        "parameters",
+        "software",
+        "machine",
+        "mode",
+    } <= set(row)
+    assert (row["id"], row["participant"], row["status"], row["mode"]) == (simulated, "P01", "completed", "simulated")
+    assert row["parameters"]["attempts"] == 4
+
+
+def test_sessions_can_be_one_participants(call: Call, simulated: str) -> None:
+    assert [row["id"] for row in call("sessions", "-p", "p01", "--json").json["sessions"]] == [simulated]
+    assert call("sessions", "-p", "P99", "--json").json == {"sessions": []}
+
+
+def test_sessions_are_listed_newest_first(call: Call, simulated: str) -> None:
+    newer = call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "--json").json["session"]
+    printed = call("sessions").out
+    assert printed.index(newer) < printed.index(simulated)
+    assert "completed, simulated" in printed
+
+
+def test_no_sessions_says_how_to_make_one(call: Call) -> None:
+    assert "There are no sessions yet. `sar-tui simulate" in call("sessions").out
+
+
+def test_sessions_of_what_cannot_be_a_code_is_bad_input(call: Call) -> None:
+    assert call("sessions", "-p", "Jane Doe").code == 2
+
+
+def test_show_json_has_session_attempts_and_trials(call: Call, simulated: str) -> None:
+    printed = call("show", simulated, "--json").json
+    assert set(printed) == {"session", "attempts", "trials"}
+    assert printed["session"]["id"] == simulated
+    assert len(printed["attempts"]) == 4
+    assert len(printed["trials"]) == 80
+    assert {"attempt", "trial", "stimulus", "response", "correct", "reaction_time_ms", "timing", "details"} <= set(
+        printed["trials"][0]
+    )
+
+
+@pytest.mark.parametrize("name", ["last", "whole", "beginning"])
+def test_a_session_is_found_by_its_id_its_beginning_or_last(call: Call, simulated: str, name: str) -> None:
+    named = {"last": "last", "whole": simulated, "beginning": simulated[:5]}[name]
+    assert call("show", named, "--json").json["session"]["id"] == simulated
+
+
+def test_show_prints_facts_attempts_plot_and_timing(call: Call, simulated: str) -> None:
+    called = call("show", "last")
+    assert (called.code, called.err) == (0, "")
+    for part in (simulated, "P01", "keyboard", "positive", "╌ goal 1000", "░ level", "of 80 trials carry a flag"):
+        assert part in called.out
+    assert "\x1b" not in called.out
+
+
+def test_show_tells_what_blurs_timing(call: Call, tmp_path: Path, simulated: str) -> None:
+    change(tmp_path, "UPDATE sessions SET machine=?", json.dumps({"flags": ["ssh", "tmux"]}))
+    timing = {"onset_source": "flush", "handler_delay_ms": 0.25, "flags": ["focus_lost"]}
+    change(tmp_path, "UPDATE trials SET timing=? WHERE attempt=1", json.dumps(timing))
+    printed = call("show", "last").out
+    assert "blurred by ssh and tmux" in printed
+    assert "20 of 80 trials carry a flag (focus_lost 20)" in printed
+    assert "flush 20" in printed
+
+
+def test_show_works_when_the_task_is_gone(call: Call, tmp_path: Path, simulated: str) -> None:
+    change(tmp_path, "UPDATE sessions SET task='gone'")
+    called = call("show", simulated)
+    assert called.code == 0
+    assert "result (ms)" in called.out
+
+
+def test_show_a_session_without_attempts(call: Call, tmp_path: Path, simulated: str) -> None:
+    change(tmp_path, "DELETE FROM attempts")
+    change(tmp_path, "DELETE FROM trials")
+    called = call("show", simulated)
+    assert called.code == 0
+    assert "No attempt was finished." in called.out
+
+
+@pytest.mark.parametrize("name", ["zzz", "last"])
+def test_a_session_that_is_not_there_is_bad_input(call: Call, name: str) -> None:
+    called = call("show", name)
+    assert (called.code, called.err) == (2, f"There is no session {name}. `sar-tui sessions` lists them.\n")

@@ -1,0 +1,129 @@
+"""``sar-tui simulate``: a whole session, its tables, its JSON, its refusals."""
+
+import sqlite3
+from pathlib import Path
+
+import pytest
+
+from sar_tui.cli.simulate import User
+from sar_tui.simulation.person import PEOPLE
+from tests.cli.conftest import Call
+
+AVERAGE = ("simulate", "keyboard", "--user", "average")
+COLUMNS = {
+    "session", "attempt", "seat", "run", "practice", "level", "metric", "metric_unit", "accuracy", "correct", "trials",
+    "outcome", "feedback", "started_ns", "ended_ns",
+}  # fmt: skip
+
+
+def test_json_is_the_session_and_the_rows_of_its_attempts(call: Call, tmp_path: Path) -> None:
+    printed = call(*AVERAGE, "--seed", 1, "--attempts", 3, "--json").json
+    assert set(printed) == {"session", "attempts"}
+    assert [row["attempt"] for row in printed["attempts"]] == [1, 2, 3]
+    assert all(set(row) == COLUMNS for row in printed["attempts"])
+    with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
+        rows = connection.execute("SELECT metric FROM attempts WHERE session=?", (printed["session"],)).fetchall()
+    assert [row["metric"] for row in printed["attempts"]] == [metric for (metric,) in rows]
+
+
+def test_the_same_seed_gives_the_same_attempts(call: Call) -> None:
+    first, second, other = (
+        [
+            {name: value for name, value in row.items() if name != "session"}
+            for row in call(*AVERAGE, "--seed", seed, "--attempts", 3, "--json").json["attempts"]
+        ]
+        for seed in (7, 7, 8)
+    )
+    assert first == second != other
+
+
+def test_a_seed_is_drawn_and_told(call: Call, tmp_path: Path) -> None:
+    called = call(*AVERAGE, "--attempts", 1)
+    with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
+        (seed,) = connection.execute("SELECT seed FROM sessions").fetchone()
+    assert f"Seed {seed}." in called.out
+
+
+def test_people_read_a_table_and_a_sentence(call: Call) -> None:
+    called = call(*AVERAGE, "--seed", 1, "--attempts", 2)
+    assert (called.code, called.err) == (0, "")
+    assert "reaction time" in called.out
+    assert "2 attempts, 2 reached the goal, level 1 to 2, mean reaction time" in called.out
+    assert "sar-tui show" in called.out
+
+
+def test_who_can_be_simulated_is_who_there_is() -> None:
+    assert {user.value for user in User} == set(PEOPLE)
+
+
+def test_the_code_defaults_to_sim_and_is_kept_in_capitals(call: Call) -> None:
+    call(*AVERAGE, "--attempts", 1)
+    call(*AVERAGE, "--attempts", 1, "-p", "p07")
+    assert {row["participant"] for row in call("sessions", "--json").json["sessions"]} == {"SIM", "P07"}
+
+
+def test_settings_theme_and_people_can_be_changed(call: Call) -> None:
+    options = ("--set", "prompts_per_attempt=3", "--set", "practice_attempts=1", "--theme", "high-contrast")
+    printed = call(*AVERAGE, "--attempts", 2, *options, "--json").json
+    assert [(row["practice"], row["trials"]) for row in printed["attempts"]] == [(True, 3), (False, 3), (False, 3)]
+    assert call("show", printed["session"], "--json").json["session"]["theme"] == "high-contrast"
+
+
+def test_attempts_beats_set(call: Call) -> None:
+    assert len(call(*AVERAGE, "--attempts", 1, "--set", "attempts=5", "--json").json["attempts"]) == 1
+
+
+def test_fatigue_slows_and_practice_speeds_up(call: Call) -> None:
+    def last(*options: object) -> float:
+        fixed = ("--seed", 1, "--attempts", 8, "--set", "difficulty_policy=fixed", "--json")
+        return float(call(*AVERAGE, *fixed, *options).json["attempts"][-1]["metric"])
+
+    assert last("--practice-effect", 0.5) < last() < last("--fatigue", 0.2)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--set", "attempts"], "NAME=VALUE"),
+        (["--set", "=3"], "NAME=VALUE"),
+        (["--set", "atempts=3"], "Did you mean attempts?"),
+        (["--set", "attempts=many"], "Attempts is a whole number, 1 to 200, not many."),
+        (["--attempts", "0"], "Attempts is a whole number, 1 to 200, not 0."),
+        (["--set", "start_level=4", "--set", "max_level=2"], "Start level (4) has to lie between 1 and 2."),
+        (["--theme", "nope"], "There is no theme nope. There is: calm, high-contrast."),
+        (["-p", "Jane Doe"], "Never use a name."),
+        (["--seed", "-1"], "--seed"),
+        (["--fatigue", "9"], "--fatigue"),
+        (["--user", "nobody"], "--user"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_bad_input_is_2_and_leaves_no_session(call: Call, options: list[str], says: str) -> None:
+    called = call(*AVERAGE, *options)
+    assert (called.code, called.out) == (2, "")
+    assert says in called.err
+    assert call("sessions", "--json").json == {"sessions": []}
+
+
+def test_bad_parameters_point_to_the_list_of_them(call: Call) -> None:
+    assert "`sar-tui tasks show keyboard` lists what can be set." in call(*AVERAGE, "--set", "x=1").err
+
+
+def test_an_unknown_task_is_bad_input(call: Call) -> None:
+    called = call("simulate", "juggling", "--user", "poor")
+    assert (called.code, called.err) == (2, "There is no task juggling. There is: keyboard.\n")
+
+
+def test_a_task_that_breaks_in_mid_session_is_a_failure_that_keeps_what_was_done(call: Call, tmp_path: Path) -> None:
+    call("tasks", "new", "brittle", "--to", tmp_path)
+    path = tmp_path / "brittle" / "task.py"
+    text = path.read_text()
+    assert "keys = SEQUENCES[situation.level - 1]" in text
+    path.write_text(
+        text.replace("keys = SEQUENCES[situation.level - 1]", "keys = SEQUENCES[2 - situation.attempt * 9]")
+    )
+    called = call("simulate", "brittle", "--user", "poor", "--tasks", tmp_path)
+    assert called.code == 1
+    assert called.err.startswith("The task brittle failed (IndexError:")
+    assert "Traceback" not in called.err
+    assert call("sessions", "--json").json["sessions"][0]["status"] == "interrupted"

@@ -1,0 +1,196 @@
+"""``sar-tui tasks``: listed, shown, begun, checked; and ``sar-tui themes``."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import Call
+
+Change = Callable[[str, str], Path]
+
+
+@pytest.fixture
+def tapping(call: Call, tmp_path: Path) -> Path:
+    """The folder of a new task."""
+    assert call("tasks", "new", "tapping", "--to", tmp_path / "mine").code == 0
+    return tmp_path / "mine" / "tapping"
+
+
+@pytest.fixture
+def change(tapping: Path) -> Change:
+    """``change(old, new)`` mends, or breaks, the new task; returns its folder."""
+
+    def changed(old: str, new: str) -> Path:
+        text = (tapping / "task.py").read_text()
+        assert old in text
+        (tapping / "task.py").write_text(text.replace(old, new))
+        return tapping
+
+    return changed
+
+
+# --- listed and shown ----------------------------------------------------------------------------------------
+
+
+def test_tasks_are_listed_with_title_summary_and_metric(call: Call) -> None:
+    called = call("tasks")
+    assert called.code == 0
+    for part in ("keyboard", "Keyboard reaction", "Press the key that appears", "reaction time (ms, lower is better)"):
+        assert part in called.out
+
+
+def test_tasks_json(call: Call) -> None:
+    (row,) = call("tasks", "--json").json["tasks"]
+    assert (row["name"], row["title"]) == ("keyboard", "Keyboard reaction")
+    assert row["metric"]["better"] == "lower"
+
+
+def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, change: Change) -> None:
+    folder = change("import msgspec", "import no_such_library").parent
+    called = call("tasks", "--tasks", folder)
+    assert called.code == 0
+    assert "✗ tapping: The task tapping cannot be loaded: ModuleNotFoundError" in called.out
+    assert "keyboard" in called.out
+    broken = call("tasks", "--tasks", folder, "--json").json["tasks"][-1]
+    assert set(broken) == {"name", "error"}
+    assert call("simulate", "tapping", "--user", "poor", "--tasks", folder).code == 2
+
+
+def test_a_task_shows_what_can_be_set(call: Call) -> None:
+    called = call("tasks", "show", "keyboard")
+    assert called.code == 0
+    for part in ("prompts_per_attempt", "1 to 200", "How many keys an attempt asks for.", "100 to 60000 ms"):
+        assert part in called.out
+
+
+def test_what_can_be_set_as_json(call: Call) -> None:
+    printed = call("tasks", "show", "keyboard", "--json").json
+    assert printed["task"]["name"] == "keyboard"
+    prompts = next(row for row in printed["parameters"] if row["name"] == "prompts_per_attempt")
+    assert (prompts["default"], prompts["ge"], prompts["le"]) == (20, 1, 200)
+
+
+def test_showing_an_unknown_task_is_bad_input(call: Call) -> None:
+    assert call("tasks", "show", "juggling").code == 2
+
+
+def test_themes_are_listed(call: Call) -> None:
+    called = call("themes")
+    assert called.code == 0
+    assert "High contrast" in called.out
+    assert [row["name"] for row in call("themes", "--json").json["themes"]] == ["calm", "high-contrast"]
+
+
+# --- begun ---------------------------------------------------------------------------------------------------
+
+
+def test_a_new_task_passes_its_check_and_runs(call: Call, tapping: Path) -> None:
+    called = call("tasks", "check", tapping)
+    assert called.code == 0
+    assert "✗" not in called.out
+    rows = call("simulate", "tapping", "--user", "competent", "--seed", 1, "--tasks", tapping.parent, "--json").json
+    assert {row["metric_unit"] for row in rows["attempts"]} == {"taps/s"}
+    assert len({row["level"] for row in rows["attempts"]}) > 1
+
+
+def test_a_new_task_tells_how_to_try_it(call: Call, tapping: Path) -> None:
+    readme = (tapping / "README.md").read_text()
+    assert f"sar-tui tasks check {tapping}" in readme
+    assert f"sar-tui run tapping -p P01 --tasks {tapping.parent}" in readme
+    assert "xample" not in (tapping / "task.py").read_text()
+
+
+def test_people_tap_at_their_own_rate(call: Call, tapping: Path) -> None:
+    def rate(user: str) -> float:
+        fixed = ("--set", "difficulty_policy=fixed", "--attempts", 3, "--seed", 1, "--tasks", tapping.parent)
+        rows = call("simulate", "tapping", "--user", user, *fixed, "--json").json["attempts"]
+        return float(sum(row["metric"] for row in rows))
+
+    assert rate("poor") < rate("average") < rate("competent")
+
+
+@pytest.mark.parametrize("name", ["Two words", "1st", "Tapping", "../up"])
+def test_a_name_that_cannot_be_is_bad_input(call: Call, tmp_path: Path, name: str) -> None:
+    called = call("tasks", "new", name, "--to", tmp_path / "mine")
+    assert called.code == 2
+    assert "small letters" in called.err
+    assert not (tmp_path / "mine").exists()
+
+
+def test_a_folder_that_exists_is_never_written_over(call: Call, tapping: Path) -> None:
+    (tapping / "task.py").write_text("mine")
+    called = call("tasks", "new", "tapping", "--to", tapping.parent)
+    assert called.code == 2
+    assert "exists already" in called.err
+    assert (tapping / "task.py").read_text() == "mine"
+
+
+# --- checked -------------------------------------------------------------------------------------------------
+
+
+def test_the_bundled_task_keeps_the_contract(call: Call) -> None:
+    from sar_tui.plugins import Catalogue, task_folder
+
+    called = call("tasks", "check", task_folder(Catalogue().task("keyboard")))
+    assert called.code == 0
+    assert "keyboard keeps the contract." in called.out
+
+
+def test_checks_as_json(call: Call, tapping: Path) -> None:
+    printed = call("tasks", "check", tapping, "--json").json
+    assert (printed["task"], printed["passed"]) == ("tapping", True)
+    assert all(set(row) == {"check", "ok", "problem"} and row["ok"] for row in printed["checks"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("import msgspec", "import no_such_library", "✗ can be loaded. The task tapping cannot be loaded: ModuleNotF"),
+        ("import msgspec", "raise SystemExit(0)", "✗ can be loaded. The task tapping cannot be loaded: SystemExit"),
+        ("def perceived", "def perceive", "✗ can be loaded. The task tapping does not define perceived."),
+        ('title = "Finger tapping"', 'title = " "', "✗ declares its title and metric. Its title is empty."),
+        ('"tapping_rate"', '"the rate"', "✗ declares its title and metric. Its metric's name"),
+        ("    wrong_share: Annotated[\n", "    extra: int = 3\n    wrong_share: Annotated[\n",
+         "extra lacks help and bounds (ge and le)."),
+        ("] = 0.2", "]", "✗ describes every parameter: title, help, bounds. These have no default: wrong_share."),
+        ("] = 3\n", "] = 0\n", "✗ makes the same one-line prompts when asked twice. It has 5 levels and 0 trials"),
+        ('f"Tap: {keys}"', 'f"Tap:\\n{keys}"', "is not one line of plain text at level 1, trial 1"),
+        ('f"Tap: {keys}"', 'f"Tap: {keys} {__import__(\'time\').monotonic_ns()}"', "another one when asked"),
+        ("SEQUENCES[situation.level - 1]", "SEQUENCES[situation.level]", "asked twice. It raised IndexError"),
+        ("right = 0\n", "right = 0\n        boom\n", "poor participant. The task tapping failed (NameError"),
+        ("pace = reaction_ms / 2", "pace = reaction_ms / 0", "The node participant failed at event_handler/prompt"),
+        ("value=right / seconds", "value=None", "10 of 10 attempts have no metric"),
+        ("value=right / seconds", "value=float('inf')", "is not a finite number"),
+        ('"wrong": wrong}', '"wrong": wrong, "more": 1}', "that it declares. Its Details do not declare more."),
+        ("] = 3.0", "] = 19.0", "✗ moves its level. The level stays at 1 for every participant."),
+        ("value=right / seconds", "value=right / seconds + __import__('time').monotonic()", "✗ comes out the same"),
+    ],
+)  # fmt: skip
+def test_what_breaks_the_contract_is_named(call: Call, change: Change, old: str, new: str, says: str) -> None:
+    called = call("tasks", "check", change(old, new))
+    assert called.code == 1
+    assert says in called.out
+    assert called.err == ""
+
+
+def test_empty_words_are_named(call: Call, change: Change) -> None:
+    folder = change("    def stimulus", "    def goal(self, level: int) -> str:\n        return ''\n\n    def stimulus")
+    assert "The goal is empty at level 1." in call("tasks", "check", folder).out
+
+
+def test_a_check_leaves_no_data_behind(call: Call, tapping: Path, tmp_path: Path) -> None:
+    call("tasks", "check", tapping)
+    assert not (tmp_path / "data").exists()
+
+
+def test_a_task_in_a_folder_of_another_name_is_named(call: Call, tapping: Path) -> None:
+    folder = Path(shutil.copytree(tapping, tapping.parent / "other"))
+    called = call("tasks", "check", folder)
+    assert called.code == 1
+    assert "calls itself tapping" in called.out
+
+
+def test_checking_a_folder_that_is_not_there_is_bad_input(call: Call, tmp_path: Path) -> None:
+    assert call("tasks", "check", tmp_path / "nowhere").code == 2

@@ -1,0 +1,124 @@
+"""However the program ends: a clear sentence, the right exit code, the terminal restored, nothing lost."""
+
+import os
+import signal
+from pathlib import Path
+
+import pytest
+
+from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
+from sar_tui.simulation.terminal import Terminal
+from tests.end_to_end.seat import command, only_session, rows, run_command
+
+_LEAVE_ALTERNATE_SCREEN = b"\x1b[?1049l"
+
+
+def _answer(terminal: Terminal, prompts: int) -> None:
+    ScriptedParticipant(terminal, random_answers(5, 120, 180)).run(prompts)
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_a_signal_ends_the_session_in_order(data: Path, number: int, code: int) -> None:
+    with Terminal(run_command(data, prompts_per_attempt=8, attempts=2)) as terminal:
+        _answer(terminal, 3)
+        terminal.settle()
+        terminal.kill(number)
+        assert terminal.wait() == code
+        output = bytes(terminal.output)
+
+    assert _LEAVE_ALTERNATE_SCREEN in output
+    assert b"sar-tui resume" in output
+    assert b"Traceback" not in output
+    assert rows(data, "SELECT status FROM sessions") == [("interrupted",)]
+    assert rows(data, "SELECT count(*) FROM trials") == [(3,)]
+
+
+@pytest.mark.parametrize("moment", ["instructions", "trial"])
+def test_ctrl_c_ends_with_130_and_says_how_to_go_on(data: Path, moment: str) -> None:
+    with Terminal(run_command(data, prompts_per_attempt=8, attempts=2)) as terminal:
+        before = terminal.modes()
+        terminal.wait_for("Press Enter to go on.")
+        if moment == "trial":
+            _answer(terminal, 2)
+        terminal.press("ctrl+c")
+        assert terminal.wait() == 130
+        assert terminal.modes() == before, "echo and line editing are back"
+        assert b"Stopped with Ctrl-C." in terminal.output
+
+
+def test_a_terminal_that_vanishes_ends_the_program_and_loses_nothing(data: Path) -> None:
+    with Terminal(run_command(data, prompts_per_attempt=8, attempts=2)) as terminal:
+        _answer(terminal, 3)
+        terminal.settle()
+        terminal.hang_up()
+        assert terminal.process.wait(20) == 129
+    assert rows(data, "SELECT count(*) FROM trials") == [(3,)]
+    assert rows(data, "PRAGMA integrity_check") == [("ok",)]
+
+
+def test_a_participant_cannot_be_in_two_live_sessions(data: Path) -> None:
+    with Terminal(run_command(data)) as first:
+        first.wait_for("Press Enter to go on.")
+        with Terminal(run_command(data)) as second:
+            assert second.wait() == 1
+            assert b"live session already" in second.output
+        with Terminal(run_command(data, participant="P02")) as other:
+            other.wait_for("Press Enter to go on.")
+
+
+def test_a_task_that_raises_tells_the_participant_and_keeps_what_was_done(data: Path, tmp_path: Path) -> None:
+    task = tmp_path / "tasks" / "brittle"
+    task.mkdir(parents=True)
+    (task / "task.py").write_text(
+        """
+from sar_tui.framework.task import Metric, Result, Stimulus, Task
+
+
+class Brittle(Task):
+    name = "brittle"
+    title = "Brittle"
+    metric = Metric("reaction_time", "ms", "lower")
+
+    @property
+    def trials_per_attempt(self):
+        return 3
+
+    def instructions(self):
+        return "Press what appears."
+
+    def stimulus(self, situation):
+        if situation.trial == 3:
+            raise RuntimeError("no third")
+        return Stimulus("j", "j", "Press: j")
+
+    def perceived(self, trial, percept):
+        return Result(response=percept.key, correct=True, response_at=percept.at, value=trial.latency_ms(percept.at))
+"""
+    )
+    words = ["run", "brittle", "-p", "P01", "--data", str(data), "--tasks", str(task.parent)]
+    with Terminal(command(*words, "--set=quiet_ms=40", "--set=foreperiod_max_ms=500")) as terminal:
+        ScriptedParticipant(terminal, random_answers(5, 120, 180)).run(2)
+        terminal.wait_for("Please fetch the experimenter")
+        terminal.settle()
+        terminal.press("enter")
+        assert terminal.wait() == 1
+        assert b"no third" in terminal.output
+        assert b"Traceback" not in terminal.output
+    assert rows(data, "SELECT count(*) FROM trials") == [(2,)]
+    assert rows(data, "SELECT count(*) FROM events WHERE topic='framework/fault'") == [(1,)]
+
+
+def test_a_session_that_was_quit_is_offered_and_goes_on_at_the_next_trial(data: Path) -> None:
+    with Terminal(run_command(data, prompts_per_attempt=4, attempts=1)) as terminal:
+        _answer(terminal, 2)
+        terminal.settle()
+        terminal.press("ctrl+q")
+        assert terminal.wait() == 0
+    with Terminal(command("resume", only_session(data)[:6], "--data", str(data))) as terminal:
+        terminal.wait_for("Welcome back")
+        _answer(terminal, 2)
+        terminal.wait_for("Press Enter to finish.")
+        terminal.press("enter")
+        assert terminal.wait() == 0
+    assert rows(data, "SELECT trial, run FROM trials") == [(1, 1), (2, 1), (3, 2), (4, 2)]
+    assert os.listdir(data / "locks")

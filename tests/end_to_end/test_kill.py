@@ -1,0 +1,60 @@
+"""kill -9 at random moments: nothing acknowledged is lost, and the session goes on as it would have."""
+
+import json
+from pathlib import Path
+
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.clock import MS
+from sar_tui.framework.parameters import build
+from sar_tui.framework.task import Situation
+from sar_tui.plugins import Catalogue
+from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
+from sar_tui.simulation.terminal import Terminal
+from tests.end_to_end.seat import command, only_session, rows, run_command
+
+KILLS = 20
+PROMPTS, ATTEMPTS = 8, 8
+
+
+def test_twenty_kills_lose_no_acknowledged_trial_and_change_no_prompt(data: Path, catalogue: Catalogue) -> None:
+    pressed = 0
+    start = run_command(data, prompts_per_attempt=PROMPTS, attempts=ATTEMPTS)
+    for kill in range(KILLS):
+        with Terminal(start if kill == 0 else command("resume", only_session(data), "--data", str(data))) as terminal:
+            terminal.wait_for("Enter")
+            moment = terminal.read_at + round(Chance("kill", kill).uniform("moment") * 2000 * MS)
+            participant = ScriptedParticipant(terminal, random_answers(kill, 60, 160))
+            presses = participant.run(until=moment)
+            terminal.kill()
+            terminal.wait()
+        assert rows(data, "PRAGMA integrity_check") == [("ok",)]
+        (kept,) = rows(data, "SELECT count(*) FROM trials")
+        assert pressed + len(presses) - 1 <= kept[0] <= pressed + len(presses), "at most the last press is lost"
+        pressed = kept[0]
+
+    with Terminal(command("resume", only_session(data), "--data", str(data))) as terminal:
+        ScriptedParticipant(terminal, random_answers(99, 60, 120)).run(PROMPTS * ATTEMPTS - pressed)
+        terminal.wait_for("Press Enter to finish.")
+        terminal.press("enter")
+        assert terminal.wait() == 0
+
+    assert rows(data, "SELECT status FROM sessions") == [("completed",)]
+    trials = rows(data, "SELECT attempt, trial, stimulus FROM trials ORDER BY attempt, trial")
+    assert [(a, t) for a, t, _ in trials] == [(a, t) for a in range(1, ATTEMPTS + 1) for t in range(1, PROMPTS + 1)]
+    assert trials == _prompts_it_would_have_had(data, catalogue)
+
+
+def _prompts_it_would_have_had(data: Path, catalogue: Catalogue) -> list[tuple[int, int, str]]:
+    """The prompts of a session that nobody killed: from its seed, its parameters and the levels it reached."""
+    ((seed, parameters),) = rows(data, "SELECT seed, parameters FROM sessions")
+    kind = catalogue.task("keyboard")
+    task = kind(build(kind.Parameters, json.loads(parameters)))
+    return [
+        (
+            attempt,
+            trial,
+            task.stimulus(Situation(attempt, trial, level, Chance(seed, attempt, trial), Chance(seed))).name,
+        )
+        for attempt, level in rows(data, "SELECT attempt, level FROM attempts ORDER BY attempt")
+        for trial in range(1, PROMPTS + 1)
+    ]

@@ -1,0 +1,121 @@
+"""The real program at a real pseudo-terminal, from the first Enter to the summary."""
+
+import json
+import re
+from pathlib import Path
+
+from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
+from sar_tui.simulation.terminal import Terminal
+from tests.end_to_end.seat import Eyes, command, only_session, rows, run_command
+
+
+def _slowly(foreperiod_ms: int) -> dict[str, int]:
+    """A wait long enough to look at the screen meanwhile."""
+    return {"foreperiod_min_ms": foreperiod_ms, "foreperiod_max_ms": foreperiod_ms}
+
+
+def test_every_press_is_a_row_right_or_wrong_as_it_was_pressed(data: Path) -> None:
+    with Terminal(run_command(data, prompts_per_attempt=12, attempts=2)) as terminal:
+        participant = ScriptedParticipant(terminal, random_answers(3, 120, 220, slips=0.25))
+        presses = participant.run(24)
+        terminal.wait_for("Press Enter to finish.", since=0)
+        terminal.press("enter")
+        assert terminal.wait() == 0
+
+    recorded = rows(data, "SELECT stimulus, response, correct FROM trials ORDER BY attempt, trial")
+    assert recorded == [(press.expected, press.key, press.key == press.expected) for press in presses]
+    assert {correct for _, _, correct in recorded} == {0, 1}, "the script planned both"
+    assert rows(data, "SELECT status FROM sessions") == [("completed",)]
+    assert rows(data, "SELECT count(*) FROM attempts") == [(2,)]
+
+
+def test_each_trial_tells_how_well_it_was_timed(data: Path) -> None:
+    with Terminal(run_command(data, prompts_per_attempt=3, attempts=1)) as terminal:
+        ScriptedParticipant(terminal, random_answers(3, 120, 220)).run(3)
+        terminal.wait_for("Press Enter to finish.")
+
+    for (text,) in rows(data, "SELECT timing FROM trials"):
+        timing = json.loads(text)
+        assert timing["onset_source"] == "flush"
+        assert timing["handler_delay_ms"] > 0
+        assert timing["loop_lag_ms"] is not None
+
+
+def test_the_prompt_line_stands_while_a_prompt_is_up_and_is_gone_between_prompts(data: Path) -> None:
+    with Terminal(run_command(data, prompts_per_attempt=3, attempts=1, **_slowly(700))) as t:
+        eyes = Eyes(t)
+        t.wait_for("Press Enter to go on.")
+        t.settle()
+        assert "Enter" in eyes.text()
+        t.press("enter")
+        t.wait_for("Press Enter to begin")
+        t.settle()
+        assert "Press Enter to begin attempt 1 of 1." in eyes.text()
+        t.press("enter")
+        for _ in range(3):
+            t.settle(silence_ms=300)
+            assert "Press:" not in eyes.text()
+            seen = len(t.output)
+            t.wait_for("Press: ", since=seen)
+            t.settle()
+            line = re.search(r"Press: (\S)\s*$", eyes.text(), re.MULTILINE)
+            assert line, eyes.text()
+            t.press(line[1])
+
+
+def test_keys_that_answer_no_prompt_are_kept_as_keys_and_never_as_reaction_times(data: Path) -> None:
+    """A key in the wait, a paste, and a key held down before the prompt."""
+    with Terminal(run_command(data, prompts_per_attempt=2, attempts=1, **_slowly(600))) as t:
+        t.wait_for("Press Enter to go on.")
+        t.press("enter")
+        t.wait_for("Press Enter to begin")
+        t.settle()
+        t.press("enter")
+        t.settle()
+        for _ in range(20):
+            t.press("x")
+        t.write(b"\x1b[200~pasted text\x1b[201~")
+        shown = t.wait_for("Press: ")
+        t.settle()
+        key = chr(t.output[shown])
+        t.press(key)
+        shown = t.wait_for("Press: ", since=shown)
+        t.settle()
+        t.press(chr(t.output[shown]))
+        t.wait_for("Press Enter to finish.")
+
+    keys = rows(data, "SELECT message FROM events WHERE topic='input/key'")
+    assert sum('"key":"x"' in message for (message,) in keys) == 20
+    assert len(rows(data, "SELECT 1 FROM events WHERE topic='input/paste'")) == 1
+    assert [response for (response,) in rows(data, "SELECT response FROM trials")] != ["x", "x"]
+    (first,) = rows(data, "SELECT timing FROM trials WHERE trial=1")
+    assert json.loads(first[0])["false_starts"] >= 1
+    assert "paste" in json.loads(first[0])["flags"]
+
+
+def test_only_keys_of_the_task_reach_the_events(data: Path) -> None:
+    """What a therapist types into a form is nobody's data."""
+    with Terminal(command("--data", str(data))) as t:
+        t.wait_for("New participant")
+        t.settle()
+        t.press("enter")
+        t.wait_for("Never a name")
+        t.settle()
+        for key in "secret7":
+            t.press(key)
+        t.settle()
+        t.press("enter")
+        t.settle()
+        for key in ("right", "right", "enter"):
+            t.press(key)
+            t.settle()
+        t.wait_for("Press Enter to go on.")
+        t.press("enter")
+        t.wait_for("Press Enter to begin")
+        t.press("ctrl+q")
+        assert t.wait() == 0
+
+    assert rows(data, "SELECT code FROM participants") == [("SECRET7",)]
+    (events,) = rows(data, "SELECT group_concat(message) FROM events WHERE session=?", only_session(data))
+    keys = re.findall(r'"key":"(.*?)"', events[0])
+    assert set(keys) == {"enter"}

@@ -1,0 +1,275 @@
+"""Given an attempt and what memory holds, when feedback is due, then the agent's words fit both."""
+
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.bus import Bus, Topic
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.messages import AttemptEnded, Feedback, Message, Proposal
+from sar_tui.framework.node import Node, on
+from sar_tui.framework.nodes.action_center import ActionCenter
+from sar_tui.framework.nodes.memory import Memory
+from sar_tui.framework.parameters import build
+from sar_tui.framework.policies import feedback
+from sar_tui.framework.task import Score, Task
+from sar_tui.framework.theme import QUALITATIVE, Theme, holds_number
+from sar_tui.framework.topics import ATTEMPT_ENDED, FEEDBACK, PROPOSED
+from sar_tui.plugins import Catalogue
+
+THEMES = ("calm", "high-contrast")
+FORMS = ("qualitative", "quantitative", "both")
+
+PRAISE = (
+    r"well done|very good|excellent|good work|great|goal reached|reached the goal|inside the goal|congratul|perfect"
+)
+BLAME = r"\bnot\b|\bmissed\b|\bfail|\boff\b|\btry\b|\btrying\b|\bnearly\b|\byet\b|\bhard\b|\bbut\b|\bunfortunately\b"
+
+
+class Done(Message, frozen=True, kw_only=True):
+    """An attempt, as if a task had just ended it."""
+
+    attempt: int
+    level: int
+    metric: float | None
+    correct: int = 20
+    trials: int = 20
+    practice: bool = False
+
+
+DONE = Topic("test/done", Done, origin="input")
+
+
+class Judge(Node):
+    """Stands in for the event handler: attempt first, feedback after it."""
+
+    name = "judge"
+    emits = (ATTEMPT_ENDED, FEEDBACK)
+
+    def __init__(self, task: Task) -> None:
+        super().__init__()
+        self.task = task
+
+    @on(DONE)
+    def done(self, done: Done) -> None:
+        accuracy = done.correct / done.trials
+        score = Score(done.metric, accuracy, done.correct, done.trials)
+        verdict = feedback.judge(score, self.task.metric, self.task.parameters)
+        facts = {"attempt": done.attempt, "level": done.level, "metric": done.metric, "accuracy": accuracy}
+        counts = {"correct": done.correct, "trials": done.trials}
+        self.emit(
+            ATTEMPT_ENDED,
+            AttemptEnded(
+                **facts,
+                **counts,
+                practice=done.practice,
+                metric_unit="ms",
+                outcome=verdict.outcome,
+                feedback=verdict.valence,
+                started=0,
+                ended=0,
+            ),
+        )
+        self.emit(FEEDBACK, Feedback(**facts, **counts, valence=verdict.valence, reason=verdict.reason))
+
+
+class Agent:
+    """Memory and action center, told of attempts one after the other."""
+
+    def __init__(self, task: type[Task], theme: Theme, form: str = "quantitative", seed: int = 1) -> None:
+        built = task(build(task.Parameters, {"feedback_form": form}))
+        self.bus = Bus(VirtualClock())
+        self.count = 0
+        self.said: list[Proposal] = []
+        for node in (Memory(), Judge(built), ActionCenter(built, theme, seed)):
+            node.attach(self.bus)
+        self.bus.subscribe(PROPOSED, self.said.append)
+
+    def hears_of(self, metric: float | None, level: int = 1, correct: int = 20, practice: bool = False) -> str:
+        self.count += 1
+        self.bus.publish(DONE, Done(attempt=self.count, level=level, metric=metric, correct=correct, practice=practice))
+        return self.said[-1].text
+
+
+@pytest.fixture
+def agent(keyboard: type[Task], calm: Theme) -> Agent:
+    return Agent(keyboard, calm)
+
+
+def every_wording(catalogue: Catalogue) -> Iterator[tuple[str, str]]:
+    for name in catalogue.theme_names():
+        for situation, wordings in catalogue.theme(name).phrases.items():
+            for wording in wordings:
+                yield situation, wording
+
+
+def test_the_first_attempt_gives_the_result_and_the_goal(agent: Agent) -> None:
+    said = agent.hears_of(812.4)
+    assert "812 ms" in said
+    assert "1000 ms" in said
+    assert "last time" not in said
+
+
+def test_a_later_attempt_is_compared_with_the_last_at_that_level(agent: Agent) -> None:
+    agent.hears_of(812)
+    assert "32 ms faster than last time" in agent.hears_of(780)
+    assert "50 ms slower than last time" in agent.hears_of(830)
+
+
+def test_the_first_attempt_at_a_new_level_gives_the_result_and_the_goal_again(agent: Agent) -> None:
+    agent.hears_of(812, level=1)
+    said = agent.hears_of(900, level=2)
+    assert "900 ms" in said
+    assert "1000 ms" in said
+    assert "last time" not in said
+
+
+def test_back_at_a_level_the_last_attempt_there_is_what_is_compared_with(agent: Agent) -> None:
+    agent.hears_of(800, level=1)
+    agent.hears_of(700, level=1)
+    agent.hears_of(1200, level=2)
+    assert "60 ms faster than last time" in agent.hears_of(640, level=1)
+
+
+def test_practice_is_never_compared_with(agent: Agent) -> None:
+    agent.hears_of(600, practice=True)
+    assert "last time" not in agent.hears_of(700)
+
+
+def test_an_attempt_without_a_result_is_passed_over(agent: Agent) -> None:
+    agent.hears_of(800)
+    agent.hears_of(None, correct=20)
+    assert "100 ms faster" in agent.hears_of(700)
+
+
+def test_no_difference_that_can_be_seen_is_none(agent: Agent) -> None:
+    agent.hears_of(800.0)
+    assert "the same as last time" in agent.hears_of(800.4)
+
+
+def test_low_accuracy_is_named_with_its_figures(agent: Agent, keyboard: type[Task], calm: Theme) -> None:
+    said = agent.hears_of(500, correct=12)
+    assert "accuracy" in said.lower()
+    assert "12 of 20" in said
+    assert "accuracy" in Agent(keyboard, calm, "qualitative").hears_of(500, correct=12).lower()
+    assert agent.said[-1].valence == "negative"
+
+
+def test_the_words_given_are_those_of_the_form(keyboard: type[Task], calm: Theme) -> None:
+    qualitative, quantitative, both = (Agent(keyboard, calm, form).hears_of(700) for form in FORMS)
+    assert qualitative in calm.phrases["positive"]
+    assert "700 ms" in quantitative
+    assert any(both.startswith(wording) for wording in calm.phrases["positive"])
+    assert "700 ms" in both
+
+
+ATTEMPTS = st.lists(
+    st.tuples(
+        st.one_of(st.none(), st.floats(150, 3000), st.sampled_from([990.0, 1000.0, 1010.0])),
+        st.integers(1, 3),
+        st.integers(0, 20),
+    ),
+    min_size=1,
+    max_size=15,
+)
+
+
+@given(ATTEMPTS, st.sampled_from(THEMES), st.integers(0, 1000))
+def test_qualitative_feedback_never_holds_a_number(
+    catalogue: Catalogue, attempts: list[tuple[float | None, int, int]], theme: str, seed: int
+) -> None:
+    agent = Agent(catalogue.task("keyboard"), catalogue.theme(theme), "qualitative", seed)
+    for metric, level, correct in attempts:
+        assert not holds_number(agent.hears_of(metric, level, correct))
+
+
+@given(ATTEMPTS, st.sampled_from(THEMES), st.integers(0, 1000))
+def test_quantitative_feedback_always_gives_a_figure_and_compares_rightly(
+    catalogue: Catalogue, attempts: list[tuple[float | None, int, int]], theme: str, seed: int
+) -> None:
+    agent = Agent(catalogue.task("keyboard"), catalogue.theme(theme), "quantitative", seed)
+    last: dict[int, float] = {}
+    for metric, level, correct in attempts:
+        said = agent.hears_of(metric, level, correct)
+        assert re.search(r"\d", said)
+        if metric is not None and correct >= 16:
+            before = last.get(level)
+            change = None if before is None else f"{abs(metric - before):.0f}"
+            if before is None:
+                assert f"{metric:.0f} ms" in said
+                assert "last time" not in said
+            elif change == "0":
+                assert "the same as last time" in said
+            else:
+                assert f"{change} ms {'faster' if metric < before else 'slower'} than last time" in said
+        if metric is not None:
+            last[level] = metric
+
+
+@given(ATTEMPTS, st.sampled_from(THEMES), st.integers(0, 1000))
+def test_nothing_is_said_twice_running_where_there_is_a_choice(
+    catalogue: Catalogue, attempts: list[tuple[float | None, int, int]], theme: str, seed: int
+) -> None:
+    look = catalogue.theme(theme)
+    agent = Agent(catalogue.task("keyboard"), look, "qualitative", seed)
+    said = [agent.hears_of(metric, level, correct) for metric, level, correct in attempts]
+    for situation in QUALITATIVE:
+        spoken = [words for words in said if words in look.phrases[situation]]
+        assert len(look.phrases[situation]) == 1 or all(one != other for one, other in pairwise(spoken))
+
+
+@given(st.integers(0, 1000))
+def test_figures_too_are_not_given_in_the_same_words_twice_running(catalogue: Catalogue, seed: int) -> None:
+    agent = Agent(catalogue.task("keyboard"), catalogue.theme("calm"), "quantitative", seed)
+    said = [agent.hears_of(700, level) for level in range(1, 9)]
+    assert all(one != other for one, other in pairwise(said))
+
+
+@pytest.mark.parametrize(("form", "situation"), [("qualitative", "positive"), ("quantitative", "positive_first")])
+def test_every_wording_gets_its_turn(keyboard: type[Task], calm: Theme, form: str, situation: str) -> None:
+    said = {Agent(keyboard, calm, form, seed).hears_of(700) for seed in range(30)}
+    assert said == {wording.format(value="700 ms", goal="1000 ms") for wording in calm.phrases[situation]}
+
+
+def test_the_same_seed_says_the_same(keyboard: type[Task], calm: Theme) -> None:
+    def session() -> list[str]:
+        agent = Agent(keyboard, calm, "both", seed=9)
+        return [agent.hears_of(700 + 10 * attempt) for attempt in range(10)]
+
+    assert session() == session()
+
+
+def test_words_of_praise_are_for_success_and_words_of_trying_again_for_failure(catalogue: Catalogue) -> None:
+    for situation, wording in every_wording(catalogue):
+        if situation.startswith("positive"):
+            assert not re.search(BLAME, wording.lower()), wording
+        if situation.startswith(("negative", "accuracy", "empty")):
+            assert not re.search(PRAISE, wording.lower()), wording
+        if situation.startswith("neutral"):
+            assert not re.search(f"{PRAISE}|{BLAME}", wording.lower()), wording
+
+
+def test_figures_that_point_the_other_way_are_put_right_in_the_same_breath(catalogue: Catalogue) -> None:
+    """Slower, yet a success; faster, yet a failure: the words say which it is."""
+    for situation, wording in every_wording(catalogue):
+        if situation == "positive_worsened":
+            assert re.search(PRAISE, wording.lower()), wording
+        if situation == "negative_improved":
+            assert "goal" in wording.lower(), wording
+            assert re.search(r"\bnot\b", wording.lower()), wording
+        if situation.endswith(("_improved", "_worsened")):
+            assert "{difference} {change} than last time" in wording, wording
+
+
+def test_the_face_goes_with_the_valence(agent: Agent) -> None:
+    for metric in (700.0, 1005.0, 1500.0):
+        agent.hears_of(metric)
+    assert [(said.valence, said.face) for said in agent.said] == [
+        ("positive", "happy"),
+        ("neutral", "neutral"),
+        ("negative", "encouraging"),
+    ]

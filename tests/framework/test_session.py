@@ -1,0 +1,312 @@
+"""Given a session cut off anywhere, when it is replayed and gone on with, then nothing is lost and nothing differs."""
+
+import functools
+from typing import Any
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.bus import Record
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.messages import Prompt, Stored, TrialEnded
+from sar_tui.framework.node import Node, on
+from sar_tui.framework.parameters import build
+from sar_tui.framework.session import ReplayError, Session
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import (
+    ALL,
+    ATTEMPT_ENDED,
+    FEEDBACK,
+    KEY,
+    PROMPT,
+    SESSION,
+    SESSION_ENDED,
+    STORED,
+    TIMER,
+    TRIAL,
+    WAITING,
+)
+from sar_tui.plugins import Catalogue
+from sar_tui.simulation.participant import SimulatedParticipant
+from sar_tui.simulation.person import PEOPLE
+from tests.desk import Desk
+
+SET_UP = {"attempts": 4, "practice_attempts": 1, "prompts_per_attempt": 3, "start_level": 4, "min_accuracy": 0.6}
+
+
+class Disk(Node):
+    """Acknowledges every trial at once."""
+
+    name = "disk"
+    emits = (STORED,)
+
+    @on(TRIAL)
+    def ended(self, trial: TrialEnded) -> None:
+        self.emit(STORED, Stored(attempt=trial.attempt, trial=trial.trial))
+
+
+class Simulated:
+    """A session with a simulated participant: whole, or gone on with from what was recorded."""
+
+    def __init__(self, history: list[Record] | None = None, seed: int = 3, run: int = 2, **changed: Any) -> None:
+        catalogue = Catalogue()
+        kind = catalogue.task("keyboard")
+        task = kind(build(kind.Parameters, {**SET_UP, **changed}))
+        self.clock = VirtualClock(7_000_000_000 * (run if history is not None else 1))
+        extra = [SimulatedParticipant(PEOPLE["average"], task, seed), Disk()]
+        self.session = Session(task, catalogue.theme("calm"), self.clock, seed, extra)
+        self.cascades: list[list[Record]] = []
+        if history is not None:
+            self.session.replay(history)
+        self.session.bus.tap(self.cascades.append)
+        self.session.begin(1 if history is None else run)
+
+    def finish(self) -> "Simulated":
+        while not self.session.ended and self.clock.step():
+            pass
+        return self
+
+    @property
+    def records(self) -> list[Record]:
+        return [record for cascade in self.cascades for record in cascade]
+
+
+@functools.cache
+def whole() -> Simulated:
+    return Simulated().finish()
+
+
+def shape(records: list[Record], *topics: Any) -> list[Any]:
+    """What happened, without when: stamps differ from run to run of the program."""
+    chosen = []
+    for record in records:
+        message = record.message
+        if record.topic not in topics:
+            continue
+        if isinstance(message, TrialEnded):
+            timing = message.timing.foreperiod_ms
+            chosen.append((message.attempt, message.trial, message.stimulus, message.response, message.correct, timing))
+        else:
+            plain = msgspec.to_builtins(message)
+            for stamp in ("started", "ended", "metric"):
+                plain.pop(stamp, None)
+            chosen.append((record.topic.name, plain))
+    return chosen
+
+
+def seconds(records: list[Record]) -> list[float | None]:
+    return [
+        message.reaction_time_ms and round(message.reaction_time_ms, 6)
+        for record in records
+        if isinstance(message := record.message, TrialEnded)
+    ]
+
+
+def test_the_whole_session_is_one_worth_cutting() -> None:
+    session = whole()
+    trials = [record.message for record in session.records if record.topic is TRIAL]
+    assert len(trials) == 15
+    assert session.session.ended
+    assert {t.correct for t in trials} == {True, False}
+    levels = [record.message.level for record in session.records if record.topic is ATTEMPT_ENDED]
+    assert len(set(levels)) > 1
+
+
+def test_replaying_a_whole_session_derives_it_again() -> None:
+    records = whole().records
+    again = Session(whole().session.task, whole().session.theme, VirtualClock(), 3)
+    derived: list[list[Record]] = []
+    again.bus.tap(derived.append)
+    again.replay(records)
+    assert [record for cascade in derived for record in cascade] == records
+    assert again.ended
+
+
+def cut(at: int) -> list[Record]:
+    return [record for cascade in whole().cascades[:at] for record in cascade]
+
+
+@given(st.data())
+def test_a_session_cut_off_anywhere_goes_on_as_if_it_had_not_been(data: st.DataObject) -> None:
+    session = whole()
+    at = data.draw(st.integers(0, len(session.cascades) - 1), label="cascades before the cut")
+    before = cut(at)
+    rest = Simulated(before).finish()
+    assert rest.session.faults == []
+    joined = before + rest.records
+    for topics in ([TRIAL], [ATTEMPT_ENDED], [FEEDBACK], [SESSION_ENDED]):
+        assert shape(joined, *topics) == shape(session.records, *topics)
+    assert seconds(joined) == seconds(session.records)
+
+
+@given(st.data())
+def test_a_session_cut_off_twice_goes_on_too(data: st.DataObject) -> None:
+    session = whole()
+    first = cut(data.draw(st.integers(0, len(session.cascades) - 1), label="cascades before the first cut"))
+    second_run = Simulated(first).finish()
+    length = data.draw(st.integers(1, len(second_run.cascades)), label="cascades before the second cut")
+    before = [*first, *(record for cascade in second_run.cascades[:length] for record in cascade)]
+    if any(record.topic is SESSION_ENDED for record in before):
+        return
+    third_run = Simulated(before, run=3).finish()
+    joined = before + third_run.records
+    assert shape(joined, TRIAL) == shape(session.records, TRIAL)
+    assert shape(joined, ATTEMPT_ENDED) == shape(session.records, ATTEMPT_ENDED)
+
+
+@given(st.integers(0, 10_000))
+def test_messages_are_numbered_on_from_the_last(at: int) -> None:
+    before = cut(at % len(whole().cascades))
+    joined = before + Simulated(before).records
+    assert [record.seq for record in joined] == list(range(1, len(joined) + 1))
+
+
+def moments() -> dict[str, int]:
+    """How many cascades to keep so that the cut falls where the session waits for each thing."""
+    found = {}
+    for number, cascade in enumerate(whole().cascades, 1):
+        for record in cascade:
+            if record.topic is WAITING:
+                found.setdefault(f"{record.message.stage}: {record.message.what}", number)
+    return found
+
+
+@pytest.mark.parametrize("moment", ["trial: quiet", "trial: foreperiod", "trial: response", "attempt: enter"])
+def test_a_resumed_session_waits_for_enter_and_says_it_was_interrupted(moment: str) -> None:
+    waiting = [r.message for r in Simulated(cut(moments()[moment])).records if r.topic is WAITING]
+    assert [(w.what, w.stage, w.reason) for w in waiting] == [("enter", "paused", "interrupted")]
+
+
+def test_a_session_cut_off_in_its_instructions_shows_them_again() -> None:
+    for at in (0, 1):
+        waiting = [r.message for r in Simulated(cut(at)).records if r.topic is WAITING]
+        assert [(w.what, w.stage) for w in waiting] == [("enter", "instructions")]
+
+
+def test_an_unanswered_prompt_is_shown_again_under_its_number() -> None:
+    before = cut(moments()["trial: response"])
+    unanswered = [record.message for record in before if record.topic is PROMPT][-1]
+    again = next(record.message for record in Simulated(before).finish().records if record.topic is PROMPT)
+    assert isinstance(again, Prompt)
+    assert again == msgspec.structs.replace(unanswered, presentation=unanswered.presentation + 1)
+
+
+def test_a_session_cut_off_between_its_last_trial_and_the_acknowledgement_is_completed_at_once() -> None:
+    last = max(number for number, cascade in enumerate(whole().cascades, 1) if any(r.topic is TRIAL for r in cascade))
+    resumed = Simulated(cut(last))
+    assert [r.message.status for r in resumed.records if r.topic is SESSION_ENDED] == ["completed"]
+
+
+def replay(records: list[Record], **changed: Any) -> None:
+    kind = Catalogue().task("keyboard")
+    task = kind(build(kind.Parameters, {**SET_UP, **changed}))
+    Session(task, Catalogue().theme("calm"), VirtualClock(), 3).replay(records)
+
+
+def test_the_record_as_it_is_can_be_replayed() -> None:
+    replay(whole().records)
+
+
+@given(st.data())
+def test_a_derived_message_that_was_changed_is_noticed(data: st.DataObject) -> None:
+    records = list(whole().records)
+    places = [i for i, record in enumerate(records) if record.topic.origin == "derived"]
+    place = data.draw(st.sampled_from(places))
+    record = records[place]
+    records[place] = record._replace(message=msgspec.structs.replace(record.message, seat="B"))
+    with pytest.raises(ReplayError, match=rf"Message {record.seq} \({record.topic.name}\)"):
+        replay(records)
+
+
+@given(st.data())
+def test_a_message_that_was_taken_out_or_put_in_twice_is_noticed(data: st.DataObject) -> None:
+    records = list(whole().records)
+    places = [i for i, record in enumerate(records) if record.topic.origin == "derived"]
+    place = data.draw(st.sampled_from(places))
+    with pytest.raises(ReplayError):
+        replay([*records[:place], *records[place + 1 :]])
+    with pytest.raises(ReplayError):
+        replay([*records[:place], records[place], *records[place:]])
+
+
+def test_a_response_that_was_changed_is_noticed() -> None:
+    records = list(whole().records)
+    enters = 0
+    for place, record in enumerate(records):
+        if record.topic is KEY:
+            enters += 1
+            if enters == 3:
+                records[place] = record._replace(message=msgspec.structs.replace(record.message, key="#"))
+    with pytest.raises(ReplayError):
+        replay(records)
+
+
+@pytest.mark.parametrize(
+    "changed", [{"prompts_per_attempt": 4}, {"threshold": 500}, {"choice_set": "left hand"}, {"foreperiod_min_ms": 700}]
+)
+def test_a_task_that_was_changed_since_is_noticed(changed: dict[str, Any]) -> None:
+    with pytest.raises(ReplayError, match="has changed since"):
+        replay(whole().records, **changed)
+
+
+def test_another_theme_is_noticed() -> None:
+    session = Session(whole().session.task, Catalogue().theme("high-contrast"), VirtualClock(), 3)
+    with pytest.raises(ReplayError):
+        session.replay(whole().records)
+
+
+def test_after_a_replay_the_clock_is_the_sessions_own_and_no_old_timer_fires(keyboard: type[Task], calm: Theme) -> None:
+    desk = Desk(keyboard, calm)
+    desk.enter()
+    desk.press("enter")
+    resumed = Desk(keyboard, calm, history=desk.records)
+    assert resumed.session.bus.clock is resumed.clock
+    resumed.wait(600_000)
+    assert resumed.all(TIMER) == []
+    assert resumed.waiting.reason == "interrupted"
+
+
+class Clumsy(Node):
+    """A screen that raises."""
+
+    name = "clumsy"
+
+    @on(PROMPT)
+    def prompted(self, _: Prompt) -> None:
+        raise RuntimeError("no such widget")
+
+
+def test_an_output_that_raised_does_not_keep_a_session_from_being_gone_on_with(
+    keyboard: type[Task], calm: Theme
+) -> None:
+    desk = Desk(keyboard, calm, extra=[Clumsy()], prompts_per_attempt=2)
+    desk.start()
+    desk.answer()
+    desk.to_prompt()
+    assert {fault.node for fault in desk.session.faults} == {"clumsy"}
+    assert desk.session.broken is None
+    resumed = Desk(keyboard, calm, history=desk.records, prompts_per_attempt=2)
+    assert resumed.records[0].seq == desk.records[-1].seq + 1
+    assert resumed.waiting.reason == "interrupted"
+    resumed.press("enter")
+    assert resumed.answer().trial == 2
+
+
+def test_no_message_says_whose_session_it_is() -> None:
+    for topic in ALL.values():
+        assert not {"session", "participant", "person", "code"} & set(topic.type.__struct_fields__)
+
+
+def test_every_message_survives_being_written_and_read() -> None:
+    for record in whole().records:
+        text = msgspec.json.encode(record.message)
+        assert msgspec.json.decode(text, type=record.topic.type) == record.message
+
+
+def test_a_new_session_tells_what_it_is(keyboard: type[Task], calm: Theme) -> None:
+    desk = Desk(keyboard, calm, seed=12)
+    started = desk.last(SESSION)
+    assert (started.run, started.task, started.theme, started.seed) == (1, "keyboard", "calm", 12)

@@ -1,0 +1,27 @@
+"""A session to record, with all that a live one has but a person."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import sqlite_utils
+
+from sar_tui.framework.parameters import build
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan
+from sar_tui.store.database import connect
+
+
+@pytest.fixture
+def database(data: Path) -> Iterator[sqlite_utils.Database]:
+    opened = connect(data)
+    yield opened
+    opened.conn.close()
+
+
+@pytest.fixture
+def plan(catalogue: Catalogue) -> Plan:
+    """A short live session of P01."""
+    keyboard = catalogue.task("keyboard")
+    parameters = build(keyboard.Parameters, {"attempts": 2, "prompts_per_attempt": 3})
+    return Plan(keyboard, parameters, "calm", "P01", 11, "live")

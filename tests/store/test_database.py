@@ -1,0 +1,245 @@
+"""Given a data folder, when its database is opened, then it is private, durable, of this version, or refused in words."""
+
+import os
+import shutil
+import sqlite3
+import stat
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+import sqlite_utils
+
+from sar_tui.store import database as module
+from sar_tui.store.database import FILE, StoreError, connect, default_folder, explain, transaction
+from sar_tui.store.schema import VERSION
+
+posix = pytest.mark.skipif(os.name != "posix", reason="permissions are those of POSIX")
+
+TABLES = {"participants", "settings", "sessions", "seats", "runs", "attempts", "trials", "actions", "events", "notes"}
+
+
+def mode(path: Path) -> int:
+    return stat.S_IMODE(path.stat().st_mode)
+
+
+def refusal(folder: Path) -> StoreError:
+    with pytest.raises(StoreError) as caught:
+        connect(folder)
+    assert str(caught.value).endswith(".")
+    return caught.value
+
+
+def pragma(database: sqlite_utils.Database, name: str) -> object:
+    return database.execute(f"PRAGMA {name}").fetchone()[0]
+
+
+def test_a_new_database_has_the_tables_of_the_contract(database: sqlite_utils.Database) -> None:
+    assert set(database.table_names()) >= TABLES
+    assert pragma(database, "user_version") == VERSION
+    columns = {table: {column.name for column in database[table].columns} for table in TABLES}
+    assert columns["sessions"] >= set(
+        "id task status started_at ended_at seed parameters software machine mode".split()
+    )
+    assert columns["attempts"] >= set(
+        "session attempt seat practice level metric metric_unit accuracy outcome feedback started_ns ended_ns".split()
+    )
+    assert columns["trials"] >= set(
+        "session attempt trial seat run stimulus response correct onset_ns response_ns reaction_time_ms timing "
+        "details".split()
+    )
+    assert columns["actions"] >= set(
+        "session id kind proposed final decision actor proposed_ns decided_ns started_ns ended_ns".split()
+    )
+    assert columns["events"] == set("session seq run at_ns topic message".split())
+    assert columns["runs"] >= set("session run clock_anchor boot_id pid".split())
+    assert columns["notes"] >= set("session at_ns author text".split())
+    assert columns["seats"] >= set("session seat participant".split())
+    assert columns["participants"] >= set("code created_at".split())
+
+
+def test_the_keys_are_those_of_the_contract(database: sqlite_utils.Database) -> None:
+    assert database["events"].pks == ["session", "seq"]
+    assert database["trials"].pks == ["session", "attempt", "trial", "seat"]
+    assert database["attempts"].pks == ["session", "attempt", "seat"]
+
+
+def test_every_commit_is_synced_to_the_disk(database: sqlite_utils.Database) -> None:
+    assert (pragma(database, "journal_mode"), pragma(database, "synchronous")) == ("wal", 2)
+
+
+@posix
+def test_the_folder_and_every_file_in_it_are_its_owners_alone(database: sqlite_utils.Database, data: Path) -> None:
+    database["notes"].insert({"session": "s", "text": "x"})
+    assert mode(data) == 0o700
+    assert {path.name: oct(mode(path)) for path in data.iterdir()} == {path.name: oct(0o600) for path in data.iterdir()}
+    assert (data / FILE).exists()
+    assert (data / f"{FILE}-wal").exists()
+
+
+@posix
+def test_a_database_that_others_could_read_is_made_private(database: sqlite_utils.Database, data: Path) -> None:
+    (data / FILE).chmod(0o644)
+    connect(data)
+    assert mode(data / FILE) == 0o600
+
+
+def test_opening_it_again_keeps_what_is_there(database: sqlite_utils.Database, data: Path) -> None:
+    database["participants"].insert({"code": "P01", "created_at": "now"})
+    assert [row["code"] for row in connect(data)["participants"].rows] == ["P01"]
+    assert list(data.glob("*-v*.db")) == []
+
+
+def test_a_database_of_a_newer_version_is_refused_and_left_alone(data: Path) -> None:
+    connect(data).execute(f"PRAGMA user_version={VERSION + 1}")
+    error = refusal(data)
+    assert "newer sar-tui" in str(error)
+    assert f"data version {VERSION + 1}" in str(error)
+    assert error.bad_input
+    assert sqlite3.connect(data / FILE).execute("PRAGMA user_version").fetchone() == (VERSION + 1,)
+
+
+@pytest.mark.parametrize(
+    "content", [b"hello", b"a diary, not a database\n" * 500, b"SQLite format 2\x00" + b"\x00" * 5000]
+)
+def test_what_is_not_a_database_is_refused_and_left_alone(data: Path, content: bytes) -> None:
+    data.mkdir()
+    (data / FILE).write_bytes(content)
+    error = refusal(data)
+    assert f"{data / FILE} is not a SQLite database" in str(error)
+    assert error.bad_input
+    assert (data / FILE).read_bytes() == content
+
+
+def test_a_damaged_database_is_told(data: Path) -> None:
+    connect(data).conn.close()
+    whole = (data / FILE).read_bytes()
+    (data / FILE).write_bytes(whole[:100] + b"\xff" * 4000 + whole[4100:])
+    assert refusal(data).bad_input
+
+
+def test_a_folder_that_is_a_file_is_told(tmp_path: Path) -> None:
+    (tmp_path / "data").write_text("")
+    assert "cannot be written to" in str(refusal(tmp_path / "data"))
+
+
+@posix
+@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write anywhere")
+def test_a_folder_that_is_read_only_is_told(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    try:
+        assert "cannot be written to: Permission denied" in str(refusal(tmp_path / "data"))
+    finally:
+        tmp_path.chmod(0o700)
+
+
+@pytest.fixture
+def older(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A database of this version, and a program of the next, whose migration adds a table."""
+    opened = connect(data)
+    opened["participants"].insert({"code": "P01", "created_at": "now"})
+    opened.conn.close()
+    newer = sqlite_utils.Migrations("sar-tui")
+
+    @newer()
+    def version_1(db: sqlite_utils.Database) -> None:
+        raise AssertionError("applied already")
+
+    @newer()
+    def version_2(db: sqlite_utils.Database) -> None:
+        db["goals"].insert({"session": "s"})
+
+    monkeypatch.setattr(module, "migrations", newer)
+    monkeypatch.setattr(module, "VERSION", VERSION + 1)
+    return data
+
+
+def test_an_older_database_is_brought_up_to_date_after_a_backup(older: Path) -> None:
+    opened = connect(older)
+    assert pragma(opened, "user_version") == VERSION + 1
+    assert "goals" in opened.table_names()
+    assert [row["code"] for row in opened["participants"].rows] == ["P01"]
+    (backup,) = older.glob(f"*-v{VERSION}-*.db")
+    kept = sqlite_utils.Database(sqlite3.connect(backup))
+    assert pragma(kept, "user_version") == VERSION
+    assert "goals" not in kept.table_names()
+    assert [row["code"] for row in kept["participants"].rows] == ["P01"]
+
+
+@posix
+def test_the_backup_is_as_private_as_the_database(older: Path) -> None:
+    connect(older)
+    (backup,) = older.glob("*-v*.db")
+    assert mode(backup) == 0o600
+
+
+def test_it_is_migrated_and_backed_up_once(older: Path) -> None:
+    for _ in range(3):
+        connect(older)
+    assert len(list(older.glob("*-v*.db"))) == 1
+
+
+def test_programs_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) -> None:
+    opens = (
+        "import sys; from pathlib import Path; from sar_tui.store.database import connect; connect(Path(sys.argv[1]))"
+    )
+
+    def program(_: int) -> str:
+        run = subprocess.run([sys.executable, "-c", opens, str(data)], capture_output=True, text=True, check=False)
+        return run.stderr
+
+    with ThreadPoolExecutor(6) as pool:
+        assert list(pool.map(program, range(6))) == [""] * 6
+
+
+def test_threads_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) -> None:
+    with ThreadPoolExecutor(8) as pool:
+        assert [pragma(db, "user_version") for db in pool.map(lambda _: connect(data), range(8))] == [VERSION] * 8
+
+
+def test_a_transaction_is_all_or_nothing(database: sqlite_utils.Database) -> None:
+    def half() -> None:
+        with transaction(database) as connection:
+            connection.execute("INSERT INTO participants VALUES ('P01', 'now')")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        half()
+    assert list(database["participants"].rows) == []
+    with transaction(database) as connection:
+        connection.execute("INSERT INTO participants VALUES ('P02', 'now')")
+    assert [row["code"] for row in database["participants"].rows] == ["P02"]
+
+
+def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(database: sqlite_utils.Database) -> None:
+    pages = pragma(database, "page_count")
+    database.execute(f"PRAGMA max_page_count={pages}")
+    with pytest.raises(StoreError, match="The disk is full"), transaction(database) as connection:
+        connection.execute("INSERT INTO participants VALUES ('P01', 'now')")
+        connection.execute("INSERT INTO notes (session, text) VALUES ('s', zeroblob(1000000))")
+    assert list(database["participants"].rows) == []
+    with transaction(database) as connection:
+        connection.execute("INSERT INTO participants VALUES ('P02', 'now')")
+
+
+def test_where_data_lives_can_be_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("SAR_TUI_DATA", str(tmp_path))
+    assert default_folder() == tmp_path
+    monkeypatch.delenv("SAR_TUI_DATA")
+    assert default_folder().name == "sar-tui"
+
+
+def test_an_error_nobody_foresaw_is_told_in_sqlites_own_words() -> None:
+    assert str(explain(sqlite3.OperationalError("no such thing"), Path("x.db"))) == "x.db: no such thing."
+
+
+def test_a_copy_of_the_database_is_a_whole_database(
+    database: sqlite_utils.Database, data: Path, tmp_path: Path
+) -> None:
+    database["participants"].insert({"code": "P01", "created_at": "now"})
+    shutil.copytree(data, tmp_path / "copy")
+    copy = connect(tmp_path / "copy")
+    assert pragma(copy, "integrity_check") == "ok"
+    assert [row["code"] for row in copy["participants"].rows] == ["P01"]

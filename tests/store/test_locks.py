@@ -1,0 +1,163 @@
+"""Given two programs, when both want the same participant or session, then one of them has it."""
+
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Failed, Plan, resume, start
+from sar_tui.store import locks, sessions
+from sar_tui.store.database import StoreError, connect
+from sar_tui.store.locks import Held, hold, is_held
+
+HOLD = """
+import sys
+from pathlib import Path
+from sar_tui.store.locks import hold
+lock = hold(Path(sys.argv[1]), sys.argv[2], sys.argv[3])
+print("held", flush=True)
+sys.stdin.read()
+"""
+
+Program = Callable[[str, str], subprocess.Popen[str]]
+
+
+@pytest.fixture
+def another_program(data: Path) -> Iterator[Program]:
+    """Start a program that holds a lock until it is ended."""
+    programs: list[subprocess.Popen[str]] = []
+
+    def holding(kind: str, name: str) -> subprocess.Popen[str]:
+        data.mkdir(exist_ok=True)
+        program = subprocess.Popen(
+            [sys.executable, "-c", HOLD, str(data), kind, name],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        programs.append(program)
+        assert program.stdout is not None
+        assert program.stdout.readline() == "held\n"
+        return program
+
+    yield holding
+    for program in programs:
+        program.kill()
+        program.communicate()
+
+
+def test_what_another_program_holds_cannot_be_taken(data: Path, another_program: Program) -> None:
+    another_program("participant", "P01")
+    assert is_held(data, "participant", "P01")
+    with pytest.raises(Held, match="The participant P01 is in a live session already"):
+        hold(data, "participant", "P01")
+    hold(data, "participant", "P02").release()
+
+
+def test_a_program_that_is_killed_holds_nothing(data: Path, another_program: Program) -> None:
+    program = another_program("session", "abc")
+    program.kill()
+    program.wait()
+    assert not is_held(data, "session", "abc")
+    hold(data, "session", "abc").release()
+
+
+def test_what_was_let_go_can_be_taken_again(data: Path) -> None:
+    lock = hold(data, "session", "abc")
+    assert is_held(data, "session", "abc")
+    lock.release()
+    assert not is_held(data, "session", "abc")
+    hold(data, "session", "abc").release()
+
+
+def test_asking_takes_nothing(data: Path) -> None:
+    assert not is_held(data, "session", "abc")
+    lock = hold(data, "session", "abc")
+    for _ in range(3):
+        assert is_held(data, "session", "abc")
+    lock.release()
+
+
+def test_a_folder_that_cannot_be_written_to_is_told(tmp_path: Path) -> None:
+    (tmp_path / "data").write_text("")
+    with pytest.raises(StoreError, match="cannot be written to"):
+        hold(tmp_path / "data", "session", "abc")
+
+
+# --- through whole sessions -----------------------------------------------------------------------------------
+
+
+def begin(plan: Plan, data: Path, catalogue: Catalogue) -> str:
+    """A live session, left as a program leaves it that is killed: its id."""
+    run = start(plan, data, catalogue, VirtualClock(), lambda task: [])
+    run.begin()
+    run.recorder.write()
+    for lock in run._locks:
+        lock.release()
+    return run.id
+
+
+def test_a_participant_cannot_be_in_two_live_sessions(plan: Plan, data: Path, catalogue: Catalogue) -> None:
+    run = start(plan, data, catalogue, VirtualClock(), lambda task: [])
+    with pytest.raises(Held):
+        start(plan, data, catalogue, VirtualClock(), lambda task: [])
+    assert len(sessions.listing(connect(data), data)) == 1
+    run.close()
+    start(plan, data, catalogue, VirtualClock(), lambda task: []).close()
+
+
+def test_a_session_that_is_live_cannot_be_gone_on_with_elsewhere(plan: Plan, data: Path, catalogue: Catalogue) -> None:
+    run = start(plan, data, catalogue, VirtualClock(), lambda task: [])
+    with pytest.raises(StoreError, match=f"The session {run.id} is running"):
+        resume(run.id, data, catalogue, VirtualClock(), lambda task: [])
+    run.close()
+
+
+def test_a_session_whose_program_was_killed_is_interrupted_and_can_be_gone_on_with(
+    plan: Plan, data: Path, catalogue: Catalogue
+) -> None:
+    session = begin(plan, data, catalogue)
+    database = connect(data)
+    assert database.execute("SELECT status FROM sessions").fetchone() == ("running",)
+    assert sessions.find(database, data, session)["status"] == "interrupted"
+    run = resume(session, data, catalogue, VirtualClock(), lambda task: [])
+    assert run.number == 2
+    assert sessions.find(database, data, session)["status"] == "running"
+    run.close()
+    assert sessions.find(database, data, session)["status"] == "interrupted"
+
+
+def test_a_session_that_cannot_be_brought_back_leaves_its_participant_free(
+    plan: Plan, data: Path, catalogue: Catalogue
+) -> None:
+    session = begin(plan, data, catalogue)
+    connect(data).execute("UPDATE events SET message=replace(message, 'enter', 'space') WHERE topic LIKE '%waiting'")
+    with pytest.raises(Failed, match="cannot be gone on with") as caught:
+        resume(session, data, catalogue, VirtualClock(), lambda task: [])
+    assert caught.value is not None
+    assert not locks.is_held(data, "participant", "P01")
+    start(plan, data, catalogue, VirtualClock(), lambda task: []).close()
+
+
+def test_a_session_whose_parameters_the_task_no_longer_takes_is_told(
+    plan: Plan, data: Path, catalogue: Catalogue
+) -> None:
+    session = begin(plan, data, catalogue)
+    connect(data).execute("""UPDATE sessions SET parameters='{"attempts": 2, "speed": 3}'""")
+    with pytest.raises(Failed, match=r"cannot be gone on with\. There is no parameter speed"):
+        resume(session, data, catalogue, VirtualClock(), lambda task: [])
+
+
+def test_a_theme_that_is_not_there_leaves_no_session_and_no_lock(plan: Plan, data: Path, catalogue: Catalogue) -> None:
+    import msgspec
+
+    from sar_tui.plugins import PluginError
+
+    with pytest.raises(PluginError):
+        start(msgspec.structs.replace(plan, theme="loud"), data, catalogue, VirtualClock(), lambda task: [])
+    assert not locks.is_held(data, "participant", "P01")
+    assert sessions.listing(connect(data), data) == []

@@ -1,0 +1,59 @@
+"""Given people who take part, when they are entered, then it is as codes, and what was set for them is kept."""
+
+import re
+from pathlib import Path
+
+import pytest
+import sqlite_utils
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.store.database import StoreError, connect
+from sar_tui.store.participants import Settings, add, check_code, codes, save_settings, settings
+
+
+@pytest.mark.parametrize(
+    ("typed", "kept"), [("P01", "P01"), ("p01", "P01"), (" p-1_x ", "P-1_X"), ("7", "7"), ("a" * 32, "A" * 32)]
+)
+def test_a_code_is_kept_in_capitals(typed: str, kept: str) -> None:
+    assert check_code(typed) == kept
+
+
+@pytest.mark.parametrize("code", ["", " ", "Anna Berg", "-1", "_x", "a" * 33, "p/1", "../p", "P01\n2", "é1", "P.1"])
+def test_what_cannot_be_a_code_is_refused_and_names_are_warned_against(code: str) -> None:
+    with pytest.raises(StoreError, match="Never use a name") as caught:
+        check_code(code)
+    assert caught.value.bad_input
+
+
+@given(st.text(max_size=40))
+def test_a_code_is_safe_to_name_a_file_or_it_is_refused(code: str) -> None:
+    try:
+        kept = check_code(code)
+    except StoreError:
+        return
+    assert re.fullmatch("[A-Z0-9][A-Z0-9_-]{0,31}", kept)
+    assert check_code(kept) == kept
+
+
+def test_someone_entered_twice_is_one_participant(database: sqlite_utils.Database) -> None:
+    assert [add(database, code) for code in ("p02", "P02", "P01")] == ["P02", "P02", "P01"]
+    assert codes(database) == ["P01", "P02"]
+
+
+def test_someone_entered_is_there_for_the_next_program(database: sqlite_utils.Database, data: Path) -> None:
+    add(database, "P01")
+    assert codes(connect(data)) == ["P01"]
+
+
+def test_settings_are_kept_for_a_participant_and_a_task(database: sqlite_utils.Database, data: Path) -> None:
+    mine = Settings({"attempts": 5, "levels": ["fj", "dfjk"], "threshold": 850.5}, "high-contrast")
+    save_settings(database, "P01", "keyboard", mine)
+    assert settings(connect(data), "P01", "keyboard") == mine
+    assert settings(database, "P02", "keyboard") == settings(database, "P01", "reaching") == Settings({}, "calm")
+
+
+def test_settings_saved_again_take_the_place_of_the_old(database: sqlite_utils.Database) -> None:
+    save_settings(database, "P01", "keyboard", Settings({"attempts": 5}))
+    save_settings(database, "P01", "keyboard", Settings({"threshold": 900}))
+    assert settings(database, "P01", "keyboard") == Settings({"threshold": 900})

@@ -1,0 +1,309 @@
+"""Given a session and a disk, when trials end, then what is acknowledged is there, and nothing else is."""
+
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+import sqlite_utils
+
+from sar_tui.framework.bus import Record
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.messages import StorageChanged, Stored
+from sar_tui.framework.node import Node
+from sar_tui.framework.parameters import build
+from sar_tui.framework.session import Session
+from sar_tui.framework.task import Task
+from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, STORAGE, STORED, TRIAL, WAITING
+from sar_tui.plugins import Catalogue
+from sar_tui.simulation.participant import SimulatedParticipant
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import StoreError, connect
+from sar_tui.store.recorder import Recorder
+
+
+class Recorded:
+    """A simulated session with a recorder: inline, or with a thread that is run by hand."""
+
+    def __init__(self, data: Path, *, inline: bool = True, seed: int = 3, **parameters: Any) -> None:
+        catalogue = Catalogue()
+        kind = catalogue.task("keyboard")
+        task: Task = kind(build(kind.Parameters, {"attempts": 2, "prompts_per_attempt": 3, **parameters}))
+        extra: list[Node] = [SimulatedParticipant(PEOPLE["average"], task, seed)]
+        self.clock = VirtualClock()
+        self.session = Session(task, catalogue.theme("calm"), self.clock, seed, extra)
+        self.database = connect(data)
+        self.id = sessions.create(
+            self.database,
+            task="keyboard",
+            theme="calm",
+            participant="P01",
+            seed=seed,
+            parameters=task.parameters,
+            software={},
+            machine={},
+            mode="live",
+        )
+        sessions.begin_run(self.database, self.id)
+        self.recorder = Recorder(self.database, self.id, 1, self.session.bus, inline=inline)
+        self.records: list[Record] = []
+        self.session.bus.tap(self.records.extend)
+        self.eyes = connect(data)
+
+    def step(self) -> bool:
+        return not self.session.ended and self.clock.step()
+
+    def finish(self) -> "Recorded":
+        while self.step():
+            pass
+        return self
+
+    def until(self, is_so: Callable[[], object]) -> None:
+        while not is_so():
+            assert self.step()
+
+    def write_on_a_thread(self) -> None:
+        """One turn of the recorder's own thread, from its start to its end."""
+        thread = threading.Thread(target=self.recorder.run, args=(lambda: True,))
+        thread.start()
+        thread.join()
+
+    def all(self, topic: Any) -> list[Any]:
+        return [record.message for record in self.records if record.topic is topic]
+
+    def stored(self, table: str) -> list[Any]:
+        """What another program sees in the database."""
+        return list(self.eyes.query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", [self.id]))
+
+    @property
+    def history(self) -> list[Record]:
+        return list(sessions.history(self.eyes, self.id))
+
+
+def test_a_whole_session_is_in_the_tables_as_it_was_on_the_bus(data: Path) -> None:
+    recorded = Recorded(data)
+    recorded.session.begin()
+    recorded.finish()
+    recorded.recorder.write()
+    assert recorded.history == recorded.records
+    assert recorded.recorder.pending == 0
+    assert {row["run"] for table in ("events", "trials", "attempts") for row in recorded.stored(table)} == {1}
+
+
+def test_a_trials_row_is_its_message(data: Path) -> None:
+    recorded = Recorded(data)
+    recorded.session.begin()
+    recorded.finish()
+    rows = sessions.rows(recorded.eyes, "trials", recorded.id)
+    trials = recorded.all(TRIAL)
+    assert len(rows) == len(trials) == 6
+    for row, trial in zip(rows, trials, strict=True):
+        assert (row["attempt"], row["trial"], row["seat"]) == (trial.attempt, trial.trial, "A")
+        assert (row["stimulus"], row["response"], row["correct"]) == (trial.stimulus, trial.response, trial.correct)
+        assert (row["onset_ns"], row["response_ns"]) == (trial.onset, trial.response_at)
+        assert row["reaction_time_ms"] == trial.reaction_time_ms
+        assert row["timing"] == msgspec.to_builtins(trial.timing) | {"flags": list(trial.timing.flags)}
+        assert row["details"] == trial.details
+
+
+def test_an_attempts_row_is_its_message(data: Path) -> None:
+    recorded = Recorded(data)
+    recorded.session.begin()
+    recorded.finish()
+    rows = sessions.rows(recorded.eyes, "attempts", recorded.id)
+    for row, attempt in zip(rows, recorded.all(ATTEMPT_ENDED), strict=True):
+        expected = msgspec.to_builtins(attempt)
+        expected["started_ns"], expected["ended_ns"] = expected.pop("started"), expected.pop("ended")
+        assert {name: row[name] for name in expected} == expected
+
+
+def test_an_action_has_its_proposal_its_decision_and_each_moment(data: Path) -> None:
+    recorded = Recorded(data)
+    recorded.session.begin()
+    recorded.finish()
+    recorded.recorder.write()
+    rows = sessions.rows(recorded.eyes, "actions", recorded.id)
+    assert [row["kind"] for row in rows] == ["greeting", "feedback", "feedback", "goodbye"]
+    for row, action in zip(rows, recorded.all(ACTION), strict=True):
+        assert row["final"] == msgspec.to_builtins(action)
+        assert row["proposed"]["text"] == row["final"]["text"]
+        assert (row["decision"], row["actor"]) == ("accepted", "agent")
+        assert row["proposed_ns"] <= row["decided_ns"] <= row["started_ns"] <= row["ended_ns"]
+
+
+def test_the_last_trial_closes_the_session(data: Path) -> None:
+    recorded = Recorded(data)
+    recorded.session.begin()
+    recorded.finish()
+    (row,) = recorded.eyes.query("SELECT status, ended_at FROM sessions")
+    assert row["status"] == "completed"
+    assert row["ended_at"] is not None
+
+
+def test_inline_a_trial_is_there_when_it_is_acknowledged(data: Path) -> None:
+    recorded = Recorded(data)
+    seen: list[tuple[int, int]] = []
+
+    def look(stored: Stored) -> None:
+        there = {(row["attempt"], row["trial"]) for row in recorded.stored("trials")}
+        assert (stored.attempt, stored.trial) in there
+        assert {record.seq for record in recorded.history} == set(range(1, len(recorded.history) + 1))
+        seen.append((stored.attempt, stored.trial))
+
+    recorded.session.bus.subscribe(STORED, look)
+    recorded.session.begin()
+    recorded.finish()
+    assert recorded.session.faults == []
+    assert seen == [(attempt, trial) for attempt in (1, 2) for trial in (1, 2, 3)]
+
+
+def test_on_a_thread_nothing_is_written_until_it_runs_and_then_the_trial_is_acknowledged(data: Path) -> None:
+    recorded = Recorded(data, inline=False)
+    recorded.session.begin()
+    recorded.until(lambda: recorded.all(TRIAL))
+    assert recorded.stored("events") == []
+    recorded.until(lambda: recorded.all(WAITING)[-1].what == "storage")
+    recorded.write_on_a_thread()
+    assert [(row["attempt"], row["trial"]) for row in recorded.stored("trials")] == [(1, 1)]
+    assert recorded.all(STORED) == []
+    recorded.until(lambda: recorded.all(STORED))
+    assert recorded.all(STORED) == [Stored(attempt=1, trial=1)]
+    assert recorded.all(WAITING)[-1].what == "response"
+
+
+def test_a_thread_that_is_stopped_writes_what_is_left_and_ends(data: Path) -> None:
+    recorded = Recorded(data, inline=False)
+    stopped = threading.Event()
+    thread = threading.Thread(target=recorded.recorder.run, args=(stopped.is_set,))
+    recorded.session.begin()
+    thread.start()
+    recorded.session.bus.publish(STORAGE, StorageChanged(working=True))
+    stopped.set()
+    recorded.recorder.stop()
+    thread.join()
+    assert recorded.recorder.pending == 0
+    assert recorded.history == recorded.records
+
+
+def fill(recorded: Recorded) -> None:
+    """From here on the disk has no room."""
+    (pages,) = recorded.database.execute("PRAGMA page_count").fetchone()
+    recorded.database.execute(f"PRAGMA max_page_count={pages}")
+
+
+def make_room(recorded: Recorded) -> None:
+    recorded.database.execute("PRAGMA max_page_count=1000000")
+
+
+def test_on_a_full_disk_nothing_is_acknowledged_that_is_not_there_and_later_all_of_it_is(data: Path) -> None:
+    recorded = Recorded(data, inline=False, attempts=3, prompts_per_attempt=20)
+    acknowledged: list[tuple[int, int]] = []
+
+    def check(stored: Stored) -> None:
+        acknowledged.append((stored.attempt, stored.trial))
+        assert acknowledged[-1] in {(row["attempt"], row["trial"]) for row in recorded.stored("trials")}
+
+    recorded.session.bus.subscribe(STORED, check)
+    recorded.session.begin()
+    fill(recorded)
+    while not recorded.all(STORAGE):
+        before = len(recorded.all(WAITING))
+        recorded.until(lambda before=before: len(recorded.all(WAITING)) > before)
+        recorded.write_on_a_thread()
+        recorded.clock.advance(0)
+        there = {(row["attempt"], row["trial"]) for row in recorded.stored("trials")}
+        assert set(acknowledged) <= there
+    (refusal,) = recorded.all(STORAGE)
+    assert not refusal.working
+    assert "The disk is full" in refusal.reason
+    waiting = recorded.all(WAITING)[-1]
+    assert (waiting.stage, waiting.reason) == ("paused", "storage")
+    before = len(recorded.stored("trials"))
+    for _ in range(3):
+        recorded.write_on_a_thread()
+        recorded.clock.advance(0)
+    assert len(recorded.all(STORAGE)) == 1
+    assert recorded.recorder.pending > 0
+    assert len(recorded.stored("trials")) == before
+
+    make_room(recorded)
+    recorded.write_on_a_thread()
+    recorded.clock.advance(0)
+    assert [storage.working for storage in recorded.all(STORAGE)] == [False, True]
+    assert recorded.all(WAITING)[-1].reason == "restored"
+    while not recorded.session.ended:
+        assert recorded.step()
+        if recorded.all(WAITING)[-1].what == "storage":
+            recorded.write_on_a_thread()
+            recorded.clock.advance(0)
+    recorded.write_on_a_thread()
+    assert acknowledged == [(attempt, trial) for attempt in (1, 2, 3) for trial in range(1, 21)]
+    assert recorded.history == recorded.records
+    assert [(row["attempt"], row["trial"]) for row in recorded.stored("trials")] == acknowledged
+    assert recorded.session.faults == []
+
+
+def test_inline_a_full_disk_is_the_callers_to_tell_and_what_was_there_stays(data: Path) -> None:
+    recorded = Recorded(data, attempts=5, prompts_per_attempt=20)
+    fill(recorded)
+    recorded.session.begin()
+    with pytest.raises(StoreError, match="The disk is full"):
+        recorded.finish()
+    assert set(recorded.all(STORED)) == {
+        Stored(attempt=row["attempt"], trial=row["trial"]) for row in recorded.stored("trials")
+    }
+    pending = recorded.recorder.pending
+    assert pending > 0
+    make_room(recorded)
+    recorded.recorder.write()
+    assert recorded.recorder.pending == 0
+
+
+def test_two_programs_on_one_database_are_both_whole(data: Path) -> None:
+    one, other = Recorded(data, seed=1), Recorded(data, seed=2)
+    for recorded in (one, other):
+        recorded.session.begin()
+    going = [one, other]
+    while going:
+        going = [recorded for recorded in going if recorded.step()]
+    for recorded in (one, other):
+        recorded.recorder.write()
+        assert recorded.history == recorded.records
+        assert len(recorded.stored("trials")) == 6
+    assert one.history != other.history
+    assert one.database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+
+
+def test_two_threads_on_one_database_are_both_whole(data: Path) -> None:
+    """Each recorder's thread commits while the other's does, as two apps on one database would."""
+    pair = [Recorded(data, inline=False, seed=seed) for seed in (1, 2)]
+    for recorded in pair:
+        recorded.session.begin()
+    while not all(recorded.session.ended for recorded in pair):
+        for recorded in pair:
+            recorded.until(lambda r=recorded: r.session.ended or r.all(WAITING)[-1].what == "storage")
+        threads = [threading.Thread(target=recorded.recorder.run, args=(lambda: True,)) for recorded in pair]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for recorded in pair:
+            recorded.clock.advance(0)
+    for recorded in pair:
+        recorded.recorder.write()
+        assert recorded.history == recorded.records
+        assert len(recorded.stored("trials")) == 6
+
+
+def test_streams_are_not_written_as_events(database: sqlite_utils.Database) -> None:
+    from sar_tui.framework.bus import Bus, Topic
+    from sar_tui.framework.messages import KeyPressed
+
+    bus = Bus(VirtualClock())
+    recorder = Recorder(database, "s", 1, bus, inline=True)
+    bus.publish(Topic("imu/sample", KeyPressed, origin="input", stream=True), KeyPressed(key="x", at=0))
+    recorder.write()
+    assert list(database["events"].rows) == []

@@ -1,0 +1,112 @@
+"""Given sessions in the database, when they are looked for, then they are found as what they are."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sqlite_utils
+
+from sar_tui.framework.topics import ALL
+from sar_tui.store import sessions
+from sar_tui.store.database import StoreError
+from sar_tui.store.locks import hold
+
+
+def enter(database: sqlite_utils.Database, participant: str = "P01", **more: Any) -> str:
+    facts = {"task": "keyboard", "theme": "calm", "seed": 5, "mode": "live", "parameters": {"attempts": 3}}
+    return sessions.create(database, participant=participant, software={}, machine={}, **(facts | more))
+
+
+def test_a_new_session_is_a_row_with_its_facts(database: sqlite_utils.Database, data: Path) -> None:
+    session = enter(database)
+    row = sessions.find(database, data, session)
+    assert (row["id"], row["task"], row["theme"], row["seed"], row["mode"]) == (session, "keyboard", "calm", 5, "live")
+    assert (row["participant"], row["parameters"], row["attempts"]) == ("P01", {"attempts": 3}, 0)
+    assert row["started_at"].endswith("+00:00")
+    assert row["ended_at"] is None
+
+
+def test_ids_are_random_text(database: sqlite_utils.Database) -> None:
+    ids = {enter(database) for _ in range(50)}
+    assert len(ids) == 50
+    assert all(len(session) == 10 and session.isalnum() for session in ids)
+
+
+def test_a_running_session_nobody_holds_was_interrupted(database: sqlite_utils.Database, data: Path) -> None:
+    session = enter(database)
+    lock = hold(data, "session", session)
+    assert [row["status"] for row in sessions.listing(database, data)] == ["running"]
+    lock.release()
+    assert [row["status"] for row in sessions.listing(database, data)] == ["interrupted"]
+
+
+def test_the_newest_session_comes_first(database: sqlite_utils.Database, data: Path) -> None:
+    entered = [enter(database) for _ in range(5)]
+    assert [row["id"] for row in sessions.listing(database, data)] == entered[::-1]
+    assert [row["id"] for row in sessions.listing(database, data, limit=2)] == entered[:-3:-1]
+
+
+def test_the_sessions_of_one_participant_are_theirs_alone(database: sqlite_utils.Database, data: Path) -> None:
+    mine, _ = enter(database, "P01"), enter(database, "P02")
+    assert [row["id"] for row in sessions.listing(database, data, participant="P01")] == [mine]
+
+
+def test_a_session_is_found_by_its_id_its_beginning_or_as_the_last(database: sqlite_utils.Database, data: Path) -> None:
+    session = enter(database)
+    last = enter(database)
+    database.execute("UPDATE sessions SET id='aab0000001' WHERE id=?", (session,))
+    database.execute("UPDATE seats SET session='aab0000001' WHERE session=?", (session,))
+    database.execute("UPDATE sessions SET id='aac0000002' WHERE id=?", (last,))
+    database.execute("UPDATE seats SET session='aac0000002' WHERE session=?", (last,))
+    assert sessions.find(database, data, "aab0000001")["id"] == "aab0000001"
+    assert sessions.find(database, data, "aab")["id"] == "aab0000001"
+    assert sessions.find(database, data, "last")["id"] == "aac0000002"
+    for name, why in (
+        ("aa", "More than one session begins with aa"),
+        ("x", "There is no session x"),
+        ("", "no session"),
+    ):
+        with pytest.raises(StoreError, match=why) as caught:
+            sessions.find(database, data, name)
+        assert caught.value.bad_input
+
+
+@pytest.mark.parametrize("name", ["last", "abc", "%", "_", "' OR 1=1 --"])
+def test_where_there_is_none_none_is_found(database: sqlite_utils.Database, data: Path, name: str) -> None:
+    with pytest.raises(StoreError, match="There is no session"):
+        sessions.find(database, data, name)
+
+
+def test_each_run_has_its_number_its_anchor_and_its_program(database: sqlite_utils.Database) -> None:
+    session, other = enter(database), enter(database)
+    assert [sessions.begin_run(database, s) for s in (session, session, other, session)] == [1, 2, 1, 3]
+    run = sessions.rows(database, "runs", session)[0]
+    assert set(run["clock_anchor"]) == {"clock_ns", "utc"}
+    assert run["pid"] > 0
+
+
+def test_only_a_running_session_is_marked_as_interrupted(database: sqlite_utils.Database, data: Path) -> None:
+    done = enter(database)
+    database.execute("UPDATE sessions SET status='completed'")
+    cut = enter(database)
+    for session in (done, cut):
+        sessions.interrupt(database, session)
+    assert {row["id"]: row["status"] for row in sessions.listing(database, data)} == {
+        done: "completed",
+        cut: "interrupted",
+    }
+
+
+@pytest.mark.parametrize(
+    ("topic", "message"), [("input/none", "{}"), ("input/key", "{}"), ("input/key", "not json"), ("input/key", "[1]")]
+)
+def test_a_message_that_cannot_be_read_is_told(database: sqlite_utils.Database, topic: str, message: str) -> None:
+    session = enter(database)
+    database.execute("INSERT INTO events VALUES (?,1,1,0,?,?)", (session, topic, message))
+    with pytest.raises(StoreError, match=f"Message 1 of session {session} cannot be read"):
+        list(sessions.history(database, session))
+
+
+def test_every_topic_can_be_found_by_its_name() -> None:
+    assert all(name == topic.name for name, topic in ALL.items())
+    assert {"framework/fault", "input/key", "store/stored"} <= set(ALL)

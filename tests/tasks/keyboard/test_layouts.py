@@ -1,0 +1,110 @@
+"""Given a keyboard layout and the hands that can be used, when levels are made, then each is harder than the last."""
+
+from itertools import pairwise, product
+
+import pytest
+
+from sar_tui.framework.parameters import build, fields
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+
+CHOICE_SETS = ("both hands", "left hand", "right hand", "arrow keys")
+LAYOUTS = ("qwerty", "azerty", "qwertz")
+ALL = list(product(CHOICE_SETS, LAYOUTS))
+
+UNSHIFTED = {
+    "qwerty": "1234567890qwertyuiopasdfghjkl;zxcvbnm,./",
+    "azerty": "&é\"'(-è_çàazertyuiopqsdfghjklmwxcvbn,;:!",
+    "qwertz": "1234567890qwertzuiopasdfghjklöyxcvbnm,.-",
+}
+"""What the keys of the three rows and the digits type without Shift, left to right, top to bottom."""
+
+
+def levels(choice_set: str, layout: str) -> list[tuple[str, ...]]:
+    kind = Catalogue().task("keyboard")
+    parameters = build(kind.Parameters, {"choice_set": choice_set, "layout": layout})
+    return [level.keys for level in parameters.chosen_levels()]  # type: ignore[attr-defined]
+
+
+def column(key: str, layout: str) -> int:
+    return UNSHIFTED[layout].index(key) % 10
+
+
+def test_the_choices_offered_are_these(keyboard: type[Task]) -> None:
+    declared = {field.name: set(field.choices) for field in fields(keyboard.Parameters)}
+    assert declared["choice_set"] == set(CHOICE_SETS)
+    assert declared["layout"] == set(LAYOUTS)
+
+
+@pytest.mark.parametrize(("choice_set", "layout"), ALL)
+def test_a_level_names_no_key_twice(choice_set: str, layout: str) -> None:
+    for keys in levels(choice_set, layout):
+        assert len(set(keys)) == len(keys)
+
+
+@pytest.mark.parametrize(("choice_set", "layout"), ALL)
+def test_every_level_has_more_keys_than_the_one_before(choice_set: str, layout: str) -> None:
+    sizes = [len(keys) for keys in levels(choice_set, layout)]
+    assert sizes[0] == 2
+    assert all(harder > easier for easier, harder in pairwise(sizes))
+
+
+@pytest.mark.parametrize(("choice_set", "layout"), ALL)
+def test_there_are_ten_levels_and_three_of_arrows(choice_set: str, layout: str) -> None:
+    assert len(levels(choice_set, layout)) == (3 if choice_set == "arrow keys" else 10)
+
+
+@pytest.mark.parametrize(("hand", "layout"), [pair for pair in ALL if pair[0].endswith("hand")])
+def test_one_hand_never_needs_shift_and_never_crosses_over(hand: str, layout: str) -> None:
+    own = range(5) if hand == "left hand" else range(5, 10)
+    for keys in levels(hand, layout):
+        assert all(key in UNSHIFTED[layout] for key in keys)
+        assert all(column(key, layout) in own for key in keys)
+
+
+@pytest.mark.parametrize(("hand", "layout"), [pair for pair in ALL if pair[0].endswith("hand")])
+def test_one_handed_levels_ignore_case(keyboard: type[Task], hand: str, layout: str) -> None:
+    parameters = build(keyboard.Parameters, {"choice_set": hand, "layout": layout})
+    assert not any(level.needs_shift for level in parameters.chosen_levels())  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_both_hands_begin_at_the_forefingers_of_the_home_row(layout: str) -> None:
+    assert levels("both hands", layout)[0] == ("f", "j")
+
+
+@pytest.mark.parametrize(("layout", "home"), [("qwerty", "asdf"), ("azerty", "qsdf"), ("qwertz", "asdf")])
+def test_the_left_hand_begins_at_its_home_row_and_the_layout_says_what_stands_there(layout: str, home: str) -> None:
+    assert sorted(levels("left hand", layout)[2]) == sorted(home)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_both_hands_go_from_home_row_by_letters_and_digits_to_capitals_and_signs(layout: str) -> None:
+    steps = levels("both hands", layout)
+    assert all("".join(keys).isalpha() and "".join(keys).islower() for keys in steps[:6])
+    assert set("abcdefghijklmnopqrstuvwxyz") == set(steps[5])
+    assert any(key.isdigit() for key in steps[6])
+    assert any(key.isupper() for key in steps[7])
+    assert any(not key.isalnum() for key in steps[9])
+    assert not any(not key.isalnum() for keys in steps[:9] for key in keys)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_what_cannot_be_told_apart_is_not_mixed(layout: str) -> None:
+    for keys in levels("both hands", layout)[6:]:
+        for alike in ("1lI", "0oO", "iI"):
+            assert not set(alike) & set(keys)
+
+
+@pytest.mark.parametrize(("choice_set", "layout"), ALL)
+def test_every_key_is_plain_enough_to_be_shown_and_typed(choice_set: str, layout: str) -> None:
+    for keys in levels(choice_set, layout):
+        assert all(key.isascii() and key.isprintable() and key != " " for key in keys)
+
+
+def test_arrows_are_left_and_right_first() -> None:
+    assert levels("arrow keys", "qwerty") == [
+        ("left", "right"),
+        ("left", "right", "up"),
+        ("left", "right", "up", "down"),
+    ]

@@ -1,0 +1,249 @@
+"""Given the keyboard task, when it is asked for prompts and answers, then the same question has the same answer."""
+
+from collections import Counter
+from itertools import product
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.clock import MS
+from sar_tui.framework.messages import KeyPerceived
+from sar_tui.framework.parameters import ParameterError, build, fields
+from sar_tui.framework.task import Result, Situation, Stimulus, Task, Trial
+from sar_tui.plugins import Catalogue
+
+
+def make(**parameters: object) -> Task:
+    kind = Catalogue().task("keyboard")
+    return kind(build(kind.Parameters, parameters))
+
+
+def situation(trial: int, attempt: int = 1, level: int = 1, seed: int = 1) -> Situation:
+    return Situation(attempt, trial, level, Chance(seed, attempt, trial), Chance(seed))
+
+
+def prompts(task: Task, count: int = 20, **where: Any) -> list[str]:
+    return [task.stimulus(situation(trial, **where)).name for trial in range(1, count + 1)]
+
+
+def judged(
+    task: Task, key: str, stimulus: Stimulus, level: int = 1, after: int = 400, gap: int | None = None
+) -> Result:
+    trial = Trial(situation(1, level=level), stimulus, onset=1000 * MS)
+    at = (1000 + after) * MS
+    result = task.perceived(trial, KeyPerceived(key=key, at=at, gap=gap, repeat=False, delay=0))
+    assert result is not None
+    return result
+
+
+def test_a_prompt_says_which_key_and_stands_there_as_plain_text() -> None:
+    stimulus = make().stimulus(situation(1))
+    assert stimulus.name == stimulus.expected == stimulus.glyph
+    assert stimulus.text == f"Press: {stimulus.expected}"
+    assert stimulus.choices == 2
+
+
+def test_an_arrow_is_drawn_and_named() -> None:
+    task = make(choice_set="arrow keys")
+    found = {(s.text, s.glyph, s.hint) for s in (task.stimulus(situation(t, level=3)) for t in range(60))}
+    assert found == {
+        ("Press: left", "←", "arrow key"),
+        ("Press: right", "→", "arrow key"),
+        ("Press: up", "↑", "arrow key"),
+        ("Press: down", "↓", "arrow key"),
+    }
+
+
+@given(st.permutations(range(1, 21)), st.integers(1, 10), st.sampled_from(["random", "repeating"]))
+def test_prompts_do_not_depend_on_the_order_in_which_they_are_asked_for(
+    order: list[int], level: int, sequence: str
+) -> None:
+    task = make(sequence=sequence)
+    asked = {trial: task.stimulus(situation(trial, level=level)) for trial in order}
+    assert [asked[trial].name for trial in range(1, 21)] == prompts(make(sequence=sequence), level=level)
+
+
+def test_random_prompts_differ_between_attempts_and_seeds() -> None:
+    task = make()
+    sequences = {tuple(prompts(task, attempt=a, level=6, seed=s)) for a, s in product(range(1, 5), range(4))}
+    assert len(sequences) == 16
+
+
+@given(st.integers(2, 15), st.integers(1, 10), st.integers(0, 99))
+def test_a_repeating_sequence_repeats_within_an_attempt_and_in_every_attempt(
+    length: int, level: int, seed: int
+) -> None:
+    task = make(sequence="repeating", sequence_length=length)
+    first = prompts(task, 45, level=level, seed=seed)
+    assert all(first[place] == first[place - length] for place in range(length, 45))
+    assert prompts(task, 45, level=level, seed=seed, attempt=7) == first
+
+
+def test_a_repeating_sequence_is_another_one_for_another_seed() -> None:
+    task = make(sequence="repeating")
+    assert len({tuple(prompts(task, 10, level=6, seed=seed)) for seed in range(20)}) == 20
+
+
+def test_every_key_of_a_level_is_asked_for_about_as_often() -> None:
+    counts = Counter(prompts(make(), 4000, level=3))
+    assert len(counts) == 6
+    assert all(abs(count - 4000 / 6) < 120 for count in counts.values())
+
+
+def test_own_levels_are_used_as_given() -> None:
+    task = make(levels=["ab", "abc", "Ab1"])
+    assert task.levels == 3
+    assert set(prompts(task, 60, level=2)) == set("abc")
+    assert set(prompts(task, 60, level=3)) == set("Ab1")
+    stimulus = Stimulus("A", "A", "Press: A")
+    assert not judged(task, "a", stimulus, level=3).correct
+    assert judged(task, "B", Stimulus("b", "b", "Press: b"), level=2).correct
+
+
+@pytest.mark.parametrize(
+    ("parameters", "name", "part"),
+    [
+        ({"levels": ["aa"]}, "levels", "'aa' names no key, a key twice, or one that cannot be typed"),
+        ({"levels": ["a\t"]}, "levels", "cannot be typed"),
+        ({"levels": ["ab", ""]}, "levels", "'' names no key"),
+        ({"levels": ["ab"], "start_level": 2}, "start_level", "only 1 levels"),
+        ({"choice_set": "arrow keys", "start_level": 4}, "start_level", "only 3 levels"),
+        ({"choice_set": "arrow keys", "start_level": 5, "min_level": 5}, "start_level", "no level 5"),
+        ({"threshold": 99}, "threshold", "100 to 60000"),
+        ({"prompts_per_attempt": 0}, "prompts_per_attempt", "1 to 200"),
+        ({"layout": "dvorak"}, "layout", "qwerty, azerty, qwertz, not dvorak"),
+    ],
+)
+def test_settings_that_cannot_be_are_told(parameters: dict[str, object], name: str, part: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        make(**parameters)
+    assert part in caught.value.problems[name]
+
+
+def test_a_right_key_is_right_in_either_case_and_timed_from_onset() -> None:
+    task = make()
+    result = judged(task, "F", Stimulus("f", "f", "Press: f", choices=2), after=432, gap=500 * MS)
+    assert (result.correct, result.response, result.value) == (True, "F", 432.0)
+    assert result.details == {"choices": 2, "key_gap_ms": 500.0}
+    assert judged(task, "f", Stimulus("f", "f", "Press: f")).details["key_gap_ms"] is None
+
+
+@pytest.mark.parametrize("key", ["j", "enter", "space", "", "ff", "tab"])
+def test_any_other_key_is_wrong(key: str) -> None:
+    result = judged(make(), key, Stimulus("f", "f", "Press: f"))
+    assert (result.correct, result.response) == (False, key)
+
+
+@given(st.integers(7, 10), st.integers(1, 200), st.sampled_from(["qwerty", "azerty", "qwertz"]))
+def test_where_shift_is_asked_for_case_matters(level: int, trial: int, layout: str) -> None:
+    task = make(layout=layout)
+    stimulus = task.stimulus(situation(trial, level=level))
+    assert judged(task, stimulus.expected, stimulus, level=level).correct
+    swapped = stimulus.expected.swapcase()
+    if level >= 8 and swapped != stimulus.expected:
+        assert not judged(task, swapped, stimulus, level=level).correct
+
+
+@pytest.mark.parametrize(
+    ("layout", "key", "hint"),
+    [("qwerty", "A", "with Shift"), ("qwerty", "a", ""), ("qwerty", "?", "with Shift"), ("qwerty", "2", ""),
+     ("azerty", "2", "with Shift"), ("azerty", "(", ""), ("qwertz", "!", "with Shift"), ("qwertz", "-", "")],
+)  # fmt: skip
+def test_the_hint_says_where_shift_is_needed(layout: str, key: str, hint: str) -> None:
+    task = make(layout=layout)
+    found = {s.name: s.hint for s in (task.stimulus(situation(trial, level=10)) for trial in range(3000))}
+    assert found[key] == hint
+
+
+@pytest.mark.parametrize(
+    ("parameters", "seconds", "right"),
+    [
+        ({}, "1 second", ", with at least 16 of 20 right"),
+        ({"threshold": 850}, "0.85 seconds", ", with at least 16 of 20 right"),
+        ({"min_accuracy": 0.7, "prompts_per_attempt": 10}, "1 second", ", with at least 7 of 10 right"),
+        ({"min_accuracy": 0.81}, "1 second", ", with at least 17 of 20 right"),
+        ({"min_accuracy": 0, "threshold": 2000}, "2 seconds", ""),
+    ],
+)
+def test_the_goal_is_told_in_words(parameters: dict[str, object], seconds: str, right: str) -> None:
+    expected = f"Your goal: press the right key in less than {seconds} on average{right}."
+    assert make(**parameters).goal(1) == expected
+
+
+@given(st.integers(1, 200), st.integers(0, 100))
+def test_the_goal_asks_for_exactly_as_many_as_success_needs(count: int, percent: int) -> None:
+    accuracy = percent / 100
+    goal = make(prompts_per_attempt=count, min_accuracy=accuracy).goal(1)
+    needed = next(right for right in range(count + 1) if right / count >= accuracy)
+    assert (f"at least {needed} of {count} right" in goal) == (needed > 0)
+
+
+def test_a_miss_keeps_the_number_of_choices() -> None:
+    trial = Trial(situation(1), Stimulus("f", "f", "Press: f", choices=2), onset=0)
+    result = make().timed_out(trial)
+    assert (result.correct, result.response, result.value) == (False, None, None)
+    assert result.details == {"choices": 2, "key_gap_ms": None}
+
+
+def test_what_a_trial_keeps_is_what_is_declared() -> None:
+    kind = Catalogue().task("keyboard")
+    declared = set(kind.Details.__struct_fields__)
+    assert declared == set(judged(make(), "f", Stimulus("f", "f", "Press: f")).details)
+
+
+RESULTS = st.lists(
+    st.builds(
+        Result,
+        correct=st.booleans(),
+        value=st.one_of(st.none(), st.floats(0, 5000)),
+        flags=st.sampled_from([(), ("anticipation",), ("paste",)]),
+    ),
+    min_size=1,
+    max_size=30,
+)
+
+
+@given(RESULTS)
+def test_the_score_is_the_mean_of_correct_responses_that_count_and_the_share_of_correct_ones(
+    results: list[Result],
+) -> None:
+    score = make().score(results)
+    good = [r.value for r in results if r.correct and r.value is not None and "anticipation" not in r.flags]
+    right = sum(1 for r in results if r.correct)
+    assert score.metric == (pytest.approx(sum(good) / len(good)) if good else None)
+    assert (score.correct, score.trials) == (right, len(results))
+    assert score.accuracy == right / len(results)
+
+
+@given(st.sampled_from("asdfjkl;1A?"), st.integers(0, 500))
+def test_a_slip_is_never_the_right_key(expected: str, seed: int) -> None:
+    stimulus = Stimulus(expected, expected, f"Press: {expected}")
+    ((at, key),) = make().rehearse(stimulus, 400.0, True, Chance(seed))
+    assert at == 400.0
+    assert key.casefold() != expected.casefold()
+    assert make().rehearse(stimulus, 400.0, False, Chance(seed)) == [(400.0, expected)]
+
+
+def test_the_tasks_own_parameters_are_those_of_the_thesis() -> None:
+    defaults = {field.name: field.default for field in fields(Catalogue().task("keyboard").Parameters)}
+    assert {name: defaults[name] for name in ("prompts_per_attempt", "attempts", "threshold", "neutral_band")} == {
+        "prompts_per_attempt": 20,
+        "attempts": 20,
+        "threshold": 1000.0,
+        "neutral_band": 10.0,
+    }
+    assert (defaults["consecutive_successes"], defaults["consecutive_failures"], defaults["min_accuracy"]) == (
+        1,
+        1,
+        0.8,
+    )
+
+
+@pytest.mark.parametrize("field", fields(Catalogue().task("keyboard").Parameters), ids=lambda field: field.name)
+def test_every_parameter_is_described_for_the_people_who_set_it(field: Any) -> None:
+    assert field.title
+    assert field.help.endswith(".")
+    assert field.kind in ("bool", "list") or field.bounds

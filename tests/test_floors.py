@@ -1,0 +1,44 @@
+"""Given the framework, when it is imported, then no screen, device, database or network comes with it."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+LIST_WHAT_IS_LOADED = """
+import importlib, json, pkgutil, sys
+package = importlib.import_module(sys.argv[1])
+found = [package.__name__]
+for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
+    importlib.import_module(module.name)
+    found.append(module.name)
+print(json.dumps({"found": found, "loaded": sorted(sys.modules)}))
+"""
+
+
+def loaded(package: str) -> tuple[list[str], set[str]]:
+    """The modules of a package, and the top-level names of all that importing them loads."""
+    run = subprocess.run(
+        [sys.executable, "-c", LIST_WHAT_IS_LOADED, package], capture_output=True, text=True, check=True
+    )
+    answer = json.loads(run.stdout)
+    return answer["found"], {name.split(".")[0] for name in answer["loaded"]}
+
+
+def test_the_framework_stands_alone() -> None:
+    modules, names = loaded("sar_tui.framework")
+    assert {"sar_tui.framework.bus", "sar_tui.framework.nodes.event_handler"} <= set(modules)
+    forbidden = {"textual", "rich", "Phidget22", "sqlite3", "sqlite_utils", "zenoh", "numpy", "filelock", "typer"}
+    assert not forbidden & names
+
+
+@pytest.mark.parametrize("package", ["sar_tui.store", "sar_tui.plugins", "sar_tui.runs"])
+def test_what_works_without_a_screen_loads_none(package: str) -> None:
+    run = subprocess.run(
+        [sys.executable, "-c", f"import sys, {package}; print('textual' in sys.modules)"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert run.stdout.strip() == "False"

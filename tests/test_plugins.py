@@ -1,0 +1,325 @@
+"""Given folders of tasks and themes, when one is asked for by name, then it is loaded, or it is told why not."""
+
+import shutil
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework.bus import FAULT
+from sar_tui.framework.parameters import build
+from sar_tui.framework.task import Metric
+from sar_tui.plugins import Catalogue, PluginError, load_task, load_theme, task_folder, user_folder
+from sar_tui.runs import Failed, Plan, simulate
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+
+TAPS = '''
+from typing import Annotated, Any
+
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.parameters import TaskParameters, meta
+from sar_tui.framework.task import Metric, Result, Situation, Stimulus, Task, Trial
+
+from .words import INSTRUCTIONS
+
+
+class TapsParameters(TaskParameters, frozen=True, kw_only=True):
+    threshold: Annotated[float, meta("Goal", "taps", "More taps than this.", ge=0, le=100)] = 6.0
+    neutral_band: Annotated[float, meta("Neutral band", "taps", "As good as the goal.", ge=0, le=100)] = 0.0
+    response_timeout_ms: Annotated[int, meta("Time", "ms", "How long to tap.", ge=500, le=60_000)] = 3000
+
+
+class Taps(Task):
+    """As many taps as you can in three seconds; at a higher level, on a heavier bar."""
+
+    name = "taps"
+    title = "Tapping"
+    metric = Metric("taps", unit="taps", better="higher", improved="more", worsened="fewer")
+    Parameters = TapsParameters
+
+    def instructions(self) -> str:
+        return INSTRUCTIONS
+
+    def stimulus(self, situation: Situation) -> Stimulus:
+        return Stimulus("tap", expected="", text="Press: space", choices=2 ** situation.level)
+
+    def perceived(self, trial: Trial, percept: Any) -> Result | None:
+        return None
+
+    def timed_out(self, trial: Trial) -> Result:
+        taps = len(trial.percepts)
+        return Result(correct=True, response=str(taps), value=float(taps), details={"taps": taps})
+
+    def rehearse(self, stimulus: Stimulus, reaction_ms: float, slip: bool, chance: Chance) -> list[tuple[float, str]]:
+        interval = reaction_ms / 2
+        return [(interval * (tap + 1), "space") for tap in range(int(3000 / interval))]
+'''
+
+MINIMAL = """
+from sar_tui.framework.task import Metric, Result, Stimulus, Task
+
+
+class Minimal(Task):
+    name = "minimal"
+    title = "Minimal"
+    metric = Metric("time", unit="ms", better="lower")
+
+    def instructions(self):
+        return "Press."
+
+    def stimulus(self, situation):
+        return Stimulus("f", expected="f", text="Press: f")
+
+    def perceived(self, trial, percept):
+        return Result(correct=True, response=percept.key, response_at=percept.at, value=trial.latency_ms(percept.at))
+"""
+
+
+def write(folder: Path, name: str, source: str, **more: str) -> Path:
+    """A task's folder with its task.py, and more modules beside it."""
+    task = folder / name
+    task.mkdir(parents=True)
+    for module, text in {"task": source, **more}.items():
+        (task / f"{module}.py").write_text(text, encoding="utf-8")
+    return task
+
+
+@pytest.fixture
+def own(tmp_path: Path) -> Path:
+    """A folder of one's own tasks, outside the checkout."""
+    folder = tmp_path / "my tasks"
+    folder.mkdir()
+    return folder
+
+
+@pytest.fixture
+def with_taps(own: Path) -> Catalogue:
+    write(own, "taps", TAPS, words='INSTRUCTIONS = "Tap as often as you can."\n')
+    return Catalogue(tasks=(own,))
+
+
+def sentence(own: Path, name: str) -> str:
+    with pytest.raises(PluginError) as caught:
+        Catalogue(tasks=(own,)).task(name)
+    return str(caught.value)
+
+
+def test_what_ships_is_found(catalogue: Catalogue) -> None:
+    assert "keyboard" in catalogue.task_names()
+    assert {"calm", "high-contrast"} <= set(catalogue.theme_names())
+    assert catalogue.task("keyboard").name == "keyboard"
+    assert (task_folder(catalogue.task("keyboard")) / "README.md").is_file()
+
+
+def test_a_task_is_loaded_once(catalogue: Catalogue) -> None:
+    assert catalogue.task("keyboard") is catalogue.task("keyboard")
+
+
+def test_a_task_in_a_folder_of_ones_own_is_found_and_may_import_from_beside_it(with_taps: Catalogue, own: Path) -> None:
+    assert {"keyboard", "taps"} <= set(with_taps.task_names())
+    taps = with_taps.task("taps")
+    assert taps(build(taps.Parameters, {})).instructions() == "Tap as often as you can."
+    assert task_folder(taps) == own / "taps"
+
+
+def test_a_task_in_the_users_own_folder_is_found() -> None:
+    write(user_folder() / "tasks", "minimal", MINIMAL)
+    try:
+        assert Catalogue().task("minimal").title == "Minimal"
+    finally:
+        shutil.rmtree(user_folder() / "tasks")
+
+
+def test_a_folder_named_by_the_user_comes_before_what_ships(own: Path) -> None:
+    write(own, "keyboard", MINIMAL.replace('"minimal"', '"keyboard"'))
+    assert Catalogue(tasks=(own,)).task("keyboard").title == "Minimal"
+    assert Catalogue().task("keyboard").title == "Keyboard reaction"
+
+
+def test_folders_without_a_task_are_passed_over(own: Path) -> None:
+    (own / "notes").mkdir()
+    assert "notes" not in Catalogue(tasks=(own,)).task_names()
+
+
+def test_a_folder_that_is_not_there_is_told(tmp_path: Path) -> None:
+    with pytest.raises(PluginError, match=r"There is no folder .*nowhere to find tasks in"):
+        Catalogue(tasks=(tmp_path / "nowhere",))
+
+
+def test_an_unknown_name_is_told_with_those_there_are(catalogue: Catalogue) -> None:
+    with pytest.raises(PluginError, match=r"There is no task chess\. There is: .*keyboard"):
+        catalogue.task("chess")
+    with pytest.raises(PluginError, match=r"There is no theme loud\. There is: calm, high-contrast"):
+        catalogue.theme("loud")
+    with pytest.raises(PluginError, match=r"There is no task\.py in"):
+        load_task(Path("nowhere"))
+
+
+def test_a_task_that_raises_on_import_is_told(own: Path) -> None:
+    write(own, "broken", "1 / 0\n")
+    assert sentence(own, "broken") == "The task broken cannot be loaded: ZeroDivisionError: division by zero."
+
+
+def test_a_task_that_cannot_be_parsed_is_told_with_its_line(own: Path) -> None:
+    write(own, "garbled", "import math\nclass Garbled(:\n")
+    assert sentence(own, "garbled").startswith("The task garbled cannot be loaded: line 2 of task.py: ")
+
+
+def test_a_task_that_needs_what_is_not_installed_is_told(own: Path) -> None:
+    write(own, "needy", "import nothing_of_that_name\n")
+    assert "No module named 'nothing_of_that_name'" in sentence(own, "needy")
+
+
+def test_a_task_that_was_mended_is_loaded_the_next_time(own: Path) -> None:
+    folder = write(own, "minimal", "1 / 0\n")
+    assert "cannot be loaded" in sentence(own, "minimal")
+    (folder / "task.py").write_text(MINIMAL, encoding="utf-8")
+    assert Catalogue(tasks=(own,)).task("minimal").title == "Minimal"
+
+
+def test_two_tasks_in_one_file_are_told(own: Path) -> None:
+    write(own, "minimal", MINIMAL + "\n\nclass Other(Minimal):\n    name = 'other'\n")
+    assert sentence(own, "minimal").endswith("task.py has to define one Task; it defines 2.")
+
+
+def test_a_file_without_a_task_is_told(own: Path) -> None:
+    write(own, "empty", "from sar_tui.framework.task import Task\n")
+    assert sentence(own, "empty").endswith("task.py has to define one Task; it defines 0.")
+
+
+def test_a_task_that_calls_itself_otherwise_than_its_folder_is_told(own: Path) -> None:
+    write(own, "renamed", MINIMAL)
+    assert sentence(own, "renamed") == "The task in renamed calls itself minimal; the two have to be the same."
+
+
+@pytest.mark.parametrize("declaration", ["name", "title", "metric"])
+def test_a_missing_declaration_is_told(own: Path, declaration: str) -> None:
+    lines = [line for line in MINIMAL.splitlines() if not line.strip().startswith(f"{declaration} = ")]
+    write(own, "minimal", "\n".join(lines))
+    assert sentence(own, "minimal") == f"The task minimal does not declare its {declaration}."
+
+
+def test_a_folder_whose_name_python_cannot_import_is_told(own: Path) -> None:
+    write(own, "my-task", MINIMAL)
+    assert sentence(own, "my-task") == "A task's folder is named like a Python name; my-task is not."
+
+
+@pytest.fixture
+def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A distribution with entry points of its own: chess and draughts are broken, minimal works."""
+    site = tmp_path / "site"
+    info = site / "games-1.0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: games\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(
+        "[sar_tui.tasks]\nchess = games_missing:Chess\ndraughts = games_of_mine:NOTHING\n"
+        "minimal = games_of_mine:Minimal\n"
+    )
+    (site / "games_of_mine.py").write_text(MINIMAL + "\n\nNOTHING = 3\n")
+    monkeypatch.syspath_prepend(str(site))
+    monkeypatch.delitem(sys.modules, "games_of_mine", raising=False)
+    return site
+
+
+def test_an_installed_task_is_found_by_its_entry_point(installed: Path) -> None:
+    assert {"chess", "draughts", "minimal"} <= set(Catalogue().task_names())
+    assert task_folder(Catalogue().task("minimal")) == installed
+
+
+@pytest.mark.usefixtures("installed")
+def test_an_installed_task_that_cannot_be_loaded_is_told() -> None:
+    with pytest.raises(PluginError, match="The task chess cannot be loaded: ModuleNotFoundError"):
+        Catalogue().task("chess")
+    with pytest.raises(PluginError, match=r"The entry point draughts .* is not a Task"):
+        Catalogue().task("draughts")
+
+
+def test_a_theme_in_a_folder_of_ones_own_is_found(tmp_path: Path, catalogue: Catalogue) -> None:
+    shutil.copytree(catalogue.theme_folder("calm"), tmp_path / "mine")
+    themes = Catalogue(themes=(tmp_path,))
+    assert {"calm", "mine"} <= set(themes.theme_names())
+    assert themes.theme("mine") == load_theme(tmp_path / "mine")
+    assert themes.theme("mine").name == "mine"
+
+
+# --- a plug-in at work --------------------------------------------------------------------------------------
+
+
+def run(
+    catalogue: Catalogue, task: str, data: Path, person: str = "average", **parameters: object
+) -> list[sessions.Row]:
+    kind = catalogue.task(task)
+    plan = Plan(kind, build(kind.Parameters, parameters), "calm", "SIM", 5, "simulated")
+    session = simulate(plan, PEOPLE[person], data, catalogue)
+    return sessions.rows(connect(data), "attempts", session)
+
+
+def test_a_task_whose_metric_is_no_time_and_where_higher_is_better_adapts_the_right_way(
+    with_taps: Catalogue, data: Path
+) -> None:
+    attempts = run(with_taps, "taps", data, attempts=12, threshold=6)
+    assert len(attempts) == 12
+    outcomes = set()
+    for attempt, following in pairwise(attempts):
+        success = attempt["metric"] > 6
+        outcomes.add(success)
+        assert attempt["outcome"] == ("success" if success else "failure")
+        assert attempt["feedback"] == ("positive" if success else "neutral" if attempt["metric"] == 6 else "negative")
+        expected = min(attempt["level"] + 1, 10) if success else max(attempt["level"] - 1, 1)
+        assert following["level"] == expected
+    assert outcomes == {True, False}
+    assert {attempt["metric_unit"] for attempt in attempts} == {"taps"}
+
+
+def test_a_better_person_reaches_a_higher_level_at_it(with_taps: Catalogue, data: Path) -> None:
+    levels = {}
+    for person in PEOPLE:
+        attempts = run(with_taps, "taps", data, person, attempts=12, threshold=6)
+        levels[person] = sum(attempt["level"] for attempt in attempts[6:])
+    assert levels["competent"] > levels["average"] > levels["poor"]
+
+
+def test_its_own_details_and_words_reach_the_tables(with_taps: Catalogue, data: Path) -> None:
+    kind = with_taps.task("taps")
+    parameters = build(kind.Parameters, {"attempts": 3, "difficulty_policy": "fixed", "feedback_form": "quantitative"})
+    session = simulate(Plan(kind, parameters, "calm", "SIM", 5, "simulated"), PEOPLE["poor"], data, with_taps)
+    trials = sessions.rows(connect(data), "trials", session)
+    assert [trial["details"]["taps"] for trial in trials] == [int(trial["response"]) for trial in trials]
+    said = [
+        row["final"]["text"] for row in sessions.rows(connect(data), "actions", session) if row["kind"] == "feedback"
+    ]
+    assert "taps" in said[0]
+    assert not any("faster" in words or "slower" in words for words in said)
+
+
+@pytest.mark.parametrize(
+    ("method", "signature"), [("stimulus", "self, situation"), ("perceived", "self, trial, percept")]
+)
+def test_a_task_that_raises_at_work_is_told_and_what_was_done_is_kept(
+    own: Path, data: Path, method: str, signature: str
+) -> None:
+    write(own, "minimal", MINIMAL + f"\n    def {method}({signature}):\n        raise KeyError('missing')\n")
+    with pytest.raises(Failed, match=r"The task minimal failed \(KeyError: 'missing'\)\. What was done so far is kept"):
+        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+    (left,) = sessions.listing(connect(data), data)
+    assert left["status"] == "interrupted"
+    faults = [record for record in sessions.history(connect(data), left["id"]) if record.topic is FAULT]
+    assert len(faults) == 1
+
+
+def test_a_task_that_cannot_be_set_up_is_told_and_leaves_no_session_behind(own: Path, data: Path) -> None:
+    write(own, "minimal", MINIMAL + "\n    def __init__(self, parameters):\n        raise KeyError('missing')\n")
+    with pytest.raises(Failed, match=r"The task minimal cannot be set up \(KeyError: 'missing'\)\."):
+        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+    assert sessions.listing(connect(data), data) == []
+
+
+def test_words_for_change_hold_whichever_way_is_better() -> None:
+    for better in ("lower", "higher"):
+        metric = Metric("errors", unit="errors", better=better)  # type: ignore[arg-type]
+        assert (metric.improved, metric.worsened) == ("better", "worse")
+        assert metric.is_better(1, 2) is (better == "lower")
+        assert not metric.is_better(1, 1)
