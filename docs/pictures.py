@@ -58,7 +58,7 @@ async def _draw() -> None:
 
 async def _settle(pilot: object, clock: VirtualClock) -> None:
     for _ in range(3):
-        clock.advance(MS)
+        clock.advance(100 * MS)
         await pilot.pause()  # type: ignore[attr-defined]
 
 

@@ -56,7 +56,7 @@ def summary(rows: Sequence[Row], metric: "Metric") -> str:
     mean = f", mean {metric.name.replace('_', ' ')} {metric.show(sum(values) / len(values))}" if values else ""
     return (
         f"{len(scored)} attempt{'s' if len(scored) > 1 else ''}, {reached} reached the goal, "
-        f"level {scored[0]['level']} to {scored[-1]['level']}{mean}."
+        f"levels {min(levels)} to {max(levels)}{mean}."
     )
 
 

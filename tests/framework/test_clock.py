@@ -1,9 +1,12 @@
-"""Given a virtual clock, when time passes, then callbacks run in their order, and identically each time."""
+"""Given a clock, when time passes, then callbacks run in their order; on the virtual one identically each time."""
+
+import asyncio
+import threading
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.clock import LiveClock, VirtualClock, host_now
 
 
 def test_the_clock_stands_still_until_told_to_move() -> None:
@@ -73,3 +76,20 @@ def test_call_soon_runs_before_any_time_passes() -> None:
     clock.call_soon(lambda: at.append(clock.now()))
     clock.advance(0)
     assert at == [7]
+
+
+async def test_a_live_clock_runs_callbacks_where_its_run_is_awaited_and_not_before_they_are_due() -> None:
+    clock = LiveClock(asyncio.get_running_loop())
+    ran: list[tuple[str, bool]] = []
+    done = asyncio.Event()
+    due = host_now() + 3_000_000
+    clock.call_at(due, lambda: (ran.append(("timer", clock.now() >= due)), done.set()))
+    clock.call_at(due, lambda: ran.append(("called off", False))).cancel()
+    thread = threading.Thread(target=clock.call_soon, args=(lambda: ran.append(("post", True)),))
+    thread.start()
+    thread.join()
+    assert ran == []
+    running = asyncio.create_task(clock.run())
+    await done.wait()
+    running.cancel()
+    assert ran == [("post", True), ("timer", True)]

@@ -1,4 +1,4 @@
-"""Given a data folder, when its database is opened, then it is private, durable, of this version, or refused in words."""
+"""Given a data folder, when its database is opened, then it is private, durable and up to date, or refused in words."""
 
 import os
 import shutil
@@ -214,11 +214,15 @@ def test_a_transaction_is_all_or_nothing(database: sqlite_utils.Database) -> Non
 
 
 def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(database: sqlite_utils.Database) -> None:
+    def too_much() -> None:
+        with transaction(database) as connection:
+            connection.execute("INSERT INTO participants VALUES ('P01', 'now')")
+            connection.execute("INSERT INTO notes (session, text) VALUES ('s', zeroblob(1000000))")
+
     pages = pragma(database, "page_count")
     database.execute(f"PRAGMA max_page_count={pages}")
-    with pytest.raises(StoreError, match="The disk is full"), transaction(database) as connection:
-        connection.execute("INSERT INTO participants VALUES ('P01', 'now')")
-        connection.execute("INSERT INTO notes (session, text) VALUES ('s', zeroblob(1000000))")
+    with pytest.raises(StoreError, match="The disk is full"):
+        too_much()
     assert list(database["participants"].rows) == []
     with transaction(database) as connection:
         connection.execute("INSERT INTO participants VALUES ('P02', 'now')")

@@ -9,9 +9,9 @@ import msgspec
 import pytest
 import sqlite_utils
 
-from sar_tui.framework.bus import Record
+from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import StorageChanged, Stored
+from sar_tui.framework.messages import KeyPressed, StorageChanged, Stored
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
@@ -299,9 +299,6 @@ def test_two_threads_on_one_database_are_both_whole(data: Path) -> None:
 
 
 def test_streams_are_not_written_as_events(database: sqlite_utils.Database) -> None:
-    from sar_tui.framework.bus import Bus, Topic
-    from sar_tui.framework.messages import KeyPressed
-
     bus = Bus(VirtualClock())
     recorder = Recorder(database, "s", 1, bus, inline=True)
     bus.publish(Topic("imu/sample", KeyPressed, origin="input", stream=True), KeyPressed(key="x", at=0))

@@ -1,0 +1,167 @@
+"""Given three users and twenty seeds, when each does twenty attempts, then the task adapts to each of them."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from statistics import fmean
+from typing import NamedTuple
+
+import pytest
+import sqlite_utils
+from filelock import FileLock
+
+from sar_tui.framework.parameters import build
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, simulate
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+
+USERS = ("poor", "average", "competent")
+SEEDS = range(1, 21)
+
+pytestmark = pytest.mark.xdist_group("users")
+
+
+def plan(keyboard: type[Task], seed: int, **parameters: object) -> Plan:
+    return Plan(keyboard, build(keyboard.Parameters, parameters), "calm", "SIM", seed, "simulated")
+
+
+class Sample(NamedTuple):
+    """A simulated session's rows."""
+
+    user: str
+    seed: int
+    attempts: list[sessions.Row]
+    trials: list[sessions.Row]
+
+    @property
+    def last_levels(self) -> list[int]:
+        return [attempt["level"] for attempt in self.attempts[-10:]]
+
+
+@pytest.fixture(scope="module")
+def samples(
+    tmp_path_factory: pytest.TempPathFactory, worker_id: str, catalogue: Catalogue, keyboard: type[Task]
+) -> list[Sample]:
+    """Sixty sessions; the first worker that needs them makes them, and the others read them."""
+    base = tmp_path_factory.getbasetemp()
+    shared = (base if worker_id == "master" else base.parent) / "users"
+    made = shared / "made"
+    shared.mkdir(exist_ok=True)
+    with FileLock(shared / "making.lock"):
+        if not made.exists():
+            names = []
+            for user in USERS:
+                for seed in SEEDS:
+                    session = simulate(plan(keyboard, seed), PEOPLE[user], shared / "data", catalogue)
+                    names.append(f"{user} {seed} {session}")
+            made.write_text("\n".join(names))
+    return list(read(shared / "data", made))
+
+
+def read(data: Path, made: Path) -> Iterator[Sample]:
+    database = connect(data)
+    for line in made.read_text().splitlines():
+        user, seed, session = line.split()
+        attempts = sessions.rows(database, "attempts", session)
+        yield Sample(user, int(seed), attempts, sessions.rows(database, "trials", session))
+
+
+def test_every_session_is_whole(samples: list[Sample]) -> None:
+    assert len(samples) == 60
+    for sample in samples:
+        assert [attempt["attempt"] for attempt in sample.attempts] == list(range(1, 21))
+        numbers = [(trial["attempt"], trial["trial"]) for trial in sample.trials]
+        assert numbers == [(attempt, trial) for attempt in range(1, 21) for trial in range(1, 21)]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_better_the_user_the_higher_the_level_they_end_at(samples: list[Sample], seed: int) -> None:
+    mean = {sample.user: fmean(sample.last_levels) for sample in samples if sample.seed == seed}
+    assert mean["competent"] > mean["average"] > mean["poor"]
+
+
+@pytest.mark.parametrize("user", USERS)
+def test_the_outcome_and_the_feedback_of_every_attempt_follow_from_its_trials(samples: list[Sample], user: str) -> None:
+    for sample in (sample for sample in samples if sample.user == user):
+        for attempt in sample.attempts:
+            trials = [trial for trial in sample.trials if trial["attempt"] == attempt["attempt"]]
+            times = [
+                (trial["response_ns"] - trial["onset_ns"]) / 1e6
+                for trial in trials
+                if trial["correct"] and trial["response_ns"] - trial["onset_ns"] >= 100_000_000
+            ]
+            accuracy = sum(1 for trial in trials if trial["correct"]) / 20
+            mean = fmean(times) if times else None
+            if accuracy < 0.8 or mean is None:
+                expected = ("failure", "negative")
+            elif mean < 1000:
+                expected = ("success", "neutral" if mean >= 990 else "positive")
+            else:
+                expected = ("failure", "neutral" if mean <= 1010 else "negative")
+            assert attempt["metric"] == (None if mean is None else pytest.approx(mean))
+            assert attempt["accuracy"] == pytest.approx(accuracy)
+            assert (attempt["outcome"], attempt["feedback"]) == expected
+
+
+def test_the_level_follows_the_outcome_by_one_within_its_bounds(samples: list[Sample]) -> None:
+    for sample in samples:
+        assert sample.attempts[0]["level"] == 1
+        for attempt, following in pairwise(sample.attempts):
+            step = 1 if attempt["outcome"] == "success" else -1
+            assert following["level"] == min(10, max(1, attempt["level"] + step))
+
+
+def test_every_kind_of_feedback_occurs(samples: list[Sample]) -> None:
+    assert {attempt["feedback"] for sample in samples for attempt in sample.attempts} == {
+        "positive",
+        "neutral",
+        "negative",
+    }
+
+
+def test_the_average_user_crosses_the_threshold_both_ways(samples: list[Sample]) -> None:
+    for sample in (sample for sample in samples if sample.user == "average"):
+        metrics = [attempt["metric"] for attempt in sample.attempts]
+        crossings = {(before < 1000, after < 1000) for before, after in pairwise(metrics)}
+        assert {(True, False), (False, True)} <= crossings, sample.seed
+
+
+def test_nobody_spends_over_half_of_the_last_ten_attempts_at_a_bound(samples: list[Sample]) -> None:
+    for sample in samples:
+        for bound in (1, 10):
+            assert sample.last_levels.count(bound) <= 5, (sample.user, sample.seed, bound)
+
+
+def events(database: sqlite_utils.Database, session: str) -> list[tuple[object, ...]]:
+    columns = [column.name for column in database["events"].columns if column.name != "session"]
+    query = f"SELECT {', '.join(columns)} FROM events WHERE session=? ORDER BY seq"
+    return list(database.execute(query, (session,)))
+
+
+@pytest.mark.parametrize("user", USERS)
+def test_the_same_seed_twice_is_the_same_to_the_last_nanosecond(
+    user: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    first, again, another = (
+        simulate(plan(keyboard, seed, attempts=4), PEOPLE[user], data, catalogue) for seed in (7, 7, 8)
+    )
+    database = connect(data)
+    assert first != again
+    assert len(events(database, first)) > 400
+    assert events(database, first) == events(database, again)
+    assert events(database, first) != events(database, another)
+
+
+def test_a_simulated_session_says_that_it_is_one_and_enters_no_participant(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    told: list[int] = []
+    session = simulate(plan(keyboard, 1, attempts=3), PEOPLE["average"], data, catalogue, told.append)
+    row = sessions.find(connect(data), data, session)
+    assert (row["mode"], row["status"], row["attempts"], row["participant"]) == ("simulated", "completed", 3, "SIM")
+    assert set(row["software"]) >= {"sar_tui", "python", "task", "theme"}
+    assert list(connect(data)["participants"].rows) == []
+    assert told == [1, 2, 3]

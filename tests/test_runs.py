@@ -1,0 +1,90 @@
+"""Given a session in the database, when the program ends in its middle, then a later run brings it to its end."""
+
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.framework.parameters import build
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, Run, resume, start
+from sar_tui.simulation.participant import SimulatedParticipant
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import StoreError, connect
+
+CATALOGUE = Catalogue()
+KEYBOARD = CATALOGUE.task("keyboard")
+PARAMETERS = build(KEYBOARD.Parameters, {"attempts": 3, "prompts_per_attempt": 4, "start_level": 5})
+PLAN = Plan(KEYBOARD, PARAMETERS, "calm", "P01", 4, "live")
+
+
+def sit_down(task: Any) -> list[SimulatedParticipant]:
+    return [SimulatedParticipant(PEOPLE["average"], task, PLAN.seed)]
+
+
+def play(run: Run, clock: VirtualClock, steps: int | None = None) -> None:
+    """So many steps of a run, or all of them; and then its end, orderly or not quite."""
+    run.begin()
+    while not run.session.ended and (steps is None or steps > 0):
+        assert clock.step()
+        steps = None if steps is None else steps - 1
+    assert run.session.broken is None
+    run.recorder.write()
+    run.close()
+
+
+def table(data: Path, name: Any, session: str, *columns: str) -> list[tuple[Any, ...]]:
+    return [tuple(row[column] for column in columns) for row in sessions.rows(connect(data), name, session)]
+
+
+TRIALS = ("attempt", "trial", "stimulus", "response", "correct")
+ATTEMPTS = ("attempt", "level", "accuracy", "outcome", "feedback")
+
+
+def undisturbed(data: Path) -> str:
+    clock = VirtualClock()
+    run = start(PLAN, data, CATALOGUE, clock, sit_down)
+    play(run, clock)
+    return run.id
+
+
+@settings(max_examples=25)
+@given(st.lists(st.integers(0, 40), min_size=1, max_size=4))
+def test_a_session_resumed_however_often_has_every_trial_once_as_it_would_have_been(cuts: list[int]) -> None:
+    data = Path(tempfile.mkdtemp())
+    try:
+        whole = undisturbed(data)
+        clock = VirtualClock()
+        run = start(PLAN, data, CATALOGUE, clock, sit_down)
+        play(run, clock, cuts[0])
+        for number, steps in enumerate([*cuts[1:], None], 2):
+            if run.session.ended:
+                break
+            assert sessions.find(connect(data), data, run.id)["status"] == "interrupted"
+            clock = VirtualClock(number * 1000 * SECOND)
+            run = resume(run.id, data, CATALOGUE, clock, sit_down)
+            assert run.number == number
+            play(run, clock, steps)
+        assert sessions.find(connect(data), data, run.id)["status"] == "completed"
+        assert table(data, "trials", run.id, *TRIALS) == table(data, "trials", whole, *TRIALS)
+        assert table(data, "attempts", run.id, *ATTEMPTS) == table(data, "attempts", whole, *ATTEMPTS)
+        trials = sessions.rows(connect(data), "trials", run.id)
+        assert [trial["run"] for trial in trials] == sorted(trial["run"] for trial in trials)
+        assert len(sessions.rows(connect(data), "runs", run.id)) == run.number
+        seqs = [record.seq for record in sessions.history(connect(data), run.id)]
+        assert seqs == list(range(1, len(seqs) + 1))
+    finally:
+        shutil.rmtree(data)
+
+
+def test_what_has_ended_cannot_be_gone_on_with(data: Path) -> None:
+    session = undisturbed(data)
+    with pytest.raises(StoreError, match="is completed; only a live one that was interrupted") as caught:
+        resume(session, data, CATALOGUE, VirtualClock(), sit_down)
+    assert caught.value.bad_input
