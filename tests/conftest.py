@@ -1,6 +1,7 @@
 """What every test has: no settings of the user's own, seeded properties, the shipped task and themes."""
 
-from collections.abc import Iterator
+import os
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -19,20 +20,24 @@ settings.register_profile(
 settings.load_profile("seeded")
 
 
-@pytest.fixture(scope="session", autouse=True)
-def a_home_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+_HOME = pytest.StashKey[tempfile.TemporaryDirectory[str]]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
     """No test sees, or touches, the tasks, themes and data of whoever runs it."""
-    home = tmp_path_factory.mktemp("home")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("HOME", str(home))
-        patch.setenv("XDG_CONFIG_HOME", str(home / "config"))
-        patch.setenv("XDG_DATA_HOME", str(home / "share"))
-        patch.setenv("SAR_TUI_DATA", str(home / "data"))
-        yield
+    config.stash[_HOME] = home = tempfile.TemporaryDirectory(prefix="sar-tui-home-")
+    os.environ["HOME"] = home.name
+    os.environ["XDG_CONFIG_HOME"] = f"{home.name}/config"
+    os.environ["XDG_DATA_HOME"] = f"{home.name}/share"
+    os.environ["SAR_TUI_DATA"] = f"{home.name}/data"
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    config.stash[_HOME].cleanup()
 
 
 @pytest.fixture(scope="session")
-def catalogue(a_home_of_its_own: None) -> Catalogue:
+def catalogue() -> Catalogue:
     return Catalogue()
 
 

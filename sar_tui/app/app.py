@@ -2,16 +2,19 @@
 
 import asyncio
 import contextlib
+import functools
 import os
 import signal
 import sys
+from collections.abc import Iterable
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from textual import events
-from textual.app import App
+from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.driver import Driver
+from textual.screen import Screen
 
 from sar_tui.app.driver import OnsetWatch, watched
 from sar_tui.app.live import LiveSession
@@ -148,6 +151,14 @@ class SarTui(App[int]):
     def action_interrupt(self) -> None:
         """Ctrl-C, anywhere."""
         self.exit(return_code=INTERRUPTED)
+
+    def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
+        """The command palette: few commands, all of them ours."""
+        yield SystemCommand("Help", "What this screen is for, and its keys", self.action_help)
+        for name in self.catalogue.theme_names():
+            theme = self.catalogue.theme(name)
+            yield SystemCommand(f"Theme: {theme.title}", theme.summary, functools.partial(self.use_theme, name))
+        yield SystemCommand("Quit", "Leave sar-tui; a session under way is kept", self.action_quit)
 
     def action_help(self) -> None:
         from sar_tui.app.screens.help import HelpScreen

@@ -52,6 +52,7 @@ def summary(rows: Sequence[Row], metric: "Metric") -> str:
     if not scored:
         return "No attempt was finished."
     reached = sum(row["outcome"] == "success" for row in scored)
+    levels = [row["level"] for row in scored]
     values = [row["metric"] for row in scored if row["metric"] is not None]
     mean = f", mean {metric.name.replace('_', ' ')} {metric.show(sum(values) / len(values))}" if values else ""
     return (
