@@ -18,7 +18,7 @@ demo: .venv/ready  ## a session by a simulated participant; needs no terminal
 	@folder=$$(mktemp -d) && $(BIN)/sar-tui simulate keyboard --user average --seed 1 --data $$folder && $(BIN)/sar-tui show last --data $$folder; status=$$?; rm -rf "$$folder"; exit $$status
 
 test: .venv/ready  ## every test, on two cores, with coverage
-	@$(BIN)/python -m pytest -n 2 --cov --cov-report=term
+	@$(BIN)/python -m pytest -n 2 --dist loadgroup --cov --cov-report=term
 
 lint: .venv/ready  ## style, types, floors
 	@$(BIN)/ruff check .

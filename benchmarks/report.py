@@ -17,7 +17,7 @@ Rows = list[list[str]]
 
 _FIGURES = {
     "n": "trials",
-    "mean_ms": "bias (mean)",
+    "mean_ms": "mean",
     "median_ms": "median",
     "sd_ms": "SD",
     "robust_sd_ms": "robust SD",
@@ -81,7 +81,7 @@ def drawn(title: str, rows: Rows) -> Table:
     """A table for the terminal."""
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
     for number, name in enumerate(rows[0]):
-        table.add_column(name, justify="right" if number else "left")
+        table.add_column(name, justify="right" if number else "left", no_wrap=True)
     for row in rows[1:]:
         table.add_row(*row)
     return table

@@ -28,7 +28,10 @@ async def _draw() -> None:
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder)
         done = simulate(
-            Plan(keyboard, build(keyboard.Parameters, {}), "calm", "P01", 1, "simulated"), PEOPLE["average"], data, catalogue
+            Plan(keyboard, build(keyboard.Parameters, {}), "calm", "P01", 1, "simulated"),
+            PEOPLE["average"],
+            data,
+            catalogue,
         )
         app = SarTui(data, catalogue, Plan(keyboard, build(keyboard.Parameters, {}), "calm", "P01", 3), clock)
         async with app.run_test(size=(80, 24)) as pilot:

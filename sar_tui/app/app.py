@@ -14,6 +14,7 @@ from textual import events
 from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.driver import Driver
+from textual.geometry import Size
 from textual.screen import Screen
 
 from sar_tui.app.driver import OnsetWatch, watched
@@ -82,6 +83,7 @@ class SarTui(App[int]):
             self.push_screen(HomeScreen())
         else:
             self.begin_session(self._begin)
+        self._check_room(self.size)
 
     def begin_session(self, what: Plan | str) -> None:
         """Open a new or an interrupted session on a screen of its own; say so if that cannot be."""
@@ -130,8 +132,16 @@ class SarTui(App[int]):
     # --- the terminal --------------------------------------------------------------------------------------
 
     def on_resize(self, event: events.Resize) -> None:
-        if is_too_small(event.size) and not isinstance(self.screen, TooSmallScreen):
+        if len(self.screen_stack) > 1:  # before, there is nothing to cover
+            self._check_room(event.size)
+
+    def _check_room(self, size: Size) -> None:
+        """Cover the screen while it has no room, and uncover it again."""
+        is_covered = isinstance(self.screen, TooSmallScreen)
+        if is_too_small(size) and not is_covered:
             self.push_screen(TooSmallScreen())
+        elif is_covered and not is_too_small(size):
+            self.pop_screen()
 
     def _catch_signals(self) -> None:
         """A signal ends the app in order: the terminal restored, everything written."""
@@ -151,6 +161,11 @@ class SarTui(App[int]):
     def action_interrupt(self) -> None:
         """Ctrl-C, anywhere."""
         self.exit(return_code=INTERRUPTED)
+
+    def get_key_display(self, binding: Binding) -> str:
+        """A key as it is called on the keyboard: "Ctrl-Q", "F1", "Esc"."""
+        names = {"escape": "Esc", "question_mark": "?"}
+        return "-".join(names.get(part, part.capitalize()) for part in binding.key.split("+"))
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """The command palette: few commands, all of them ours."""

@@ -48,7 +48,8 @@ def sessions(
         )
         return
 
-    from sar_tui.cli.tables import add, local_time, table
+    from sar_tui.cli.tables import add, table
+    from sar_tui.store.sessions import local_time
 
     made = table("session", "began", "who", "task", "status", "attempts", right=("attempts",))
     for row in rows:
@@ -102,7 +103,7 @@ def _metric(home: Home, task: str, attempts: Sequence[Row]) -> "Metric":
 
 
 def _print_facts(out: "Console", row: Row) -> None:
-    from sar_tui.cli.tables import local_time
+    from sar_tui.store.sessions import local_time
 
     ended = f", ended {local_time(row['ended_at'])}" if row["ended_at"] else ""
     for name, value in (

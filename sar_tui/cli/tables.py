@@ -1,7 +1,6 @@
 """Tables of attempts and of anything else, for people."""
 
 from collections.abc import Sequence
-from datetime import datetime
 from typing import TYPE_CHECKING, Any, Literal
 
 from rich import box
@@ -59,8 +58,3 @@ def summary(rows: Sequence[Row], metric: "Metric") -> str:
         f"{len(scored)} attempt{'s' if len(scored) > 1 else ''}, {reached} reached the goal, "
         f"levels {min(levels)} to {max(levels)}{mean}."
     )
-
-
-def local_time(stamp: str | None) -> str:
-    """A UTC stamp of the database as the clock on the wall shows it."""
-    return datetime.fromisoformat(stamp).astimezone().strftime("%Y-%m-%d %H:%M") if stamp else ""

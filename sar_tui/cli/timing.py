@@ -21,7 +21,7 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
@@ -36,7 +36,7 @@ from sar_tui.simulation.scripted import NoPrompt
 from sar_tui.simulation.spread import Spread, spread
 from sar_tui.store import provenance
 
-FILE = "timing.json"
+FILE = provenance.TIMING_FILE
 VERDICTS = ("fit", "fit with care", "not fit")
 _LIMITS = (
     ("robust_sd_ms", 1.0, 3.0, "Reaction times scatter by {:.1f} ms (robust SD)."),
@@ -98,16 +98,12 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
     )
     figures = {
         "measured_at": datetime.now(UTC).isoformat(),
-        "trials": own.n,
-        "median_ms": own.median_ms,
-        "sd_ms": own.sd_ms,
-        "robust_sd_ms": own.robust_sd_ms,
-        "p99_ms": own.p99_ms,
+        **_figures(own),
         "verdict": verdict,
     }
     _keep(folder / FILE, figures)
     if as_json:
-        print_json({"timing": {**figures, "reasons": reasons, "bare": own_figures(bare)}})
+        print_json({"timing": {**figures, "reasons": reasons, "bare": _figures(bare)}})
     else:
         _print(own, bare, verdict, reasons)
     return 0
@@ -152,13 +148,13 @@ def _causes(own: Spread, bare: Spread, here: Circumstances) -> list[str]:
     return causes
 
 
-def own_figures(figures: Spread) -> dict[str, float | int]:
-    """Those of a spread's figures that are kept and printed."""
+def _figures(of: Spread) -> dict[str, float | int]:
+    """Those of a spread's figures that are kept and printed, to the microsecond."""
     names = ("median_ms", "sd_ms", "robust_sd_ms", "p99_ms")
-    return {"trials": figures.n} | {name: getattr(figures, name) for name in names}
+    return {"trials": of.n} | {name: round(getattr(of, name), 3) for name in names}
 
 
-def _keep(path: Path, figures: dict[str, object]) -> None:
+def _keep(path: Path, figures: Mapping[str, object]) -> None:
     """Write at once or not at all, for nobody else to read."""
     handle, name = tempfile.mkstemp(prefix=".timing-", dir=path.parent)  # mkstemp makes it 0600
     with os.fdopen(handle, "w") as file:

@@ -83,6 +83,11 @@ def _boot_id() -> str | None:
 # --- looking at them -----------------------------------------------------------------------------------------
 
 
+def local_time(stamp: str | None) -> str:
+    """A UTC stamp of the database as the clock on the wall shows it."""
+    return datetime.fromisoformat(stamp).astimezone().strftime("%Y-%m-%d %H:%M") if stamp else ""
+
+
 def _typed(row: Row) -> Row:
     """A row with its JSON columns decoded and its truth values true or false."""
     return {

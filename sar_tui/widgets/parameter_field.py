@@ -92,6 +92,10 @@ class ParameterField(Vertical):
         self._value = event.value
         self.post_message(self.Changed(self))
 
+    def on_descendant_focus(self) -> None:
+        """The help beneath the editor is shown with it."""
+        self.call_after_refresh(self.scroll_visible, animate=False)
+
     def tell(self, problem: str) -> None:
         """Mark the field as changed from its default, and as wrong if there is a problem."""
         default = f" Default: {show(self.field.default) or 'none'}." if self.is_changed else ""

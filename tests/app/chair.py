@@ -2,15 +2,15 @@
 
 import io
 import sqlite3
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, closing
 from pathlib import Path
 from typing import Any
 
 import msgspec
 from rich.console import Console
-from textual import events
-from textual.keys import _character_to_key
+from textual.events import Key
+from textual.message import Message
 from textual.pilot import Pilot
 
 from sar_tui.app.app import SarTui
@@ -22,62 +22,100 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.topics import PROMPT, STORAGE, WAITING
 from sar_tui.plugins import Catalogue
 from sar_tui.runs import Plan
+from sar_tui.store import participants
+from sar_tui.store.database import connect
 
-NAMED = {"enter", "escape", "space", "tab", "up", "down", "left", "right", "home", "end", "backspace", "f1", "f2"}
+SHORT = {"attempts": 2, "prompts_per_attempt": 2}
+"""A session that a test need not sit through for long."""
+_NAMES = {"?": "question_mark", "-": "minus", "/": "slash", " ": "space"}
+_TYPED = {"space": " ", "enter": "\r", "tab": "\t"}
+_HOPS = 5
+"""How often messages are passed on, at most, from a key to the last widget that changes for it."""
+_FRAMES = str.maketrans("│▌╭╮╰╯─", "       ")
 
 
-def plan(task: type[Task], participant: str = "P01", theme: str = "calm", seed: int = 7, **parameters: object) -> Plan:
+def plan(task: type[Task], participant: str = "P01", theme: str = "calm", **parameters: object) -> Plan:
     """A session to go straight into: short, unless told otherwise."""
-    chosen = {"attempts": 2, "prompts_per_attempt": 2} | parameters
-    return Plan(task, build(task.Parameters, chosen), theme, participant, seed)
+    return Plan(task, build(task.Parameters, SHORT | parameters), theme, participant, seed=7)
+
+
+def known(data: Path, participant: str = "P01", theme: str = "calm", **parameters: object) -> None:
+    """A participant who is known already, with settings for the keyboard task."""
+    database = connect(data)
+    participants.add(database, participant)
+    kept = participants.Settings(SHORT | parameters, theme)
+    participants.save_settings(database, participant, "keyboard", kept)
+    database.conn.close()
 
 
 class Chair:
-    """What a person does and sees. Their keys are stamped by the session's clock, which only they move."""
+    """What a person does and sees. Only they move the session's clock."""
 
     def __init__(self, app: SarTui, pilot: Pilot[int], clock: VirtualClock) -> None:
         self.app = app
         self.pilot = pilot
         self.clock = clock
+        self._heard: Session | None = None
+        self._waiting: list[Waiting] = []
+        self._prompts: list[Prompt] = []
 
     # --- what is done --------------------------------------------------------------------------------------
 
     async def press(self, *keys: str) -> None:
-        """Press keys one after the other, now."""
+        """Press keys one after the other, all of them now. A key is a character, or called by its name."""
         for key in keys:
-            character = key if len(key) == 1 else {"space": " ", "enter": "\r", "tab": "\t"}.get(key)
-            await self.do(events.Key(_character_to_key(key) if len(key) == 1 else key, character))
+            await self.write(key)
 
-    async def write(self, text: str) -> None:
-        """Type a text into a form."""
-        await self.press(*text)
+    async def write(self, *keys: str) -> None:
+        """Type into a form, where nothing need settle between two keys."""
+        for key in keys:
+            self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
+        await self.settle()
 
-    async def do(self, event: events.Event) -> None:
-        """Let the terminal tell an event, stamped now."""
-        event.time = self.clock.now() / SECOND
-        event.set_sender(self.app)
+    async def tell(self, event: Message) -> None:
+        """Let the terminal tell an event."""
         self.app.post_message(event)
         await self.settle()
 
     async def settle(self) -> None:
         """Let the app, and what the session owes at this moment, come to rest."""
-        await self.pilot.pause()
-        while self.app.is_running and self.clock.step(self.clock.now()):
-            await self.pilot.pause()
+        await self._rest()
+        while self.clock.step(self.clock.now()):
+            self.clock.advance(0)
+            await self._rest()
+
+    async def _rest(self) -> None:
+        if self.app.is_running:
+            for _ in range(_HOPS):
+                await self.pilot.pause(0)
 
     async def wait(self, ms: float) -> None:
-        """Let time pass, the screen keeping up with it."""
+        """Let time pass. A prompt that comes up in it is seen at once."""
         until = self.clock.now() + round(ms * MS)
+        seen = len(self._prompts)
         while self.clock.step(until):
-            await self.settle()
+            if len(self._prompts) > seen:
+                seen = len(self._prompts)
+                await self.settle()
         self.clock.advance(until - self.clock.now())
+        await self.settle()
+
+    async def resize(self, columns: int, rows: int) -> None:
+        """Give the window another size."""
+        await self.pilot.resize_terminal(columns, rows)
+        await self.settle()
 
     # --- a session ------------------------------------------------------------------------------------------
 
     @property
     def session(self) -> Session:
         assert self.app.live
-        return self.app.live.run.session
+        session = self.app.live.run.session
+        if session is not self._heard:
+            self._heard = session
+            session.bus.subscribe(WAITING, self._waiting.append)
+            session.bus.subscribe(PROMPT, self._prompts.append)
+        return session
 
     @property
     def session_id(self) -> str:
@@ -86,9 +124,8 @@ class Chair:
 
     @property
     def waiting(self) -> Waiting:
-        last = self.session.bus.last(WAITING)
-        assert last
-        return last
+        assert self.session
+        return self._waiting[-1]
 
     async def to_first_prompt(self) -> Prompt:
         """From the instructions to the first prompt."""
@@ -102,13 +139,12 @@ class Chair:
         return await self.to_prompt()
 
     async def to_prompt(self) -> Prompt:
-        """Wait until a prompt is on the screen."""
-        prompts: list[Prompt] = []
-        self.session.bus.subscribe(PROMPT, prompts.append)
-        while not prompts:
+        """Wait until the next prompt is on the screen."""
+        before = len(self._prompts) if self.session else 0
+        while len(self._prompts) == before:
             assert self.clock.step(), f"no prompt will come; the session waits for {self.waiting}"
         await self.settle()
-        return prompts[-1]
+        return self._prompts[-1]
 
     async def answer(self, prompt: Prompt, after_ms: float = 400) -> None:
         """Press the right key."""
@@ -123,6 +159,12 @@ class Chair:
             prompt = await self.to_prompt()
         await self.answer(prompt)
 
+    async def do_session(self) -> None:
+        """From the instructions to the summary."""
+        await self.do_attempt(await self.to_first_prompt())
+        while not self.session.ended:
+            await self.do_attempt(await self.begin())
+
     async def disk(self, working: bool) -> None:
         """The disk refuses to write, or no longer does."""
         self.session.bus.post(STORAGE, StorageChanged(working=working))
@@ -131,9 +173,17 @@ class Chair:
     # --- what is seen ------------------------------------------------------------------------------------------
 
     @property
+    def screen_name(self) -> str:
+        return type(self.app.screen).__name__
+
+    @property
     def rows(self) -> list[str]:
-        """The lines of text on the screen."""
-        return screen_rows(self.app)
+        """The lines of text on the screen, as `App.export_screenshot` composes them."""
+        width, height = self.app.size
+        console = Console(width=width, height=height, file=io.StringIO(), record=True, legacy_windows=False)
+        composed = self.app.screen._compositor.render_update(full=True, screen_stack=self.app._background_screens)
+        console.print(composed)
+        return [row.rstrip() for row in console.export_text().splitlines()]
 
     @property
     def text(self) -> str:
@@ -141,49 +191,36 @@ class Chair:
 
     def sees(self, words: str) -> bool:
         """Whether the words are on the screen, wherever its lines break."""
-        return " ".join(words.split()) in " ".join(self.text.replace("│", " ").split())
+        return words in " ".join(self.text.translate(_FRAMES).split())
 
     # --- what is kept ------------------------------------------------------------------------------------------
 
-    def rows_of(self, query: str, *values: object) -> list[tuple[Any, ...]]:
-        return kept(self.app.folder, query, *values)
+    def stored(self, query: str, *values: object) -> list[tuple[Any, ...]]:
+        """What the database holds."""
+        if self.app.live and not self.app.live.is_closed:
+            self.app.live.run.recorder.write()
+        return stored(self.app.folder, query, *values)
 
-    def events(self, topic: str) -> list[dict[str, Any]]:
+    def messages(self, topic: str) -> list[dict[str, Any]]:
         """The recorded messages of a topic."""
-        assert self.app.live
-        self.app.live.run.recorder.write()
-        return [
-            msgspec.json.decode(text)
-            for (text,) in self.rows_of("SELECT message FROM events WHERE topic=? ORDER BY session, seq", topic)
-        ]
+        found = self.stored("SELECT message FROM events WHERE topic=? ORDER BY rowid", topic)
+        return [msgspec.json.decode(text) for (text,) in found]
 
 
-def screen_rows(app: SarTui) -> list[str]:
-    """What a terminal would show, as `App.export_screenshot` composes it."""
-    width, height = app.size
-    console = Console(width=width, height=height, file=io.StringIO(), record=True, legacy_windows=False)
-    console.print(app.screen._compositor.render_update(full=True, screen_stack=app._background_screens))
-    return [row.rstrip() for row in console.export_text().splitlines()]
-
-
-def kept(folder: Path, query: str, *values: object) -> list[tuple[Any, ...]]:
+def stored(data: Path, query: str, *values: object) -> list[tuple[Any, ...]]:
     """What the database holds."""
-    with closing(sqlite3.connect(folder / "sar-tui.db")) as database:
+    with closing(sqlite3.connect(data / "sar-tui.db")) as database:
         return database.execute(query, values).fetchall()
 
 
 @asynccontextmanager
 async def sit_down(
-    data: Path,
-    catalogue: Catalogue,
-    begin: Plan | str | None = None,
-    size: tuple[int, int] = (80, 24),
-    notifications: bool = True,
+    data: Path, catalogue: Catalogue, begin: Plan | str | None = None, size: tuple[int, int] = (80, 24)
 ) -> AsyncIterator[Chair]:
-    """Open the app in front of a person."""
+    """Open the app in front of a person, and close it when they get up."""
     clock = VirtualClock(10 * SECOND)
     app = SarTui(data, catalogue, begin, clock=clock)
-    async with app.run_test(size=size, notifications=notifications) as pilot:
+    async with app.run_test(size=size, notifications=True) as pilot:
         chair = Chair(app, pilot, clock)
         await chair.settle()
         yield chair

@@ -232,6 +232,15 @@ def test_a_message_that_was_taken_out_or_put_in_twice_is_noticed(data: st.DataOb
         replay([*records[:place], records[place], *records[place:]])
 
 
+def test_a_record_that_ends_in_the_middle_of_a_cascade_is_noticed() -> None:
+    for at in (10, 50, len(whole().cascades) - 1):
+        *whole_cascades, last = whole().cascades[: at + 1]
+        while len(last) == 1:
+            *whole_cascades, last = whole_cascades
+        with pytest.raises(ReplayError, match="not whole"):
+            replay([record for cascade in (*whole_cascades, last[:-1]) for record in cascade])
+
+
 def test_a_response_that_was_changed_is_noticed() -> None:
     records = list(whole().records)
     enters = 0

@@ -240,6 +240,7 @@ def test_on_a_full_disk_nothing_is_acknowledged_that_is_not_there_and_later_all_
             recorded.write_on_a_thread()
             recorded.clock.advance(0)
     recorded.write_on_a_thread()
+    assert len(recorded.all(STORAGE)) == 2
     assert acknowledged == [(attempt, trial) for attempt in (1, 2, 3) for trial in range(1, 21)]
     assert recorded.history == recorded.records
     assert [(row["attempt"], row["trial"]) for row in recorded.stored("trials")] == acknowledged

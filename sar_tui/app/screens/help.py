@@ -9,16 +9,6 @@ from textual.containers import VerticalScroll
 from textual.screen import ModalScreen, Screen
 from textual.widgets import Static
 
-_KEYS = {
-    "question_mark": "?",
-    "escape": "Esc",
-    "enter": "Enter",
-    "ctrl+q": "Ctrl-Q",
-    "ctrl+p": "Ctrl-P",
-    "ctrl+s": "Ctrl-S",
-    "ctrl+r": "Ctrl-R",
-}
-
 
 class HelpScreen(ModalScreen[None]):
     """Lists the keys of the screen beneath it."""
@@ -39,8 +29,8 @@ class HelpScreen(ModalScreen[None]):
         table = Table.grid(padding=(0, 2))
         seen = set()
         for binding in self._about.active_bindings.values():
-            name, key = binding.binding.description, binding.binding.key
+            name = binding.binding.description
             if binding.binding.show and binding.enabled and name and name not in seen:
                 seen.add(name)
-                table.add_row(_KEYS.get(key, key.upper()), name.capitalize())
+                table.add_row(self.app.get_key_display(binding.binding), name.capitalize())
         return table

@@ -31,8 +31,8 @@ class HomeScreen(Screen[None]):
         "Participants are codes, never names."
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("right", "next", "Next list", show=False, id="next"),
-        Binding("left", "previous", "Previous list", show=False, id="previous"),
+        Binding("right,down", "next", "Next list", show=False, id="next"),
+        Binding("left,up", "previous", "Previous list", show=False, id="previous"),
         Binding("f2", "settings", "Settings (therapist)", id="settings"),
     ]
 
@@ -52,6 +52,7 @@ class HomeScreen(Screen[None]):
         with Vertical(id="recent-box"):
             recent = OptionList(id="recent", markup=False)
             recent.border_title = "Recent sessions"
+            recent.border_subtitle = "Enter opens"
             yield recent
         yield Footer()
 
@@ -66,6 +67,7 @@ class HomeScreen(Screen[None]):
         for name in self.app.catalogue.theme_names():
             themes.add_option(Option(self.app.catalogue.theme(name).title, id=name))
         tasks.highlighted = themes.highlighted = 0
+        self.query_one("#participant").border_subtitle = "arrows and Enter"
 
     def on_screen_resume(self) -> None:
         self._list_participants()
@@ -90,7 +92,9 @@ class HomeScreen(Screen[None]):
         rows.sort(key=lambda row: not _can_go_on(row))
         recent.clear_options()
         recent.add_options([Option(_line(row), id=row["id"]) for row in rows])
-        if not rows:
+        if rows:
+            recent.highlighted = 0
+        else:
             recent.add_option(Option("None yet.", disabled=True))
 
     def _chosen(self, name: str) -> str | None:
@@ -203,7 +207,7 @@ def _can_go_on(row: sessions.Row) -> bool:
 
 def _line(row: sessions.Row) -> str:
     """A session in a line: when, who, what, how it ended."""
-    when = row["started_at"][:16].replace("T", " ")
+    when = sessions.local_time(row["started_at"])
     done = f"{row['attempts']} of {row['parameters'].get('attempts', '?')}"
     how = "interrupted: Enter goes on" if _can_go_on(row) else row["status"]
     kind = "" if row["mode"] == "live" else f" ({row['mode']})"

@@ -28,7 +28,8 @@ class PastSessionScreen(Screen[None]):
 
     def compose(self) -> ComposeResult:
         row = self._row
-        yield Static(f"{row['participant']} · {row['task']} · {row['started_at'][:16]} · {row['status']}", id="top")
+        began = sessions.local_time(row["started_at"])
+        yield Static(f"{row['participant']} · {row['task']} · {began} · {row['status']}", id="top", markup=False)
         try:
             kind = self.app.catalogue.task(row["task"])
             yield Summary(kind(build(kind.Parameters, row["parameters"])), id="summary")

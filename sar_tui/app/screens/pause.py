@@ -10,7 +10,7 @@ _WORDS = {
     "": ("Paused", "Take your time."),
     "tired": ("Have a rest", "Take all the rest you need. Nothing is lost."),
     "pain": ("Please stop and rest", "Tell your therapist or the experimenter about the pain before you go on."),
-    "finished": ("End the session now?", "What you did is kept. It cannot be gone on with afterwards."),
+    "finished": ("End the session now?", "What you did is kept. You cannot go on with this session later."),
 }
 _CHOICES = {
     "": ("go on", "tired", "pain", "finished"),
@@ -41,7 +41,7 @@ class PauseMenu(OptionList):
         """Show the choices there are after a pause for ``reason``."""
         title, words = _WORDS.get(reason, _WORDS[""])
         self.border_title = title
-        self.border_subtitle = "arrows and Enter"
+        self.border_subtitle = "arrows to choose, Enter to confirm"
         self.clear_options()
         self.add_option(Option(f"{words}\n", disabled=True))
         self.add_options([Option(_LABELS[choice], id=choice) for choice in _CHOICES.get(reason, _CHOICES[""])])

@@ -78,13 +78,9 @@ class SessionScreen(Screen[None]):
         yield Footer()
 
     def on_mount(self) -> None:
-        session = self._live.run.session
-        parameters = session.task.parameters
-        self.query_one("#attempts", ProgressBar).update(
-            total=parameters.practice_attempts + parameters.attempts, progress=0
-        )
-        self.query_one("#trials", ProgressBar).update(total=session.task.trials_per_attempt)
+        self.query_one("#trials", ProgressBar).update(total=self._live.run.session.task.trials_per_attempt)
         self._count(0)
+        self._count_attempts(0)
         self._live.begin(self.app, self._broken)
 
     def on_unmount(self) -> None:
@@ -169,7 +165,7 @@ class SessionScreen(Screen[None]):
 
     def end_attempt(self, ended: AttemptEnded) -> None:
         self._quiet.end_attempt()
-        self.query_one("#attempts", ProgressBar).update(progress=ended.attempt)
+        self._count_attempts(ended.attempt)
 
     def say(self, action: Action) -> None:
         self.query_one(Agent).say(action.text, action.face, action.valence)
@@ -192,6 +188,8 @@ class SessionScreen(Screen[None]):
                 self._begin_trials(waiting)
             case "paused":
                 self._paused(waiting)
+            case "ended" if waiting.reason == "storage":
+                self._ask_for_space()
             case "ended" if waiting.what == "storage":
                 self._message("Finished", "Your results are being saved.", "")
 
@@ -220,18 +218,22 @@ class SessionScreen(Screen[None]):
                     "Press Enter to go on.",
                 )
             case "storage":
-                self._message(
-                    "Please fetch the experimenter",
-                    "The computer cannot save just now, so the session has paused.\n"
-                    "Everything you did is kept. For the experimenter: the disk is full or refuses to write;\n"
-                    "the session goes on when there is space again.",
-                    "",
-                )
+                self._ask_for_space()
             case "restored":
                 self._message("Thank you for waiting", "Everything is saved again.", "Press Enter to go on.")
             case reason:
                 self.query_one(PauseMenu).open(reason)
                 self._stage("menu")
+
+    def _ask_for_space(self) -> None:
+        self._message(
+            "Please fetch the experimenter",
+            "The computer cannot save just now, so the session has paused.\n"
+            "Everything you did is kept.\n\n"
+            "For the experimenter: the disk is full or refuses to write.\n"
+            "When there is space again, the session can go on.",
+            "",
+        )
 
     def _message(self, headline: str, text: str, enter: str) -> None:
         self.query_one("#headline", Static).update(headline)
@@ -250,10 +252,16 @@ class SessionScreen(Screen[None]):
     def _where(self, waiting: Waiting) -> None:
         """Say in the corner and at the foot how far the session has come."""
         self.query_one("#where", Static).update(f"{waiting.attempt_name.capitalize()} · level {waiting.level}")
+        self._count_attempts(waiting.attempt - 1)
+
+    def _count_attempts(self, done: int) -> None:
+        """Practice attempts and those after them are counted apart."""
         parameters = self._live.run.session.task.parameters
-        total = parameters.practice_attempts + parameters.attempts
-        self.query_one("#attempts", ProgressBar).update(progress=waiting.attempt - 1)
-        self.query_one("#attempts-label", Static).update(f"  Attempts {waiting.attempt - 1} of {total} ")
+        kind, total = "Practice", parameters.practice_attempts
+        if done >= total:
+            kind, total, done = "Attempts", parameters.attempts, done - total
+        self.query_one("#attempts", ProgressBar).update(total=total, progress=done)
+        self.query_one("#attempts-label", Static).update(f"  {kind} {done} of {total} ")
 
     def _count(self, done: int) -> None:
         total = self._live.run.session.task.trials_per_attempt

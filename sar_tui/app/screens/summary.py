@@ -45,7 +45,7 @@ class Summary(Vertical):
         return facts
 
     def _draw(self) -> None:
-        from sar_tui.plot import attempts_figure
+        from sar_tui.plot import EMPTY, LEVEL, MISSED, REACHED, attempts_figure
 
         plot = self.query_one("#plot", Static)
         if not self._attempts or plot.size.width < 20 or plot.size.height < 6:
@@ -57,6 +57,11 @@ class Summary(Vertical):
             threshold=self._motor_task.parameters.threshold,
             width=plot.size.width,
             height=plot.size.height,
+            color=False,
             outcomes=[a.outcome for a in self._attempts],
         )
-        plot.update(Text.from_ansi(figure))
+        text = Text(figure)
+        colors = self.app.theme_variables
+        for marks, color in ((LEVEL, "text-muted"), (REACHED, "success"), (MISSED + EMPTY, "warning")):
+            text.highlight_regex(f"[{marks}]+", colors[color])
+        plot.update(text)

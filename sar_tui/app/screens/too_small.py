@@ -22,8 +22,6 @@ class TooSmallScreen(Screen[None]):
 
     def on_resize(self, event: events.Resize) -> None:
         size = event.size
-        if not is_too_small(size):
-            self.dismiss()
         self.query_one("#too-small", Static).update(
             f"This window is too small.\n\nPlease make it larger.\n\n"
             f"It has {size.width} by {size.height} characters;\n{MINIMUM.width} by {MINIMUM.height} are needed."

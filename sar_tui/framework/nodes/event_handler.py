@@ -34,7 +34,7 @@ from sar_tui.framework.topics import (
 from sar_tui.framework.trial import OpenTrial
 
 GRACE = 50 * MS
-"""A response stamped in time may be handled this much after the time-out."""
+"""A response stamped in time may be handled this much after the time-out was, however late that itself came."""
 
 
 class Phase(Enum):
@@ -150,9 +150,12 @@ class EventHandler(TimedNode):
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:
         """A disk that refuses pauses the session; one that writes again lets it go on."""
-        if self._phase in (Phase.CLOSING, Phase.ENDED):
-            return
-        if not storage.working:
+        if self._phase is Phase.CLOSING:
+            self._pause_reason = "" if storage.working else "storage"
+            self._wait(Phase.CLOSING)
+        elif self._phase is Phase.ENDED:
+            pass
+        elif not storage.working:
             self._pause("storage")
         elif self._phase is Phase.PAUSED and self._pause_reason == "storage":
             self._pause("restored")
@@ -315,6 +318,8 @@ class EventHandler(TimedNode):
             case "foreperiod":
                 self._wait(Phase.STORING)
             case "timeout":
+                self.set_timer("grace", self.now + GRACE)
+            case "grace":
                 self._finish(self.task.timed_out(self._trial.view()))
 
     def _show(self) -> None:
@@ -330,7 +335,7 @@ class EventHandler(TimedNode):
             return
         self._phase = Phase.RESPONSE
         self._trial.set_onset(shown)
-        self.set_timer("timeout", shown.at + self.parameters.response_timeout_ms * MS + GRACE)
+        self.set_timer("timeout", shown.at + self.parameters.response_timeout_ms * MS)
         for percept in self._trial.early:
             if self._phase is Phase.RESPONSE:
                 self._judge(percept)

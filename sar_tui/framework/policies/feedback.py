@@ -11,6 +11,10 @@ from sar_tui.framework.task import Metric, Score
 Reason = Literal["goal", "missed", "band", "accuracy", "empty"]
 
 
+_ROUNDING = 1e-9
+"""So much of the goal a sum of fractions may be off: 0.8 lies within 0.1 of 0.7."""
+
+
 class Judgement(msgspec.Struct, frozen=True):
     """An attempt against its goal. ``reason`` says why the valence is what it is (see `messages.Feedback`)."""
 
@@ -33,7 +37,7 @@ def judge(score: Score, metric: Metric, parameters: TaskParameters) -> Judgement
         return Judgement("failure", "negative", "accuracy")
     success = metric.is_better(score.metric, parameters.threshold)
     outcome: Outcome = "success" if success else "failure"
-    if abs(score.metric - parameters.threshold) <= parameters.neutral_band:
+    if abs(score.metric - parameters.threshold) <= parameters.neutral_band + _ROUNDING * parameters.threshold:
         return Judgement(outcome, "neutral", "band")
     return Judgement(outcome, "positive", "goal") if success else Judgement(outcome, "negative", "missed")
 

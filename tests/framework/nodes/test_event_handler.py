@@ -166,10 +166,9 @@ def test_feedback_comes_at_its_own_frequency_whatever_the_difficulty_does(sit: S
 
 
 def test_practice_is_answered_but_changes_neither_level_nor_count(sit: Sit) -> None:
-    desk = sit(practice_attempts=2, attempts=2, feedback_every=2, start_level=3, consecutive_successes=1)
+    desk = sit(practice_attempts=1, attempts=2, feedback_every=2, start_level=3)
     desk.enter()
-    assert desk.waiting.attempt_name == "practice 1 of 2"
-    desk.attempt(400)
+    assert desk.waiting.attempt_name == "practice 1 of 1"
     desk.attempt(400)
     assert desk.all(LEVEL) == []
     assert desk.waiting.attempt_name == "attempt 1 of 2"
@@ -178,11 +177,10 @@ def test_practice_is_answered_but_changes_neither_level_nor_count(sit: Sit) -> N
     ended = desk.all(ATTEMPT_ENDED)
     assert [(attempt.attempt, attempt.practice, attempt.level) for attempt in ended] == [
         (1, True, 3),
-        (2, True, 3),
-        (3, False, 3),
-        (4, False, 4),
+        (2, False, 3),
+        (3, False, 4),
     ]
-    assert [attempt.feedback for attempt in ended] == ["positive", "positive", "none", "positive"]
+    assert [attempt.feedback for attempt in ended] == ["positive", "none", "positive"]
     assert desk.waiting.what == "nothing"
 
 
@@ -240,6 +238,18 @@ def test_a_foreperiod_begins_only_after_half_a_second_without_keys(sit: Sit) -> 
     assert desk.clock.now() - answered == 500 * MS
 
 
+def test_a_key_while_quiet_is_awaited_puts_it_off_and_is_no_false_start(sit: Sit) -> None:
+    desk = sit()
+    desk.enter()
+    desk.press("enter")
+    desk.wait(300)
+    desk.press("f")
+    pressed = desk.clock.now()
+    desk.until(lambda: desk.waiting.what == "foreperiod")
+    assert desk.clock.now() - pressed == 500 * MS
+    assert desk.answer().timing.false_starts == 0
+
+
 def test_after_a_quiet_miss_the_foreperiod_begins_at_once(sit: Sit) -> None:
     desk = sit(response_timeout_ms=2000)
     desk.start()
@@ -295,6 +305,19 @@ def test_a_key_before_onset_is_an_anticipation_kept_flagged_and_out_of_the_metri
     assert (trial.response, trial.correct, trial.reaction_time_ms, trial.value) == (prompt.expected, True, None, None)
     assert trial.response_at == trial.onset - 3 * MS
     assert trial.timing.flags == ("anticipation",)
+
+
+def test_of_two_keys_before_onset_the_first_is_the_response_and_the_other_none(sit: Sit) -> None:
+    desk = sit()
+    desk.enter()
+    desk.press("enter")
+    desk.until(lambda: desk.all(PROMPT))
+    for key in ("#", desk.last(PROMPT).expected):
+        desk.wait(1)
+        desk.press(key)
+    desk.to_prompt()
+    assert [(trial.trial, trial.response) for trial in desk.all(TRIAL)] == [(1, "#")]
+    assert desk.session.faults == []
 
 
 def test_a_key_stamped_after_onset_but_handled_before_it_is_a_response(sit: Sit) -> None:
@@ -535,6 +558,20 @@ def test_a_repeated_prompt_says_how_often_it_was_shown(sit: Sit) -> None:
     assert desk.answer().timing.presentation == 2
 
 
+def test_what_befell_a_prompt_before_a_pause_is_not_told_of_its_repetition(sit: Sit) -> None:
+    desk = sit()
+    desk.enter()
+    desk.press("enter")
+    desk.until(lambda: desk.waiting.what == "foreperiod")
+    desk.press("f")
+    desk.to_prompt()
+    desk.paste()
+    desk.operate("pause")
+    desk.operate("resume")
+    timing = desk.answer().timing
+    assert (timing.false_starts, timing.flags) == (0, ())
+
+
 def test_after_a_pause_there_is_quiet_and_a_whole_foreperiod(sit: Sit) -> None:
     desk = sit(foreperiod_min_ms=700, foreperiod_max_ms=700)
     desk.start()
@@ -743,6 +780,18 @@ def test_a_session_is_complete_only_when_its_last_trial_is_stored(sit: Sit) -> N
     desk.operate("end")
     assert desk.all(SESSION_ENDED) == []
     desk.screen.store(1, 1)
+    assert desk.last(SESSION_ENDED).status == "completed"
+
+
+def test_at_the_end_too_an_acknowledgement_of_an_earlier_trial_is_not_enough(sit: Sit) -> None:
+    desk = sit(attempts=1, prompts_per_attempt=2)
+    desk.screen.stores = False
+    desk.start()
+    desk.operate("skip")
+    desk.operate("skip")
+    desk.screen.store(1, 1)
+    assert desk.all(SESSION_ENDED) == []
+    desk.screen.store(1, 2)
     assert desk.last(SESSION_ENDED).status == "completed"
 
 

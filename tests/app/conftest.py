@@ -1,0 +1,15 @@
+"""No test of the app depends on the terminal of whoever runs it."""
+
+from collections.abc import Iterator
+
+import pytest
+
+_SIGNS = ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY", "ZELLIJ", "NO_COLOR")
+
+
+@pytest.fixture(autouse=True)
+def a_plain_terminal() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        for name in _SIGNS:
+            patch.delenv(name, raising=False)
+        yield

@@ -1,0 +1,196 @@
+"""Settings: a form made from a task's declaration, kept for one participant."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+import pytest
+from textual.widgets import Input, Select
+
+from sar_tui.app.screens.settings import SettingsScreen
+from sar_tui.framework.parameters import fields, meta, show
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+from sar_tui.widgets.parameter_field import ParameterField
+from tests.app.chair import Chair, known, sit_down, stored
+
+
+def field(chair: Chair, name: str) -> ParameterField:
+    return chair.app.screen.query_one(f"#parameter-{name}", ParameterField)
+
+
+def reads(chair: Chair, name: str) -> str:
+    """What stands under a field."""
+    return str(field(chair, name).query_one(".help").render())
+
+
+async def go_to(chair: Chair, name: str) -> None:
+    """Put the cursor into a field."""
+    field(chair, name).query_one("Input, Select, Switch").focus()
+    await chair.settle()
+
+
+async def fill(chair: Chair, name: str, text: str) -> None:
+    """Replace what a field holds."""
+    await go_to(chair, name)
+    await chair.write("end", *["backspace"] * len(field(chair, name).query_one(Input).value), *text)
+
+
+def kept(data: Path) -> dict[str, Any]:
+    """The settings of P01 as they are stored."""
+    ((parameters,),) = stored(data, "SELECT parameters FROM settings WHERE participant='P01'")
+    return dict(msgspec.json.decode(parameters))
+
+
+@pytest.fixture
+def a_participant(data: Path) -> None:
+    known(data, "P01", attempts=20, prompts_per_attempt=20)
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_there_is_one_field_for_each_declared_parameter(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        assert chair.sees("Settings of P01 for Keyboard reaction")
+        shown = [widget.field for widget in chair.app.screen.query(ParameterField)]
+        assert shown == list(fields(keyboard.Parameters))
+        for declared in shown:
+            assert field(chair, declared.name).has_focus_within
+            assert chair.sees(declared.title)
+            assert chair.sees(declared.help)
+            assert chair.sees(declared.unit)
+            assert chair.sees(show(declared.default))
+            assert declared.choices or chair.sees(declared.bounds)
+            await chair.press("tab")
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_a_parameter_that_a_task_adds_has_a_field_with_no_other_change(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    class More(keyboard.Parameters, frozen=True, kw_only=True):  # type: ignore[name-defined, misc]
+        tempo: Annotated[int, meta("Tempo", "beats", "How fast the drum beats.", ge=1, le=9)] = 3
+        drum: Annotated[bool, meta("Drum", help="Whether there is a drum.")] = True
+
+    class Drummed(keyboard):  # type: ignore[valid-type, misc]
+        Parameters = More
+
+    async with sit_down(data, catalogue) as chair:
+        chair.app.push_screen(SettingsScreen("P01", Drummed))
+        await chair.settle()
+        assert len(chair.app.screen.query(ParameterField)) == len(fields(keyboard.Parameters)) + 2
+        await go_to(chair, "tempo")
+        assert chair.sees("Tempo 3 beats (1 to 9)")
+        assert chair.sees("How fast the drum beats.")
+        await fill(chair, "tempo", "12")
+        assert reads(chair, "tempo") == "Tempo is a whole number, 1 to 9, not 12."
+        await fill(chair, "tempo", "7")
+        await go_to(chair, "drum")
+        await chair.press("space", "ctrl+s")
+    assert kept(data) == {"tempo": 7, "drum": False}
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_a_value_is_checked_as_it_is_typed(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await fill(chair, "attempts", "2x")
+        assert reads(chair, "attempts") == "Attempts is a whole number, 1 to 200, not 2x."
+        assert chair.sees("1 to mend")
+        await chair.press("backspace")
+        assert reads(chair, "attempts") == "How many attempts a session has. Default: 20."
+        assert not chair.sees("to mend")
+        assert chair.sees("not saved")
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_settings_that_do_not_go_together_are_told_at_the_field(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await fill(chair, "foreperiod_min_ms", "1800")
+        assert reads(chair, "foreperiod_min_ms") == "Shortest wait (1800 ms) is above the longest (1500 ms)."
+        await fill(chair, "foreperiod_max_ms", "1900")
+        assert "Default: 500." in reads(chair, "foreperiod_min_ms")
+        await fill(chair, "start_level", "11")
+        assert reads(chair, "start_level") == "There are only 10 levels in this choice of keys, so there is no level 11."
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_what_is_wrong_is_not_saved_and_is_gone_to(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await fill(chair, "attempts", "0")
+        await go_to(chair, "prompts_per_attempt")
+        await chair.press("ctrl+s")
+        assert field(chair, "attempts").has_focus_within
+        assert chair.sees("Attempts is a whole number, 1 to 200, not 0.")
+    assert kept(data)["attempts"] == 20
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_a_dot_marks_what_differs_from_the_default(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        assert "●" not in chair.text
+        await fill(chair, "prompts_per_attempt", "5")
+        assert chair.sees("● Prompts per attempt 5")
+        await fill(chair, "prompts_per_attempt", "20")
+        assert "●" not in chair.text
+
+
+async def test_a_dot_marks_what_was_changed_before(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", prompts_per_attempt=5)
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        assert chair.sees("● Prompts per attempt 5")
+        assert not chair.sees("not saved")
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await fill(chair, "prompts_per_attempt", "5")
+        await fill(chair, "sequence_length", "6")
+        await fill(chair, "attempts", "7")
+        await chair.press("ctrl+r")
+        assert field(chair, "attempts").value == "20"
+        assert field(chair, "sequence_length").value == "6"
+        chair.app.screen.query_one("#reset-all").focus()
+        await chair.press("enter")
+        assert not any(widget.is_changed for widget in chair.app.screen.query(ParameterField))
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_saved_settings_are_those_of_the_participants_next_session(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P02", attempts=2)
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await fill(chair, "attempts", "3")
+        await go_to(chair, "choice_set")
+        await chair.press("enter", "down", "enter")
+        assert chair.app.screen.query_one("#parameter-choice_set").query_one(Select).value == "arrow keys"
+        await chair.press("ctrl+s")
+        assert chair.sees("saved for P01")
+        await chair.press("escape", *["right"] * 3, "enter", "enter")
+        assert chair.sees("Press Enter to begin attempt 1 of 3.")
+        assert (await chair.begin()).expected in ("left", "right")
+    assert kept(data) == {"attempts": 3, "choice_set": "arrow keys"}
+    assert stored(data, "SELECT json_extract(parameters, '$.attempts') FROM settings WHERE participant='P02'") == [(2,)]
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_leaving_asks_once_if_something_was_not_saved(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await fill(chair, "attempts", "3")
+        await chair.press("escape")
+        assert chair.screen_name == "SettingsScreen"
+        assert chair.sees("Not saved yet. Save with Ctrl-S, or")
+        await chair.press("escape")
+        assert chair.screen_name == "HomeScreen"
+        await chair.press("f2", "escape")
+        assert chair.screen_name == "HomeScreen"
+    assert kept(data)["attempts"] == 20
