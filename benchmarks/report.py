@@ -31,7 +31,6 @@ def machine() -> dict[str, Any]:
     """What it was measured on; nothing that names the machine or its owner."""
     return {
         "system": platform.system(),
-        "release": platform.release(),
         "architecture": platform.machine(),
         "processor": _processor(),
         "cores": os.cpu_count(),
@@ -79,7 +78,9 @@ def _number(value: float) -> str:
 
 def drawn(title: str, rows: Rows) -> Table:
     """A table for the terminal."""
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
+    table = Table(
+        title=title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, title_justify="left", title_style="bold"
+    )
     for number, name in enumerate(rows[0]):
         table.add_column(name, justify="right" if number else "left", no_wrap=True)
     for row in rows[1:]:
@@ -93,7 +94,7 @@ def page(results: Results) -> str:
     lines = [
         "# The latest benchmark",
         "",
-        f"{results['measured_at'][:10]}: {own['processor']}, {own['cores']} cores, {own['system']} {own['release']}; "
+        f"{results['measured_at'][:10]}: {own['processor']}, {own['cores']} cores, {own['system']}; "
         f"Python {own['python']}, Textual {own['textual']}, sar-tui {own['sar_tui']}. `make bench` makes this page.",
     ]
     for title, (head, *rows) in tables(results).items():

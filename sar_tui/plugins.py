@@ -38,6 +38,7 @@ class Catalogue:
         for folder in tasks:
             if not folder.is_dir():
                 raise PluginError(f"There is no folder {folder} to find tasks in.")
+        self.extra_tasks = tasks
         self._tasks = (*tasks, user_folder() / "tasks", _shipped("tasks"))
         self._themes = (*themes, user_folder() / "themes", _shipped("themes"))
 
@@ -159,6 +160,8 @@ def _checked(task: type[Task], name: str) -> type[Task]:
     missing = [attribute for attribute in ("name", "title", "metric") if not hasattr(task, attribute)]
     if missing:
         raise PluginError(f"The task {name} does not declare its {' or its '.join(missing)}.")
+    if task.metric.better not in ("lower", "higher"):
+        raise PluginError(f"The metric of the task {name} is better lower or higher, not {task.metric.better}.")
     if task.name != name:
         raise PluginError(f"The task in {name} calls itself {task.name}; the two have to be the same.")
     return task

@@ -68,10 +68,7 @@ class Run:
     def check(self) -> None:
         """Raise Failed if a vital node has broken."""
         if fault := self.session.broken:
-            raise Failed(
-                f"The task {self.session.task.name} failed ({fault.error}). What was done so far is kept; "
-                f"`sar-tui show {self.id}` shows it."
-            )
+            raise Failed(f"The task {self.session.task.name} failed ({fault.error}). What was done so far is kept.")
 
     def close(self) -> None:
         """Let go. A session that has not ended is left as interrupted, to be gone on with."""

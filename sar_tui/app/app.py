@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import functools
 import os
+import shlex
 import signal
 import sys
 from collections.abc import Iterable
@@ -17,7 +18,7 @@ from textual.driver import Driver
 from textual.geometry import Size
 from textual.screen import Screen
 
-from sar_tui.app.driver import OnsetWatch, watched
+from sar_tui.app.driver import OnsetWatch, stamp_keys_as_read, watched
 from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.too_small import TooSmallScreen, is_too_small
 from sar_tui.app.themes import textual_theme
@@ -25,7 +26,7 @@ from sar_tui.framework.clock import Clock
 from sar_tui.framework.parameters import ParameterError
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.runs import Failed, Plan
-from sar_tui.store.database import StoreError, connect
+from sar_tui.store.database import StoreError, connect, default_folder
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
@@ -68,6 +69,11 @@ class SarTui(App[int]):
 
     def get_driver_class(self) -> type[Driver]:
         return watched(super().get_driver_class(), self.onset_watch, self._terminal_gone)
+
+    @property
+    def begins_at_once(self) -> bool:
+        """Whether the app was opened for one session, and ends with it."""
+        return self._begin is not None
 
     def use_theme(self, name: str) -> None:
         """Wear a theme of the Social-Behavioral Base."""
@@ -203,6 +209,7 @@ def run_app(folder: Path, catalogue: Catalogue, plan: Plan | None = None, resume
     Raises:
         StoreError, PluginError: before the app opens.
     """
+    stamp_keys_as_read()
     app = SarTui(folder, catalogue, plan or resume)
     app.run()
     app.close_session()
@@ -218,10 +225,22 @@ def _last_words(app: SarTui, code: int) -> list[str]:
         words.append("Stopped with Ctrl-C.")
     live = app.live
     if live and not live.run.session.ended:
-        words.append(f"The session is kept. Go on with it: sar-tui resume {live.run.id}")
+        words.append(f"The session is kept. Go on with it: {_command(app, 'resume', live.run.id)}")
+    elif live and app.begins_at_once:
+        words.append(f"The session is kept. Look at it: {_command(app, 'show', live.run.id)}")
     if live and live.unsaved:
         words.append("The disk would not take the session's last messages; the trials acknowledged before are safe.")
     return words
+
+
+def _command(app: SarTui, name: str, session: str) -> str:
+    """A command for a session, as it has to be typed from here."""
+    words = ["sar-tui", name, session]
+    if app.folder.resolve() != default_folder().resolve():
+        words += ["--data", str(app.folder)]
+    for folder in app.catalogue.extra_tasks:
+        words += ["--tasks", str(folder)]
+    return shlex.join(words)
 
 
 def _tell(line: str) -> None:

@@ -1,14 +1,16 @@
-"""When did the prompt reach the terminal? Stamped where the frame is flushed, not where a widget is changed.
+"""When did the prompt reach the terminal, and when did the key come? Stamped where it happens.
 
 Textual writes each frame to its driver's file from a thread of its own. The file is wrapped: a frame that holds
-the awaited text is noticed as it is written, and stamped when the flush that follows has returned.
+the awaited text is noticed as it is written, and stamped when the flush that follows has returned. Keys are stamped
+in the input thread as their bytes have been read, before they are parsed.
 """
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import IO, Any
 
 from textual.driver import Driver
+from textual.message import Message
 
 from sar_tui.framework.clock import host_now
 
@@ -80,6 +82,28 @@ class WatchedFile:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._file, name)
+
+
+def stamp_keys_as_read() -> None:
+    """Have the POSIX driver's parser stamp its events with the time at which their bytes came.
+
+    Textual stamps an event when it is made, in the same thread but after parsing, by when another thread may have
+    taken the interpreter. A Textual without the parser we know keeps its own stamps.
+    """
+    try:
+        from textual import _time
+        from textual.drivers import linux_driver
+    except ImportError:  # Windows
+        return
+
+    class StampedParser(linux_driver.XTermParser):  # type: ignore[name-defined, misc]
+        def feed(self, data: str) -> Iterable[Message]:
+            read_at = _time.get_time()
+            for message in super().feed(data):
+                message.time = read_at
+                yield message
+
+    linux_driver.XTermParser = StampedParser  # type: ignore[attr-defined]
 
 
 def watched(driver: type[Driver], watch: OnsetWatch, gone: Callable[[], None]) -> type[Driver]:

@@ -103,6 +103,8 @@ class ScreenOutput(Node):
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
+        if waiting.stage == "trial":
+            self._end_speaking()
         self._stage.wait(waiting)
 
     @on(SESSION_ENDED)

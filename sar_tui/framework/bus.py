@@ -200,6 +200,16 @@ def _fault(owner: str, topic: Topic[Any], error: Exception) -> Fault:
     return Fault(
         node=owner,
         topic=topic.name,
-        error=f"{type(error).__name__}: {error}",
+        error=f"{type(error).__name__}: {error}{_place(error)}",
         trace="".join(traceback.format_exception(error)),
+    )
+
+
+def _place(error: Exception) -> str:
+    """Where it was raised: ", in line 12 of task.py"."""
+    frames = traceback.extract_tb(error.__traceback__)
+    return (
+        f", in line {frames[-1].lineno} of {frames[-1].filename.replace(chr(92), '/').rsplit('/', 1)[-1]}"
+        if frames
+        else ""
     )

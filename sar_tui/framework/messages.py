@@ -139,13 +139,13 @@ class Waiting(Message, frozen=True, kw_only=True):
 
     ``what``: ``enter`` (Return), ``quiet`` (no keys for a moment), ``foreperiod``, ``storage`` (the disk),
     ``response``, ``resume`` (paused), ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
-    ``trial``, ``paused``, ``ended``. ``attempt_name`` is the attempt in words, "attempt 3 of 20"; ``goal`` what it
+    ``trial``, ``paused``, ``review`` (all attempts done), ``ended``. ``attempt_name`` is the attempt in words, "attempt 3 of 20"; ``goal`` what it
     aims at, but for trials. ``reason``, when paused: how the person is (see `Operator`), ``interrupted`` (the
     program had ended), ``storage`` (the disk refuses; also at the end), ``restored`` (it no longer does).
     """
 
     what: Literal["enter", "quiet", "foreperiod", "storage", "response", "resume", "nothing"]
-    stage: Literal["instructions", "attempt", "trial", "paused", "ended"]
+    stage: Literal["instructions", "attempt", "trial", "paused", "review", "ended"]
     attempt: int = 0
     trial: int = 0
     level: int = 0

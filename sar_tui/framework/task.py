@@ -158,7 +158,9 @@ class Task(ABC):
     def goal(self, level: int) -> str:
         """The goal of an attempt, in the participant's words."""
         than = "less" if self.metric.better == "lower" else "more"
-        return f"Your goal: {than} than {self.metric.show(self.parameters.threshold)}."
+        goal = f"Your goal: {than} than {self.metric.show(self.parameters.threshold)}"
+        needed = self.parameters.min_accuracy
+        return f"{goal}, with at least {needed:.0%} right." if needed else f"{goal}."
 
     @abstractmethod
     def stimulus(self, situation: Situation) -> Stimulus:

@@ -43,6 +43,8 @@ def connect(folder: Path) -> sqlite_utils.Database:
         StoreError: not a database of ours, a newer version's, not writable, or the disk is full.
     """
     path = folder / FILE
+    if folder.exists() and not folder.is_dir():
+        raise StoreError(f"{folder} is a file, not a folder to keep data in.", bad_input=True)
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         os.close(os.open(path, os.O_RDWR | os.O_CREAT, 0o600))

@@ -2,7 +2,7 @@
 
 from rich.segment import Segment
 from rich.style import Style
-from textual.geometry import Size
+from textual.geometry import Region, Size
 from textual.strip import Strip
 from textual.widget import Widget
 
@@ -33,9 +33,19 @@ class BigPrompt(Widget):
         self._change(None, "", "")
 
     def _change(self, glyph: str | None, text: str, hint: str) -> None:
+        before = self._regions()
         self._glyph, self._text, self._hint = glyph, text, hint
-        self._composed_for = None
-        self.refresh()
+        self._compose_lines()
+        self.refresh(*before, *self._regions())
+
+    def _regions(self) -> list[Region]:
+        """Where something stands: a small frame reaches the terminal in one piece."""
+        width = self.size.width
+        return [
+            Region(max(0, (width - len(line)) // 2), y, min(width, len(line)), 1)
+            for y, (line, _) in enumerate(self._lines)
+            if line
+        ]
 
     def _compose_lines(self) -> None:
         width, height = self.size

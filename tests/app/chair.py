@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 from rich.console import Console
-from textual.events import Key
+from textual.events import Callback, Key
 from textual.message import Message
 from textual.pilot import Pilot
 
@@ -29,8 +29,6 @@ SHORT = {"attempts": 2, "prompts_per_attempt": 2}
 """A session that a test need not sit through for long."""
 _NAMES = {"?": "question_mark", "-": "minus", "/": "slash", " ": "space"}
 _TYPED = {"space": " ", "enter": "\r", "tab": "\t"}
-_HOPS = 5
-"""How often messages are passed on, at most, from a key to the last widget that changes for it."""
 _FRAMES = str.maketrans("│▌╭╮╰╯─", "       ")
 
 
@@ -51,13 +49,14 @@ def known(data: Path, participant: str = "P01", theme: str = "calm", **parameter
 class Chair:
     """What a person does and sees. Only they move the session's clock."""
 
-    def __init__(self, app: SarTui, pilot: Pilot[int], clock: VirtualClock) -> None:
+    def __init__(self, app: SarTui, clock: VirtualClock) -> None:
         self.app = app
-        self.pilot = pilot
+        self.pilot: Pilot[int]
         self.clock = clock
         self._heard: Session | None = None
         self._waiting: list[Waiting] = []
         self._prompts: list[Prompt] = []
+        self._messages = 0
 
     # --- what is done --------------------------------------------------------------------------------------
 
@@ -67,7 +66,7 @@ class Chair:
             await self.write(key)
 
     async def write(self, *keys: str) -> None:
-        """Type into a form, where nothing need settle between two keys."""
+        """Type characters into a form, where nothing need settle between them."""
         for key in keys:
             self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
         await self.settle()
@@ -84,10 +83,17 @@ class Chair:
             self.clock.advance(0)
             await self._rest()
 
+    def hear(self, message: Message) -> None:
+        """A message arrived at the app or at one of its widgets."""
+        self._messages += not isinstance(message, Callback)
+
     async def _rest(self) -> None:
-        if self.app.is_running:
-            for _ in range(_HOPS):
-                await self.pilot.pause(0)
+        """Until no widget tells another anything more."""
+        silent = 0
+        while self.app.is_running and silent < 2:
+            before = self._messages
+            await self.pilot.pause(0)
+            silent = silent + 1 if self._messages == before else 0
 
     async def wait(self, ms: float) -> None:
         """Let time pass. A prompt that comes up in it is seen at once."""
@@ -218,10 +224,9 @@ async def sit_down(
     data: Path, catalogue: Catalogue, begin: Plan | str | None = None, size: tuple[int, int] = (80, 24)
 ) -> AsyncIterator[Chair]:
     """Open the app in front of a person, and close it when they get up."""
-    clock = VirtualClock(10 * SECOND)
-    app = SarTui(data, catalogue, begin, clock=clock)
-    async with app.run_test(size=size, notifications=True) as pilot:
-        chair = Chair(app, pilot, clock)
+    app = SarTui(data, catalogue, begin, clock=(clock := VirtualClock(10 * SECOND)))
+    chair = Chair(app, clock)
+    async with app.run_test(size=size, notifications=True, message_hook=chair.hear) as chair.pilot:
         await chair.settle()
         yield chair
     app.close_session()

@@ -168,11 +168,10 @@ async def test_a_session_whose_task_is_gone_says_so(data: Path, catalogue: Catal
 async def test_a_participant_in_another_window_cannot_sit_down_twice(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)):
-        async with sit_down(data, catalogue) as second:
-            await second.press("right", "right", "right", "enter")
-            assert second.screen_name == "HomeScreen"
-            assert second.sees("in a live session already")
+    async with sit_down(data, catalogue, plan(keyboard)), sit_down(data, catalogue) as second:
+        await second.press("right", "right", "right", "enter")
+        assert second.screen_name == "HomeScreen"
+        assert second.sees("in a live session already")
 
 
 async def test_a_terminal_that_blurs_timing_is_told_as_such(

@@ -13,7 +13,9 @@ from textual.widgets import Static
 class HelpScreen(ModalScreen[None]):
     """Lists the keys of the screen beneath it."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,enter,space,f1,q", "dismiss", "Close", id="help-close")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,enter,space,f1,question_mark,q", "dismiss", "Close", id="help-close")
+    ]
 
     def __init__(self, about: Screen[object]) -> None:
         super().__init__()

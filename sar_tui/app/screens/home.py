@@ -26,9 +26,9 @@ class HomeScreen(Screen[None]):
 
     HELP_TEXT = (
         "Choose who takes part, the task and the theme; then Start.\n"
-        "The arrows move within a list and between lists, Enter chooses.\n"
-        "A session that was interrupted stands at the top of the list below: Enter goes on with it.\n\n"
-        "Participants are codes, never names."
+        "The arrows move within and between lists, Enter chooses.\n\n"
+        "A session that was interrupted stands first among the recent ones: Enter goes on with it.\n\n"
+        "Participants are codes, never names.\n"
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("right,down", "next", "Next list", show=False, id="next"),

@@ -1,5 +1,6 @@
 """The session's screen: what the participant sees, from the instructions to the summary."""
 
+import asyncio
 import functools
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -9,12 +10,13 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
-from textual.widgets import ContentSwitcher, Footer, ProgressBar, Static
+from textual.widgets import ContentSwitcher, Footer, Static
 
 from sar_tui.app.live import LiveSession
 from sar_tui.app.quiet import Quiet
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
+from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import (
     Action,
     AttemptEnded,
@@ -29,9 +31,12 @@ from sar_tui.framework.messages import (
 from sar_tui.framework.topics import RECALL
 from sar_tui.widgets.agent import Agent
 from sar_tui.widgets.big_prompt import BigPrompt
+from sar_tui.widgets.progress_line import ProgressLine
 
-_UNSEEN = 0.25
-"""Seconds after a repaint by which a flush should have been stamped; then the repaint itself is the onset."""
+_LOOK_AFTER = 0.03
+"""Seconds until the stamp of a prompt is looked at: work before then would delay the prompt's way to the eye."""
+_UNSEEN = 2 * SECOND
+"""A prompt whose flush has not been seen by then is taken to be up, and marked as less sure."""
 
 
 class SessionScreen(Screen[None]):
@@ -41,8 +46,7 @@ class SessionScreen(Screen[None]):
     """
 
     HELP_TEXT = (
-        "Do the task that appears. When the screen waits, press Enter.\n"
-        "To pause at any time, press Escape; nothing is lost.\n"
+        "Do the task that appears. When asked to, press Enter.\nTo pause at any time, press Escape; nothing is lost.\n"
     )
     AUTO_FOCUS = ""
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "pause", "Pause", id="pause")]
@@ -54,7 +58,6 @@ class SessionScreen(Screen[None]):
         self._live = live
         self._quiet = Quiet()
         self._waiting: Waiting | None = None
-        self._unstamped = False
 
     def compose(self) -> ComposeResult:
         session = self._live.run.session
@@ -71,14 +74,11 @@ class SessionScreen(Screen[None]):
             yield Summary(session.task, id="summary")
         yield Agent(session.theme.faces, id="agent")
         with Horizontal(id="progress"):
-            yield Static("", id="trials-label", markup=False)
-            yield ProgressBar(id="trials", show_eta=False, show_percentage=False)
-            yield Static("", id="attempts-label", markup=False)
-            yield ProgressBar(id="attempts", show_eta=False, show_percentage=False)
+            yield ProgressLine(id="trials")
+            yield ProgressLine(id="attempts")
         yield Footer()
 
     def on_mount(self) -> None:
-        self.query_one("#trials", ProgressBar).update(total=self._live.run.session.task.trials_per_attempt)
         self._count(0)
         self._count_attempts(0)
         self._live.begin(self.app, self._broken)
@@ -127,30 +127,32 @@ class SessionScreen(Screen[None]):
     # --- the stage: what the loop asks of the screen ---------------------------------------------------------
 
     def show_prompt(self, prompt: Prompt) -> None:
-        """Put the prompt up; its onset is the flush of the frame that holds its text."""
-        tell = functools.partial(Shown, attempt=prompt.attempt, trial=prompt.trial, presentation=prompt.presentation)
-        self._unstamped = True
-        self.app.onset_watch.arm(prompt.text, functools.partial(self._flushed, tell))
-        self.query_one(BigPrompt).show(prompt.glyph, prompt.text, prompt.hint)
-        self.call_after_refresh(self._refreshed, tell)
+        """Put the prompt up; its onset is the flush of the frame that holds its text.
 
-    def _flushed(self, tell: Callable[..., Shown], at: int) -> None:
-        """On the writing thread: the frame is with the terminal."""
-        self._unstamped = False
-        self._live.screen.shown(tell(at=at, source="flush"))
+        The writing thread keeps the stamp, and this one stays out of its way until the terminal has read the frame.
+        """
+        tell = functools.partial(Shown, attempt=prompt.attempt, trial=prompt.trial, presentation=prompt.presentation)
+        if getattr(self.app._driver, "can_stamp_onset", False):
+            stamps: list[int] = []  # one list a prompt, so that a voided one's stamp is not taken for the next one's
+            self.app.onset_watch.arm(prompt.text, stamps.append)
+            unseen_at = self._live.clock.now() + _UNSEEN
+            asyncio.get_running_loop().call_later(_LOOK_AFTER, self._look_at_stamp, tell, stamps, unseen_at)
+        else:
+            self.call_after_refresh(self._refreshed, tell)
+        self.query_one(BigPrompt).show(prompt.glyph, prompt.text, prompt.hint)
+
+    def _look_at_stamp(self, tell: Callable[..., Shown], stamps: list[int], unseen_at: int) -> None:
+        now = self._live.clock.now()
+        if stamps:
+            self._live.screen.shown(tell(at=stamps[0], source="flush"))
+        elif now < unseen_at:
+            asyncio.get_running_loop().call_later(_LOOK_AFTER, self._look_at_stamp, tell, stamps, unseen_at)
+        else:
+            self._live.screen.shown(tell(at=now, source="refresh"))
 
     def _refreshed(self, tell: Callable[..., Shown]) -> None:
         """The frame is painted. Where no flush can be seen (a test, Windows) this is the onset, and is called so."""
-        shown = tell(at=self._live.clock.now(), source="refresh")
-
-        def fall_back() -> None:
-            if self._unstamped:
-                self._live.screen.shown(shown)
-
-        if getattr(self.app._driver, "can_stamp_onset", False):
-            self.set_timer(_UNSEEN, fall_back)
-        else:
-            fall_back()
+        self._live.screen.shown(tell(at=self._live.clock.now(), source="refresh"))
 
     def clear_prompt(self) -> None:
         self._quiet.end_trial()
@@ -184,6 +186,8 @@ class SessionScreen(Screen[None]):
                 headline = waiting.attempt_name.capitalize()
                 self._message(headline, waiting.goal, f"Press Enter to begin {waiting.attempt_name}.")
                 self._where(waiting)
+            case "review":
+                self._message("You have done it", "That was the last attempt.", "Press Enter to see how it went.")
             case "trial" if entered:
                 self._begin_trials(waiting)
             case "paused":
@@ -205,6 +209,7 @@ class SessionScreen(Screen[None]):
         self._count(waiting.trial - 1)
         self._where(waiting)
         self.query_one(BigPrompt).clear()
+        self.query_one(Agent).say("", "listening")
         self._stage("prompt")
 
     def _paused(self, waiting: Waiting) -> None:
@@ -260,13 +265,10 @@ class SessionScreen(Screen[None]):
         kind, total = "Practice", parameters.practice_attempts
         if done >= total:
             kind, total, done = "Attempts", parameters.attempts, done - total
-        self.query_one("#attempts", ProgressBar).update(total=total, progress=done)
-        self.query_one("#attempts-label", Static).update(f"  {kind} {done} of {total} ")
+        self.query_one("#attempts", ProgressLine).tell(kind, done, total)
 
     def _count(self, done: int) -> None:
-        total = self._live.run.session.task.trials_per_attempt
-        self.query_one("#trials", ProgressBar).update(progress=done)
-        self.query_one("#trials-label", Static).update(f"Prompts {done} of {total} ")
+        self.query_one("#trials", ProgressLine).tell("Prompts", done, self._live.run.session.task.trials_per_attempt)
 
     def _broken(self, error: str) -> None:
         """The task raised: nothing is lost, but it cannot go on."""

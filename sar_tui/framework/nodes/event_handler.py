@@ -48,6 +48,7 @@ class Phase(Enum):
     ONSET = auto()  # the prompt is on its way to the screen
     RESPONSE = auto()
     PAUSED = auto()
+    REVIEW = auto()  # every attempt is done and answered; waits for Enter
     CLOSING = auto()  # every attempt is done; the last trial is not on disk yet
     ENDED = auto()
 
@@ -61,6 +62,7 @@ _WAITS: dict[Phase, tuple[str, str]] = {
     Phase.FOREPERIOD: ("foreperiod", "trial"),
     Phase.STORING: ("storage", "trial"),
     Phase.ONSET: ("response", "trial"),
+    Phase.REVIEW: ("enter", "review"),
     Phase.CLOSING: ("storage", "ended"),
     Phase.ENDED: ("nothing", "ended"),
 }
@@ -183,6 +185,13 @@ class EventHandler(TimedNode):
         else:
             self._wait(self._paused_from)
 
+    def _close(self) -> None:
+        """End the session, once its last trial is on the disk."""
+        if self._stored == self._last_trial:
+            self._end("completed")
+        else:
+            self._wait(Phase.CLOSING)
+
     def _end(self, status: Literal["completed", "aborted"]) -> None:
         self.cancel_timers()
         self._wait(Phase.ENDED)
@@ -267,7 +276,7 @@ class EventHandler(TimedNode):
                 ),
             )
         if self._attempt == self._attempts:
-            self._wait(Phase.CLOSING)
+            self._wait(Phase.REVIEW)
         else:
             self._attempt += 1
             self._results = []
@@ -348,6 +357,8 @@ class EventHandler(TimedNode):
                 self._wait(Phase.READY)
             case Phase.READY if percept.key == "enter" and not percept.repeat:
                 self._begin_attempt()
+            case Phase.REVIEW if percept.key == "enter" and not percept.repeat:
+                self._close()
             case Phase.PAUSED if percept.key == "enter" and self._pause_reason in _ENTER_GOES_ON:
                 self._resume()
             case Phase.QUIET | Phase.FOREPERIOD | Phase.STORING:

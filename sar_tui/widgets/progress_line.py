@@ -1,0 +1,27 @@
+"""How much is done, in words and as a line."""
+
+from textual.content import Content
+from textual.widget import Widget
+
+
+class ProgressLine(Widget):
+    """Shows "Prompts 3 of 20 ━━───────". It has no timer: it changes only when it is told."""
+
+    DEFAULT_CSS = "ProgressLine { height: 1; width: 1fr; margin-right: 2; }"
+
+    def __init__(self, id: str | None = None) -> None:
+        super().__init__(id=id)
+        self._what, self._done, self._total = "", 0, 0
+
+    def tell(self, what: str, done: int, total: int) -> None:
+        """So many of ``what`` are done, of so many in all."""
+        self._what, self._done, self._total = what, done, total
+        self.refresh()
+
+    def render(self) -> Content:
+        words = f"{self._what} {self._done} of {self._total} "
+        room = max(0, self.size.width - len(words))
+        done = room * min(self._done, self._total) // max(1, self._total)
+        return Content.assemble(
+            (words, "$text-muted"), ("━" * done, "$accent"), ("─" * (room - done), "$text-muted 50%")
+        )

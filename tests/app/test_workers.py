@@ -1,0 +1,39 @@
+"""A live session runs in two named Textual workers, which end with the app."""
+
+from pathlib import Path
+
+from sar_tui.app.app import SarTui
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+from tests.app.chair import known, plan, stored
+
+
+async def test_session_and_storage_are_workers_and_none_is_left_when_the_app_has_ended(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    app = SarTui(data, catalogue, plan(keyboard))
+    async with app.run_test() as pilot:
+        await pilot.pause()
+        assert {worker.name for worker in app.workers if worker.is_running} == {"session", "storage"}
+        await pilot.press("ctrl+q")
+    app.close_session()
+    assert not [worker for worker in app.workers if worker.is_running]
+    assert app.live
+    assert app.live.unsaved == 0
+    assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
+
+
+async def test_they_end_with_the_session_when_the_app_goes_on(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01")
+    app = SarTui(data, catalogue)
+    async with app.run_test() as pilot:
+        assert not list(app.workers)
+        await pilot.press("right", "right", "right", "enter")
+        await pilot.pause()
+        assert {worker.name for worker in app.workers if worker.is_running} == {"session", "storage"}
+        await pilot.press("escape", "up", "enter", "down", "enter", "enter")
+        await app.workers.wait_for_complete(list(app.workers))
+        await pilot.pause()
+        assert not [worker for worker in app.workers if worker.is_running]
+        assert type(app.screen).__name__ == "HomeScreen"
+    assert stored(data, "SELECT status FROM sessions") == [("aborted",)]
