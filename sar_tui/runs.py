@@ -68,7 +68,8 @@ class Run:
     def check(self) -> None:
         """Raise Failed if a vital node has broken."""
         if fault := self.session.broken:
-            raise Failed(f"The task {self.session.task.name} failed ({fault.error}). What was done so far is kept.")
+            name = self.session.task.name
+            raise Failed(f"The task {name} failed ({fault.error}, {fault.place}). What was done so far is kept.")
 
     def close(self) -> None:
         """Let go. A session that has not ended is left as interrupted, to be gone on with."""
@@ -96,6 +97,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: C
     Raises:
         StoreError: the database cannot be used, or the participant is in a live session.
         PluginError: there is no such theme.
+        ParameterError: the task has no such level.
         Failed: the task cannot be set up.
     """
     theme = catalogue.theme(plan.theme)
@@ -115,7 +117,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: C
             participant=participant,
             seed=plan.seed,
             parameters=plan.parameters,
-            software=software(task_folder(plan.task), task.version, catalogue.theme_folder(theme.name)),
+            software=software(plan.task, task_folder(plan.task), catalogue.theme_folder(theme.name)),
             machine=machine() | {"timing": measured_timing(folder)},
             mode=plan.mode,
         )
@@ -164,10 +166,18 @@ def resume(
 
 
 def _set_up(kind: type[Task], parameters: TaskParameters) -> Task:
+    """The task with its parameters; a start level that it does not have is refused."""
     try:
-        return kind(parameters)
+        task = kind(parameters)
+        levels = task.levels
     except Exception as error:
         raise Failed(f"The task {kind.name} cannot be set up ({type(error).__name__}: {error}).") from error
+    for name in ("start_level", "min_level"):
+        if (level := getattr(parameters, name)) > levels:
+            raise ParameterError(
+                {name: f"The task {kind.name} has {levels} levels as it is set; there is no level {level}."}
+            )
+    return task
 
 
 @contextmanager

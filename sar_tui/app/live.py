@@ -54,7 +54,7 @@ class LiveSession:
 
         def faulted(fault: Fault) -> None:
             if self.run.session.broken is fault:
-                broken(fault.error)
+                broken(f"{fault.error}, {fault.place}")
 
         self.run.session.bus.subscribe(FAULT, faulted)
         self.clock.call_soon(self.run.begin)

@@ -80,8 +80,9 @@ def show(
         return
 
     from sar_tui.cli.tables import attempts_table, summary
+    from sar_tui.store import provenance
 
-    metric = _metric(home, found["task"], attempts)
+    metric = provenance.metric(found["software"])
     out = console()
     _print_facts(out, found)
     if attempts:
@@ -89,17 +90,6 @@ def show(
         _print_figure(out, attempts, metric, found["parameters"]["threshold"])
     out.print(summary(attempts, metric), soft_wrap=True, end="\n\n")
     _print_timing(out, found["machine"], trials)
-
-
-def _metric(home: Home, task: str, attempts: Sequence[Row]) -> "Metric":
-    """The task's metric; where the task is gone, what is known of it."""
-    from sar_tui.framework.task import Metric
-    from sar_tui.plugins import PluginError
-
-    try:
-        return home.catalogue().task(task).metric
-    except PluginError:
-        return Metric("result", unit=attempts[0]["metric_unit"] if attempts else "", better="lower", decimals=1)
 
 
 def _print_facts(out: "Console", row: Row) -> None:

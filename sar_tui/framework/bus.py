@@ -9,6 +9,7 @@ import threading
 import traceback
 from collections import deque
 from collections.abc import Callable
+from pathlib import PurePath
 from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 from sar_tui.framework.clock import Clock
@@ -200,16 +201,13 @@ def _fault(owner: str, topic: Topic[Any], error: Exception) -> Fault:
     return Fault(
         node=owner,
         topic=topic.name,
-        error=f"{type(error).__name__}: {error}{_place(error)}",
+        error=f"{type(error).__name__}: {error}",
+        place=_place(error),
         trace="".join(traceback.format_exception(error)),
     )
 
 
 def _place(error: Exception) -> str:
-    """Where it was raised: ", in line 12 of task.py"."""
-    frames = traceback.extract_tb(error.__traceback__)
-    return (
-        f", in line {frames[-1].lineno} of {frames[-1].filename.replace(chr(92), '/').rsplit('/', 1)[-1]}"
-        if frames
-        else ""
-    )
+    """Where it was raised: "line 12 of task.py"."""
+    frame = traceback.extract_tb(error.__traceback__)[-1]
+    return f"line {frame.lineno} of {PurePath(frame.filename).name}"

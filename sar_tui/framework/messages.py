@@ -139,9 +139,10 @@ class Waiting(Message, frozen=True, kw_only=True):
 
     ``what``: ``enter`` (Return), ``quiet`` (no keys for a moment), ``foreperiod``, ``storage`` (the disk),
     ``response``, ``resume`` (paused), ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
-    ``trial``, ``paused``, ``review`` (all attempts done), ``ended``. ``attempt_name`` is the attempt in words, "attempt 3 of 20"; ``goal`` what it
-    aims at, but for trials. ``reason``, when paused: how the person is (see `Operator`), ``interrupted`` (the
-    program had ended), ``storage`` (the disk refuses; also at the end), ``restored`` (it no longer does).
+    ``trial``, ``paused``, ``review`` (all attempts are done), ``ended``. ``attempt_name`` is the attempt in words,
+    "attempt 3 of 20"; ``goal`` what it aims at, but for trials. ``reason``, when paused: how the person is (see
+    `Operator`), ``interrupted`` (the program had ended), ``storage`` (the disk refuses; also at the end),
+    ``restored`` (it no longer does).
     """
 
     what: Literal["enter", "quiet", "foreperiod", "storage", "response", "resume", "nothing"]
@@ -300,11 +301,12 @@ class SessionEnded(Message, frozen=True, kw_only=True):
 
 
 class Fault(Message, frozen=True, kw_only=True):
-    """A handler raised. The session's log keeps the trace; a participant never sees it."""
+    """A handler raised, at ``place``. The session's log keeps the trace; a participant never sees it."""
 
     node: str
     topic: str
     error: str
+    place: str = ""
     trace: str
 
 

@@ -11,20 +11,31 @@ from typing import Any
 import msgspec
 
 import sar_tui
+from sar_tui.framework.task import Metric, Task
 
 _MULTIPLEXERS = {"tmux": "TMUX", "screen": "STY", "zellij": "ZELLIJ"}
 _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils")
 
 
-def software(task_folder: Path, task_version: str, theme_folder: Path) -> dict[str, Any]:
-    """Versions of the program and its libraries, hashes of the task's and theme's folders."""
+def software(task: type[Task], task_folder: Path, theme_folder: Path) -> dict[str, Any]:
+    """Versions of the program and its libraries; what the task declared; hashes of the task's and theme's folders."""
     return {
         "sar_tui": sar_tui.__version__,
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in _PACKAGES},
-        "task": {"version": task_version, "hash": folder_hash(task_folder)},
+        "task": {
+            "title": task.title,
+            "version": task.version,
+            "metric": msgspec.to_builtins(task.metric),
+            "hash": folder_hash(task_folder),
+        },
         "theme": {"hash": folder_hash(theme_folder)},
     }
+
+
+def metric(recorded: dict[str, Any]) -> Metric:
+    """The metric of a session, as its task declared it then; from what ``software`` gave."""
+    return msgspec.convert(recorded["task"]["metric"], Metric)
 
 
 def _version(package: str) -> str | None:

@@ -93,7 +93,7 @@ def test_show_works_when_the_task_is_gone(call: Call, tmp_path: Path, simulated:
     change(tmp_path, "UPDATE sessions SET task='gone'")
     called = call("show", simulated)
     assert called.code == 0
-    assert "result (ms)" in called.out
+    assert "reaction time (ms)" in called.out, "what the task declared is kept with the session"
 
 
 def test_show_a_session_without_attempts(call: Call, tmp_path: Path, simulated: str) -> None:

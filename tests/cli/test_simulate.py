@@ -48,7 +48,7 @@ def test_people_read_a_table_and_a_sentence(call: Call) -> None:
     called = call(*AVERAGE, "--seed", 1, "--attempts", 2)
     assert (called.code, called.err) == (0, "")
     assert "reaction time" in called.out
-    assert "2 attempts, 2 reached the goal, level 1 to 2, mean reaction time" in called.out
+    assert "2 attempts, 2 reached the goal, levels 1 to 2, mean reaction time" in called.out
     assert "sar-tui show" in called.out
 
 

@@ -194,10 +194,13 @@ def test_an_unanswered_prompt_is_shown_again_under_its_number() -> None:
     assert again == msgspec.structs.replace(unanswered, presentation=unanswered.presentation + 1)
 
 
-def test_a_session_cut_off_between_its_last_trial_and_the_acknowledgement_is_completed_at_once() -> None:
+def test_a_session_cut_off_between_its_last_trial_and_the_acknowledgement_waits_for_enter_and_is_complete() -> None:
     last = max(number for number, cascade in enumerate(whole().cascades, 1) if any(r.topic is TRIAL for r in cascade))
     resumed = Simulated(cut(last))
-    assert [r.message.status for r in resumed.records if r.topic is SESSION_ENDED] == ["completed"]
+    assert [(r.message.what, r.message.stage) for r in resumed.records if r.topic is WAITING] == [("enter", "review")]
+    records = resumed.finish().records
+    assert [r.message.status for r in records if r.topic is SESSION_ENDED] == ["completed"]
+    assert not any(r.topic is TRIAL for r in records)
 
 
 def replay(records: list[Record], **changed: Any) -> None:

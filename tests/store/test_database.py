@@ -122,7 +122,9 @@ def test_a_damaged_database_is_told(data: Path) -> None:
 
 def test_a_folder_that_is_a_file_is_told(tmp_path: Path) -> None:
     (tmp_path / "data").write_text("")
-    assert "cannot be written to" in str(refusal(tmp_path / "data"))
+    refused = refusal(tmp_path / "data")
+    assert "is a file, not a folder" in str(refused)
+    assert refused.bad_input
 
 
 @posix

@@ -23,7 +23,7 @@ class HelpScreen(ModalScreen[None]):
 
     def compose(self) -> ComposeResult:
         with VerticalScroll(id="help"):
-            yield Static(getattr(self._about, "HELP_TEXT", ""), markup=False)
+            yield Static(getattr(self._about, "help_text", ""), markup=False)
             yield Static(self._keys())
             yield Static("Press Enter to close this.", classes="muted")
 

@@ -24,7 +24,7 @@ _NEW = "+"
 class HomeScreen(Screen[None]):
     """Three lists to choose from, a button to start, and the recent sessions. Arrows and Enter are enough."""
 
-    HELP_TEXT = (
+    help_text = (
         "Choose who takes part, the task and the theme; then Start.\n"
         "The arrows move within and between lists, Enter chooses.\n\n"
         "A session that was interrupted stands first among the recent ones: Enter goes on with it.\n\n"

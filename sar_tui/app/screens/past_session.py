@@ -9,15 +9,13 @@ from textual.widgets import Footer, Static
 
 from sar_tui.app.screens.summary import Summary
 from sar_tui.framework.messages import AttemptEnded
-from sar_tui.framework.parameters import ParameterError, build
-from sar_tui.plugins import PluginError
-from sar_tui.store import sessions
+from sar_tui.store import provenance, sessions
 
 
 class PastSessionScreen(Screen[None]):
     """The plot and figures of one stored session."""
 
-    HELP_TEXT = "What was done in a session: the result of each attempt and its level.\n"
+    help_text = "What was done in a session: the result of each attempt and its level.\n"
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,enter,space", "dismiss", "Back", id="back")]
 
     app: Any
@@ -30,11 +28,7 @@ class PastSessionScreen(Screen[None]):
         row = self._row
         began = sessions.local_time(row["started_at"])
         yield Static(f"{row['participant']} · {row['task']} · {began} · {row['status']}", id="top", markup=False)
-        try:
-            kind = self.app.catalogue.task(row["task"])
-            yield Summary(kind(build(kind.Parameters, row["parameters"])), id="summary")
-        except (PluginError, ParameterError) as error:
-            yield Static(f"This session cannot be drawn. {error}", markup=False)
+        yield Summary(provenance.metric(row["software"]), row["parameters"]["threshold"], id="summary")
         yield Footer()
 
     def on_mount(self) -> None:

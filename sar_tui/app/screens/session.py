@@ -45,9 +45,6 @@ class SessionScreen(Screen[None]):
     Nothing on it moves while a response is awaited.
     """
 
-    HELP_TEXT = (
-        "Do the task that appears. When asked to, press Enter.\nTo pause at any time, press Escape; nothing is lost.\n"
-    )
     AUTO_FOCUS = ""
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "pause", "Pause", id="pause")]
 
@@ -58,6 +55,12 @@ class SessionScreen(Screen[None]):
         self._live = live
         self._quiet = Quiet()
         self._waiting: Waiting | None = None
+
+    @property
+    def help_text(self) -> str:
+        """What the task asks for, and how to pause."""
+        instructions = self._live.run.session.task.instructions()
+        return f"{instructions}\n\nWhen a screen asks you to, press Enter. To pause, press Escape; nothing is lost.\n"
 
     def compose(self) -> ComposeResult:
         session = self._live.run.session
@@ -71,7 +74,7 @@ class SessionScreen(Screen[None]):
                 yield Static("", id="enter", markup=False)
             yield BigPrompt(id="prompt")
             yield PauseMenu(id="menu")
-            yield Summary(session.task, id="summary")
+            yield Summary(session.task.metric, session.task.parameters.threshold, id="summary")
         yield Agent(session.theme.faces, id="agent")
         with Horizontal(id="progress"):
             yield ProgressLine(id="trials")

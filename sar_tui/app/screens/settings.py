@@ -18,7 +18,7 @@ from sar_tui.widgets.parameter_field import ParameterField
 class SettingsScreen(Screen[None]):
     """One field for each parameter; kept for this participant, and used by their next session."""
 
-    HELP_TEXT = (
+    help_text = (
         "Each setting says what it means, its unit, and what it may be.\n"
         "A dot marks what differs from the default. Nothing is kept until you save.\n"
     )
@@ -78,7 +78,6 @@ class SettingsScreen(Screen[None]):
         if problems := self._problems():
             name = next(iter(problems))
             self.query_one(f"#parameter-{name}").query_one("Input, Select, Switch").focus()
-            self.notify(problems[name], severity="warning")
             return
         parameters = build(self._motor_task.Parameters, self._values())
         theme = participants.settings(self.app.database, self._participant, self._motor_task.name).theme

@@ -8,15 +8,16 @@ from textual.containers import Vertical
 from textual.widgets import Static
 
 from sar_tui.framework.messages import AttemptEnded
-from sar_tui.framework.task import Task
+from sar_tui.framework.task import Metric
 
 
 class Summary(Vertical):
     """What was done, for the participant and the therapist beside them."""
 
-    def __init__(self, task: Task, id: str | None = None) -> None:
+    def __init__(self, metric: Metric, threshold: float, id: str | None = None) -> None:
         super().__init__(id=id)
-        self._motor_task = task
+        self._metric = metric
+        self._threshold = threshold
         self._attempts: Sequence[AttemptEnded] = ()
 
     def compose(self) -> ComposeResult:
@@ -35,14 +36,15 @@ class Summary(Vertical):
 
     def _facts(self, status: str) -> str:
         done = len(self._attempts)
-        metric = self._motor_task.metric
         words = "You did" if status == "completed" else "The session was ended after"
-        facts = f"{words} {done} {'attempt' if done == 1 else 'attempts'}."
-        values = [a.metric for a in self._attempts if a.metric is not None]
-        if values:
-            best = (min if metric.better == "lower" else max)(values)
-            facts += f" Best result: {metric.show(best)}. Highest level: {max(a.level for a in self._attempts)}."
-        return facts
+        reached = [a.metric for a in self._attempts if a.outcome == "success" and a.metric is not None]
+        facts = f"{words} {done} {'attempt' if done == 1 else 'attempts'}"
+        if not reached:
+            return f"{facts}."
+        best = (min if self._metric.better == "lower" else max)(reached)
+        highest = max(a.level for a in self._attempts)
+        facts += f", and the goal was reached in {len(reached)}."
+        return f"{facts} Best: {self._metric.show(best)}. Highest level: {highest}."
 
     def _draw(self) -> None:
         from sar_tui.plot import EMPTY, LEVEL, MISSED, REACHED, attempts_figure
@@ -53,8 +55,8 @@ class Summary(Vertical):
         figure = attempts_figure(
             [a.level for a in self._attempts],
             [a.metric for a in self._attempts],
-            metric=f"{self._motor_task.metric.name.replace('_', ' ')} ({self._motor_task.metric.unit})",
-            threshold=self._motor_task.parameters.threshold,
+            metric=f"{self._metric.name.replace('_', ' ')} ({self._metric.unit})",
+            threshold=self._threshold,
             width=plot.size.width,
             height=plot.size.height,
             color=False,

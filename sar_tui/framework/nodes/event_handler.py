@@ -120,7 +120,7 @@ class EventHandler(TimedNode):
         self._stored = self._last_trial
         if self._phase is Phase.CLOSING:
             self._end("completed")
-        elif session.run == 1 or self._phase in (Phase.INSTRUCTIONS, Phase.ENDED):
+        elif session.run == 1 or self._phase in (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED):
             self._wait(self._phase)
         else:
             self._pause("interrupted")

@@ -65,6 +65,9 @@ def test_a_session_goes_from_the_instructions_through_its_attempts_to_its_end(si
     desk.attempt()
     assert (desk.waiting.stage, desk.waiting.attempt_name) == ("attempt", "attempt 2 of 2")
     desk.attempt()
+    assert (desk.waiting.what, desk.waiting.stage) == ("enter", "review")
+    assert desk.all(SESSION_ENDED) == [], "the last answer is read before the goodbye"
+    desk.press("enter")
     assert desk.waiting.what == "nothing"
     assert numbers(desk) == [(1, 1), (1, 2), (1, 3), (2, 1), (2, 2), (2, 3)]
     assert [end.status for end in desk.all(SESSION_ENDED)] == ["completed"]
@@ -181,7 +184,7 @@ def test_practice_is_answered_but_changes_neither_level_nor_count(sit: Sit) -> N
         (3, False, 4),
     ]
     assert [attempt.feedback for attempt in ended] == ["positive", "none", "positive"]
-    assert desk.waiting.what == "nothing"
+    assert desk.waiting.stage == "review"
 
 
 def test_failures_in_practice_are_no_part_of_a_row_of_failures(sit: Sit) -> None:
@@ -775,6 +778,8 @@ def test_a_session_is_complete_only_when_its_last_trial_is_stored(sit: Sit) -> N
     desk.start()
     desk.answer()
     desk.wait(60_000)
+    desk.press("enter")
+    desk.wait(60_000)
     assert (desk.waiting.what, desk.waiting.stage) == ("storage", "ended")
     assert desk.all(SESSION_ENDED) == []
     desk.operate("end")
@@ -789,6 +794,8 @@ def test_at_the_end_too_an_acknowledgement_of_an_earlier_trial_is_not_enough(sit
     desk.start()
     desk.operate("skip")
     desk.operate("skip")
+    desk.wait(1000)
+    desk.press("enter")
     desk.screen.store(1, 1)
     assert desk.all(SESSION_ENDED) == []
     desk.screen.store(1, 2)
