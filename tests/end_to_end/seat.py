@@ -23,6 +23,14 @@ def run_command(data: Path, participant: str = "P01", **parameters: object) -> l
     return command("run", "keyboard", "-p", participant, "--data", str(data), "--seed", "7", *settings)
 
 
+def see_the_summary(terminal: Terminal) -> None:
+    """From the last answer to the summary."""
+    terminal.wait_for("Press Enter to see how it went.")
+    terminal.settle()
+    terminal.press("enter")
+    terminal.wait_for("Press Enter to finish.")
+
+
 class Eyes:
     """Reads a terminal's screen as a person would."""
 

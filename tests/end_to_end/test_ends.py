@@ -8,7 +8,7 @@ import pytest
 
 from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
 from sar_tui.simulation.terminal import Terminal
-from tests.end_to_end.seat import command, only_session, rows, run_command
+from tests.end_to_end.seat import command, only_session, rows, run_command, see_the_summary
 
 _LEAVE_ALTERNATE_SCREEN = b"\x1b[?1049l"
 
@@ -117,7 +117,7 @@ def test_a_session_that_was_quit_is_offered_and_goes_on_at_the_next_trial(data: 
     with Terminal(command("resume", only_session(data)[:6], "--data", str(data))) as terminal:
         terminal.wait_for("Welcome back")
         _answer(terminal, 2)
-        terminal.wait_for("Press Enter to finish.")
+        see_the_summary(terminal)
         terminal.press("enter")
         assert terminal.wait() == 0
     assert rows(data, "SELECT trial, run FROM trials") == [(1, 1), (2, 1), (3, 2), (4, 2)]

@@ -10,7 +10,7 @@ from sar_tui.framework.task import Situation
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
 from sar_tui.simulation.terminal import Terminal
-from tests.end_to_end.seat import command, only_session, rows, run_command
+from tests.end_to_end.seat import command, only_session, rows, run_command, see_the_summary
 
 KILLS = 20
 PROMPTS, ATTEMPTS = 8, 8
@@ -34,7 +34,7 @@ def test_twenty_kills_lose_no_acknowledged_trial_and_change_no_prompt(data: Path
 
     with Terminal(command("resume", only_session(data), "--data", str(data))) as terminal:
         ScriptedParticipant(terminal, random_answers(99, 60, 120)).run(PROMPTS * ATTEMPTS - pressed)
-        terminal.wait_for("Press Enter to finish.")
+        see_the_summary(terminal)
         terminal.press("enter")
         assert terminal.wait() == 0
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
 from sar_tui.simulation.terminal import Terminal
-from tests.end_to_end.seat import Eyes, command, only_session, rows, run_command
+from tests.end_to_end.seat import Eyes, command, only_session, rows, run_command, see_the_summary
 
 
 def _slowly(foreperiod_ms: int) -> dict[str, int]:
@@ -18,7 +18,7 @@ def test_every_press_is_a_row_right_or_wrong_as_it_was_pressed(data: Path) -> No
     with Terminal(run_command(data, prompts_per_attempt=12, attempts=2)) as terminal:
         participant = ScriptedParticipant(terminal, random_answers(3, 120, 220, slips=0.25))
         presses = participant.run(24)
-        terminal.wait_for("Press Enter to finish.", since=0)
+        see_the_summary(terminal)
         terminal.press("enter")
         assert terminal.wait() == 0
 
@@ -32,7 +32,7 @@ def test_every_press_is_a_row_right_or_wrong_as_it_was_pressed(data: Path) -> No
 def test_each_trial_tells_how_well_it_was_timed(data: Path) -> None:
     with Terminal(run_command(data, prompts_per_attempt=3, attempts=1)) as terminal:
         ScriptedParticipant(terminal, random_answers(3, 120, 220)).run(3)
-        terminal.wait_for("Press Enter to finish.")
+        see_the_summary(terminal)
 
     for (text,) in rows(data, "SELECT timing FROM trials"):
         timing = json.loads(text)
@@ -82,7 +82,7 @@ def test_keys_that_answer_no_prompt_are_kept_as_keys_and_never_as_reaction_times
         shown = t.wait_for("Press: ", since=shown)
         t.settle()
         t.press(chr(t.output[shown]))
-        t.wait_for("Press Enter to finish.")
+        see_the_summary(t)
 
     keys = rows(data, "SELECT message FROM events WHERE topic='input/key'")
     assert sum('"key":"x"' in message for (message,) in keys) == 20
