@@ -168,8 +168,16 @@ class Chair:
     async def do_session(self) -> None:
         """From the instructions to the summary."""
         await self.do_attempt(await self.to_first_prompt())
-        while not self.session.ended:
+        while self.waiting.stage == "attempt":
             await self.do_attempt(await self.begin())
+        await self.see_the_summary()
+
+    async def see_the_summary(self) -> None:
+        """From the last answer to the summary, and look at it for a moment."""
+        assert self.waiting.stage == "review", f"the session waits for {self.waiting}"
+        await self.wait(300)
+        await self.press("enter")
+        await self.wait(300)
 
     async def disk(self, working: bool) -> None:
         """The disk refuses to write, or no longer does."""
@@ -194,6 +202,11 @@ class Chair:
     @property
     def text(self) -> str:
         return "\n".join(self.rows)
+
+    @property
+    def said(self) -> str:
+        """What stands beside the agent's face."""
+        return " ".join(" ".join(row[12:] for row in self.rows[-7:-2]).split())
 
     def sees(self, words: str) -> bool:
         """Whether the words are on the screen, wherever its lines break."""

@@ -129,7 +129,8 @@ async def test_an_interrupted_session_stands_first_and_enter_goes_on_with_it(
         assert (prompt.trial, prompt.text) == (left_at.trial, left_at.text)
         await chair.answer(prompt)
         await chair.do_attempt(await chair.begin())
-        assert chair.sees("You did 2 attempts.")
+        await chair.see_the_summary()
+        assert chair.sees("You did 2 attempts, and the goal was reached in 2.")
     assert stored(data, "SELECT status FROM sessions WHERE id=?", session) == [("completed",)]
     assert stored(data, "SELECT attempt, trial FROM trials WHERE session=?", session) == [
         (1, 1),
@@ -148,21 +149,26 @@ async def test_a_completed_session_is_shown_with_its_plot(
         await chair.press(*["right"] * 5, "enter")
         assert chair.screen_name == "PastSessionScreen"
         assert chair.sees(f"P01 · keyboard · {datetime.now():%Y-%m-%d}")
-        assert chair.sees("You did 2 attempts. Best result: 400 ms. Highest level: 2.")
+        assert chair.sees("You did 2 attempts, and the goal was reached in 2. Best: 400 ms. Highest level: 2.")
         assert chair.sees("reaction time (ms)")
         assert chair.text.count("●") >= 2
         await chair.press("enter")
         assert chair.screen_name == "HomeScreen"
 
 
-async def test_a_session_whose_task_is_gone_says_so(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_a_session_whose_task_is_gone_is_shown_as_it_was(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with sit_down(data, catalogue, plan(keyboard, attempts=1)) as chair:
         await chair.do_session()
     nothing = Catalogue()
     nothing._tasks = ()
     async with sit_down(data, nothing) as chair:
         await chair.press(*["right"] * 5, "enter")
-        assert chair.sees("This session cannot be drawn. There is no task keyboard.")
+        assert chair.screen_name == "PastSessionScreen"
+        assert chair.sees("You did 1 attempt, and the goal was reached in 1. Best: 400 ms. Highest level: 1.")
+        assert chair.sees("reaction time (ms)")
+        assert chair.sees("goal 1000")
 
 
 async def test_a_participant_in_another_window_cannot_sit_down_twice(

@@ -57,7 +57,9 @@ async def test_a_question_mark_asks_for_help_but_in_a_trial_it_is_a_response(
 ) -> None:
     async with sit_down(data, catalogue, plan(keyboard, levels="?x")) as chair:
         await chair.press("?")
-        assert chair.sees("To pause at any time, press Escape; nothing is lost.")
+        assert chair.screen_name == "HelpScreen"
+        assert chair.sees("Press that key as fast as you can, and then wait for the next one.")
+        assert chair.sees("To pause, press Escape; nothing is lost.")
         await chair.press("enter")
         assert chair.sees("Press Enter to go on.")
         await chair.to_first_prompt()

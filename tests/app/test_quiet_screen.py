@@ -93,6 +93,7 @@ async def test_no_color_is_respected_and_the_screens_say_the_same(
         grey.append(_is_grey(chair))
         await chair.press("enter")
         await chair.do_attempt(await chair.to_prompt())
+        await chair.see_the_summary()
         assert chair.sees("● reached ○ missed")
         grey.append(_is_grey(chair))
         assert grey == [True] * 4

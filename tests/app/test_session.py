@@ -30,7 +30,17 @@ async def test_it_leads_from_the_instructions_to_the_summary(
         assert chair.sees("Press Enter to begin attempt 2 of 2.")
 
         await chair.do_attempt(await chair.begin())
-        assert chair.sees("You did 2 attempts. Best result: 400 ms. Highest level: 2.")
+        assert chair.waiting.stage == "review"
+        assert chair.sees("You have done it That was the last attempt. Press Enter to see how it went.")
+        assert chair.sees("Attempt 2 of 2 · level 2")
+        assert chair.sees("Attempts 2 of 2")
+        assert "400 ms" in chair.messages("arbiter/action")[-1]["text"]
+        assert chair.messages("arbiter/action")[-1]["text"] in chair.said
+        assert not chair.session.ended
+
+        await chair.see_the_summary()
+        assert chair.session.ended
+        assert chair.sees("You did 2 attempts, and the goal was reached in 2. Best: 400 ms. Highest level: 2.")
         assert chair.sees("● reached")
         assert chair.sees("Press Enter to finish.")
         await chair.press("enter")
@@ -96,7 +106,9 @@ async def test_every_screen_that_waits_for_enter_says_so(
         await chair.do_attempt(await chair.to_prompt())
         assert "Enter" in chair.text  # between attempts
         await chair.do_attempt(await chair.begin())
-        assert "Enter" in chair.text  # the summary
+        assert chair.sees("Press Enter to see how it went.")  # after the last attempt
+        await chair.see_the_summary()
+        assert chair.sees("Press Enter to finish.")  # the summary
         await chair.press("f1")
         assert "Enter" in chair.text  # help
 
@@ -112,7 +124,8 @@ async def test_practice_comes_first_and_does_not_count(data: Path, catalogue: Ca
         assert chair.sees("Attempt 1 of 2 · level 1")
         await chair.do_attempt(await chair.begin())
         await chair.do_attempt(await chair.begin())
-        assert chair.sees("You did 2 attempts.")
+        await chair.see_the_summary()
+        assert chair.sees("You did 2 attempts, and the goal was reached in 2.")
     assert stored(data, "SELECT attempt, practice FROM attempts") == [(1, 1), (2, 0), (3, 0)]
 
 
@@ -125,7 +138,11 @@ async def test_a_wrong_key_is_a_response_and_the_agent_names_accuracy(
         await chair.press("j" if prompt.expected == "f" else "f")
         await chair.answer(await chair.to_prompt())
         assert chair.stored("SELECT correct FROM trials") == [(0,), (1,)]
-        assert [action["text"] for action in chair.messages("arbiter/action") if "ccuracy" in action["text"]]
+        last_words = chair.messages("arbiter/action")[-1]["text"]
+        assert "ccuracy" in last_words
+        assert last_words in chair.said
+        await chair.see_the_summary()
+        assert chair.sees("You did 1 attempt. ")
         assert chair.sees("○ missed")
 
 
@@ -133,7 +150,75 @@ async def test_one_attempt_is_spoken_of_as_one(data: Path, catalogue: Catalogue,
     async with sit_down(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1)) as chair:
         assert chair.sees("An attempt asks for 1 key.")
         await chair.do_session()
-        assert chair.sees("You did 1 attempt.")
+        assert chair.sees("You did 1 attempt, and the goal was reached in 1.")
+
+
+async def test_an_enter_that_bounces_on_the_last_answer_does_not_close_the_summary(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with sit_down(data, catalogue, plan(keyboard, attempts=1)) as chair:
+        await chair.do_attempt(await chair.to_first_prompt())
+        await chair.wait(300)
+        await chair.press("enter")
+        for _ in range(10):  # bounces, or is held
+            await chair.wait(40)
+            await chair.press("enter")
+        assert chair.app.is_running
+        assert chair.sees("Press Enter to finish.")
+        await chair.wait(300)
+        await chair.press("enter")
+        assert not chair.app.is_running
+
+
+async def test_an_enter_that_bounces_when_the_session_is_ended_early_does_not_close_the_summary(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with sit_down(data, catalogue, plan(keyboard)) as chair:
+        await chair.to_first_prompt()
+        await chair.press("escape", "down", "down", "down", "enter")
+        await chair.wait(300)
+        assert chair.waiting.reason == "finished"
+        await chair.press("down", "enter")
+        assert chair.session.ended
+        await chair.wait(40)
+        await chair.press("enter")
+        assert chair.app.is_running
+        assert chair.sees("Press Enter to finish.")
+
+
+async def test_a_pause_after_the_last_attempt_leads_back_to_it_and_every_attempt_stays_counted(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with sit_down(data, catalogue, plan(keyboard)) as chair:
+        await chair.do_attempt(await chair.to_first_prompt())
+        await chair.do_attempt(await chair.begin())
+        await chair.press("escape")
+        assert chair.sees("Attempts 2 of 2")
+        await chair.press("enter")
+        assert chair.sees("Press Enter to see how it went.")
+        assert chair.sees("Attempts 2 of 2")
+        assert chair.sees("Attempt 2 of 2 · level 2")
+        await chair.see_the_summary()
+        assert chair.sees("Press Enter to finish.")
+
+
+async def test_a_session_that_was_left_after_its_last_attempt_goes_on_there(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with sit_down(data, catalogue, plan(keyboard)) as chair:
+        await chair.do_attempt(await chair.to_first_prompt())
+        await chair.do_attempt(await chair.begin())
+        session = chair.session_id
+        await chair.press("ctrl+q")
+    assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
+    async with sit_down(data, catalogue, session) as chair:
+        assert chair.sees("Press Enter to see how it went.")
+        assert "level" not in chair.rows[0]
+        assert chair.sees("Prompts 2 of 2")
+        assert chair.sees("Attempts 2 of 2")
+        await chair.press("enter")
+        assert chair.sees("You did 2 attempts, and the goal was reached in 2.")
+    assert stored(data, "SELECT status FROM sessions") == [("completed",)]
 
 
 @pytest.mark.parametrize("theme", ["calm", "high-contrast"])
@@ -145,6 +230,5 @@ async def test_the_agent_looks_on_in_silence_while_an_attempt_lasts(
         await chair.press("enter")
         assert faces["speaking"].splitlines()[2] in chair.text
         await chair.begin()
-        beside = [row[12:].strip() for row in chair.rows[-7:-2]]
-        assert beside == [""] * 5
+        assert chair.said == ""
         assert faces["listening"].splitlines()[2] in chair.text

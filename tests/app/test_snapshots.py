@@ -27,6 +27,7 @@ SESSION = (
     "before-an-attempt",
     "disk-full",
     "disk-works-again",
+    "review",
     "summary",
 )
 
@@ -117,6 +118,8 @@ async def test_a_session_looks_as_it_did(theme: str, data: Path, catalogue: Cata
         await chair.wait(6000)
         await chair.to_prompt()
         await chair.wait(6000)
+        album.take("review", chair)
+        await chair.see_the_summary()
         album.take("summary", chair)
     assert tuple(album.taken) == SESSION
     album.check()

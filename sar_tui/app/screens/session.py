@@ -16,7 +16,7 @@ from sar_tui.app.live import LiveSession
 from sar_tui.app.quiet import Quiet
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
-from sar_tui.framework.clock import SECOND
+from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
     Action,
     AttemptEnded,
@@ -55,6 +55,7 @@ class SessionScreen(Screen[None]):
         self._live = live
         self._quiet = Quiet()
         self._waiting: Waiting | None = None
+        self._last_key = ("", 0.0)
 
     @property
     def help_text(self) -> str:
@@ -93,6 +94,7 @@ class SessionScreen(Screen[None]):
 
     def on_key(self, event: events.Key) -> None:
         waiting = self._waiting
+        is_repeat = self._is_repeat(event)
         if waiting is None or isinstance(self.focused, PauseMenu):
             return
         if waiting.stage != "trial" and event.key in ("question_mark", "f1", "ctrl+p"):
@@ -100,12 +102,20 @@ class SessionScreen(Screen[None]):
         if waiting.stage == "ended" and waiting.what == "nothing":
             if event.key in ("enter", "space"):
                 event.stop()
-                self.dismiss()
+                if not is_repeat:
+                    self.dismiss()
             return
         if event.key not in ("escape", "f1", "ctrl+p"):
             event.stop()
             event.prevent_default()
         self._live.keyboard.pressed(event.key, event.character, self._live.stamp(event.time), self._quiet.lag)
+
+    def _is_repeat(self, event: events.Key) -> bool:
+        """Whether a key is held or bounces, as perception judges it; the Enter before the summary must not close it."""
+        (last, before), now = self._last_key, self._live.stamp(event.time)
+        self._last_key = (event.key, now)
+        interval = self._live.run.session.task.parameters.repeat_interval_ms * MS / SECOND
+        return event.key == last and now - before < interval
 
     def on_paste(self, event: events.Paste) -> None:
         event.stop()
@@ -191,6 +201,8 @@ class SessionScreen(Screen[None]):
                 self._where(waiting)
             case "review":
                 self._message("You have done it", "That was the last attempt.", "Press Enter to see how it went.")
+                self._where(waiting)
+                self._count(waiting.trial - 1)
             case "trial" if entered:
                 self._begin_trials(waiting)
             case "paused":
@@ -259,6 +271,9 @@ class SessionScreen(Screen[None]):
 
     def _where(self, waiting: Waiting) -> None:
         """Say in the corner and at the foot how far the session has come."""
+        if waiting.trial > waiting.trials:  # after the last attempt; the level is that of one which will not come
+            self._count_attempts(waiting.attempt)
+            return
         self.query_one("#where", Static).update(f"{waiting.attempt_name.capitalize()} · level {waiting.level}")
         self._count_attempts(waiting.attempt - 1)
 
