@@ -40,8 +40,8 @@ async def _draw() -> None:
             await _settle(pilot, clock)
             await pilot.press("enter")
             await _settle(pilot, clock)
-            for _ in range(400):
-                clock.advance(10 * MS)
+            for _ in range(60):
+                clock.advance(50 * MS)
                 await pilot.pause()
                 if "Press:" in app.export_screenshot().replace("&#160;", " "):
                     break

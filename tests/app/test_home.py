@@ -130,7 +130,7 @@ async def test_an_interrupted_session_stands_first_and_enter_goes_on_with_it(
         await chair.answer(prompt)
         await chair.do_attempt(await chair.begin())
         await chair.see_the_summary()
-        assert chair.sees("You did 2 attempts, and the goal was reached in 2.")
+        assert chair.sees("You did 2 attempts; goal reached in 2.")
     assert stored(data, "SELECT status FROM sessions WHERE id=?", session) == [("completed",)]
     assert stored(data, "SELECT attempt, trial FROM trials WHERE session=?", session) == [
         (1, 1),
@@ -149,7 +149,7 @@ async def test_a_completed_session_is_shown_with_its_plot(
         await chair.press(*["right"] * 5, "enter")
         assert chair.screen_name == "PastSessionScreen"
         assert chair.sees(f"P01 · keyboard · {datetime.now():%Y-%m-%d}")
-        assert chair.sees("You did 2 attempts, and the goal was reached in 2. Best: 400 ms. Highest level: 2.")
+        assert chair.sees("You did 2 attempts; goal reached in 2. Best: 400 ms. Highest level: 2.")
         assert chair.sees("reaction time (ms)")
         assert chair.text.count("●") >= 2
         await chair.press("enter")
@@ -166,7 +166,7 @@ async def test_a_session_whose_task_is_gone_is_shown_as_it_was(
     async with sit_down(data, nothing) as chair:
         await chair.press(*["right"] * 5, "enter")
         assert chair.screen_name == "PastSessionScreen"
-        assert chair.sees("You did 1 attempt, and the goal was reached in 1. Best: 400 ms. Highest level: 1.")
+        assert chair.sees("You did 1 attempt; goal reached in 1. Best: 400 ms. Highest level: 1.")
         assert chair.sees("reaction time (ms)")
         assert chair.sees("goal 1000")
 

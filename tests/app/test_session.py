@@ -40,7 +40,7 @@ async def test_it_leads_from_the_instructions_to_the_summary(
 
         await chair.see_the_summary()
         assert chair.session.ended
-        assert chair.sees("You did 2 attempts, and the goal was reached in 2. Best: 400 ms. Highest level: 2.")
+        assert chair.sees("You did 2 attempts; goal reached in 2. Best: 400 ms. Highest level: 2.")
         assert chair.sees("● reached")
         assert chair.sees("Press Enter to finish.")
         await chair.press("enter")
@@ -125,7 +125,7 @@ async def test_practice_comes_first_and_does_not_count(data: Path, catalogue: Ca
         await chair.do_attempt(await chair.begin())
         await chair.do_attempt(await chair.begin())
         await chair.see_the_summary()
-        assert chair.sees("You did 2 attempts, and the goal was reached in 2.")
+        assert chair.sees("You did 2 attempts; goal reached in 2.")
     assert stored(data, "SELECT attempt, practice FROM attempts") == [(1, 1), (2, 0), (3, 0)]
 
 
@@ -150,7 +150,7 @@ async def test_one_attempt_is_spoken_of_as_one(data: Path, catalogue: Catalogue,
     async with sit_down(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1)) as chair:
         assert chair.sees("An attempt asks for 1 key.")
         await chair.do_session()
-        assert chair.sees("You did 1 attempt, and the goal was reached in 1.")
+        assert chair.sees("You did 1 attempt; goal reached in 1.")
 
 
 async def test_an_enter_that_bounces_on_the_last_answer_does_not_close_the_summary(
@@ -217,7 +217,7 @@ async def test_a_session_that_was_left_after_its_last_attempt_goes_on_there(
         assert chair.sees("Prompts 2 of 2")
         assert chair.sees("Attempts 2 of 2")
         await chair.press("enter")
-        assert chair.sees("You did 2 attempts, and the goal was reached in 2.")
+        assert chair.sees("You did 2 attempts; goal reached in 2.")
     assert stored(data, "SELECT status FROM sessions") == [("completed",)]
 
 

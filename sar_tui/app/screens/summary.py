@@ -36,14 +36,14 @@ class Summary(Vertical):
 
     def _facts(self, status: str) -> str:
         done = len(self._attempts)
-        words = "You did" if status == "completed" else "The session was ended after"
+        words = "You did" if status == "completed" else "Ended early, after"
         reached = [a.metric for a in self._attempts if a.outcome == "success" and a.metric is not None]
         facts = f"{words} {done} {'attempt' if done == 1 else 'attempts'}"
         if not reached:
             return f"{facts}."
         best = (min if self._metric.better == "lower" else max)(reached)
         highest = max(a.level for a in self._attempts)
-        facts += f", and the goal was reached in {len(reached)}."
+        facts += f"; goal reached in {len(reached)}."
         return f"{facts} Best: {self._metric.show(best)}. Highest level: {highest}."
 
     def _draw(self) -> None:
