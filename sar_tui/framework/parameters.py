@@ -138,7 +138,7 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
             ge=0,
             le=1000,
         ),
-    ] = 100
+    ] = 50
 
     def problems(self) -> dict[str, str]:
         """Settings that do not go together: parameter name to one clear sentence. Extend it in a subclass."""

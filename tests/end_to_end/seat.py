@@ -29,6 +29,7 @@ def see_the_summary(terminal: Terminal) -> None:
     terminal.settle()
     terminal.press("enter")
     terminal.wait_for("Press Enter to finish.")
+    terminal.settle()
 
 
 class Eyes:

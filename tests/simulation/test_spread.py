@@ -45,5 +45,5 @@ def test_a_constant_delay_moves_the_median_and_leaves_the_width(errors: list[flo
 @given(errors=ERRORS)
 def test_the_figures_are_in_their_order(errors: list[float]) -> None:
     figures = spread(errors)
-    assert 0 <= figures.p99_ms <= figures.max_ms
+    assert 0 <= figures.p99_ms <= figures.max_ms + 1e-9
     assert min(errors) - 1e-9 <= figures.median_ms <= max(errors) + 1e-9
