@@ -105,7 +105,7 @@ class VirtualClock:
         self.call_at(self._now, callback)
 
     def set(self, now: int) -> None:
-        """Set the time without running what would have been due."""
+        """Set the time without running what would have been due; it then runs late."""
         self._now = now
 
     def step(self, until: int | None = None) -> bool:
@@ -116,7 +116,7 @@ class VirtualClock:
                 return False
             heapq.heappop(self._queue)
             if due.callback is not None:
-                self._now = when
+                self._now = max(self._now, when)
                 due.callback()
                 return True
         return False

@@ -139,14 +139,15 @@ class Waiting(Message, frozen=True, kw_only=True):
 
     ``what``: ``enter`` (Return), ``quiet`` (no keys for a moment), ``foreperiod``, ``storage`` (the disk),
     ``response``, ``resume`` (paused), ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
-    ``trial``, ``paused``, ``review`` (all attempts are done), ``ended``. ``attempt_name`` is the attempt in words,
-    "attempt 3 of 20"; ``goal`` what it aims at, but for trials. ``reason``, when paused: how the person is (see
-    `Operator`), ``interrupted`` (the program had ended), ``storage`` (the disk refuses; also at the end),
-    ``restored`` (it no longer does).
+    ``trial``, ``paused``, ``review`` (all attempts are done), ``ended``, ``broken`` (something failed).
+    ``attempt_name`` is the attempt in words, "attempt 3 of 20"; ``goal`` what it aims at, but for trials.
+    ``reason``, when paused: how the person is (see `Operator`), ``interrupted`` (the program had ended),
+    ``storage`` (the disk refuses; also at the end), ``restored`` (it no longer does); when quiet is awaited:
+    ``held`` (keys are pressed all the time).
     """
 
     what: Literal["enter", "quiet", "foreperiod", "storage", "response", "resume", "nothing"]
-    stage: Literal["instructions", "attempt", "trial", "paused", "review", "ended"]
+    stage: Literal["instructions", "attempt", "trial", "paused", "review", "ended", "broken"]
     attempt: int = 0
     trial: int = 0
     level: int = 0
@@ -205,7 +206,7 @@ class Timing(msgspec.Struct, frozen=True):
 
     onset_source: str
     handler_delay_ms: float | None
-    loop_lag_ms: float | None
+    loop_lag_ms: float
     false_starts: int
     presentation: int
     foreperiod_ms: float

@@ -91,7 +91,7 @@ class TimedNode(Node):
     emits: ClassVar[tuple[Topic[Any], ...]] = (TIMER,)
 
     def set_timer(self, name: str, due: int) -> None:
-        """Have ``timer(name)`` called at ``due`` (ns), instead of any earlier timer of that name."""
+        """Have ``timer(name, late)`` called at ``due`` (ns), instead of any earlier timer of that name."""
         self.cancel_timer(name)
         self._token += 1
         fired = TimerFired(node=self.name, name=name, token=self._token, due=due)
@@ -113,10 +113,10 @@ class TimedNode(Node):
         """Pass a firing on, unless it is another node's or was called off while it waited its turn."""
         if fired.node == self.name and self._timers.get(fired.name, (0,))[0] == fired.token:
             del self._timers[fired.name]
-            self.timer(fired.name)
+            self.timer(fired.name, self.now - fired.due)
 
-    def timer(self, name: str) -> None:
-        """A timer of this node fired."""
+    def timer(self, name: str, late: int) -> None:
+        """A timer of this node fired, ``late`` ns after it was due."""
 
 
 def _marked(cls: type, mark: str) -> list[Any]:

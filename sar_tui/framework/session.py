@@ -6,6 +6,7 @@ from sar_tui.framework.bus import FAULT, Bus, Record
 from sar_tui.framework.clock import Clock, VirtualClock
 from sar_tui.framework.messages import Fault, SessionStarted
 from sar_tui.framework.node import Node
+from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.nodes.action_center import ActionCenter
 from sar_tui.framework.nodes.arbiter import Arbiter
 from sar_tui.framework.nodes.event_handler import EventHandler
@@ -14,9 +15,6 @@ from sar_tui.framework.nodes.perception import Perception
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import SESSION, SESSION_ENDED
-
-VITAL = (Perception.name, EventHandler.name, Memory.name)
-"""Nodes without which a session cannot go on."""
 
 
 class ReplayError(ValueError):
@@ -94,6 +92,8 @@ class Session:
                 )
         if len(derived) != len(expected):
             raise ReplayError("The record of this session is not whole: it cannot be gone on with.")
+        if fault := self.broken:
+            raise ReplayError(f"The task failed there: {fault.error}, {fault.place}.")
         if recorded:
             self.bus.count_from(recorded[-1].seq + 1)
 

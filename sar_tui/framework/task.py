@@ -10,12 +10,10 @@ from typing import Any, ClassVar, Literal
 
 import msgspec
 
-from sar_tui.framework.bus import Topic
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import Json
 from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.topics import PERCEIVED
 
 
 class Metric(msgspec.Struct, frozen=True):
@@ -31,6 +29,12 @@ class Metric(msgspec.Struct, frozen=True):
     improved: str = "better"
     worsened: str = "worse"
     decimals: int = 0
+
+    @property
+    def label(self) -> str:
+        """Its name and unit, for people: "reaction time (ms)"."""
+        name = self.name.replace("_", " ")
+        return f"{name} ({self.unit})" if self.unit else name
 
     def is_better(self, value: float, than: float) -> bool:
         """Whether ``value`` is strictly better."""
@@ -136,7 +140,6 @@ class Task(ABC):
     metric: ClassVar[Metric]
     Parameters: ClassVar[type[TaskParameters]] = TaskParameters
     Details: ClassVar[type[Details]] = Details
-    hears: ClassVar[tuple[Topic[Any], ...]] = (PERCEIVED,)
 
     def __init__(self, parameters: TaskParameters) -> None:
         self.parameters = parameters

@@ -1,5 +1,9 @@
 """The trial in hand: from the quiet before its prompt to its row in the table."""
 
+import math
+
+import msgspec
+
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import KeyPerceived, Prompt, PromptVoided, Shown, Timing, TrialEnded
 from sar_tui.framework.task import Result, Situation, Stimulus, Trial
@@ -19,6 +23,7 @@ class OpenTrial:
         self.presentation = presentation
         self.foreperiod = 0
         self.false_starts = 0
+        self.lag = 0
         self.early: list[KeyPerceived] = []
         self._onset: int | None = None
         self._onset_source = ""
@@ -96,7 +101,22 @@ class OpenTrial:
         return (result.response_at - self._onset) / MS
 
     def ended(self, result: Result) -> TrialEnded:
-        """Its row."""
+        """Its row.
+
+        Raises:
+            TypeError: the task's result is not of the types it declares, or not finite, so that it cannot be kept.
+        """
+        row = self._row(result)
+        try:
+            msgspec.convert(msgspec.to_builtins(row), TrialEnded)
+        except (msgspec.ValidationError, TypeError) as error:
+            raise TypeError(f"the result of a trial cannot be kept: {error}") from error
+        numbers = [value for value in (row.value, *row.details.values()) if isinstance(value, float)]
+        if not all(map(math.isfinite, numbers)):
+            raise TypeError("the result of a trial cannot be kept: a number in it is not finite")
+        return row
+
+    def _row(self, result: Result) -> TrialEnded:
         latency = self.latency_ms(result)
         last = self._percepts[-1] if self._percepts else None
         return TrialEnded(
@@ -112,7 +132,7 @@ class OpenTrial:
             timing=Timing(
                 onset_source=self._onset_source,
                 handler_delay_ms=last.delay / MS if last else None,
-                loop_lag_ms=last.loop_lag / MS if last else None,
+                loop_lag_ms=max(self.lag, last.loop_lag if last else 0) / MS,
                 false_starts=self.false_starts,
                 presentation=self.presentation,
                 foreperiod_ms=self.foreperiod / MS,

@@ -286,7 +286,7 @@ class Alarm(TimedNode):
         super().__init__()
         self.fired: list[tuple[str, int]] = []
 
-    def timer(self, name: str) -> None:
+    def timer(self, name: str, late: int) -> None:
         self.fired.append((name, self.now))
 
 

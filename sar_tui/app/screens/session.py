@@ -99,7 +99,7 @@ class SessionScreen(Screen[None]):
             return
         if waiting.stage != "trial" and event.key in ("question_mark", "f1", "ctrl+p"):
             return
-        if waiting.stage == "ended" and waiting.what == "nothing":
+        if waiting.what == "nothing":
             if event.key in ("enter", "space"):
                 event.stop()
                 if not is_repeat:
@@ -186,8 +186,10 @@ class SessionScreen(Screen[None]):
         self.query_one(Agent).say(action.text, action.face, action.valence)
 
     def wait(self, waiting: Waiting) -> None:
-        entered = self._waiting is None or self._waiting.stage != waiting.stage
-        self._waiting = waiting
+        before, self._waiting = self._waiting, waiting
+        entered = before is None or before.stage != waiting.stage
+        if waiting.what == "foreperiod" and before is not None and before.reason == "held":
+            self.query_one(Agent).say("", "listening")
         if waiting.what in ("foreperiod", "response"):
             if waiting.what == "response":
                 self._quiet.begin_trial()
@@ -207,8 +209,16 @@ class SessionScreen(Screen[None]):
                 self._begin_trials(waiting)
             case "paused":
                 self._paused(waiting)
+            case "broken":
+                self._message(
+                    "Please fetch the experimenter",
+                    "Something went wrong in this task, so the session has stopped.\nEverything you did is kept.",
+                    "Press Enter to close.",
+                )
             case "ended" if waiting.reason == "storage":
                 self._ask_for_space()
+            case "trial" if waiting.reason == "held":
+                self.query_one(Agent).say("Please let go of the keys for a moment.", "listening")
             case "ended" if waiting.what == "storage":
                 self._message("Finished", "Your results are being saved.", "")
 
@@ -294,9 +304,3 @@ class SessionScreen(Screen[None]):
         self.app.failure = (
             f"The task {self._live.run.session.task.name} failed ({error}). What was done so far is kept."
         )
-        self._message(
-            "Please fetch the experimenter",
-            "Something went wrong in this task, so the session has stopped.\nEverything you did is kept.",
-            "Press Enter to close.",
-        )
-        self._waiting = Waiting(what="nothing", stage="ended")

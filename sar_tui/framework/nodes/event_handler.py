@@ -6,9 +6,11 @@ from typing import Literal
 import msgspec
 
 from sar_tui.framework import messages as m
+from sar_tui.framework.bus import FAULT
 from sar_tui.framework.chance import Chance
-from sar_tui.framework.clock import MS
+from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.node import TimedNode, on
+from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.policies import difficulty, feedback
 from sar_tui.framework.task import Result, Situation, Task
 from sar_tui.framework.topics import (
@@ -49,11 +51,17 @@ class Phase(Enum):
     RESPONSE = auto()
     PAUSED = auto()
     REVIEW = auto()  # every attempt is done and answered; waits for Enter
-    CLOSING = auto()  # every attempt is done; the last trial is not on disk yet
+    CLOSING = auto()  # nothing more is done; the last trial is not on disk yet
     ENDED = auto()
+    BROKEN = auto()  # the task, or the program, has failed
 
 
 IN_TRIAL = {Phase.QUIET, Phase.FOREPERIOD, Phase.STORING, Phase.ONSET, Phase.RESPONSE}
+STALLED = 250 * MS
+"""A program that comes so late to a time-out stood still: the trial is repeated, not missed."""
+HELD = 3 * SECOND
+"""After this long without quiet the participant is asked to let go of the keys."""
+_OVER = {Phase.CLOSING, Phase.ENDED, Phase.BROKEN}
 _ENTER_GOES_ON = ("interrupted", "restored")
 _WAITS: dict[Phase, tuple[str, str]] = {
     Phase.INSTRUCTIONS: ("enter", "instructions"),
@@ -65,6 +73,7 @@ _WAITS: dict[Phase, tuple[str, str]] = {
     Phase.REVIEW: ("enter", "review"),
     Phase.CLOSING: ("storage", "ended"),
     Phase.ENDED: ("nothing", "ended"),
+    Phase.BROKEN: ("nothing", "broken"),
 }
 
 
@@ -106,8 +115,11 @@ class EventHandler(TimedNode):
         self._stored = (0, 0)
         self._last_trial = (0, 0)
         self._last_key: int | None = None
+        self._restless_since = 0
         self._paused_from = Phase.INSTRUCTIONS
         self._pause_reason = ""
+        self._disk_refuses = False
+        self._status: Literal["completed", "aborted"] = "completed"
 
     # --- the session -------------------------------------------------------------------------------------
 
@@ -118,27 +130,36 @@ class EventHandler(TimedNode):
         self._focused = True
         self.cancel_timers()
         self._stored = self._last_trial
+        self._disk_refuses = False
+        was_menu = self._phase is Phase.PAUSED and self._pause_reason not in _ENTER_GOES_ON
         if self._phase is Phase.CLOSING:
-            self._end("completed")
-        elif session.run == 1 or self._phase in (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED):
+            self._end()
+        elif session.run == 1 or was_menu or self._phase in (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED):
             self._wait(self._phase)
         else:
             self._pause("interrupted")
 
+    @on(FAULT)
+    def fault(self, fault: m.Fault) -> None:
+        """Without one of the vital nodes nothing can be judged any more: stop here, whatever comes."""
+        if fault.node in VITAL:
+            self._void("fault")
+            self._wait(Phase.BROKEN)
+
     @on(OPERATOR)
     def operator_acted(self, act: m.Operator) -> None:
-        if self._phase in (Phase.CLOSING, Phase.ENDED):
+        if self._phase in _OVER:
             return
         match act.command:
             case "pause":
-                if self._pause_reason != "storage":
+                if not self._disk_refuses:
                     self._pause(act.reason)
             case "resume":
-                if self._phase is Phase.PAUSED and self._pause_reason != "storage":
+                if self._phase is Phase.PAUSED and not self._disk_refuses:
                     self._resume()
             case "end":
                 self._void("ended")
-                self._end("aborted")
+                self._close("aborted")
             case "level":
                 self._set_level(act.value if act.value is not None else self._difficulty.level)
             case "repeat":
@@ -152,14 +173,10 @@ class EventHandler(TimedNode):
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:
         """A disk that refuses pauses the session; one that writes again lets it go on."""
-        if self._phase is Phase.CLOSING:
-            self._pause_reason = "" if storage.working else "storage"
-            self._wait(Phase.CLOSING)
-        elif self._phase is Phase.ENDED:
-            pass
-        elif not storage.working:
-            self._pause("storage")
-        elif self._phase is Phase.PAUSED and self._pause_reason == "storage":
+        self._disk_refuses = not storage.working
+        if self._phase in (Phase.CLOSING, Phase.PAUSED):
+            self._wait(self._phase)
+        elif self._disk_refuses and self._phase not in _OVER:
             self._pause("restored")
 
     @on(STORED)
@@ -168,7 +185,7 @@ class EventHandler(TimedNode):
         if self._phase is Phase.STORING and self._stored == self._last_trial:
             self._show()
         elif self._phase is Phase.CLOSING and self._stored == self._last_trial:
-            self._end("completed")
+            self._end()
 
     def _pause(self, reason: str) -> None:
         if self._phase is not Phase.PAUSED:
@@ -178,24 +195,23 @@ class EventHandler(TimedNode):
         self._wait(Phase.PAUSED)
 
     def _resume(self) -> None:
-        self._pause_reason = ""
         if self._is_under_way:
             self._last_key = self.now
             self._await_quiet()
         else:
             self._wait(self._paused_from)
 
-    def _close(self) -> None:
+    def _close(self, status: Literal["completed", "aborted"]) -> None:
         """End the session, once its last trial is on the disk."""
+        self._status = status
         if self._stored == self._last_trial:
-            self._end("completed")
+            self._end()
         else:
             self._wait(Phase.CLOSING)
 
-    def _end(self, status: Literal["completed", "aborted"]) -> None:
-        self.cancel_timers()
+    def _end(self) -> None:
         self._wait(Phase.ENDED)
-        self.emit(SESSION_ENDED, m.SessionEnded(status=status))
+        self.emit(SESSION_ENDED, m.SessionEnded(status=self._status))
 
     # --- attempts -----------------------------------------------------------------------------------------
 
@@ -312,11 +328,16 @@ class EventHandler(TimedNode):
         return OpenTrial(situation, self.task.stimulus(situation))
 
     def _await_quiet(self) -> None:
-        quiet = self.parameters.quiet_ms * MS
+        """Let the foreperiod begin when no key has been pressed for a moment."""
+        self._restless_since = self.now
         self._wait(Phase.QUIET)
+        self._set_quiet_timer()
+
+    def _set_quiet_timer(self) -> None:
+        quiet = self.parameters.quiet_ms * MS
         self.set_timer("quiet", self.now if self._last_key is None else max(self.now, self._last_key + quiet))
 
-    def timer(self, name: str) -> None:
+    def timer(self, name: str, late: int) -> None:
         match name:
             case "quiet":
                 wait = self._trial.draw_foreperiod(self.parameters.foreperiod_min_ms, self.parameters.foreperiod_max_ms)
@@ -326,7 +347,11 @@ class EventHandler(TimedNode):
                 self._show()
             case "foreperiod":
                 self._wait(Phase.STORING)
+            case "timeout" if late > STALLED:
+                self._void("stalled")
+                self._await_quiet()
             case "timeout":
+                self._trial.lag = late
                 self.set_timer("grace", self.now + GRACE)
             case "grace":
                 self._finish(self.task.timed_out(self._trial.view()))
@@ -358,8 +383,8 @@ class EventHandler(TimedNode):
             case Phase.READY if percept.key == "enter" and not percept.repeat:
                 self._begin_attempt()
             case Phase.REVIEW if percept.key == "enter" and not percept.repeat:
-                self._close()
-            case Phase.PAUSED if percept.key == "enter" and self._pause_reason in _ENTER_GOES_ON:
+                self._close("completed")
+            case Phase.PAUSED if percept.key == "enter" and self._reason in _ENTER_GOES_ON:
                 self._resume()
             case Phase.QUIET | Phase.FOREPERIOD | Phase.STORING:
                 self._disturbed()
@@ -386,8 +411,13 @@ class EventHandler(TimedNode):
         """A key where none belongs: wait for quiet, and begin the foreperiod anew."""
         if self._phase is not Phase.QUIET:
             self._trial.false_starts += 1
-        self.cancel_timer("foreperiod")
-        self._await_quiet()
+            self.cancel_timer("foreperiod")
+            self._await_quiet()
+        else:
+            self._set_quiet_timer()
+            if self.now - self._restless_since > HELD:
+                self._restless_since = self.now
+                self._wait(Phase.QUIET, "held")
 
     def _judge(self, percept: m.KeyPerceived) -> None:
         if percept.repeat:
@@ -425,11 +455,18 @@ class EventHandler(TimedNode):
 
     # --- waiting ------------------------------------------------------------------------------------------------
 
-    def _wait(self, phase: Phase) -> None:
+    @property
+    def _reason(self) -> str:
+        """Why the session stands still: the disk, before anything a person said."""
+        if self._disk_refuses and self._phase in (Phase.PAUSED, Phase.CLOSING):
+            return "storage"
+        return self._pause_reason if self._phase is Phase.PAUSED else ""
+
+    def _wait(self, phase: Phase, reason: str = "") -> None:
         """Enter a phase, and say what the session waits for."""
         self._phase = phase
         if phase is Phase.PAUSED:
-            what, stage = ("enter" if self._pause_reason in _ENTER_GOES_ON else "resume"), "paused"
+            what, stage = ("enter" if self._reason in _ENTER_GOES_ON else "resume"), "paused"
         else:
             what, stage = _WAITS[phase]
         self.emit(
@@ -443,6 +480,6 @@ class EventHandler(TimedNode):
                 attempt_name=self._attempt_name(),
                 trials=self.task.trials_per_attempt,
                 goal="" if stage == "trial" else self.task.goal(self._level),
-                reason=self._pause_reason,
+                reason=reason or self._reason,
             ),
         )

@@ -633,6 +633,9 @@ def test_an_end_aborts_from_anywhere_and_is_final(sit: Sit, moment: Callable[[De
     moment(desk)
     done = len(desk.all(TRIAL))
     desk.operate("end")
+    if done and not desk.screen.stores:
+        assert desk.all(SESSION_ENDED) == [], "the last trial is not on the disk yet"
+        desk.screen.store(1, done)
     assert [end.status for end in desk.all(SESSION_ENDED)] == ["aborted"]
     assert desk.session.ended
     for act in ("resume", "skip", "repeat", "pause", "end"):
@@ -839,8 +842,74 @@ def test_a_disk_that_refuses_in_a_pause_is_told_and_comes_first(sit: Sit) -> Non
     desk.operate("pause", reason="tired")
     desk.disk(False)
     assert desk.waiting.reason == "storage"
+    desk.press("enter")
+    desk.operate("resume")
+    assert desk.waiting.reason == "storage"
     desk.disk(True)
-    assert desk.waiting.reason == "restored"
+    assert desk.waiting.reason == "tired", "what a person said is not forgotten"
+
+
+def test_a_program_that_stood_still_repeats_the_trial_instead_of_calling_it_missed(sit: Sit) -> None:
+    desk = sit()
+    prompt = desk.start()
+    desk.wait(50)
+    desk.clock.set(desk.clock.now() + 8000 * MS)
+    desk.wait(0)
+    assert desk.all(TRIAL) == []
+    assert desk.last(VOIDED).reason == "stalled"
+    again = desk.to_prompt()
+    assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
+
+
+def test_a_miss_tells_how_late_its_time_out_was(sit: Sit) -> None:
+    desk = sit(response_timeout_ms=1000)
+    desk.start()
+    desk.wait(900)
+    desk.clock.set(desk.clock.now() + 300 * MS)
+    desk.wait(60)
+    timing = desk.last(TRIAL).timing
+    assert 150 < timing.loop_lag_ms < 250
+
+
+def test_who_leans_on_a_key_is_asked_to_let_go(sit: Sit) -> None:
+    desk = sit()
+    desk.enter()
+    desk.begin_attempt()
+    desk.answer()
+    desk.hold("f", 2500)
+    assert desk.waiting.reason == ""
+    desk.hold("f", 1500)
+    assert (desk.waiting.what, desk.waiting.reason) == ("quiet", "held")
+    desk.wait(600)
+    assert (desk.waiting.what, desk.waiting.reason) == ("foreperiod", "")
+
+
+@pytest.mark.parametrize(
+    "result",
+    [
+        Result(correct=True, response=("j",)),  # type: ignore[arg-type]
+        Result(correct=True, response="j", details={"keys": [1, 2]}),  # type: ignore[dict-item]
+        Result(correct=True, response="j", details={"key": object()}),  # type: ignore[dict-item]
+        Result(correct=True, response="j", value=float("nan")),
+        Result(correct=True, response="j", details={"share": float("inf")}),
+    ],
+)
+def test_a_result_that_cannot_be_kept_stops_the_session_for_good(sit: Sit, result: Result) -> None:
+    desk = sit()
+    desk.start()
+    desk.session.task.perceived = lambda trial, percept: result  # type: ignore[method-assign]
+    desk.press("f")
+    fault = desk.session.broken
+    assert fault is not None
+    assert "cannot be kept" in fault.error
+    assert (desk.waiting.what, desk.waiting.stage) == ("nothing", "broken")
+    said = len(desk.records)
+    desk.wait(60_000)
+    assert len(desk.records) == said, "nothing goes on by itself"
+    desk.press("enter")
+    desk.operate("resume")
+    assert desk.all(TRIAL) == []
+    assert desk.waiting.stage == "broken"
 
 
 def test_a_disk_that_writes_changes_nothing(sit: Sit) -> None:
