@@ -47,14 +47,14 @@ class Run:
 
     def __init__(
         self,
-        row: str,
+        session_id: str,
         number: int,
         session: Session,
         recorder: Recorder,
         database: sqlite_utils.Database,
         held: list[BaseFileLock],
     ) -> None:
-        self.id = row
+        self.id = session_id
         self.number = number
         self.session = session
         self.recorder = recorder
@@ -110,18 +110,30 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: C
         if plan.mode == "live":
             participant = participants.add(database, plan.participant)
             held.append(locks.hold(folder, "participant", participant))
-        entry = sessions.create(
+        session_id = sessions.new_id()
+        held.append(locks.hold(folder, "session", session_id))
+        made_by = _made_by(plan.task, theme.name, folder, catalogue)
+        sessions.create(
             database,
+            session_id,
             task=task.name,
             theme=theme.name,
             participant=participant,
             seed=plan.seed,
             parameters=plan.parameters,
-            software=software(plan.task, task_folder(plan.task), catalogue.theme_folder(theme.name)),
-            machine=machine() | {"timing": measured_timing(folder)},
             mode=plan.mode,
+            **made_by,
         )
-        return _enter(entry, session, folder, database, held)
+        number = sessions.begin_run(database, session_id, **made_by)
+        return _enter(session_id, number, session, folder, database, held)
+
+
+def _made_by(kind: type[Task], theme: str, folder: Path, catalogue: Catalogue) -> dict[str, object]:
+    """The software and the machine of a run, as the database keeps them."""
+    return {
+        "software": software(kind, task_folder(kind), catalogue.theme_folder(theme)),
+        "machine": machine() | {"timing": measured_timing(folder)},
+    }
 
 
 def resumable(database: sqlite_utils.Database, folder: Path, name: str) -> sessions.Row:
@@ -132,12 +144,15 @@ def resumable(database: sqlite_utils.Database, folder: Path, name: str) -> sessi
     """
     row = sessions.find(database, folder, name)
     if row["status"] != "interrupted" or row["mode"] != "live":
-        state = row["status"] if row["mode"] == "live" else row["mode"]
-        raise StoreError(
-            f"The session {row['id']} is {state}; only a live one that was interrupted can be gone on with.",
-            bad_input=True,
-        )
+        raise _not_resumable(row["id"], row["status"] if row["mode"] == "live" else row["mode"])
     return row
+
+
+def _not_resumable(session_id: str, state: str) -> StoreError:
+    return StoreError(
+        f"The session {session_id} is {state}; only a live one that was interrupted can be gone on with.",
+        bad_input=True,
+    )
 
 
 def resume(
@@ -155,6 +170,10 @@ def resume(
     with _let_go_on_failure(database, held):
         row = resumable(database, folder, session_id)
         held.append(locks.hold(folder, "participant", row["participant"]))
+        held.append(locks.hold(folder, "session", row["id"]))
+        status = sessions.stored_status(database, row["id"])  # another program may have ended it before we held it
+        if status not in ("running", "interrupted"):
+            raise _not_resumable(row["id"], status or "gone")
         kind = catalogue.task(row["task"])
         try:
             task = _set_up(kind, build(kind.Parameters, row["parameters"]))
@@ -162,7 +181,8 @@ def resume(
             session.replay(sessions.history(database, row["id"]))
         except (ParameterError, ReplayError) as error:
             raise Failed(f"The session {row['id']} cannot be gone on with. {error}") from error
-        return _enter(row["id"], session, folder, database, held)
+        number = sessions.begin_run(database, row["id"], **_made_by(kind, row["theme"], folder, catalogue))
+        return _enter(row["id"], number, session, folder, database, held)
 
 
 def _set_up(kind: type[Task], parameters: TaskParameters) -> Task:
@@ -192,14 +212,17 @@ def _let_go_on_failure(database: sqlite_utils.Database, held: list[BaseFileLock]
 
 
 def _enter(
-    entry: str, session: Session, folder: Path, database: sqlite_utils.Database, held: list[BaseFileLock]
+    session_id: str,
+    number: int,
+    session: Session,
+    folder: Path,
+    database: sqlite_utils.Database,
+    held: list[BaseFileLock],
 ) -> Run:
-    """Take the session's lock, enter the run, and record from here on."""
-    held.append(locks.hold(folder, "session", entry))
-    number = sessions.begin_run(database, entry)
+    """Record from here on."""
     inline = isinstance(session.clock, VirtualClock)
-    recorder = Recorder(database if inline else connect(folder), entry, number, session.bus, inline=inline)
-    return Run(entry, number, session, recorder, database, held)
+    recorder = Recorder(database if inline else connect(folder), session_id, number, session.bus, inline=inline)
+    return Run(session_id, number, session, recorder, database, held)
 
 
 def simulate(

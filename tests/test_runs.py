@@ -83,6 +83,22 @@ def test_a_session_resumed_however_often_has_every_trial_once_as_it_would_have_b
         shutil.rmtree(data)
 
 
+def test_each_run_says_on_what_it_was_made(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY", "ZELLIJ"):
+        monkeypatch.delenv(name, raising=False)
+    clock = VirtualClock()
+    run = start(PLAN, data, CATALOGUE, clock, sit_down)
+    play(run, clock, 5)
+    monkeypatch.setenv("SSH_TTY", "/dev/pts/0")
+    clock = VirtualClock(1000 * SECOND)
+    play(resume(run.id, data, CATALOGUE, clock, sit_down), clock, 5)
+    session = sessions.find(connect(data), data, run.id)
+    desk, ssh = sessions.rows(connect(data), "runs", run.id)
+    assert (desk["software"], desk["machine"]) == (session["software"], session["machine"])
+    assert (desk["machine"]["flags"], ssh["machine"]["flags"]) == ([], ["ssh"])
+    assert ssh["software"] == desk["software"]
+
+
 def test_what_has_ended_cannot_be_gone_on_with(data: Path) -> None:
     session = undisturbed(data)
     with pytest.raises(StoreError, match="is completed; only a live one that was interrupted") as caught:

@@ -6,6 +6,7 @@ import functools
 import os
 import shlex
 import signal
+import sqlite3
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -26,10 +27,11 @@ from sar_tui.framework.clock import Clock
 from sar_tui.framework.parameters import ParameterError
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.runs import Failed, Plan
-from sar_tui.store.database import StoreError, connect, default_folder
+from sar_tui.store.database import StoreError, connect, default_folder, explain
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
+_UNSAVED = "The disk would not take the session's last messages; the trials acknowledged before are safe."
 
 
 class SarTui(App[int]):
@@ -102,6 +104,9 @@ class SarTui(App[int]):
         except (StoreError, PluginError, ParameterError, Failed) as error:
             self._cannot_begin(str(error))
             return
+        except sqlite3.Error as error:
+            self._cannot_begin(str(explain(error)))
+            return
         self.live = live
         self.clear_notifications()
         self.use_theme(live.run.session.theme.name)
@@ -119,6 +124,8 @@ class SarTui(App[int]):
         self.close_session()
         if self._begin is not None or self.failure:
             self.exit(return_code=1 if self.failure else 0)
+        elif self.live and self.live.unsaved:
+            self.notify(f"{_UNSAVED} Free some space before the next session.", severity="error", timeout=30)
 
     def close_session(self) -> None:
         """End the live session's workers, if there is one, and let go of it."""
@@ -142,12 +149,15 @@ class SarTui(App[int]):
             self._check_room(event.size)
 
     def _check_room(self, size: Size) -> None:
-        """Cover the screen while it has no room, and uncover it again."""
-        is_covered = isinstance(self.screen, TooSmallScreen)
-        if is_too_small(size) and not is_covered:
+        """Cover the screen while it has no room, and uncover it again.
+
+        A cover that something stands over, such as the help, uncovers by itself when that is closed.
+        """
+        if not is_too_small(size):
+            if isinstance(self.screen, TooSmallScreen):
+                self.pop_screen()
+        elif not any(isinstance(screen, TooSmallScreen) for screen in self.screen_stack):
             self.push_screen(TooSmallScreen())
-        elif is_covered and not is_too_small(size):
-            self.pop_screen()
 
     def _catch_signals(self) -> None:
         """A signal ends the app in order: the terminal restored, everything written."""
@@ -213,7 +223,7 @@ def run_app(folder: Path, catalogue: Catalogue, plan: Plan | None = None, resume
     app = SarTui(folder, catalogue, plan or resume)
     app.run()
     app.close_session()
-    code = app.return_code or 0
+    code = app.return_code or int(bool(app.failure or (app.live and app.live.unsaved)))
     for line in _last_words(app, code):
         _tell(line)
     return code
@@ -224,12 +234,12 @@ def _last_words(app: SarTui, code: int) -> list[str]:
     if code == INTERRUPTED:
         words.append("Stopped with Ctrl-C.")
     live = app.live
-    if live and not live.run.session.ended:
+    if live and not live.run.session.ended and not live.run.session.broken:
         words.append(f"The session is kept. Go on with it: {_command(app, 'resume', live.run.id)}")
     elif live and app.begins_at_once:
         words.append(f"The session is kept. Look at it: {_command(app, 'show', live.run.id)}")
     if live and live.unsaved:
-        words.append("The disk would not take the session's last messages; the trials acknowledged before are safe.")
+        words.append(_UNSAVED)
     return words
 
 

@@ -1,6 +1,7 @@
 """A live session in the app: its run, the two workers that carry it, and how it ends."""
 
 import asyncio
+import contextlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +14,7 @@ from sar_tui.framework.topics import OPERATOR
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
 from sar_tui.runs import Plan, Run, resume, start
+from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
     from textual.app import App
@@ -84,12 +86,20 @@ class LiveSession:
         return self.run.recorder.pending
 
     def close(self, app: "App[int]") -> None:
-        """Stop both workers, write what is left, and let go of the session."""
+        """Stop both workers, write what is left, and let go of the session.
+
+        If the disk is too slow to be done in time, the session stays locked for as long as the thread writes, and
+        what it has not written is ``unsaved``.
+        """
         if self._closing:
             return
         self._closing = True
         app.workers.cancel_group(app, "session")
         if isinstance(self.clock, LiveClock):
             self.run.recorder.stop()
-            self.run.recorder.wait(_LAST_WRITE_SECONDS)
+            if not self.run.recorder.wait(_LAST_WRITE_SECONDS):
+                return
+        else:
+            with contextlib.suppress(StoreError):
+                self.run.recorder.write()
         self.run.close()

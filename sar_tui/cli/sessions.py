@@ -119,7 +119,7 @@ def _print_figure(out: "Console", attempts: Sequence[Row], metric: "Metric", thr
     figure = attempts_figure(
         [row["level"] for row in scored],
         [row["metric"] for row in scored],
-        metric=f"{metric.name.replace('_', ' ')}{f' ({metric.unit})' if metric.unit else ''}",
+        metric=metric.label,
         threshold=threshold,
         width=min(out.width, _FIGURE[0]),
         height=_FIGURE[1],

@@ -143,7 +143,7 @@ class Waiting(Message, frozen=True, kw_only=True):
     ``attempt_name`` is the attempt in words, "attempt 3 of 20"; ``goal`` what it aims at, but for trials.
     ``reason``, when paused: how the person is (see `Operator`), ``interrupted`` (the program had ended),
     ``storage`` (the disk refuses; also at the end), ``restored`` (it no longer does); when quiet is awaited:
-    ``held`` (keys are pressed all the time).
+    ``held`` (keys are pressed all the time). ``detail`` is for the experimenter: the disk's own words.
     """
 
     what: Literal["enter", "quiet", "foreperiod", "storage", "response", "resume", "nothing"]
@@ -155,6 +155,7 @@ class Waiting(Message, frozen=True, kw_only=True):
     trials: int = 0
     goal: str = ""
     reason: str = ""
+    detail: str = ""
 
 
 class AttemptStarted(Message, frozen=True, kw_only=True):

@@ -17,14 +17,26 @@ from sar_tui.store.schema import VERSION, migrations
 FILE = "sar-tui.db"
 _NOT_OURS = "{path} is not a SQLite database. Move it away, or choose another --data folder."
 _MAGIC = b"SQLite format 3\x00"
+_TEMPORARY = {
+    sqlite3.SQLITE_FULL,
+    sqlite3.SQLITE_IOERR,
+    sqlite3.SQLITE_BUSY,
+    sqlite3.SQLITE_READONLY,
+    sqlite3.SQLITE_CANTOPEN,
+    sqlite3.SQLITE_NOMEM,
+}
 
 
 class StoreError(Exception):
-    """The database cannot be used; one or two clear sentences. ``bad_input``: it is the wrong file, not a fault."""
+    """The database cannot be used; one or two clear sentences.
 
-    def __init__(self, message: str, *, bad_input: bool = False) -> None:
+    ``bad_input``: it is the wrong file, not a fault. ``temporary``: it may work later, with nothing changed here.
+    """
+
+    def __init__(self, message: str, *, bad_input: bool = False, temporary: bool = False) -> None:
         super().__init__(message)
         self.bad_input = bad_input
+        self.temporary = temporary
 
 
 def default_folder() -> Path:
@@ -87,9 +99,10 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
         sqlite3.SQLITE_NOTADB: _NOT_OURS.format(path=path),
         sqlite3.SQLITE_BUSY: f"Another program keeps {path} locked. Close it and try again.",
         sqlite3.SQLITE_IOERR: f"The disk refuses to write {path}.",
+        sqlite3.SQLITE_NOMEM: "The memory of this machine is used up. Close other programs.",
     }
     wrong_file = code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT)
-    return StoreError(known.get(code, f"{path}: {error}."), bad_input=wrong_file)
+    return StoreError(known.get(code, f"{path}: {error}."), bad_input=wrong_file, temporary=code in _TEMPORARY)
 
 
 @contextmanager

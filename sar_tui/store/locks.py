@@ -7,6 +7,9 @@ import filelock
 
 from sar_tui.store.database import StoreError
 
+_PATIENCE_SECONDS = 0.5
+"""For so long a lock that is taken is asked for again: ``is_held`` of another program takes it for a moment."""
+
 
 class Held(StoreError):
     """Another program has it."""
@@ -27,7 +30,7 @@ def hold(folder: Path, kind: str, name: str) -> filelock.BaseFileLock:
     """
     try:
         lock = filelock.FileLock(_path(folder, kind, name), mode=0o600)
-        lock.acquire(blocking=False)
+        lock.acquire(timeout=_PATIENCE_SECONDS)
     except filelock.Timeout:
         raise Held(f"The {kind} {name} is in a live session already, in another window or program.") from None
     except OSError as error:

@@ -25,11 +25,15 @@ def check_code(code: str) -> str:
 
 
 def add(db: sqlite_utils.Database, code: str) -> str:
-    """Make sure a participant is known; returns the code as it is kept."""
+    """Make sure a participant is known; returns the code as it is kept.
+
+    Raises:
+        StoreError: it cannot be a code, or the disk refuses.
+    """
     code = check_code(code)
-    db.execute(
-        "INSERT OR IGNORE INTO participants (code, created_at) VALUES (?, ?)", (code, datetime.now(UTC).isoformat())
-    )
+    row = (code, datetime.now(UTC).isoformat())
+    with transaction(db) as connection:
+        connection.execute("INSERT OR IGNORE INTO participants (code, created_at) VALUES (?, ?)", row)
     return code
 
 

@@ -18,6 +18,7 @@ BATCH_SECONDS = 0.1
 """How long a message that is no trial may wait for the disk."""
 RETRY_SECONDS = 1.0
 """How often a disk that refused is asked again."""
+_NO_WAITING = "Waiting will hardly help: end the session, and what was saved before is kept."
 
 Rows = dict[str, list[tuple[Any, ...]]]
 
@@ -44,11 +45,11 @@ class Recorder:
     """Writes a session's messages. A trial, and all before it, is one transaction, and is then acknowledged.
 
     Inline (on a virtual clock) it writes as soon as a trial ends. In a live session ``run`` is given a thread:
-    the bus never waits for the disk. While the disk refuses, everything is kept and tried again, and the
-    session is told.
+    the bus never waits for the disk. While nothing can be written, everything is kept and tried again, and the
+    session is told why.
 
     Args:
-        database: a connection of the recorder's own.
+        database: inline, the caller's connection; else one of the recorder's own, which ``run`` closes.
         session, run: what the rows belong to.
         bus: is tapped, and told of what is stored.
         inline: write on the bus' own thread.
@@ -68,7 +69,7 @@ class Recorder:
         self._queue: deque[list[Record]] = deque()
         self._wake = threading.Event()
         self._finished = threading.Event()
-        self._refused = False
+        self._refusal: str | None = None
         bus.tap(self)
 
     def __call__(self, cascade: list[Record]) -> None:
@@ -86,15 +87,19 @@ class Recorder:
         return len(self._queue)
 
     def run(self, is_stopped: Callable[[], bool]) -> None:
-        """Write until stopped, and then what is left. For a thread of its own."""
+        """Write until stopped, and then what is left; then close the connection. For a thread of its own, once."""
         try:
             while not is_stopped():
-                self._wake.wait(RETRY_SECONDS if self._refused else BATCH_SECONDS)
+                self._wake.wait(RETRY_SECONDS if self._refusal else BATCH_SECONDS)
                 self._wake.clear()
-                self._try()
-            self._try()
+                self.try_write()
+            self.try_write()
         finally:
-            self._finished.set()
+            try:
+                if not self._inline:
+                    self._database.conn.close()
+            finally:
+                self._finished.set()
 
     def wait(self, seconds: float) -> bool:
         """Wait for a stopped ``run`` to have written the rest; False if it has not by then."""
@@ -104,33 +109,40 @@ class Recorder:
         """Wake the thread, so that it sees that it is stopped."""
         self._wake.set()
 
-    def _try(self) -> None:
+    def try_write(self) -> None:
+        """Write what waits. The session is told when that fails, and when it works again."""
         try:
             self.write()
         except StoreError as error:
-            if not self._refused:
-                self._refused = True
-                self._bus.post(STORAGE, m.StorageChanged(working=False, reason=str(error)))
+            reason = str(error) if error.temporary else f"{error} {_NO_WAITING}"
+            if reason != self._refusal:
+                self._refusal = reason
+                self._bus.post(STORAGE, m.StorageChanged(working=False, reason=reason))
         else:
-            if self._refused:
-                self._refused = False
+            if self._refusal:
+                self._refusal = None
                 self._bus.post(STORAGE, m.StorageChanged(working=True))
 
     def write(self) -> None:
         """Commit all that waits as one transaction, and acknowledge its trials.
 
         Raises:
-            StoreError: the disk refuses; everything still waits.
+            StoreError: the disk refuses, or a message cannot be written down; everything still waits.
         """
         count = len(self._queue)
         if not count:
             return
         records = [record for cascade in list(self._queue)[:count] for record in cascade]
-        rows = _rows(self._session, self._run, records)
-        with transaction(self._database) as connection:
-            for kind, statement in _SQL.items():
-                if rows[kind]:
-                    connection.executemany(statement, rows[kind])
+        try:
+            rows = _rows(self._session, self._run, records)
+            with transaction(self._database) as connection:
+                for kind, statement in _SQL.items():
+                    if rows[kind]:
+                        connection.executemany(statement, rows[kind])
+        except StoreError:
+            raise
+        except Exception as error:  # what a task said cannot be put into a row
+            raise StoreError(f"A message cannot be written down ({type(error).__name__}: {error}).") from error
         for _ in range(count):
             self._queue.popleft()
         for record in records:

@@ -39,7 +39,15 @@ def version_1(db: sqlite_utils.Database) -> None:
     create("seats", {"session": str, "seat": str, "participant": str}, pk=("session", "seat"))
     create(
         "runs",
-        {"session": str, "run": int, "clock_anchor": str, "boot_id": str, "pid": int},
+        {
+            "session": str,
+            "run": int,
+            "clock_anchor": str,
+            "boot_id": str,
+            "pid": int,
+            "software": str,
+            "machine": str,
+        },
         pk=("session", "run"),
     )
     create(

@@ -19,12 +19,25 @@ from sar_tui.store.locks import is_held
 Mode = Literal["live", "simulated", "replayed"]
 Row = dict[str, Any]
 
-_JSON = {"parameters", "software", "machine", "clock_anchor", "timing", "details", "proposed", "final", "message"}
-_BOOLEAN = {"practice", "correct"}
+Table = Literal["attempts", "trials", "actions", "runs"]
+
+_JSON = {
+    "sessions": ("parameters", "software", "machine"),
+    "runs": ("clock_anchor", "software", "machine"),
+    "trials": ("timing", "details"),
+    "actions": ("proposed", "final"),
+}
+_BOOLEAN = {"attempts": ("practice",), "trials": ("correct",)}
+
+
+def new_id() -> str:
+    """An id for a session: random text."""
+    return secrets.token_hex(5)
 
 
 def create(
     db: sqlite_utils.Database,
+    session: str,
     *,
     task: str,
     theme: str,
@@ -34,9 +47,11 @@ def create(
     software: object,
     machine: object,
     mode: Mode,
-) -> str:
-    """Enter a new session and its participant's seat; returns its id."""
-    session = secrets.token_hex(5)
+) -> None:
+    """Enter a new session, under an id from ``new_id``, and its participant's seat.
+
+    From then on others see it: who means to run it holds its lock by now.
+    """
     with transaction(db) as connection:
         connection.execute(
             "INSERT INTO sessions (id, task, theme, status, started_at, seed, parameters, software, machine, mode)"
@@ -44,16 +59,16 @@ def create(
             (session, task, theme, _utc(), seed, _dump(parameters), _dump(software), _dump(machine), mode),
         )
         connection.execute("INSERT INTO seats VALUES (?,'A',?)", (session, participant))
-    return session
 
 
-def begin_run(db: sqlite_utils.Database, session: str) -> int:
-    """Enter a run of this program on a session; returns its number, from 1."""
+def begin_run(db: sqlite_utils.Database, session: str, *, software: object, machine: object) -> int:
+    """Enter a run of this program, on this machine, on a session; returns its number, from 1."""
     anchor = {"clock_ns": host_now(), "utc": _utc()}
     with transaction(db) as connection:
         (run,) = connection.execute("SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)).fetchone()
         connection.execute(
-            "INSERT INTO runs VALUES (?,?,?,?,?)", (session, run, _dump(anchor), _boot_id(), os.getpid())
+            "INSERT INTO runs (session, run, clock_anchor, boot_id, pid, software, machine) VALUES (?,?,?,?,?,?,?)",
+            (session, run, _dump(anchor), _boot_id(), os.getpid(), _dump(software), _dump(machine)),
         )
         connection.execute("UPDATE sessions SET status='running', ended_at=NULL WHERE id=?", (session,))
     return int(run)
@@ -88,16 +103,11 @@ def local_time(stamp: str | None) -> str:
     return datetime.fromisoformat(stamp).astimezone().strftime("%Y-%m-%d %H:%M") if stamp else ""
 
 
-def _typed(row: Row) -> Row:
-    """A row with its JSON columns decoded and its truth values true or false."""
-    return {
-        name: msgspec.json.decode(value)
-        if name in _JSON and value is not None
-        else bool(value)
-        if name in _BOOLEAN and name != "trials" and value in (0, 1)
-        else value
-        for name, value in row.items()
-    }
+def _typed(table: str, row: Row) -> Row:
+    """A row of a table with its JSON columns decoded and its truth values true or false."""
+    decoded = {name: msgspec.json.decode(row[name]) for name in _JSON.get(table, ()) if row[name] is not None}
+    truths = {name: bool(row[name]) for name in _BOOLEAN.get(table, ()) if row[name] is not None}
+    return row | decoded | truths
 
 
 def listing(db: sqlite_utils.Database, folder: Path, *, participant: str | None = None, limit: int = -1) -> list[Row]:
@@ -112,7 +122,7 @@ def listing(db: sqlite_utils.Database, folder: Path, *, participant: str | None 
         " WHERE :who IS NULL OR participant=:who ORDER BY started_at DESC LIMIT :limit",
         {"who": participant, "limit": limit},
     )
-    return [_with_status(_typed(row), folder) for row in rows]
+    return [_with_status(_typed("sessions", row), folder) for row in rows]
 
 
 def find(db: sqlite_utils.Database, folder: Path, name: str) -> Row:
@@ -137,16 +147,15 @@ def _with_status(row: Row, folder: Path) -> Row:
     return row
 
 
-def rows(db: sqlite_utils.Database, table: Literal["attempts", "trials", "actions", "runs"], session: str) -> list[Row]:
+def stored_status(db: sqlite_utils.Database, session: str) -> str | None:
+    """What a session's row says of it, whoever holds it; None if there is none."""
+    row = db.execute("SELECT status FROM sessions WHERE id=?", (session,)).fetchone()
+    return row[0] if row else None
+
+
+def rows(db: sqlite_utils.Database, table: Table, session: str) -> list[Row]:
     """The rows of a session in one table, in their order."""
-    return [_exact(table, row) for row in db.query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", (session,))]
-
-
-def _exact(table: str, row: Row) -> Row:
-    typed = _typed(row)
-    if table == "attempts":
-        typed["correct"] = row["correct"]
-    return typed
+    return [_typed(table, row) for row in db.query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", (session,))]
 
 
 def history(db: sqlite_utils.Database, session: str) -> Iterator[Record]:

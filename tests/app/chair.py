@@ -181,7 +181,7 @@ class Chair:
 
     async def disk(self, working: bool) -> None:
         """The disk refuses to write, or no longer does."""
-        self.session.bus.post(STORAGE, StorageChanged(working=working))
+        self.session.bus.post(STORAGE, StorageChanged(working=working, reason="" if working else "The disk is full."))
         await self.settle()
 
     # --- what is seen ------------------------------------------------------------------------------------------

@@ -1,13 +1,18 @@
 """What goes wrong: a disk, a task, a window. A clear sentence, and nothing lost."""
 
+import sqlite3
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from sar_tui.app import app as app_module
+from sar_tui.app.app import SarTui, run_app
 from sar_tui.framework.task import Result, Task, Trial
+from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
-from tests.app.chair import known, plan, sit_down, stored
+from sar_tui.store.database import StoreError
+from tests.app.chair import Chair, known, plan, sit_down, stored
 
 
 async def test_a_disk_that_refuses_sends_for_the_experimenter_and_the_session_goes_on_after(
@@ -18,7 +23,7 @@ async def test_a_disk_that_refuses_sends_for_the_experimenter_and_the_session_go
         await chair.disk(False)
         assert chair.sees("Please fetch the experimenter")
         assert chair.sees("Everything you did is kept.")
-        assert chair.sees("the disk is full or refuses to write")
+        assert chair.sees("For the experimenter: The disk is full. When it can be saved again")
         assert "Press: " not in chair.text
 
         await chair.press("enter", "escape", prompt.expected)
@@ -99,3 +104,135 @@ async def test_a_window_that_is_too_small_from_the_start_says_so_and_recovers(
         await chair.resize(120, 40)
         assert chair.screen_name == "HomeScreen"
         assert chair.sees("+ New participant")
+
+
+@pytest.mark.parametrize("key", ["f1", "ctrl+p"])
+async def test_a_window_that_grows_under_the_help_or_the_palette_recovers_when_they_are_closed(
+    key: str, data: Path, catalogue: Catalogue
+) -> None:
+    async with sit_down(data, catalogue, size=(70, 20)) as chair:
+        await chair.press(key)
+        await chair.resize(100, 30)
+        await chair.press("escape")
+        assert chair.screen_name == "HomeScreen"
+
+
+async def test_a_window_that_shrinks_again_under_the_help_is_covered_once(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue, size=(70, 20)) as chair:
+        await chair.press("f1")
+        await chair.resize(60, 20)
+        assert [type(screen).__name__ for screen in chair.app.screen_stack].count("TooSmallScreen") == 1
+        await chair.press("escape")
+        assert chair.sees("This window is too small.")
+        await chair.resize(80, 24)
+        assert chair.screen_name == "HomeScreen"
+
+
+def _refuse(chair: Chair) -> None:
+    """Whatever the app itself would write from here on is refused."""
+    chair.app.database.execute("PRAGMA query_only=ON")
+
+
+async def test_a_disk_that_refuses_the_settings_is_told_and_the_form_stays(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01")
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        _refuse(chair)
+        await chair.press("ctrl+s")
+        assert chair.screen_name == "SettingsScreen"
+        assert chair.sees("is read-only")
+        assert chair.sees("not saved")
+
+
+async def test_a_disk_that_refuses_is_told_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01")
+    async with sit_down(data, catalogue) as chair:
+        _refuse(chair)
+        await chair.press("right", "right", "right", "enter")
+        assert chair.screen_name == "HomeScreen"
+        assert chair.sees("is read-only")
+
+
+async def test_a_disk_that_refuses_a_new_session_is_told_on_the_home_screen(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise sqlite3.OperationalError("disk I/O error")
+
+    known(data, "P01")
+    monkeypatch.setattr("sar_tui.store.sessions.create", refuse)
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("right", "right", "right", "enter")
+        assert chair.screen_name == "HomeScreen"
+        assert chair.sees("disk I/O error")
+
+
+async def test_a_disk_that_refuses_a_participant_is_told_and_the_code_stays(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise StoreError("The disk is full.")
+
+    monkeypatch.setattr("sar_tui.store.participants.add", refuse)
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("enter")
+        await chair.write(*"P07")
+        await chair.press("enter")
+        assert chair.screen_name == "NewParticipantScreen"
+        assert chair.sees("The disk is full.")
+        assert chair.sees("P07")
+
+
+async def test_messages_that_the_disk_never_took_are_told_when_the_session_is_left(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse() -> None:
+        raise StoreError("The disk is full.")
+
+    known(data, "P01")
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("right", "right", "right", "enter")
+        await chair.do_session()
+        assert chair.app.live
+        monkeypatch.setattr(chair.app.live.run.recorder, "write", refuse)
+        chair.app.live.keyboard.focused(True, 1.0)
+        await chair.settle()
+        await chair.press("enter")
+        assert chair.screen_name == "HomeScreen"
+        assert chair.sees("The disk would not take the session's last messages")
+
+
+async def test_a_session_whose_disk_is_too_slow_stays_locked_and_unsaved(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = SarTui(data, catalogue, plan(keyboard))
+    async with app.run_test() as pilot:
+        await pilot.pause()
+        assert app.live
+        run = app.live.run
+        closed: list[bool] = []
+        close = run.close
+        monkeypatch.setattr(run.recorder, "wait", lambda seconds: False)
+        monkeypatch.setattr(run, "close", lambda: closed.append(True))
+        app.close_session()
+        assert closed == []
+    close()
+
+
+@pytest.mark.parametrize(("failure", "code"), [("", 0), ("The task failed.", 1)])
+def test_the_exit_code_tells_of_a_failure_however_the_app_was_left(
+    failure: str, code: int, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def left_with_ctrl_q(app: SarTui) -> None:
+        app.failure = failure
+
+    monkeypatch.setattr(app_module.SarTui, "run", left_with_ctrl_q)
+    monkeypatch.setattr(app_module, "stamp_keys_as_read", lambda: None)
+    assert run_app(data, catalogue) == code
+
+
+def test_a_keyboard_that_nobody_listens_to_yet_lets_everything_pass() -> None:
+    keyboard = Keyboard()
+    keyboard.pressed("f", "f", 1.0)
+    keyboard.pasted(3, 1.0)
+    keyboard.focused(False, 1.0)

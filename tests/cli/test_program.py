@@ -158,6 +158,20 @@ def test_ctrl_c_is_130_and_a_word(call: Call, monkeypatch: pytest.MonkeyPatch) -
     assert call("sessions") == (130, "", "Stopped.\n")
 
 
+def test_ctrl_c_while_the_program_is_loaded_is_130_and_a_word() -> None:
+    script = (
+        "import sys\n"
+        "class CtrlC:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'sar_tui.cli': raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, CtrlC())\n"
+        "from sar_tui.__main__ import main\n"
+        "main()"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "Stopped.\n")
+
+
 @pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX systems")
 @pytest.mark.parametrize("how", ["--json", "table"])
 def test_a_reader_that_goes_away_is_no_error(tmp_path: Path, how: str) -> None:

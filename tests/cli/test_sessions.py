@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from sar_tui.framework.task import Metric
 from tests.cli.conftest import Call
 
 
@@ -108,3 +109,8 @@ def test_show_a_session_without_attempts(call: Call, tmp_path: Path, simulated: 
 def test_a_session_that_is_not_there_is_bad_input(call: Call, name: str) -> None:
     called = call("show", name)
     assert (called.code, called.err) == (2, f"There is no session {name}. `sar-tui sessions` lists them.\n")
+
+
+@pytest.mark.parametrize(("unit", "label"), [("ms", "reaction time (ms)"), ("", "reaction time")])
+def test_a_metric_is_labelled_with_its_unit_if_it_has_one(unit: str, label: str) -> None:
+    assert Metric("reaction_time", unit, "lower").label == label

@@ -162,7 +162,7 @@ def test_checks_as_json(call: Call, tapping: Path) -> None:
         ("right = 0\n", "right = 0\n        boom\n", "poor participant. The task tapping failed (NameError"),
         ("pace = reaction_ms / 2", "pace = reaction_ms / 0", "The node participant failed at event_handler/prompt"),
         ("value=right / seconds", "value=None", "10 of 10 attempts have no metric"),
-        ("value=right / seconds", "value=float('inf')", "is not a finite number"),
+        ("value=right / seconds", "value=float('inf')", "a number in it is not finite"),
         ('"wrong": wrong}', '"wrong": wrong, "more": 1}', "that it declares. Its Details do not declare more."),
         ("] = 3.0", "] = 19.0", "✗ moves its level. The level stays at 1 for every participant."),
         ("value=right / seconds", "value=right / seconds + __import__('time').monotonic()", "✗ comes out the same"),

@@ -39,6 +39,8 @@ def test_twenty_kills_lose_no_acknowledged_trial_and_change_no_prompt(data: Path
         assert terminal.wait() == 0
 
     assert rows(data, "SELECT status FROM sessions") == [("completed",)]
+    levels = [level for (level,) in rows(data, "SELECT level FROM attempts ORDER BY attempt")]
+    assert levels == list(range(1, ATTEMPTS + 1)), "all answers are right and fast"
     trials = rows(data, "SELECT attempt, trial, stimulus FROM trials ORDER BY attempt, trial")
     assert [(a, t) for a, t, _ in trials] == [(a, t) for a in range(1, ATTEMPTS + 1) for t in range(1, PROMPTS + 1)]
     assert trials == _prompts_it_would_have_had(data, catalogue)

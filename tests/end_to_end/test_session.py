@@ -2,8 +2,10 @@
 
 import json
 import re
+import time
 from pathlib import Path
 
+from sar_tui.framework.clock import MS
 from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
 from sar_tui.simulation.terminal import Terminal
 from tests.end_to_end.seat import Eyes, command, only_session, rows, run_command, see_the_summary
@@ -61,6 +63,25 @@ def test_the_prompt_line_stands_while_a_prompt_is_up_and_is_gone_between_prompts
             line = re.search(r"Press: (\S)\s*$", eyes.text(), re.MULTILINE)
             assert line, eyes.text()
             t.press(line[1])
+
+
+def test_not_a_byte_arrives_while_a_response_is_awaited(data: Path) -> None:
+    with Terminal(run_command(data, prompts_per_attempt=2, attempts=1)) as t:
+        t.wait_for("Press Enter to go on.")
+        t.settle()
+        t.press("enter")
+        t.wait_for("Press Enter to begin")
+        t.settle()
+        t.press("enter")
+        shown = 0
+        for _ in range(2):
+            shown = t.wait_for("Press: ", since=shown)
+            t.settle(silence_ms=50)
+            seen = len(t.output)
+            t.read(time.monotonic_ns() + 700 * MS)
+            assert t.output[seen:] == b""
+            t.press(chr(t.output[shown]))
+        see_the_summary(t)
 
 
 def test_keys_that_answer_no_prompt_are_kept_as_keys_and_never_as_reaction_times(data: Path) -> None:

@@ -54,7 +54,7 @@ def test_a_new_database_has_the_tables_of_the_contract(database: sqlite_utils.Da
         "session id kind proposed final decision actor proposed_ns decided_ns started_ns ended_ns".split()
     )
     assert columns["events"] == set("session seq run at_ns topic message".split())
-    assert columns["runs"] >= set("session run clock_anchor boot_id pid".split())
+    assert columns["runs"] >= set("session run clock_anchor boot_id pid software machine".split())
     assert columns["notes"] >= set("session at_ns author text".split())
     assert columns["seats"] >= set("session seat participant".split())
     assert columns["participants"] >= set("code created_at".split())
@@ -239,6 +239,27 @@ def test_where_data_lives_can_be_named(monkeypatch: pytest.MonkeyPatch, tmp_path
 
 def test_an_error_nobody_foresaw_is_told_in_sqlites_own_words() -> None:
     assert str(explain(sqlite3.OperationalError("no such thing"), Path("x.db"))) == "x.db: no such thing."
+
+
+@pytest.mark.parametrize(
+    ("code", "temporary"),
+    [
+        (sqlite3.SQLITE_FULL, True),
+        (sqlite3.SQLITE_IOERR_FSYNC, True),
+        (sqlite3.SQLITE_BUSY_SNAPSHOT, True),
+        (sqlite3.SQLITE_READONLY, True),
+        (sqlite3.SQLITE_CANTOPEN, True),
+        (sqlite3.SQLITE_NOMEM, True),
+        (sqlite3.SQLITE_CORRUPT, False),
+        (sqlite3.SQLITE_CONSTRAINT_PRIMARYKEY, False),
+        (None, False),
+    ],
+)
+def test_what_may_work_later_is_told_from_what_will_not(code: int | None, temporary: bool) -> None:
+    error = sqlite3.OperationalError("refused")
+    if code is not None:
+        error.sqlite_errorcode = code
+    assert explain(error).temporary is temporary
 
 
 def test_a_copy_of_the_database_is_a_whole_database(

@@ -2,8 +2,10 @@
 
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -100,6 +102,14 @@ def test_asking_takes_nothing(data: Path) -> None:
     lock.release()
 
 
+def test_what_is_held_for_a_moment_only_is_waited_for(data: Path, another_program: Program) -> None:
+    program = another_program("session", "abc")
+    end = threading.Timer(0.1, program.kill)
+    end.start()
+    hold(data, "session", "abc").release()
+    end.join()
+
+
 def test_a_folder_that_cannot_be_written_to_is_told(tmp_path: Path) -> None:
     (tmp_path / "data").write_text("")
     with pytest.raises(StoreError, match="cannot be written to"):
@@ -132,6 +142,43 @@ def test_a_session_that_is_live_cannot_be_gone_on_with_elsewhere(plan: Plan, dat
     with pytest.raises(StoreError, match=f"The session {run.id} is running"):
         resume(run.id, data, catalogue, VirtualClock(), lambda task: [])
     run.close()
+
+
+def test_nobody_sees_a_new_session_that_is_not_held(
+    plan: Plan, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[str] = []
+    create = sessions.create
+
+    def look(database: Any, session: str, **facts: Any) -> None:
+        assert is_held(data, "session", session)
+        create(database, session, **facts)
+        seen.append(sessions.find(database, data, session)["status"])
+
+    monkeypatch.setattr(sessions, "create", look)
+    start(plan, data, catalogue, VirtualClock(), lambda task: []).close()
+    assert seen == ["running"]
+
+
+@pytest.mark.parametrize(
+    ("meanwhile", "state"), [("UPDATE sessions SET status='aborted'", "aborted"), ("DELETE FROM sessions", "gone")]
+)
+def test_a_session_that_ends_elsewhere_just_before_it_is_held_is_not_gone_on_with(
+    meanwhile: str, state: str, plan: Plan, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = begin(plan, data, catalogue)
+
+    def late(folder: Path, kind: str, name: str) -> Any:
+        connect(data).execute(meanwhile)
+        return hold(folder, kind, name)
+
+    monkeypatch.setattr(locks, "hold", late)
+    with pytest.raises(StoreError, match=f"The session {session} is {state}") as caught:
+        resume(session, data, catalogue, VirtualClock(), lambda task: [])
+    assert caught.value.bad_input
+    assert len(sessions.rows(connect(data), "runs", session)) == 1
+    assert not is_held(data, "session", session)
+    assert not is_held(data, "participant", "P01")
 
 
 def test_a_session_whose_program_was_killed_is_interrupted_and_can_be_gone_on_with(

@@ -41,6 +41,13 @@ def test_someone_entered_twice_is_one_participant(database: sqlite_utils.Databas
     assert codes(database) == ["P01", "P02"]
 
 
+def test_a_disk_that_refuses_someone_is_told(database: sqlite_utils.Database) -> None:
+    database.execute("PRAGMA query_only=1")
+    with pytest.raises(StoreError, match="is read-only"):
+        add(database, "P01")
+    assert codes(database) == []
+
+
 def test_someone_entered_is_there_for_the_next_program(database: sqlite_utils.Database, data: Path) -> None:
     add(database, "P01")
     assert codes(connect(data)) == ["P01"]

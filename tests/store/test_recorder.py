@@ -1,5 +1,6 @@
 """Given a session and a disk, when trials end, then what is acknowledged is there, and nothing else is."""
 
+import sqlite3
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +12,7 @@ import sqlite_utils
 
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import KeyPressed, StorageChanged, Stored
+from sar_tui.framework.messages import KeyPressed, StorageChanged, Stored, Timing, TrialEnded
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
@@ -23,6 +24,20 @@ from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.recorder import Recorder
+
+A_TRIAL = TrialEnded(
+    attempt=1,
+    trial=1,
+    stimulus="f",
+    response="f",
+    correct=True,
+    onset=0,
+    response_at=1,
+    reaction_time_ms=1.0,
+    value=1.0,
+    timing=Timing("virtual", 0.0, 0.0, 0, 1, 0.0, ()),
+    details={},
+)
 
 
 class Recorded:
@@ -36,8 +51,10 @@ class Recorded:
         self.clock = VirtualClock()
         self.session = Session(task, catalogue.theme("calm"), self.clock, seed, extra)
         self.database = connect(data)
-        self.id = sessions.create(
+        self.id = sessions.new_id()
+        sessions.create(
             self.database,
+            self.id,
             task="keyboard",
             theme="calm",
             participant="P01",
@@ -47,7 +64,7 @@ class Recorded:
             machine={},
             mode="live",
         )
-        sessions.begin_run(self.database, self.id)
+        sessions.begin_run(self.database, self.id, software={}, machine={})
         self.recorder = Recorder(self.database, self.id, 1, self.session.bus, inline=inline)
         self.records: list[Record] = []
         self.session.bus.tap(self.records.extend)
@@ -66,8 +83,8 @@ class Recorded:
             assert self.step()
 
     def write_on_a_thread(self) -> None:
-        """One turn of the recorder's own thread, from its start to its end."""
-        thread = threading.Thread(target=self.recorder.run, args=(lambda: True,))
+        """One turn of the recorder's own thread."""
+        thread = threading.Thread(target=self.recorder.try_write)
         thread.start()
         thread.join()
 
@@ -186,6 +203,8 @@ def test_a_thread_that_is_stopped_writes_what_is_left_and_ends(data: Path) -> No
     thread.join()
     assert recorded.recorder.pending == 0
     assert recorded.history == recorded.records
+    with pytest.raises(sqlite3.ProgrammingError, match="closed"):
+        recorded.database.execute("SELECT 1")
 
 
 def fill(recorded: Recorded) -> None:
@@ -247,6 +266,57 @@ def test_on_a_full_disk_nothing_is_acknowledged_that_is_not_there_and_later_all_
     assert recorded.session.faults == []
 
 
+def test_an_error_that_is_no_full_disk_is_told_as_what_it_is_and_everything_is_kept(data: Path) -> None:
+    recorded = Recorded(data, inline=False)
+    recorded.session.begin()
+    recorded.eyes.execute("INSERT INTO events VALUES (?,1,1,0,'input/key','{}')", (recorded.id,))
+    for _ in range(3):
+        recorded.write_on_a_thread()
+        recorded.clock.advance(0)
+    (refusal,) = recorded.all(STORAGE)
+    assert not refusal.working
+    assert "UNIQUE constraint failed: events.session, events.seq" in refusal.reason
+    assert "full" not in refusal.reason
+    assert recorded.recorder.pending > 0
+    recorded.eyes.execute("DELETE FROM events")
+    recorded.write_on_a_thread()
+    recorded.clock.advance(0)
+    assert [storage.working for storage in recorded.all(STORAGE)] == [False, True]
+
+
+def test_a_disk_that_refuses_for_another_reason_than_before_is_told_again(data: Path) -> None:
+    recorded = Recorded(data, inline=False)
+    recorded.session.begin()
+    recorded.database.execute("PRAGMA query_only=1")
+    recorded.write_on_a_thread()
+    recorded.database.execute("PRAGMA query_only=0")
+    recorded.eyes.execute("INSERT INTO events VALUES (?,1,1,0,'input/key','{}')", (recorded.id,))
+    recorded.write_on_a_thread()
+    recorded.clock.advance(0)
+    first, second = [storage.reason for storage in recorded.all(STORAGE)]
+    assert "is read-only" in first
+    assert "UNIQUE constraint failed" in second
+
+
+@pytest.mark.parametrize(("value", "why"), [(object(), "TypeError"), (2**70, "OverflowError")])
+def test_a_message_that_cannot_be_written_down_does_not_end_the_thread(data: Path, value: Any, why: str) -> None:
+    recorded = Recorded(data, inline=False)
+    recorded.session.begin()
+    trial = msgspec.structs.replace(
+        A_TRIAL, **({"details": {"odd": value}} if why == "TypeError" else {"onset": value})
+    )
+    recorded.recorder([Record(1000, 0, TRIAL, trial)])
+    for _ in range(2):
+        recorded.write_on_a_thread()
+        recorded.clock.advance(0)
+    (refusal,) = recorded.all(STORAGE)
+    assert f"cannot be written down ({why}: " in refusal.reason
+    assert recorded.recorder.pending > 0
+    with pytest.raises(StoreError) as caught:
+        recorded.recorder.write()
+    assert not caught.value.temporary
+
+
 def test_inline_a_full_disk_is_the_callers_to_tell_and_what_was_there_stays(data: Path) -> None:
     recorded = Recorded(data, attempts=5, prompts_per_attempt=20)
     fill(recorded)
@@ -286,7 +356,7 @@ def test_two_threads_on_one_database_are_both_whole(data: Path) -> None:
     while not all(recorded.session.ended for recorded in pair):
         for recorded in pair:
             recorded.until(lambda r=recorded: r.session.ended or r.all(WAITING)[-1].what == "storage")
-        threads = [threading.Thread(target=recorded.recorder.run, args=(lambda: True,)) for recorded in pair]
+        threads = [threading.Thread(target=recorded.recorder.try_write) for recorded in pair]
         for thread in threads:
             thread.start()
         for thread in threads:

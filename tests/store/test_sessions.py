@@ -14,7 +14,9 @@ from sar_tui.store.locks import hold
 
 def enter(database: sqlite_utils.Database, participant: str = "P01", **more: Any) -> str:
     facts = {"task": "keyboard", "theme": "calm", "seed": 5, "mode": "live", "parameters": {"attempts": 3}}
-    return sessions.create(database, participant=participant, software={}, machine={}, **(facts | more))
+    session = sessions.new_id()
+    sessions.create(database, session, participant=participant, software={}, machine={}, **(facts | more))
+    return session
 
 
 def test_a_new_session_is_a_row_with_its_facts(database: sqlite_utils.Database, data: Path) -> None:
@@ -79,8 +81,13 @@ def test_where_there_is_none_none_is_found(database: sqlite_utils.Database, data
 
 def test_each_run_has_its_number_its_anchor_and_its_program(database: sqlite_utils.Database) -> None:
     session, other = enter(database), enter(database)
-    assert [sessions.begin_run(database, s) for s in (session, session, other, session)] == [1, 2, 1, 3]
+    numbers = [
+        sessions.begin_run(database, s, software={"python": "3"}, machine={"flags": ["ssh"]})
+        for s in (session, session, other, session)
+    ]
+    assert numbers == [1, 2, 1, 3]
     run = sessions.rows(database, "runs", session)[0]
+    assert (run["software"], run["machine"]) == ({"python": "3"}, {"flags": ["ssh"]})
     assert set(run["clock_anchor"]) == {"clock_ns", "utc"}
     assert run["pid"] > 0
 
@@ -95,6 +102,16 @@ def test_only_a_running_session_is_marked_as_interrupted(database: sqlite_utils.
         done: "completed",
         cut: "interrupted",
     }
+
+
+def test_how_many_were_right_is_a_number_and_whether_one_was_is_a_truth(database: sqlite_utils.Database) -> None:
+    database["attempts"].insert({"session": "s", "attempt": 1, "seat": "A", "practice": 0, "correct": 1, "trials": 1})
+    database["trials"].insert({"session": "s", "attempt": 1, "trial": 1, "seat": "A", "correct": 1, "timing": "{}"})
+    (attempt,) = sessions.rows(database, "attempts", "s")
+    (trial,) = sessions.rows(database, "trials", "s")
+    assert (attempt["practice"], type(attempt["correct"]), attempt["trials"]) == (False, int, 1)
+    assert (trial["correct"], trial["timing"], trial["details"]) == (True, {}, None)
+    assert trial["correct"] is True
 
 
 @pytest.mark.parametrize(

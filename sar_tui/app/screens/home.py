@@ -16,6 +16,7 @@ from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
 from sar_tui.runs import Plan
 from sar_tui.store import participants, sessions
+from sar_tui.store.database import StoreError
 from sar_tui.store.provenance import machine
 
 _NEW = "+"
@@ -147,7 +148,11 @@ class HomeScreen(Screen[None]):
     def _recent_selected(self, event: OptionList.OptionSelected) -> None:
         from sar_tui.app.screens.past_session import PastSessionScreen
 
-        row = sessions.find(self.app.database, self.app.folder, event.option.id or "")
+        try:
+            row = sessions.find(self.app.database, self.app.folder, event.option.id or "")
+        except StoreError as error:
+            self.notify(str(error), severity="error", timeout=15)
+            return
         if _can_go_on(row):
             self.app.begin_session(row["id"])
         else:
@@ -175,7 +180,11 @@ class HomeScreen(Screen[None]):
         except ParameterError as error:
             self.notify(f"The settings of {who} do not fit: {error}", severity="warning", timeout=15)
             return
-        participants.save_settings(self.app.database, who, task.name, participants.Settings(kept.parameters, theme))
+        try:
+            participants.save_settings(self.app.database, who, task.name, participants.Settings(kept.parameters, theme))
+        except StoreError as error:
+            self.notify(str(error), severity="error", timeout=15)
+            return
         self.app.begin_session(Plan(task, parameters, theme, who, secrets.randbelow(2**31)))
 
     @on(Button.Pressed, "#settings")

@@ -44,5 +44,11 @@ class NewParticipantScreen(ModalScreen[str | None]):
 
     @on(Input.Submitted)
     def _add(self, event: Input.Submitted) -> None:
-        if self._tell(event.value):
-            self.dismiss(participants.add(self.app.database, event.value))
+        if not self._tell(event.value):
+            return
+        try:
+            code = participants.add(self.app.database, event.value)
+        except StoreError as error:
+            self.query_one("#problem", Static).update(str(error))
+        else:
+            self.dismiss(code)

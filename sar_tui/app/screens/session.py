@@ -216,7 +216,7 @@ class SessionScreen(Screen[None]):
                     "Press Enter to close.",
                 )
             case "ended" if waiting.reason == "storage":
-                self._ask_for_space()
+                self._ask_for_space(waiting.detail)
             case "trial" if waiting.reason == "held":
                 self.query_one(Agent).say("Please let go of the keys for a moment.", "listening")
             case "ended" if waiting.what == "storage":
@@ -248,20 +248,20 @@ class SessionScreen(Screen[None]):
                     "Press Enter to go on.",
                 )
             case "storage":
-                self._ask_for_space()
+                self._ask_for_space(waiting.detail)
             case "restored":
                 self._message("Thank you for waiting", "Everything is saved again.", "Press Enter to go on.")
             case reason:
                 self.query_one(PauseMenu).open(reason)
                 self._stage("menu")
 
-    def _ask_for_space(self) -> None:
+    def _ask_for_space(self, detail: str) -> None:
         self._message(
             "Please fetch the experimenter",
             "The computer cannot save just now, so the session has paused.\n"
             "Everything you did is kept.\n\n"
-            "For the experimenter: the disk is full or refuses to write.\n"
-            "When there is space again, the session can go on.",
+            f"For the experimenter: {detail or 'The disk refuses to write.'}\n"
+            "When it can be saved again, the session can go on.",
             "",
         )
 

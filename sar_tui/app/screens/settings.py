@@ -12,6 +12,7 @@ from textual.widgets import Button, Footer, Static
 from sar_tui.framework.parameters import ParameterError, build, changed, fields
 from sar_tui.framework.task import Task
 from sar_tui.store import participants
+from sar_tui.store.database import StoreError
 from sar_tui.widgets.parameter_field import ParameterField
 
 
@@ -82,7 +83,12 @@ class SettingsScreen(Screen[None]):
         parameters = build(self._motor_task.Parameters, self._values())
         theme = participants.settings(self.app.database, self._participant, self._motor_task.name).theme
         kept = participants.Settings(changed(parameters), theme)
-        participants.save_settings(self.app.database, self._participant, self._motor_task.name, kept)
+        try:
+            participants.save_settings(self.app.database, self._participant, self._motor_task.name, kept)
+        except StoreError as error:
+            self.query_one("#status", Static).update("not saved")
+            self.notify(str(error), severity="error", timeout=15)
+            return
         self._saved = self._values()
         self.query_one("#status", Static).update(f"saved for {self._participant}")
 

@@ -55,7 +55,7 @@ class Summary(Vertical):
         figure = attempts_figure(
             [a.level for a in self._attempts],
             [a.metric for a in self._attempts],
-            metric=f"{self._metric.name.replace('_', ' ')} ({self._metric.unit})",
+            metric=self._metric.label,
             threshold=self._threshold,
             width=plot.size.width,
             height=plot.size.height,

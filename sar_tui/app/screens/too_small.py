@@ -20,6 +20,11 @@ class TooSmallScreen(Screen[None]):
     def compose(self) -> ComposeResult:
         yield Static(id="too-small", markup=False)
 
+    def on_screen_resume(self) -> None:
+        """What stood over this screen is gone; the window may have grown meanwhile."""
+        if self.is_current and not is_too_small(self.app.size):
+            self.dismiss()
+
     def on_resize(self, event: events.Resize) -> None:
         size = event.size
         self.query_one("#too-small", Static).update(

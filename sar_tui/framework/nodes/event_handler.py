@@ -119,6 +119,7 @@ class EventHandler(TimedNode):
         self._paused_from = Phase.INSTRUCTIONS
         self._pause_reason = ""
         self._disk_refuses = False
+        self._disk_says = ""
         self._status: Literal["completed", "aborted"] = "completed"
 
     # --- the session -------------------------------------------------------------------------------------
@@ -174,6 +175,7 @@ class EventHandler(TimedNode):
     def storage_changed(self, storage: m.StorageChanged) -> None:
         """A disk that refuses pauses the session; one that writes again lets it go on."""
         self._disk_refuses = not storage.working
+        self._disk_says = storage.reason
         if self._phase in (Phase.CLOSING, Phase.PAUSED):
             self._wait(self._phase)
         elif self._disk_refuses and self._phase not in _OVER:
@@ -481,5 +483,6 @@ class EventHandler(TimedNode):
                 trials=self.task.trials_per_attempt,
                 goal="" if stage == "trial" else self.task.goal(self._level),
                 reason=reason or self._reason,
+                detail=self._disk_says if self._reason == "storage" else "",
             ),
         )
