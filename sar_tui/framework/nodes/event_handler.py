@@ -7,12 +7,11 @@ import msgspec
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import FAULT
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.course import Course
 from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.nodes import VITAL
-from sar_tui.framework.policies import difficulty, feedback
-from sar_tui.framework.task import Result, Situation, Task
+from sar_tui.framework.task import Result, Task
 from sar_tui.framework.topics import (
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
@@ -78,7 +77,7 @@ _WAITS: dict[Phase, tuple[str, str]] = {
 
 
 class EventHandler(TimedNode):
-    """Attempts, prompts, scoring, difficulty, and when feedback is due.
+    """Attempts and prompts: what comes when. The course scores and adapts, the open trial keeps what was seen.
 
     A trial runs quiet → foreperiod → (storing) → onset → response; a key in the foreperiod begins it anew; a
     pause, or the end of the program, voids it, and it is repeated under the same number with the same prompt.
@@ -102,16 +101,10 @@ class EventHandler(TimedNode):
         super().__init__()
         self.task = task
         self.parameters = task.parameters
-        self._seed = seed
         self._phase = Phase.INSTRUCTIONS
-        self._attempt = 1
-        self._difficulty = difficulty.start(self.parameters, task.levels)
-        self._level = self._difficulty.level
-        self._overridden = False
+        self._course = Course(task, seed)
         self._focused = True
-        self._results: list[Result] = []
         self._trial: OpenTrial
-        self._attempt_started = 0
         self._stored = (0, 0)
         self._last_trial = (0, 0)
         self._last_key: int | None = None
@@ -162,7 +155,7 @@ class EventHandler(TimedNode):
                 self._void("ended")
                 self._close("aborted")
             case "level":
-                self._set_level(act.value if act.value is not None else self._difficulty.level)
+                self._set_level(act.value if act.value is not None else self._course.level)
             case "repeat":
                 if self._phase in IN_TRIAL:
                     self._void("repeat")
@@ -218,116 +211,32 @@ class EventHandler(TimedNode):
     # --- attempts -----------------------------------------------------------------------------------------
 
     @property
-    def _is_practice(self) -> bool:
-        return self._attempt <= self.parameters.practice_attempts
-
-    @property
     def _is_under_way(self) -> bool:
         """Whether an attempt has begun, and not ended."""
         return (self._paused_from if self._phase is Phase.PAUSED else self._phase) in IN_TRIAL
 
-    @property
-    def _attempts(self) -> int:
-        return self.parameters.practice_attempts + self.parameters.attempts
-
-    def _attempt_name(self) -> str:
-        practice = self.parameters.practice_attempts
-        if self._is_practice:
-            return f"practice {self._attempt} of {practice}"
-        return f"attempt {self._attempt - practice} of {self.parameters.attempts}"
-
     def _begin_attempt(self) -> None:
-        self._results = []
-        self._overridden = False
-        self._attempt_started = self.now
-        self.emit(
-            ATTEMPT_STARTED,
-            m.AttemptStarted(
-                attempt=self._attempt,
-                practice=self._is_practice,
-                level=self._level,
-                trials=self.task.trials_per_attempt,
-            ),
-        )
-        self._trial = self._next_trial()
+        self.emit(ATTEMPT_STARTED, self._course.begin(self.now))
+        self._trial = self._course.next_trial()
         self._await_quiet()
 
     def _end_attempt(self) -> None:
         """Score, adapt, answer: in this order, so that memory holds the attempt before it is spoken of."""
-        score = self.task.score(self._results)
-        verdict = feedback.judge(score, self.task.metric, self.parameters)
-        due = self._is_practice or feedback.is_due(self._attempt - self.parameters.practice_attempts, self.parameters)
-        level = self._level
-        self.emit(
-            ATTEMPT_ENDED,
-            m.AttemptEnded(
-                attempt=self._attempt,
-                practice=self._is_practice,
-                level=level,
-                metric=score.metric,
-                metric_unit=self.task.metric.unit,
-                accuracy=score.accuracy,
-                correct=score.correct,
-                trials=score.trials,
-                outcome=verdict.outcome,
-                feedback=verdict.valence if due else "none",
-                started=self._attempt_started,
-                ended=self.now,
-            ),
-        )
-        if not (self._is_practice or self._overridden):
-            self._difficulty = difficulty.step(self._difficulty, verdict.outcome, self.parameters, self.task.levels)
-            self._tell_level(level, verdict.outcome)
-        self._level = self._difficulty.level
-        if due:
-            self.emit(
-                FEEDBACK,
-                m.Feedback(
-                    attempt=self._attempt,
-                    level=level,
-                    valence=verdict.valence,
-                    reason=verdict.reason,
-                    metric=score.metric,
-                    accuracy=score.accuracy,
-                    correct=score.correct,
-                    trials=score.trials,
-                ),
-            )
-        if self._attempt == self._attempts:
-            self._wait(Phase.REVIEW)
-        else:
-            self._attempt += 1
-            self._results = []
-            self._wait(Phase.READY)
+        scored = self._course.score(self.now)
+        self.emit(ATTEMPT_ENDED, scored.ended)
+        if scored.level:
+            self.emit(LEVEL, scored.level)
+        if scored.feedback:
+            self.emit(FEEDBACK, scored.feedback)
+        self._wait(Phase.READY if self._course.advance() else Phase.REVIEW)
 
     def _set_level(self, level: int) -> None:
-        """Set the level of the next attempt. The one under way keeps its own, and does not change the next."""
-        highest = min(self.parameters.max_level, self.task.levels)
-        before = self._difficulty.level
-        self._difficulty = difficulty.Difficulty(max(self.parameters.min_level, min(level, highest)))
-        self._tell_level(before, "operator")
-        self._overridden = True
-        if not self._is_under_way:
-            self._level = self._difficulty.level
+        if changed := self._course.set_level(level, under_way=self._is_under_way):
+            self.emit(LEVEL, changed)
         if self._phase is Phase.READY:
             self._wait(Phase.READY)
 
-    def _tell_level(self, before: int, reason: str) -> None:
-        if self._difficulty.level != before:
-            self.emit(LEVEL, m.LevelChanged(previous=before, level=self._difficulty.level, reason=reason))
-
     # --- trials --------------------------------------------------------------------------------------------
-
-    def _next_trial(self) -> OpenTrial:
-        number = len(self._results) + 1
-        situation = Situation(
-            attempt=self._attempt,
-            trial=number,
-            level=self._level,
-            chance=Chance(self._seed, self._attempt, number),
-            session=Chance(self._seed),
-        )
-        return OpenTrial(situation, self.task.stimulus(situation))
 
     def _await_quiet(self) -> None:
         """Let the foreperiod begin when no key has been pressed for a moment."""
@@ -440,13 +349,13 @@ class EventHandler(TimedNode):
         if latency is not None and latency < self.parameters.min_rt_ms:
             result = msgspec.structs.replace(result, flags=(*result.flags, "anticipation"))
         self.emit(TRIAL, self._trial.ended(result))
-        self._results.append(result)
-        self._last_trial = (self._attempt, len(self._results))
-        if len(self._results) < self.task.trials_per_attempt:
-            self._trial = self._next_trial()
-            self._await_quiet()
-        else:
+        self._course.results.append(result)
+        self._last_trial = self._course.last_trial
+        if self._course.is_attempt_done:
             self._end_attempt()
+        else:
+            self._trial = self._course.next_trial()
+            self._await_quiet()
 
     def _void(self, reason: str) -> None:
         """Break a trial off; it will be repeated."""
@@ -476,12 +385,12 @@ class EventHandler(TimedNode):
             m.Waiting(
                 what=what,  # type: ignore[arg-type]
                 stage=stage,  # type: ignore[arg-type]
-                attempt=self._attempt,
-                trial=len(self._results) + 1,
-                level=self._level,
-                attempt_name=self._attempt_name(),
+                attempt=self._course.attempt,
+                trial=self._course.trial,
+                level=self._course.level,
+                attempt_name=self._course.name,
                 trials=self.task.trials_per_attempt,
-                goal="" if stage == "trial" else self.task.goal(self._level),
+                goal="" if stage == "trial" else self.task.goal(self._course.level),
                 reason=reason or self._reason,
                 detail=self._disk_says if self._reason == "storage" else "",
             ),

@@ -1,0 +1,149 @@
+"""The course of a session: which attempt it is at, at what level, and what became of the trials so far."""
+
+from typing import NamedTuple
+
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.messages import AttemptEnded, AttemptStarted, Feedback, LevelChanged
+from sar_tui.framework.policies import difficulty, feedback
+from sar_tui.framework.task import Result, Situation, Task
+from sar_tui.framework.trial import OpenTrial
+
+
+class Scored(NamedTuple):
+    """What follows from an attempt: its row, the change of level and the answer to it, where there are such."""
+
+    ended: AttemptEnded
+    level: LevelChanged | None
+    feedback: Feedback | None
+
+
+class Course:
+    """Practice attempts first, then those that count. Scores and adapts; waits for nothing and shows nothing.
+
+    Args:
+        task: built with its parameters.
+        seed: of the session.
+    """
+
+    def __init__(self, task: Task, seed: int) -> None:
+        self._task = task
+        self._seed = seed
+        self._difficulty = difficulty.start(task.parameters, task.levels)
+        self._overridden = False
+        self._started = 0
+        self.attempt = 1
+        self.level = self._difficulty.level
+        self.results: list[Result] = []
+
+    @property
+    def is_practice(self) -> bool:
+        """Whether the attempt is for practice: answered each time, but without effect on the level."""
+        return self.attempt <= self._task.parameters.practice_attempts
+
+    @property
+    def name(self) -> str:
+        """The attempt in words: "attempt 3 of 20"."""
+        practice = self._task.parameters.practice_attempts
+        if self.is_practice:
+            return f"practice {self.attempt} of {practice}"
+        return f"attempt {self.attempt - practice} of {self._task.parameters.attempts}"
+
+    @property
+    def trial(self) -> int:
+        """The number of the next trial, from 1."""
+        return len(self.results) + 1
+
+    @property
+    def last_trial(self) -> tuple[int, int]:
+        """The attempt and number of the last trial that was done."""
+        return (self.attempt, len(self.results))
+
+    @property
+    def is_attempt_done(self) -> bool:
+        """Whether every trial of the attempt is done."""
+        return len(self.results) >= self._task.trials_per_attempt
+
+    def begin(self, now: int) -> AttemptStarted:
+        """Begin the attempt at ``now`` (ns)."""
+        self.results = []
+        self._overridden = False
+        self._started = now
+        return AttemptStarted(
+            attempt=self.attempt,
+            practice=self.is_practice,
+            level=self.level,
+            trials=self._task.trials_per_attempt,
+        )
+
+    def next_trial(self) -> OpenTrial:
+        """The next trial of the attempt: the same whenever it is asked for."""
+        situation = Situation(
+            attempt=self.attempt,
+            trial=self.trial,
+            level=self.level,
+            chance=Chance(self._seed, self.attempt, self.trial),
+            session=Chance(self._seed),
+        )
+        return OpenTrial(situation, self._task.stimulus(situation))
+
+    def score(self, now: int) -> Scored:
+        """Score the attempt, and set the level of the next."""
+        parameters = self._task.parameters
+        score = self._task.score(self.results)
+        verdict = feedback.judge(score, self._task.metric, parameters)
+        due = self.is_practice or feedback.is_due(self.attempt - parameters.practice_attempts, parameters)
+        level = self.level
+        ended = AttemptEnded(
+            attempt=self.attempt,
+            practice=self.is_practice,
+            level=level,
+            metric=score.metric,
+            metric_unit=self._task.metric.unit,
+            accuracy=score.accuracy,
+            correct=score.correct,
+            trials=score.trials,
+            outcome=verdict.outcome,
+            feedback=verdict.valence if due else "none",
+            started=self._started,
+            ended=now,
+        )
+        answer = Feedback(
+            attempt=self.attempt,
+            level=level,
+            valence=verdict.valence,
+            reason=verdict.reason,
+            metric=score.metric,
+            accuracy=score.accuracy,
+            correct=score.correct,
+            trials=score.trials,
+        )
+        changed = None
+        if not (self.is_practice or self._overridden):
+            self._difficulty = difficulty.step(self._difficulty, verdict.outcome, parameters, self._task.levels)
+            changed = self._change(level, verdict.outcome)
+        self.level = self._difficulty.level
+        return Scored(ended, changed, answer if due else None)
+
+    def advance(self) -> bool:
+        """Go on to the next attempt; False if that was the last."""
+        parameters = self._task.parameters
+        if self.attempt == parameters.practice_attempts + parameters.attempts:
+            return False
+        self.attempt += 1
+        self.results = []
+        return True
+
+    def set_level(self, level: int, *, under_way: bool) -> LevelChanged | None:
+        """Set the level of the next attempt. One that is under way keeps its own, and does not change the next."""
+        parameters = self._task.parameters
+        highest = min(parameters.max_level, self._task.levels)
+        before = self._difficulty.level
+        self._difficulty = difficulty.Difficulty(max(parameters.min_level, min(level, highest)))
+        self._overridden = True
+        if not under_way:
+            self.level = self._difficulty.level
+        return self._change(before, "operator")
+
+    def _change(self, before: int, reason: str) -> LevelChanged | None:
+        after = self._difficulty.level
+        return LevelChanged(previous=before, level=after, reason=reason) if after != before else None
