@@ -6,6 +6,7 @@ import sqlite3
 import stat
 import subprocess
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -16,6 +17,8 @@ from sar_tui.store import database as module
 from sar_tui.store.database import FILE, StoreError, connect, default_folder, explain, transaction
 from sar_tui.store.schema import VERSION
 
+_NOBODY = 65534
+"""The user who owns nothing."""
 posix = pytest.mark.skipif(os.name != "posix", reason="permissions are those of POSIX")
 
 TABLES = {"participants", "settings", "sessions", "seats", "runs", "attempts", "trials", "actions", "events", "notes"}
@@ -128,13 +131,21 @@ def test_a_folder_that_is_a_file_is_told(tmp_path: Path) -> None:
 
 
 @posix
-@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write anywhere")
-def test_a_folder_that_is_read_only_is_told(tmp_path: Path) -> None:
-    tmp_path.chmod(0o500)
-    try:
-        assert "cannot be written to: Permission denied" in str(refusal(tmp_path / "data"))
-    finally:
-        tmp_path.chmod(0o700)
+def test_a_folder_that_is_read_only_is_told() -> None:
+    """The superuser may write anywhere, and so steps down to an ordinary user meanwhile."""
+    user = os.geteuid()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        folder.chmod(0o555)
+        if user == 0:
+            os.seteuid(_NOBODY)
+        try:
+            refused = refusal(folder / "data")
+        finally:
+            os.seteuid(user)
+            folder.chmod(0o700)
+    assert "cannot be written to: Permission denied" in str(refused)
+    assert not refused.bad_input
 
 
 @pytest.fixture
