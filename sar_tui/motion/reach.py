@@ -1,0 +1,33 @@
+"""A reach: out to a target and back, and what is measured of it."""
+
+import msgspec
+
+
+class Reach(msgspec.Struct, frozen=True, kw_only=True):
+    """One reach. Times in s since the recording's origin, angular rates in rad/s about the reach's main axis.
+
+    ``turn_s``: where the hand changes direction (the middle of the dwell). ``dwell_s``: how long it rested at the
+    target. ``peak_extension_rad_s`` is positive and ``peak_return_rad_s`` negative for a sensor worn as in the thesis'
+    Figure 4.7. ``movement_units_*``: how many times each phase speeds up. ``sparc_*``, ``ldlj_*``: smoothness of
+    each phase, nearer 0 is smoother; None where a phase is too short. ``tremor_index``: the share of 3-12 Hz in the
+    reach's movement power, 0 to 1. ``flags``: what to beware of, e.g. ``no_rest``, ``gap``, ``saturated``, ``cut``.
+    """
+
+    onset_s: float
+    turn_s: float
+    end_s: float
+    reach_time_s: float
+    out_s: float
+    back_s: float
+    dwell_s: float
+    peak_extension_rad_s: float
+    peak_return_rad_s: float
+    time_to_peak_s: float
+    movement_units_out: int
+    movement_units_back: int
+    sparc_out: float | None
+    sparc_back: float | None
+    ldlj_out: float | None
+    ldlj_back: float | None
+    tremor_index: float | None
+    flags: tuple[str, ...] = ()
