@@ -21,7 +21,7 @@ from typing import Annotated, Any
 
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.parameters import TaskParameters, meta
-from sar_tui.framework.task import Metric, Result, Situation, Stimulus, Task, Trial
+from sar_tui.framework.task import Act, Metric, Performance, Result, Situation, Stimulus, Task, Trial
 
 from .words import INSTRUCTIONS
 
@@ -53,8 +53,8 @@ class Taps(Task):
         taps = len(trial.percepts)
         return Result(correct=True, response=str(taps), value=float(taps), details={"taps": taps})
 
-    def rehearse(self, stimulus: Stimulus, reaction_ms: float, slip: bool, chance: Chance) -> list[tuple[float, str]]:
-        interval = reaction_ms / 2
+    def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
+        interval = performance.reaction_ms / 2
         return [(interval * (tap + 1), "space") for tap in range(int(3000 / interval))]
 '''
 

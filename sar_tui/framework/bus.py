@@ -30,7 +30,7 @@ class Topic(Generic[M]):
         type: the message class; another class is refused.
         origin: ``input`` for what comes from outside the nodes, ``derived`` for what they conclude.
         keep: a late subscriber is given the last value.
-        stream: too many to log one by one (sensor samples); not written to ``events``.
+        stream: too many to log one by one (sensor samples); they are not numbered, nor written to ``events``.
     """
 
     def __init__(
@@ -69,7 +69,10 @@ FAULT = Topic("framework/fault", Fault)
 
 
 class Record(NamedTuple):
-    """A message as it passed: its number, the time of its cascade (ns), its topic."""
+    """A message as it passed: its number, the time of its cascade (ns), its topic.
+
+    A stream's message has no number of its own; it carries that of the message which comes next.
+    """
 
     seq: int
     at: int
@@ -126,7 +129,7 @@ class Bus:
         self._services[service.name] = handler
 
     def tap(self, listener: Tap) -> None:
-        """Show ``listener`` every message that is not a stream's, a cascade at a time, once it is over."""
+        """Show ``listener`` every message, a cascade at a time, once it is over."""
         self._taps.append(listener)
 
     def untap(self, listener: Tap) -> None:
@@ -184,8 +187,8 @@ class Bus:
             self._running = False
 
     def _deliver(self, topic: Topic[Any], message: Message) -> None:
+        self._cascade.append(Record(self._seq, self._now, topic, message))
         if not topic.stream:
-            self._cascade.append(Record(self._seq, self._now, topic, message))
             self._seq += 1
         if topic.keep:
             self._kept[topic.name] = message

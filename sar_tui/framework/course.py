@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+import msgspec
+
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.messages import AttemptEnded, AttemptStarted, Feedback, LevelChanged
 from sar_tui.framework.policies import difficulty, feedback
@@ -15,6 +17,17 @@ class Scored(NamedTuple):
     ended: AttemptEnded
     level: LevelChanged | None
     feedback: Feedback | None
+
+
+class _Ended(NamedTuple):
+    """What an attempt was scored from, so that it can be scored once more."""
+
+    attempt: int
+    level: int
+    overridden: bool
+    difficulty: difficulty.Difficulty
+    results: list[Result]
+    scored: AttemptEnded
 
 
 class Course:
@@ -31,6 +44,7 @@ class Course:
         self._difficulty = difficulty.start(task.parameters, task.levels)
         self._overridden = False
         self._started = 0
+        self._ended: _Ended | None = None
         self.attempt = 1
         self.level = self._difficulty.level
         self.results: list[Result] = []
@@ -66,6 +80,7 @@ class Course:
     def begin(self, now: int) -> AttemptStarted:
         """Begin the attempt at ``now`` (ns)."""
         self.results = []
+        self._ended = None
         self._overridden = False
         self._started = now
         return AttemptStarted(
@@ -90,9 +105,11 @@ class Course:
         """Score the attempt, and set the level of the next."""
         parameters = self._task.parameters
         score = self._task.score(self.results)
-        verdict = feedback.judge(score, self._task.metric, parameters)
-        due = self.is_practice or feedback.is_due(self.attempt - parameters.practice_attempts, parameters)
         level = self.level
+        target = self._task.target(level)
+        verdict = feedback.judge(score, self._task.metric, target, parameters.min_accuracy)
+        due = self.is_practice or feedback.is_due(self.attempt - parameters.practice_attempts, parameters)
+        qualities = self._qualities()
         ended = AttemptEnded(
             attempt=self.attempt,
             practice=self.is_practice,
@@ -102,8 +119,10 @@ class Course:
             accuracy=score.accuracy,
             correct=score.correct,
             trials=score.trials,
+            goal=target.threshold,
             outcome=verdict.outcome,
             feedback=verdict.valence if due else "none",
+            qualities=qualities,
             started=self._started,
             ended=now,
         )
@@ -113,16 +132,53 @@ class Course:
             valence=verdict.valence,
             reason=verdict.reason,
             metric=score.metric,
+            goal=target.threshold,
             accuracy=score.accuracy,
             correct=score.correct,
             trials=score.trials,
+            qualities=qualities,
         )
+        self._ended = _Ended(self.attempt, level, self._overridden, self._difficulty, self.results, ended)
         changed = None
         if not (self.is_practice or self._overridden):
             self._difficulty = difficulty.step(self._difficulty, verdict.outcome, parameters, self._task.levels)
             changed = self._change(level, verdict.outcome)
         self.level = self._difficulty.level
         return Scored(ended, changed, answer if due else None)
+
+    def _qualities(self) -> dict[str, float]:
+        """The mean of each of the task's qualities over the correct trials that have it."""
+        means = {}
+        for quality in self._task.qualities:
+            kept = [result.details.get(quality.field) for result in self.results if result.correct]
+            values = [float(value) for value in kept if isinstance(value, int | float)]
+            if values:
+                means[quality.field] = sum(values) / len(values)
+        return means
+
+    @property
+    def amendable(self) -> tuple[int, int] | None:
+        """The attempt and number of the last trial, while it can be amended."""
+        if self.results:
+            return self.last_trial
+        return (self._ended.attempt, len(self._ended.results)) if self._ended else None
+
+    def amend(self, result: Result) -> Scored | None:
+        """Put another result in the place of the last, and score its attempt once more if it has ended.
+
+        That can be done until the next attempt begins, or the level is set by hand. What was said of it stands.
+        """
+        if self.results or self._ended is None:
+            self.results[-1:] = [result]
+            return None
+        level, was = self.level, self._ended
+        self.attempt, self.level, self._overridden, self._difficulty = was[:4]
+        self._started = was.scored.started
+        self.results = [*was.results[:-1], result]
+        again = self.score(was.scored.ended).ended
+        self.advance()
+        changed = LevelChanged(previous=level, level=self.level, reason="mark") if level != self.level else None
+        return Scored(msgspec.structs.replace(again, feedback=was.scored.feedback), changed, None)
 
     def advance(self) -> bool:
         """Go on to the next attempt; False if that was the last."""
@@ -139,6 +195,7 @@ class Course:
         highest = min(parameters.max_level, self._task.levels)
         before = self._difficulty.level
         self._difficulty = difficulty.Difficulty(max(parameters.min_level, min(level, highest)))
+        self._ended = None
         self._overridden = True
         if not under_way:
             self.level = self._difficulty.level

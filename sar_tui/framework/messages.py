@@ -12,6 +12,7 @@ Valence = Literal["positive", "neutral", "negative"]
 Outcome = Literal["success", "failure"]
 Json = dict[str, str | int | float | bool | None]
 """What a task may add to a trial's row."""
+SensorState = Literal["attached", "detached", "error", "gap", "saturated", "stalled", "flowing", "ended"]
 
 
 class Message(msgspec.Struct, frozen=True, kw_only=True):
@@ -71,6 +72,35 @@ class Shown(Message, frozen=True, kw_only=True):
     source: Literal["flush", "refresh", "virtual"]
 
 
+class ImuBlock(Message, frozen=True, kw_only=True):
+    """Samples of a motion sensor, in the order in which they were taken; many a second, so they are a stream.
+
+    ``samples``: as `motion.samples.pack` lays them out.
+    """
+
+    samples: bytes
+
+
+class SensorChanged(Message, frozen=True, kw_only=True):
+    """Something happened to the motion sensor at ``at`` (see `inputs.imu.Status`).
+
+    ``count`` and ``duration_ms`` tell of missing samples. What the sensor is (``model``, ``serial``, ``rate_hz``,
+    the largest it can measure) is told when it is ``attached``.
+    """
+
+    state: SensorState
+    at: int
+    detail: str = ""
+    count: int = 0
+    duration_ms: float = 0.0
+    source: str = ""
+    model: str = ""
+    serial: str = ""
+    rate_hz: float = 0.0
+    rate_range_rad_s: float = 0.0
+    acceleration_range_m_s2: float = 0.0
+
+
 class TimerFired(Message, frozen=True, kw_only=True):
     """A node's timer fired. ``token`` tells it from an earlier timer of the same name."""
 
@@ -84,10 +114,11 @@ class Operator(Message, frozen=True, kw_only=True):
     """An act that steers the session.
 
     ``command``: ``pause``, ``resume``, ``end``, ``skip`` (this prompt), ``repeat`` (this prompt), ``level``
-    (``value``). ``reason``: for a pause, how the person is: ``tired``, ``pain``, ``finished``, or empty.
+    (``value``), ``mark`` (the trial under way, else the last). ``reason``: for a pause, how the person is: ``tired``,
+    ``pain``, ``finished``, or empty; for a mark, which (see `task.Mark`).
     """
 
-    command: Literal["pause", "resume", "end", "skip", "repeat", "level"]
+    command: Literal["pause", "resume", "end", "skip", "repeat", "level", "mark"]
     actor: str = "participant"
     reason: str = ""
     value: int | None = None
@@ -119,34 +150,58 @@ class StorageChanged(Message, frozen=True, kw_only=True):
 # --- derived: what the nodes conclude ---------------------------------------------------------------------
 
 
-class KeyPerceived(Message, frozen=True, kw_only=True):
-    """A key as the task sees it. ``gap`` is the time since the key before, None for the first; ``delay`` the
-    time from its stamp to its handling.
+class Percept(Message, frozen=True, kw_only=True):
+    """What a person did, as a task sees it. ``at``: when; ``delay``: from then to its handling, in ns.
 
     ``repeat``: the same key again within the repeat interval (a held key, a bouncing contact): never a response.
     """
 
-    key: str
     at: int
-    gap: int | None
-    repeat: bool
-    delay: int
+    delay: int = 0
     loop_lag: int = 0
+    repeat: bool = False
+
+
+class KeyPerceived(Percept, frozen=True, kw_only=True):
+    """A key. ``gap`` is the time since the key before, None for the first."""
+
+    key: str
+    gap: int | None = None
+
+
+class ReachPerceived(Percept, frozen=True, kw_only=True):
+    """A reach, out and back, as a motion sensor saw it; without ``onset`` there was none to be seen.
+
+    ``onset``, ``turn``, ``end`` in ns. ``closed``: what told that it was over: ``key``, ``stillness``, ``timeout``.
+    ``details``: what was measured of it. ``flags``: what to beware of. ``invalid``: why nothing can be said of it,
+    so that it has to be done again; empty where something can.
+    """
+
+    onset: int | None = None
+    turn: int | None = None
+    end: int | None = None
+    closed: Literal["key", "stillness", "timeout"]
+    details: Json = {}
+    flags: tuple[str, ...] = ()
+    invalid: str = ""
 
 
 class Waiting(Message, frozen=True, kw_only=True):
     """What the session waits for, so that a screen can say so and a simulated participant can answer.
 
-    ``what``: ``enter`` (Return), ``quiet`` (no keys for a moment), ``foreperiod``, ``storage`` (the disk),
-    ``response``, ``resume`` (paused), ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
+    ``what``: ``enter`` (Return), ``start`` (the key with which the participant starts a trial), ``quiet`` (no keys
+    for a moment), ``foreperiod``, ``storage`` (the disk), ``response``, ``resume`` (paused), ``sensor`` (it has come
+    loose), ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
     ``trial``, ``paused``, ``review`` (all attempts are done), ``ended``, ``broken`` (something failed).
     ``attempt_name`` is the attempt in words, "attempt 3 of 20"; ``goal`` what it aims at, but for trials.
+    ``notice`` is what the participant has to know first: another level, a trial that has to be done again.
     ``reason``, when paused: how the person is (see `Operator`), ``interrupted`` (the program had ended),
-    ``storage`` (the disk refuses; also at the end), ``restored`` (it no longer does); when quiet is awaited:
-    ``held`` (keys are pressed all the time). ``detail`` is for the experimenter: the disk's own words.
+    ``storage`` (the disk refuses; also at the end), ``restored`` (it no longer does), ``sensor`` (nothing comes from
+    it); when quiet is awaited: ``held`` (keys are pressed all the time). ``detail`` is for the experimenter: the
+    disk's or the sensor's own words.
     """
 
-    what: Literal["enter", "quiet", "foreperiod", "storage", "response", "resume", "nothing"]
+    what: Literal["enter", "start", "quiet", "foreperiod", "storage", "response", "resume", "sensor", "nothing"]
     stage: Literal["instructions", "attempt", "trial", "paused", "review", "ended", "broken"]
     attempt: int = 0
     trial: int = 0
@@ -154,6 +209,7 @@ class Waiting(Message, frozen=True, kw_only=True):
     attempt_name: str = ""
     trials: int = 0
     goal: str = ""
+    notice: str = ""
     reason: str = ""
     detail: str = ""
 
@@ -171,7 +227,8 @@ class Prompt(Message, frozen=True, kw_only=True):
     """Show this now. ``text`` is its plain line, ``glyph`` what to draw very large, ``hint`` a word of help.
 
     ``expected`` is the key that answers it (empty where any will do); ``presentation`` counts how often this
-    trial was shown (a pause repeats it); ``timeout`` is how long a response is awaited, in ns.
+    trial was shown (a pause repeats it); ``timeout`` is how long a response is awaited, in ns; ``started`` when the
+    participant started the trial, None where trials come by themselves.
     """
 
     attempt: int
@@ -185,6 +242,7 @@ class Prompt(Message, frozen=True, kw_only=True):
     hint: str = ""
     choices: int
     timeout: int
+    started: int | None = None
 
 
 class PromptVoided(Message, frozen=True, kw_only=True):
@@ -215,7 +273,10 @@ class Timing(msgspec.Struct, frozen=True):
 
 
 class TrialEnded(Message, frozen=True, kw_only=True):
-    """One prompt and what came of it. A miss has no response. ``value`` is what it adds to the metric."""
+    """One prompt and what came of it. A miss has no response. ``value`` is what it adds to the metric.
+
+    ``onset`` is the prompt's, or that of the movement where a task times movements; ``response_at`` then is its end.
+    """
 
     attempt: int
     trial: int
@@ -230,8 +291,21 @@ class TrialEnded(Message, frozen=True, kw_only=True):
     details: Json
 
 
+class TrialMarked(Message, frozen=True, kw_only=True):
+    """A therapist marked a trial: ``mark`` by its name, and whether the trial is correct with it."""
+
+    attempt: int
+    trial: int
+    mark: str
+    correct: bool
+
+
 class AttemptEnded(Message, frozen=True, kw_only=True):
-    """One attempt, scored. ``feedback`` is ``none`` where none was due."""
+    """One attempt, scored. ``feedback`` is ``none`` where none was due.
+
+    ``goal`` is what the metric was held against; ``qualities`` are the means of the task's qualities (knowledge of
+    performance), by name.
+    """
 
     attempt: int
     practice: bool
@@ -241,8 +315,10 @@ class AttemptEnded(Message, frozen=True, kw_only=True):
     accuracy: float | None
     correct: int
     trials: int
+    goal: float | None = None
     outcome: Outcome
     feedback: Literal["positive", "neutral", "negative", "none"]
+    qualities: dict[str, float] = {}
     started: int
     ended: int
 
@@ -267,9 +343,11 @@ class Feedback(Message, frozen=True, kw_only=True):
     valence: Valence
     reason: Literal["goal", "missed", "band", "accuracy", "empty"]
     metric: float | None
+    goal: float
     accuracy: float | None
     correct: int
     trials: int
+    qualities: dict[str, float] = {}
 
 
 class Proposal(Message, frozen=True, kw_only=True):

@@ -40,9 +40,11 @@ class Session:
         self.bus = Bus(clock)
         self.faults: list[Fault] = []
         self.ended = False
-        self.nodes = (*core_nodes(task, theme, seed), *extra)
-        for node in self.nodes[: len(self.nodes) - len(extra)]:
+        core = core_nodes(task, theme, seed)
+        for node in core:
             node.attach(self.bus)
+        self.nodes = (*core, *extra)
+        self._vital = next(node.vital for node in core if isinstance(node, EventHandler))
         self._extra = extra
         self.bus.subscribe(SESSION_ENDED, lambda _: self._end())
         self.bus.subscribe(FAULT, self.faults.append)
@@ -50,7 +52,7 @@ class Session:
     @property
     def broken(self) -> Fault | None:
         """The fault that stops this session, if there was one."""
-        return next((fault for fault in self.faults if fault.node in VITAL), None)
+        return next((fault for fault in self.faults if fault.node in self._vital), None)
 
     def begin(self, run: int = 1) -> None:
         """Begin a run: attach the inputs and outputs, and start the loop."""
@@ -83,6 +85,8 @@ class Session:
                 self.bus.publish(record.topic, record.message)
         self.bus.untap(listen)
         self.bus.clock = self.clock
+        derived = [record for record in derived if not record.topic.stream]
+        recorded = [record for record in recorded if not record.topic.stream]
         expected = [record for record in recorded if not self._is_fault_of_extra(record)]
         for was, now in zip(expected, derived, strict=False):
             if (was.topic, was.message) != (now.topic, now.message):
@@ -106,11 +110,12 @@ class Session:
 
 
 def core_nodes(task: Task, theme: Theme, seed: int) -> tuple[Node, ...]:
-    """The nodes of the framework, in the order in which they hear a message."""
+    """The nodes of the framework, with the task's own perception, in the order in which they hear a message."""
+    perception = (Perception(task.parameters), *task.nodes())
     return (
-        Perception(task.parameters),
+        *perception,
         Memory(),
-        EventHandler(task, seed),
+        EventHandler(task, seed, (*VITAL, *(node.name for node in perception))),
         ActionCenter(task, theme, seed),
         Arbiter(),
     )

@@ -13,6 +13,7 @@ import msgspec
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import Json
+from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters
 
 
@@ -45,6 +46,36 @@ class Metric(msgspec.Struct, frozen=True):
         return f"{value:.{self.decimals}f} {self.unit}".rstrip()
 
 
+class Target(msgspec.Struct, frozen=True):
+    """What the metric of an attempt is held against, and how near to it is neutral; in the metric's unit."""
+
+    threshold: float
+    neutral_band: float
+
+
+class Quality(msgspec.Struct, frozen=True):
+    """Something about *how* a trial was done (knowledge of performance), kept in its details.
+
+    Args:
+        field: the field of ``Details``; its mean over an attempt's correct trials is compared.
+        better: which way is better.
+        improved: what is said of one that is better than before: "smoother".
+        aim: what is asked for otherwise: "as smoothly as you can".
+        margin: a smaller difference is not worth telling.
+    """
+
+    field: str
+    better: Literal["lower", "higher"]
+    improved: str
+    aim: str
+    margin: float
+
+    def change(self, value: float, before: float) -> float:
+        """How much better than before, in margins; negative where it is worse."""
+        difference = before - value if self.better == "lower" else value - before
+        return difference / self.margin
+
+
 class Situation(msgspec.Struct, frozen=True):
     """Where in a session a prompt stands. ``chance`` belongs to this trial alone, ``session`` to all of them."""
 
@@ -65,6 +96,7 @@ class Stimulus(msgspec.Struct, frozen=True):
         glyph: what stands very large on the screen; defaults to ``name``.
         hint: a word of help under it.
         choices: among how many stimuli it was drawn.
+        signals: whether it asks for a response at once, so that the time from its onset is a reaction time.
     """
 
     name: str
@@ -73,15 +105,20 @@ class Stimulus(msgspec.Struct, frozen=True):
     glyph: str = ""
     hint: str = ""
     choices: int = 1
+    signals: bool = True
 
 
 class Trial(msgspec.Struct, frozen=True):
-    """A prompt that is up: what was shown, since when (ns), and what was perceived so far."""
+    """A prompt that is up: what was shown, since when (ns), and what was perceived so far.
+
+    ``started``: when the participant started the trial, where that is theirs to do.
+    """
 
     situation: Situation
     stimulus: Stimulus
     onset: int
     percepts: tuple[Any, ...] = ()
+    started: int | None = None
 
     def latency_ms(self, at: int) -> float:
         """Milliseconds from onset to a stamp."""
@@ -95,6 +132,8 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         correct: whether the response was the right one.
         response: what was done; None for a miss.
         response_at: its stamp in ns; None for a miss.
+        onset_at: where a response lasts: the stamp of its beginning, as ``response_at`` is that of its end. It
+            takes the place of the prompt's onset in the trial's row, and a reaction time is counted up to it.
         value: what the trial adds to the attempt's metric; None where it adds nothing.
         details: more to keep with the trial, as the task's ``Details`` declare.
         flags: marks for ``trials.timing``; the framework adds ``anticipation``.
@@ -103,6 +142,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     correct: bool
     response: str | None = None
     response_at: int | None = None
+    onset_at: int | None = None
     value: float | None = None
     details: Json = {}
     flags: tuple[str, ...] = ()
@@ -113,6 +153,33 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         return self.correct and self.value is not None and "anticipation" not in self.flags
 
 
+class Mark(msgspec.Struct, frozen=True):
+    """What a therapist can say of a trial with one key; ``counts``: whether it can be correct all the same."""
+
+    name: str
+    key: str
+    title: str
+    counts: bool
+
+    def applied(self, result: Result) -> Result:
+        """A result with this mark."""
+        return msgspec.structs.replace(
+            result, correct=result.correct and self.counts, details={**result.details, "mark": self.name}
+        )
+
+
+class Again(msgspec.Struct, frozen=True):
+    """Nothing can be said of a trial, through no fault of the participant's: it is repeated under the same number.
+
+    Args:
+        reason: a word for the log: ``gap``.
+        words: what the participant is told.
+    """
+
+    reason: str
+    words: str
+
+
 class Score(msgspec.Struct, frozen=True):
     """An attempt's result. ``accuracy`` is None where a task has none."""
 
@@ -120,6 +187,26 @@ class Score(msgspec.Struct, frozen=True):
     accuracy: float | None
     correct: int
     trials: int
+
+
+class Performance(msgspec.Struct, frozen=True):
+    """How a simulated participant does one prompt.
+
+    Args:
+        reaction_ms: the reaction time drawn for this person, prompt and moment.
+        slips: whether this person gets it wrong this time.
+        pace: how long a movement takes this person this time, as a share of what it takes a healthy one.
+        unsteadiness: 0 for a steady hand, 1 for one that halts and trembles.
+    """
+
+    reaction_ms: float
+    slips: bool = False
+    pace: float = 1.0
+    unsteadiness: float = 0.0
+
+
+Act = tuple[float, Any]
+"""What a simulated participant does: when (ms after the prompt), and a key's name or a movement of the hand."""
 
 
 class Details(msgspec.Struct, frozen=True):
@@ -140,6 +227,9 @@ class Task(ABC):
     metric: ClassVar[Metric]
     Parameters: ClassVar[type[TaskParameters]] = TaskParameters
     Details: ClassVar[type[Details]] = Details
+    sensors: ClassVar[tuple[Literal["imu"], ...]] = ()
+    qualities: ClassVar[tuple[Quality, ...]] = ()
+    marks: ClassVar[tuple[Mark, ...]] = ()
 
     def __init__(self, parameters: TaskParameters) -> None:
         self.parameters = parameters
@@ -154,6 +244,29 @@ class Task(ABC):
         """How many prompts an attempt has."""
         return 1
 
+    @property
+    def start_key(self) -> str:
+        """The key with which the participant starts each trial; empty where trials come by themselves."""
+        return ""
+
+    @property
+    def has_foreperiod(self) -> bool:
+        """Whether a prompt is preceded by a random wait."""
+        return True
+
+    @property
+    def feedback_on(self) -> Literal["results", "performance", "both"]:
+        """What the agent answers: how well the goal was met, how it was done (the ``qualities``), or both."""
+        return "results"
+
+    def nodes(self) -> tuple[Node, ...]:
+        """More perception: nodes that make percepts of what its sensors tell. New ones at each call."""
+        return ()
+
+    def target(self, level: int) -> Target:
+        """What an attempt at a level is held against."""
+        return Target(self.parameters.threshold, self.parameters.neutral_band)
+
     @abstractmethod
     def instructions(self) -> str:
         """What to do, in the participant's words."""
@@ -161,16 +274,24 @@ class Task(ABC):
     def goal(self, level: int) -> str:
         """The goal of an attempt, in the participant's words."""
         than = "less" if self.metric.better == "lower" else "more"
-        goal = f"Your goal: {than} than {self.metric.show(self.parameters.threshold)}"
+        goal = f"Your goal: {than} than {self.metric.show(self.target(level).threshold)}"
         needed = self.parameters.min_accuracy
         return f"{goal}, with at least {needed:.0%} right." if needed else f"{goal}."
+
+    def notice(self, level: int, before: int) -> str:
+        """What the participant has to know when the level is another than before; empty where nothing."""
+        return ""
+
+    def start(self, level: int) -> str:
+        """How to start a trial, in the participant's words, where there is a ``start_key``."""
+        return f"Press {self.start_key.capitalize()} when you are ready."
 
     @abstractmethod
     def stimulus(self, situation: Situation) -> Stimulus:
         """What to show. Must depend on ``situation`` and the parameters alone."""
 
     @abstractmethod
-    def perceived(self, trial: Trial, percept: Any) -> Result | None:
+    def perceived(self, trial: Trial, percept: Any) -> Result | Again | None:
         """Judge a percept that came while the prompt is up; None to go on waiting.
 
         ``trial.percepts`` holds the earlier ones of this trial, so that a task need not remember them.
@@ -191,16 +312,15 @@ class Task(ABC):
             trials=len(results),
         )
 
-    def rehearse(self, stimulus: Stimulus, reaction_ms: float, slip: bool, chance: Chance) -> list[tuple[float, str]]:
-        """The keys a simulated participant presses for a prompt: (ms after onset, key).
+    def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
+        """What a simulated participant does for a prompt: (ms after onset, key or movement).
 
         Args:
             stimulus: what is shown.
-            reaction_ms: the reaction time drawn for this person, prompt and moment.
-            slip: whether this person gets it wrong this time.
+            performance: how this person does it this time.
             chance: for whatever else is random.
 
         A task whose response is more than one key overrides this; a stimulus that is shown and answered by one
         key needs nothing.
         """
-        return [(reaction_ms, "wrong" if slip else stimulus.expected)]
+        return [(performance.reaction_ms, "wrong" if performance.slips else stimulus.expected)]

@@ -25,13 +25,18 @@ SITUATIONS: dict[str, set[str]] = {
         for change in ("improved", "worsened")
     },
     **{f"{valence}_same": {"value", "goal"} for valence in ("positive", "neutral", "negative")},
+    "performance_first": {"aim"},
+    "performance_improved": {"change"},
+    "performance_worsened": {"aim"},
+    "performance_same": {"aim"},
     "accuracy_figures": {"correct", "trials"},
     "empty_figures": {"correct", "trials"},
 }
 """What the agent can be asked to say, and the slots its words may use."""
 
-QUALITATIVE = ("positive", "neutral", "negative", "accuracy", "empty")
-QUANTITATIVE = tuple(name for name, slots in SITUATIONS.items() if slots)
+PERFORMANCE = tuple(name for name in SITUATIONS if name.startswith("performance_"))
+QUALITATIVE = ("positive", "neutral", "negative", "accuracy", "empty", *PERFORMANCE)
+QUANTITATIVE = tuple(name for name, slots in SITUATIONS.items() if slots & _FIGURES)
 
 NUMBER_WORDS = frozenset(
     [

@@ -5,8 +5,8 @@ import math
 import msgspec
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import KeyPerceived, Prompt, PromptVoided, Shown, Timing, TrialEnded
-from sar_tui.framework.task import Result, Situation, Stimulus, Trial
+from sar_tui.framework.messages import Percept, Prompt, PromptVoided, Shown, Timing, TrialEnded
+from sar_tui.framework.task import Mark, Result, Situation, Stimulus, Trial
 
 
 class OpenTrial:
@@ -24,10 +24,12 @@ class OpenTrial:
         self.foreperiod = 0
         self.false_starts = 0
         self.lag = 0
-        self.early: list[KeyPerceived] = []
+        self.early: list[Percept] = []
+        self.started: int | None = None
+        self.mark: Mark | None = None
         self._onset: int | None = None
         self._onset_source = ""
-        self._percepts: tuple[KeyPerceived, ...] = ()
+        self._percepts: tuple[Percept, ...] = ()
         self._flags: list[str] = []
 
     def anew(self) -> "OpenTrial":
@@ -60,6 +62,7 @@ class OpenTrial:
             hint=self.stimulus.hint,
             choices=self.stimulus.choices,
             timeout=timeout,
+            started=self.started,
         )
 
     def is_shown_by(self, shown: Shown) -> bool:
@@ -79,9 +82,9 @@ class OpenTrial:
     def view(self) -> Trial:
         """What a task is given to judge by. Only once shown."""
         assert self._onset is not None
-        return Trial(self.situation, self.stimulus, self._onset, self._percepts)
+        return Trial(self.situation, self.stimulus, self._onset, self._percepts, self.started)
 
-    def remember(self, percept: KeyPerceived) -> None:
+    def remember(self, percept: Percept) -> None:
         """Keep a percept that has been judged."""
         self._percepts = (*self._percepts, percept)
 
@@ -95,10 +98,14 @@ class OpenTrial:
         )
 
     def latency_ms(self, result: Result) -> float | None:
-        """From onset to the response; negative for a key that came first, None for a miss."""
-        if self._onset is None or result.response_at is None:
+        """The reaction time: from the prompt's onset to the response, or to the beginning of one that lasts.
+
+        Negative for a response that came first; None for a miss, or where the prompt does not signal.
+        """
+        at = result.response_at if result.onset_at is None else result.onset_at
+        if self._onset is None or at is None or not self.stimulus.signals:
             return None
-        return (result.response_at - self._onset) / MS
+        return (at - self._onset) / MS
 
     def ended(self, result: Result) -> TrialEnded:
         """Its row.
@@ -125,7 +132,7 @@ class OpenTrial:
             stimulus=self.stimulus.name,
             response=result.response,
             correct=result.correct,
-            onset=self._onset,
+            onset=self._onset if result.onset_at is None else result.onset_at,
             response_at=result.response_at,
             reaction_time_ms=latency if latency is not None and latency >= 0 else None,
             value=result.value if result.counts else None,

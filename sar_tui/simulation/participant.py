@@ -1,10 +1,13 @@
 """A simulated participant: an output that sees prompts and an input that presses keys, on the bus like any other."""
 
+from collections.abc import Callable
+from typing import Any
+
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS, Handle
 from sar_tui.framework.messages import Action, KeyPressed, OutputReport, Prompt, Shown, Waiting
 from sar_tui.framework.node import Node, on
-from sar_tui.framework.task import Stimulus, Task
+from sar_tui.framework.task import Act, Stimulus, Task
 from sar_tui.framework.topics import ACTION, KEY, PROMPT, REPORT, SHOWN, WAITING
 from sar_tui.simulation.person import Person
 
@@ -15,24 +18,31 @@ READING = 1200 * MS
 
 
 class SimulatedParticipant(Node):
-    """Sits down, presses Enter when asked to, and answers each prompt as its person would."""
+    """Sits down, presses Enter when asked to, and answers each prompt as its person would.
+
+    Args:
+        person, task, seed: who does what, and how it comes out.
+        move: moves the hand: (when in ns, movement), for a task that asks for movements.
+    """
 
     name = "participant"
     emits = (KEY, SHOWN, REPORT)
 
-    def __init__(self, person: Person, task: Task, seed: int) -> None:
+    def __init__(self, person: Person, task: Task, seed: int, move: Callable[[int, Any], None] | None = None) -> None:
         super().__init__()
         self._person = person
         self._task = task
         self._seed = seed
-        self._enter: Handle | None = None
+        self._move = move
+        self._next: Handle | None = None
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Press Enter for the screen that is up, not for one that has gone."""
-        if self._enter:
-            self._enter.cancel()
-        self._enter = self._press("enter", self.now + READING) if waiting.what == "enter" else None
+        """Press what the screen asks for while it is up, not when it has gone."""
+        if self._next:
+            self._next.cancel()
+        key = {"enter": "enter", "start": self._task.start_key}.get(waiting.what)
+        self._next = self._press(key, self.now + READING) if key else None
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
@@ -45,16 +55,19 @@ class SimulatedParticipant(Node):
             source="virtual",
         )
         self.bus.clock.call_at(onset, lambda: self.emit(SHOWN, shown))
-        for delay_ms, key in self._answer(prompt):
-            self._press(key, onset + round(delay_ms * MS))
+        for delay_ms, act in self._answer(prompt):
+            at = onset + round(delay_ms * MS)
+            if isinstance(act, str):
+                self._press(act, at)
+            elif self._move:
+                self._move(at, act)
 
-    def _answer(self, prompt: Prompt) -> list[tuple[float, str]]:
+    def _answer(self, prompt: Prompt) -> list[Act]:
         chance = Chance(self._seed, "person", prompt.attempt, prompt.trial)
         if self._person.misses_it(chance):
             return []
         stimulus = Stimulus(prompt.stimulus, prompt.expected, prompt.text, choices=prompt.choices)
-        reaction = self._person.reaction_ms(prompt.choices, prompt.attempt, chance)
-        return self._task.rehearse(stimulus, reaction, self._person.slips(chance), chance)
+        return self._task.rehearse(stimulus, self._person.perform(prompt.choices, prompt.attempt, chance), chance)
 
     @on(ACTION)
     def answered(self, action: Action) -> None:

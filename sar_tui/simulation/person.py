@@ -5,6 +5,7 @@ import math
 import msgspec
 
 from sar_tui.framework.chance import Chance
+from sar_tui.framework.task import Performance
 
 
 class Person(msgspec.Struct, frozen=True):
@@ -25,6 +26,9 @@ class Person(msgspec.Struct, frozen=True):
         practice: the share of the reaction time that practice takes off in the end.
         practice_attempts: after so many attempts, 63 % of that.
         fatigue: the share of the reaction time that each attempt adds.
+        pace: how long movements take, as a share of what they take a healthy adult.
+        pace_sd: how much that varies from one to the next: the standard deviation of its logarithm.
+        unsteadiness: 0 for a steady hand, 1 for one that halts and trembles.
     """
 
     name: str
@@ -37,12 +41,28 @@ class Person(msgspec.Struct, frozen=True):
     practice: float = 0.04
     practice_attempts: float = 5.0
     fatigue: float = 0.001
+    pace: float = 1.0
+    pace_sd: float = 0.05
+    unsteadiness: float = 0.0
+
+    def perform(self, choices: int, attempt: int, chance: Chance) -> Performance:
+        """How one prompt among ``choices`` is done in an attempt (1, 2, …)."""
+        varied = math.exp(chance.generator("pace", self.name).gauss(0, self.pace_sd))
+        return Performance(
+            reaction_ms=self.reaction_ms(choices, attempt, chance),
+            slips=self.slips(chance),
+            pace=self.pace * varied * self._slowed(attempt),
+            unsteadiness=self.unsteadiness,
+        )
 
     def mean_ms(self, choices: int, attempt: int) -> float:
         """The mean reaction time among ``choices`` stimuli in an attempt (1, 2, …)."""
+        return (self.base_ms + self.per_bit_ms * math.log2(max(1, choices))) * self._slowed(attempt)
+
+    def _slowed(self, attempt: int) -> float:
+        """What practice and fatigue make of a time."""
         learnt = self.practice * (1 - math.exp(-(attempt - 1) / self.practice_attempts))
-        tired = self.fatigue * (attempt - 1)
-        return (self.base_ms + self.per_bit_ms * math.log2(max(1, choices))) * (1 - learnt + tired)
+        return 1 - learnt + self.fatigue * (attempt - 1)
 
     def reaction_ms(self, choices: int, attempt: int, chance: Chance) -> float:
         """One reaction time; never below 120 ms, the fastest a choice can be."""
@@ -62,9 +82,9 @@ class Person(msgspec.Struct, frozen=True):
 PEOPLE = {
     person.name: person
     for person in (
-        Person("poor", base_ms=560, per_bit_ms=205, sigma_ms=150, tau_ms=200, errors=0.05, misses=0.015),
-        Person("average", base_ms=415, per_bit_ms=168, sigma_ms=110, tau_ms=140, errors=0.03, misses=0.005),
-        Person("competent", base_ms=310, per_bit_ms=137, sigma_ms=70, tau_ms=100, errors=0.02, misses=0.001),
+        Person("poor", 560, 205, 150, 200, errors=0.05, misses=0.015, pace=1.45, pace_sd=0.12, unsteadiness=0.6),
+        Person("average", 415, 168, 110, 140, errors=0.03, misses=0.005, pace=1.16, pace_sd=0.08, unsteadiness=0.2),
+        Person("competent", 310, 137, 70, 100, errors=0.02, misses=0.001, pace=0.9, pace_sd=0.05),
     )
 }
 """The thesis' poor and competent users, and its typical average one."""

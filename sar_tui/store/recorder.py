@@ -12,6 +12,7 @@ import sqlite_utils
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.topics import STORAGE, STORED
+from sar_tui.store import imu
 from sar_tui.store.database import StoreError, transaction
 
 BATCH_SECONDS = 0.1
@@ -28,9 +29,16 @@ _SQL = {
         "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, correct, onset_ns, response_ns,"
         " reaction_time_ms, timing, details) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)"
     ),
+    "marks": (
+        "UPDATE trials SET correct=?, details=json_set(details, '$.mark', ?)"
+        " WHERE session=? AND attempt=? AND trial=? AND seat=?"
+    ),
+    "streams": imu.INSERT_STREAM,
+    "chunks": imu.INSERT_CHUNK,
     "attempts": (
-        "INSERT INTO attempts (session, attempt, seat, run, practice, level, metric, metric_unit, accuracy, correct,"
-        " trials, outcome, feedback, started_ns, ended_ns) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
+        "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, metric, metric_unit, accuracy,"
+        " correct, trials, outcome, feedback, started_ns, ended_ns, goal, qualities)"
+        " VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
     ),
     "proposals": "INSERT INTO actions (session, id, kind, proposed, proposed_ns) VALUES (?,?,?,?,?)",
     "decisions": "UPDATE actions SET final=?, decision=?, actor=?, decided_ns=? WHERE session=? AND id=?",
@@ -70,6 +78,7 @@ class Recorder:
         self._wake = threading.Event()
         self._finished = threading.Event()
         self._refusal: str | None = None
+        self._streams = imu.counted(database, session, run)
         bus.tap(self)
 
     def __call__(self, cascade: list[Record]) -> None:
@@ -134,7 +143,8 @@ class Recorder:
             return
         records = [record for cascade in list(self._queue)[:count] for record in cascade]
         try:
-            rows = _rows(self._session, self._run, records)
+            rows = _rows(self._session, self._run, [record for record in records if not record.topic.stream])
+            rows["streams"], rows["chunks"], streams = self._streams.rows(records)
             with transaction(self._database) as connection:
                 for kind, statement in _SQL.items():
                     if rows[kind]:
@@ -143,6 +153,7 @@ class Recorder:
             raise
         except Exception as error:  # what a task said cannot be put into a row
             raise StoreError(f"A message cannot be written down ({type(error).__name__}: {error}).") from error
+        self._streams = streams
         for _ in range(count):
             self._queue.popleft()
         for record in records:
@@ -168,10 +179,12 @@ def _rows(session: str, run: int, records: list[Record]) -> Rows:
                     (session, t.attempt, t.trial, t.seat, run, t.stimulus, t.response, t.correct, t.onset,
                      t.response_at, t.reaction_time_ms, _text(t.timing), _text(t.details))
                 )  # fmt: skip
+            case m.TrialMarked() as k:
+                rows["marks"].append((k.correct, k.mark, session, k.attempt, k.trial, k.seat))
             case m.AttemptEnded() as a:
                 rows["attempts"].append(
                     (session, a.attempt, a.seat, run, a.practice, a.level, a.metric, a.metric_unit, a.accuracy,
-                     a.correct, a.trials, a.outcome, a.feedback, a.started, a.ended)
+                     a.correct, a.trials, a.outcome, a.feedback, a.started, a.ended, a.goal, _text(a.qualities))
                 )  # fmt: skip
             case m.Proposal() as p:
                 rows["proposals"].append((session, p.id, p.kind, _text(p), record.at))

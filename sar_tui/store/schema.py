@@ -5,7 +5,7 @@ import sqlite_utils
 migrations = sqlite_utils.Migrations("sar-tui")
 """One function a version, in order; never changed once released."""
 
-VERSION = 1
+VERSION = 2
 """The number of migrations, kept in ``PRAGMA user_version``."""
 
 
@@ -115,3 +115,44 @@ def version_1(db: sqlite_utils.Database) -> None:
     create("notes", {"session": str, "at_ns": int, "author": str, "text": str})
     db["seats"].create_index(["participant"])  # type: ignore[union-attr]
     db["notes"].create_index(["session"])  # type: ignore[union-attr]
+
+
+@migrations()
+def version_2(db: sqlite_utils.Database) -> None:
+    """Motion sensors and their samples; the goal and the qualities of an attempt."""
+    db["attempts"].add_column("goal", float)  # type: ignore[union-attr]
+    db["attempts"].add_column("qualities", str)  # type: ignore[union-attr]
+    db.create_table(
+        "imu_streams",
+        {
+            "session": str,
+            "stream": int,
+            "seat": str,
+            "run": int,
+            "source": str,
+            "model": str,
+            "serial": str,
+            "rate_hz": float,
+            "rate_range_rad_s": float,
+            "acceleration_range_m_s2": float,
+            "layout": str,
+            "attached_ns": int,
+        },
+        pk=("session", "stream"),
+    )
+    db.create_table(
+        "imu_chunks",
+        {
+            "session": str,
+            "stream": int,
+            "seq": int,
+            "n": int,
+            "t0_ns": int,
+            "t1_ns": int,
+            "before_event": int,
+            "at_ns": int,
+            "crc32": int,
+            "data": bytes,
+        },
+        pk=("session", "stream", "seq"),
+    )

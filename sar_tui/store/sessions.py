@@ -4,6 +4,7 @@ import os
 import secrets
 from collections.abc import Iterator
 from datetime import UTC, datetime
+from heapq import merge
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,17 +14,19 @@ import sqlite_utils
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import host_now
 from sar_tui.framework.topics import ALL
+from sar_tui.store import imu
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
 
 Mode = Literal["live", "simulated", "replayed"]
 Row = dict[str, Any]
 
-Table = Literal["attempts", "trials", "actions", "runs"]
+Table = Literal["attempts", "trials", "actions", "runs", "imu_streams"]
 
 _JSON = {
     "sessions": ("parameters", "software", "machine"),
     "runs": ("clock_anchor", "software", "machine"),
+    "attempts": ("qualities",),
     "trials": ("timing", "details"),
     "actions": ("proposed", "final"),
 }
@@ -159,11 +162,15 @@ def rows(db: sqlite_utils.Database, table: Table, session: str) -> list[Row]:
 
 
 def history(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
-    """Every message of a session, in order, to be replayed.
+    """Every message of a session, in order, to be replayed; and its sensors' samples among them.
 
     Raises:
-        StoreError: a message that this version of the program cannot read.
+        StoreError: a message that this version of the program cannot read, or samples that are damaged.
     """
+    return merge(imu.blocks(db, session), _events(db, session), key=lambda record: record.seq)
+
+
+def _events(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
     for seq, at, name, text in db.execute(
         "SELECT seq, at_ns, topic, message FROM events WHERE session=? ORDER BY seq", (session,)
     ):

@@ -7,7 +7,7 @@ import msgspec
 
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.parameters import TaskParameters, meta
-from sar_tui.framework.task import Details, Metric, Result, Situation, Stimulus, Task, Trial
+from sar_tui.framework.task import Act, Details, Metric, Performance, Result, Situation, Stimulus, Task, Trial
 
 from .layouts import ARROWS, Level, levels, needs_shift
 
@@ -152,14 +152,14 @@ class KeyboardTask(Task):
     def timed_out(self, trial: Trial) -> Result:
         return Result(correct=False, details={"choices": trial.stimulus.choices, "key_gap_ms": None})
 
-    def rehearse(self, stimulus: Stimulus, reaction_ms: float, slip: bool, chance: Chance) -> list[tuple[float, str]]:
+    def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
         """A slip hits another key: a neighbour in the alphabet, or another arrow."""
-        if not slip:
-            return [(reaction_ms, stimulus.expected)]
+        if not performance.slips:
+            return [(performance.reaction_ms, stimulus.expected)]
         others = [
             key for key in (ARROWS if stimulus.expected in ARROWS else "asdfjkl") if key != stimulus.expected.lower()
         ]
-        return [(reaction_ms, chance.choice(others, "slip"))]
+        return [(performance.reaction_ms, chance.choice(others, "slip"))]
 
 
 def _same(pressed: str, expected: str, *, case: bool) -> bool:

@@ -12,7 +12,7 @@ from tests.cli.conftest import Call
 AVERAGE = ("simulate", "keyboard", "--user", "average")
 COLUMNS = {
     "session", "attempt", "seat", "run", "practice", "level", "metric", "metric_unit", "accuracy", "correct", "trials",
-    "outcome", "feedback", "started_ns", "ended_ns",
+    "outcome", "feedback", "started_ns", "ended_ns", "goal", "qualities",
 }  # fmt: skip
 
 

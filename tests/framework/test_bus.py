@@ -230,7 +230,7 @@ def test_a_late_subscriber_gets_the_last_value_of_a_kept_topic_only(bus: Bus) ->
     assert late == ["new"]
 
 
-def test_taps_get_whole_cascades_and_no_streams(bus: Bus, cascades: list[list[Record]]) -> None:
+def test_a_stream_is_not_numbered_and_stands_before_what_it_caused(bus: Bus, cascades: list[list[Record]]) -> None:
     during: list[int] = []
 
     def react(message: Said) -> None:
@@ -241,8 +241,10 @@ def test_taps_get_whole_cascades_and_no_streams(bus: Bus, cascades: list[list[Re
     bus.subscribe(STREAM, react)
     bus.subscribe(OUT, react)
     bus.publish(STREAM, said("sample"))
-    assert [words(cascade) for cascade in cascades] == [["found in the stream"]]
-    assert during == [0, 0]
+    bus.publish(STREAM, said("another"))
+    assert [words(cascade) for cascade in cascades] == [["sample", "found in the stream"], ["another"]]
+    assert [record.seq for cascade in cascades for record in cascade] == [1, 1, 2]
+    assert during == [0, 0, 1]
 
 
 def test_a_tap_that_is_taken_off_hears_no_more(bus: Bus) -> None:

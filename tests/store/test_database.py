@@ -15,7 +15,7 @@ import sqlite_utils
 
 from sar_tui.store import database as module
 from sar_tui.store.database import FILE, StoreError, connect, default_folder, explain, transaction
-from sar_tui.store.schema import VERSION
+from sar_tui.store.schema import VERSION, migrations
 
 _NOBODY = 65534
 """The user who owns nothing."""
@@ -160,8 +160,8 @@ def older(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     def version_1(db: sqlite_utils.Database) -> None:
         raise AssertionError("applied already")
 
-    @newer()
-    def version_2(db: sqlite_utils.Database) -> None:
+    @newer(name=f"version_{VERSION + 1}")
+    def next_version(db: sqlite_utils.Database) -> None:
         db["goals"].insert({"session": "s"})
 
     monkeypatch.setattr(module, "migrations", newer)
@@ -179,6 +179,20 @@ def test_an_older_database_is_brought_up_to_date_after_a_backup(older: Path) -> 
     assert pragma(kept, "user_version") == VERSION
     assert "goals" not in kept.table_names()
     assert [row["code"] for row in kept["participants"].rows] == ["P01"]
+
+
+def test_a_database_of_the_first_version_keeps_its_attempts_and_can_take_a_sensors_samples(data: Path) -> None:
+    data.mkdir()
+    first = sqlite_utils.Database(sqlite3.connect(data / FILE))
+    migrations.apply(first, stop_before="version_2")
+    first["attempts"].insert({"session": "s", "attempt": 1, "seat": "A", "metric": 700.0})
+    first.execute("PRAGMA user_version=1")
+    first.conn.close()
+    opened = connect(data)
+    assert pragma(opened, "user_version") == VERSION
+    (attempt,) = opened["attempts"].rows
+    assert (attempt["metric"], attempt["goal"]) == (700.0, None)
+    assert {"imu_streams", "imu_chunks"} <= set(opened.table_names())
 
 
 @posix

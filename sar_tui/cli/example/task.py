@@ -8,7 +8,7 @@ import msgspec
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.messages import KeyPerceived
 from sar_tui.framework.parameters import TaskParameters, meta
-from sar_tui.framework.task import Details, Metric, Result, Situation, Stimulus, Task, Trial
+from sar_tui.framework.task import Act, Details, Metric, Performance, Result, Situation, Stimulus, Task, Trial
 
 # What a level asks for, easiest first: these keys, one after the other, over and over.
 SEQUENCES = ("f", "fj", "dfj", "dfjk", "sdfjkl")
@@ -113,12 +113,13 @@ class ExampleTask(Task):
             details={"taps": len(taps), "wrong": wrong},
         )
 
-    def rehearse(self, stimulus: Stimulus, reaction_ms: float, slip: bool, chance: Chance) -> list[tuple[float, str]]:
+    def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
         """What a simulated participant presses: (milliseconds after onset, key). Only a task of one key needs none."""
-        pace = reaction_ms / 2
+        pace = performance.reaction_ms / 2
         duration = self.parameters.response_timeout_ms
-        times = [reaction_ms + pace * tap for tap in range(int((duration - reaction_ms) / pace))]
+        first = performance.reaction_ms
+        times = [first + pace * tap for tap in range(int((duration - first) / pace))]
         keys = [stimulus.name[tap % len(stimulus.name)] for tap in range(len(times))]
-        if slip:
+        if performance.slips:
             keys = ["x" if chance.uniform("wrong", tap) < 0.5 else key for tap, key in enumerate(keys)]
         return list(zip(times, keys, strict=True))

@@ -41,12 +41,14 @@ class ActionCenter(Node):
 
     @on(FEEDBACK)
     def answer(self, feedback: Feedback) -> None:
-        form = self._task.parameters.feedback_form
+        form, about = self._task.parameters.feedback_form, self._task.feedback_on
+        performance = self._performance(feedback) if about != "results" else ""
         words = []
         if form != "quantitative":
             words.append(self._qualitative(feedback))
-        if form != "qualitative":
+        if form != "qualitative" and not (performance and about == "performance"):
             words.append(self._quantitative(feedback))
+        words += [performance] if performance else []
         self._propose("feedback", " ".join(words), feedback.valence, feedback.attempt)
 
     def _qualitative(self, feedback: Feedback) -> str:
@@ -59,7 +61,7 @@ class ActionCenter(Node):
             situation = "empty" if feedback.reason == "empty" else "accuracy"
             return self._word(f"{situation}_figures", correct=str(feedback.correct), trials=str(feedback.trials))
         metric = self._task.metric
-        value, goal = metric.show(feedback.metric), metric.show(self._task.parameters.threshold)
+        value, goal = metric.show(feedback.metric), metric.show(feedback.goal)
         before = self._last_at_level(feedback)
         if before is None or before.metric is None:
             return self._word(f"{feedback.valence}_first", value=value, goal=goal)
@@ -74,6 +76,29 @@ class ActionCenter(Node):
             difference=difference,
             change=metric.improved if improved else metric.worsened,
         )
+
+    def _performance(self, feedback: Feedback) -> str:
+        """What was better about *how* it was done than the last time at that level, else what to heed next.
+
+        Empty where nothing was measured.
+        """
+        measured = [quality for quality in self._task.qualities if quality.field in feedback.qualities]
+        if not measured:
+            return ""
+        before = self._last_at_level(feedback)
+        changes = [
+            (quality.change(feedback.qualities[quality.field], before.qualities[quality.field]), quality)
+            for quality in measured
+            if before and quality.field in before.qualities
+        ]
+        if not changes:
+            return self._word("performance_first", aim=measured[0].aim)
+        best, worst = max(changes, key=lambda change: change[0]), min(changes, key=lambda change: change[0])
+        if best[0] >= 1:
+            return self._word("performance_improved", change=best[1].improved)
+        if worst[0] <= -1:
+            return self._word("performance_worsened", aim=worst[1].aim)
+        return self._word("performance_same", aim=measured[0].aim)
 
     def _last_at_level(self, feedback: Feedback) -> AttemptEnded | None:
         recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level)).attempts

@@ -1,6 +1,6 @@
 """The Event Handler: runs the task, from the first Enter to the last attempt (thesis 3.2.3)."""
 
-from enum import Enum, auto
+from collections.abc import Collection
 from typing import Literal
 
 import msgspec
@@ -11,17 +11,22 @@ from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.course import Course
 from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.nodes import VITAL
-from sar_tui.framework.task import Result, Task
+from sar_tui.framework.obstacles import Obstacles
+from sar_tui.framework.phase import BEFORE_PROMPT, ENTER_GOES_ON, IN_TRIAL, MARKABLE, OVER, PAUSES, WAITS, Phase
+from sar_tui.framework.task import Again, Mark, Result, Task
 from sar_tui.framework.topics import (
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
     FEEDBACK,
     FOCUS,
     LEVEL,
+    MARKED,
     OPERATOR,
     PASTE,
     PERCEIVED,
     PROMPT,
+    REACH,
+    SENSOR,
     SESSION,
     SESSION_ENDED,
     SHOWN,
@@ -36,51 +41,18 @@ from sar_tui.framework.trial import OpenTrial
 
 GRACE = 50 * MS
 """A response stamped in time may be handled this much after the time-out was, however late that itself came."""
-
-
-class Phase(Enum):
-    """Where the session stands."""
-
-    INSTRUCTIONS = auto()
-    READY = auto()  # waits for Enter to begin an attempt
-    QUIET = auto()  # waits until no key has been pressed for a moment
-    FOREPERIOD = auto()
-    STORING = auto()  # the foreperiod is over; the last trial is not on disk yet
-    ONSET = auto()  # the prompt is on its way to the screen
-    RESPONSE = auto()
-    PAUSED = auto()
-    REVIEW = auto()  # every attempt is done and answered; waits for Enter
-    CLOSING = auto()  # nothing more is done; the last trial is not on disk yet
-    ENDED = auto()
-    BROKEN = auto()  # the task, or the program, has failed
-
-
-IN_TRIAL = {Phase.QUIET, Phase.FOREPERIOD, Phase.STORING, Phase.ONSET, Phase.RESPONSE}
 STALLED = 250 * MS
 """A program that comes so late to a time-out stood still: the trial is repeated, not missed."""
 HELD = 3 * SECOND
 """After this long without quiet the participant is asked to let go of the keys."""
-_OVER = {Phase.CLOSING, Phase.ENDED, Phase.BROKEN}
-_ENTER_GOES_ON = ("interrupted", "restored")
-_WAITS: dict[Phase, tuple[str, str]] = {
-    Phase.INSTRUCTIONS: ("enter", "instructions"),
-    Phase.READY: ("enter", "attempt"),
-    Phase.QUIET: ("quiet", "trial"),
-    Phase.FOREPERIOD: ("foreperiod", "trial"),
-    Phase.STORING: ("storage", "trial"),
-    Phase.ONSET: ("response", "trial"),
-    Phase.REVIEW: ("enter", "review"),
-    Phase.CLOSING: ("storage", "ended"),
-    Phase.ENDED: ("nothing", "ended"),
-    Phase.BROKEN: ("nothing", "broken"),
-}
 
 
 class EventHandler(TimedNode):
     """Attempts and prompts: what comes when. The course scores and adapts, the open trial keeps what was seen.
 
-    A trial runs quiet → foreperiod → (storing) → onset → response; a key in the foreperiod begins it anew; a
-    pause, or the end of the program, voids it, and it is repeated under the same number with the same prompt.
+    A trial runs (start) → quiet → foreperiod → (storing) → onset → response; a key in the foreperiod begins it anew;
+    a pause, a sensor that comes loose, or the end of the program, voids it, and it is repeated under the same number
+    with the same prompt.
     """
 
     name = "event_handler"
@@ -91,15 +63,17 @@ class EventHandler(TimedNode):
         PROMPT,
         VOIDED,
         TRIAL,
+        MARKED,
         ATTEMPT_ENDED,
         LEVEL,
         FEEDBACK,
         SESSION_ENDED,
     )
 
-    def __init__(self, task: Task, seed: int) -> None:
+    def __init__(self, task: Task, seed: int, vital: Collection[str] = VITAL) -> None:
         super().__init__()
         self.task = task
+        self.vital = vital
         self.parameters = task.parameters
         self._phase = Phase.INSTRUCTIONS
         self._course = Course(task, seed)
@@ -107,12 +81,14 @@ class EventHandler(TimedNode):
         self._trial: OpenTrial
         self._stored = (0, 0)
         self._last_trial = (0, 0)
+        self._unmarked: Result
         self._last_key: int | None = None
         self._restless_since = 0
         self._paused_from = Phase.INSTRUCTIONS
         self._pause_reason = ""
-        self._disk_refuses = False
-        self._disk_says = ""
+        self._obstacles = Obstacles(needs_sensor=bool(task.sensors))
+        self._notice = ""
+        self._told_level = 0
         self._status: Literal["completed", "aborted"] = "completed"
 
     # --- the session -------------------------------------------------------------------------------------
@@ -124,8 +100,8 @@ class EventHandler(TimedNode):
         self._focused = True
         self.cancel_timers()
         self._stored = self._last_trial
-        self._disk_refuses = False
-        was_menu = self._phase is Phase.PAUSED and self._pause_reason not in _ENTER_GOES_ON
+        self._obstacles.begin_run()
+        was_menu = self._phase is Phase.PAUSED and self._pause_reason not in ENTER_GOES_ON
         if self._phase is Phase.CLOSING:
             self._end()
         elif session.run == 1 or was_menu or self._phase in (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED):
@@ -136,43 +112,58 @@ class EventHandler(TimedNode):
     @on(FAULT)
     def fault(self, fault: m.Fault) -> None:
         """Without one of the vital nodes nothing can be judged any more: stop here, whatever comes."""
-        if fault.node in VITAL:
+        if fault.node in self.vital:
             self._void("fault")
             self._wait(Phase.BROKEN)
 
     @on(OPERATOR)
     def operator_acted(self, act: m.Operator) -> None:
-        if self._phase in _OVER:
+        if self._phase in OVER:
             return
         match act.command:
             case "pause":
-                if not self._disk_refuses:
+                if not self._obstacles.disk_refuses:
                     self._pause(act.reason)
             case "resume":
-                if self._phase is Phase.PAUSED and not self._disk_refuses:
+                if self._phase is Phase.PAUSED and not self._obstacles.disk_refuses:
                     self._resume()
             case "end":
                 self._void("ended")
                 self._close("aborted")
             case "level":
                 self._set_level(act.value if act.value is not None else self._course.level)
-            case "repeat":
-                if self._phase in IN_TRIAL:
-                    self._void("repeat")
-                    self._await_quiet()
-            case "skip":
-                if self._phase in IN_TRIAL:
-                    self._finish(Result(correct=False, flags=("skipped",)))
+            case "repeat" if self._phase in IN_TRIAL:
+                self._void("repeat")
+                self._begin_trial()
+            case "skip" if self._phase in IN_TRIAL:
+                self._finish(Result(correct=False, flags=("skipped",)))
+            case "mark":
+                for mark in self.task.marks:
+                    if mark.name == act.reason:
+                        self._mark(mark)
 
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:
         """A disk that refuses pauses the session; one that writes again lets it go on."""
-        self._disk_refuses = not storage.working
-        self._disk_says = storage.reason
+        self._obstacles.hear_storage(storage)
         if self._phase in (Phase.CLOSING, Phase.PAUSED):
             self._wait(self._phase)
-        elif self._disk_refuses and self._phase not in _OVER:
+        elif self._obstacles.disk_refuses and self._phase not in OVER:
             self._pause("restored")
+
+    @on(SENSOR)
+    def sensor_changed(self, sensor: m.SensorChanged) -> None:
+        """A sensor from which nothing comes stops the session; when it comes again, the session goes on."""
+        if self._phase in OVER or not self._obstacles.hear_sensor(sensor):
+            return
+        lost = self._obstacles.sensor_lost
+        waits_for_sensor = self._phase is Phase.PAUSED and self._pause_reason == "sensor"
+        if lost and self._phase not in (Phase.INSTRUCTIONS, Phase.PAUSED):
+            self._pause("sensor")
+        elif lost and waits_for_sensor:
+            self._wait(Phase.PAUSED)
+        elif waits_for_sensor:
+            self._resume()
 
     @on(STORED)
     def stored(self, stored: m.Stored) -> None:
@@ -190,9 +181,11 @@ class EventHandler(TimedNode):
         self._wait(Phase.PAUSED)
 
     def _resume(self) -> None:
-        if self._is_under_way:
+        if self._obstacles.sensor_lost and self._paused_from is not Phase.INSTRUCTIONS:
+            self._pause("sensor")
+        elif self._is_under_way:
             self._last_key = self.now
-            self._await_quiet()
+            self._begin_trial()
         else:
             self._wait(self._paused_from)
 
@@ -217,8 +210,9 @@ class EventHandler(TimedNode):
 
     def _begin_attempt(self) -> None:
         self.emit(ATTEMPT_STARTED, self._course.begin(self.now))
+        self._told_level = self._course.level
         self._trial = self._course.next_trial()
-        self._await_quiet()
+        self._begin_trial()
 
     def _end_attempt(self) -> None:
         """Score, adapt, answer: in this order, so that memory holds the attempt before it is spoken of."""
@@ -238,6 +232,27 @@ class EventHandler(TimedNode):
 
     # --- trials --------------------------------------------------------------------------------------------
 
+    def _begin_trial(self, notice: str = "") -> None:
+        """Let the participant start the trial, where that is theirs to do; else let it come by itself."""
+        self._notice = notice
+        if self.task.start_key:
+            self._wait(Phase.START)
+        else:
+            self._await_quiet()
+
+    def _start_trial(self, at: int) -> None:
+        self._trial.started = at
+        if self.task.has_foreperiod:
+            self._await_quiet()
+        else:
+            self._show_when_stored()
+
+    def _show_when_stored(self) -> None:
+        if self._stored == self._last_trial:
+            self._show()
+        else:
+            self._wait(Phase.STORING)
+
     def _await_quiet(self) -> None:
         """Let the foreperiod begin when no key has been pressed for a moment."""
         self._restless_since = self.now
@@ -254,13 +269,11 @@ class EventHandler(TimedNode):
                 wait = self._trial.draw_foreperiod(self.parameters.foreperiod_min_ms, self.parameters.foreperiod_max_ms)
                 self._wait(Phase.FOREPERIOD)
                 self.set_timer("foreperiod", self.now + wait)
-            case "foreperiod" if self._stored == self._last_trial:
-                self._show()
             case "foreperiod":
-                self._wait(Phase.STORING)
+                self._show_when_stored()
             case "timeout" if late > STALLED:
                 self._void("stalled")
-                self._await_quiet()
+                self._begin_trial()
             case "timeout":
                 self._trial.lag = late
                 self.set_timer("grace", self.now + GRACE)
@@ -291,14 +304,26 @@ class EventHandler(TimedNode):
         match self._phase:
             case Phase.INSTRUCTIONS if percept.key == "enter":
                 self._wait(Phase.READY)
+                if self._obstacles.sensor_lost:
+                    self._pause("sensor")
             case Phase.READY if percept.key == "enter" and not percept.repeat:
                 self._begin_attempt()
             case Phase.REVIEW if percept.key == "enter" and not percept.repeat:
                 self._close("completed")
-            case Phase.PAUSED if percept.key == "enter" and self._reason in _ENTER_GOES_ON:
+            case Phase.PAUSED if percept.key == "enter" and self._reason in ENTER_GOES_ON:
                 self._resume()
-            case Phase.QUIET | Phase.FOREPERIOD | Phase.STORING:
+            case Phase.START if percept.key == self.task.start_key and not percept.repeat:
+                self._start_trial(percept.at)
+            case phase if phase in BEFORE_PROMPT and self.task.has_foreperiod:
                 self._disturbed()
+            case Phase.ONSET:
+                self._trial.early.append(percept)
+            case Phase.RESPONSE:
+                self._judge(percept)
+
+    @on(REACH)
+    def reach_perceived(self, percept: m.ReachPerceived) -> None:
+        match self._phase:
             case Phase.ONSET:
                 self._trial.early.append(percept)
             case Phase.RESPONSE:
@@ -309,7 +334,7 @@ class EventHandler(TimedNode):
         self._last_key = paste.at
         if self._phase in IN_TRIAL:
             self._trial.flag("paste")
-        if self._phase in (Phase.QUIET, Phase.FOREPERIOD, Phase.STORING):
+        if self._phase in BEFORE_PROMPT and self.task.has_foreperiod:
             self._disturbed()
 
     @on(FOCUS)
@@ -330,7 +355,7 @@ class EventHandler(TimedNode):
                 self._restless_since = self.now
                 self._wait(Phase.QUIET, "held")
 
-    def _judge(self, percept: m.KeyPerceived) -> None:
+    def _judge(self, percept: m.Percept) -> None:
         if percept.repeat:
             self._trial.flag("repeat_key")
             return
@@ -339,7 +364,10 @@ class EventHandler(TimedNode):
         if trial.latency_ms(percept.at) > self.parameters.response_timeout_ms:
             self._trial.flag("late_key")
             self._finish(self.task.timed_out(trial))
-        elif (result := self.task.perceived(trial, percept)) is not None:
+        elif isinstance(result := self.task.perceived(trial, percept), Again):
+            self._void(result.reason)
+            self._begin_trial(result.words)
+        elif result is not None:
             self._finish(result)
 
     def _finish(self, result: Result) -> None:
@@ -348,6 +376,9 @@ class EventHandler(TimedNode):
         latency = self._trial.latency_ms(result)
         if latency is not None and latency < self.parameters.min_rt_ms:
             result = msgspec.structs.replace(result, flags=(*result.flags, "anticipation"))
+        self._unmarked = result
+        if self._trial.mark:
+            result = self._trial.mark.applied(result)
         self.emit(TRIAL, self._trial.ended(result))
         self._course.results.append(result)
         self._last_trial = self._course.last_trial
@@ -355,7 +386,24 @@ class EventHandler(TimedNode):
             self._end_attempt()
         else:
             self._trial = self._course.next_trial()
-            self._await_quiet()
+            self._begin_trial()
+
+    def _mark(self, mark: Mark) -> None:
+        """Mark the trial under way, or the last one, which is then scored once more."""
+        if self._phase not in MARKABLE:
+            if self._phase in IN_TRIAL:
+                self._trial.mark = mark
+            return
+        if (last := self._course.amendable) is None:
+            return
+        attempt, trial = last
+        marked = mark.applied(self._unmarked)
+        self.emit(MARKED, m.TrialMarked(attempt=attempt, trial=trial, mark=mark.name, correct=marked.correct))
+        if scored := self._course.amend(marked):
+            self.emit(ATTEMPT_ENDED, scored.ended)
+            if scored.level:
+                self.emit(LEVEL, scored.level)
+            self._wait(self._phase)
 
     def _void(self, reason: str) -> None:
         """Break a trial off; it will be repeated."""
@@ -369,7 +417,7 @@ class EventHandler(TimedNode):
     @property
     def _reason(self) -> str:
         """Why the session stands still: the disk, before anything a person said."""
-        if self._disk_refuses and self._phase in (Phase.PAUSED, Phase.CLOSING):
+        if self._obstacles.disk_refuses and self._phase in (Phase.PAUSED, Phase.CLOSING):
             return "storage"
         return self._pause_reason if self._phase is Phase.PAUSED else ""
 
@@ -377,9 +425,9 @@ class EventHandler(TimedNode):
         """Enter a phase, and say what the session waits for."""
         self._phase = phase
         if phase is Phase.PAUSED:
-            what, stage = ("enter" if self._reason in _ENTER_GOES_ON else "resume"), "paused"
+            what, stage = PAUSES.get(self._reason, "resume"), "paused"
         else:
-            what, stage = _WAITS[phase]
+            what, stage = WAITS[phase]
         self.emit(
             WAITING,
             m.Waiting(
@@ -390,8 +438,21 @@ class EventHandler(TimedNode):
                 level=self._course.level,
                 attempt_name=self._course.name,
                 trials=self.task.trials_per_attempt,
-                goal="" if stage == "trial" else self.task.goal(self._course.level),
+                goal=self._goal(stage),
+                notice=self._notice_for(phase),
                 reason=reason or self._reason,
-                detail=self._disk_says if self._reason == "storage" else "",
+                detail=self._obstacles.says(self._reason),
             ),
         )
+
+    def _goal(self, stage: str) -> str:
+        """What is aimed at; in a trial that the participant starts, how to start it."""
+        if stage != "trial":
+            return self.task.goal(self._course.level)
+        return self.task.start(self._course.level) if self._phase is Phase.START else ""
+
+    def _notice_for(self, phase: Phase) -> str:
+        """What has to be known first: that a trial is done again, or that the level is another."""
+        if phase is Phase.READY and self._course.level != self._told_level:
+            return self.task.notice(self._course.level, self._told_level)
+        return self._notice if phase is Phase.START else ""

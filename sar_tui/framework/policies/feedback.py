@@ -6,7 +6,7 @@ import msgspec
 
 from sar_tui.framework.messages import Outcome, Valence
 from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.task import Metric, Score
+from sar_tui.framework.task import Metric, Score, Target
 
 Reason = Literal["goal", "missed", "band", "accuracy", "empty"]
 
@@ -23,21 +23,21 @@ class Judgement(msgspec.Struct, frozen=True):
     reason: Reason
 
 
-def judge(score: Score, metric: Metric, parameters: TaskParameters) -> Judgement:
+def judge(score: Score, metric: Metric, target: Target, min_accuracy: float) -> Judgement:
     """Judge an attempt (thesis 4.2.1, 4.4.2).
 
     Success: the metric is better than the threshold (equal is not) and the accuracy reaches its minimum.
     Valence: positive on success, negative on failure, neutral within the band (bounds included) of the
     threshold; below the minimum accuracy, or with nothing to average, always negative.
     """
-    accurate = score.accuracy is None or score.accuracy >= parameters.min_accuracy
+    accurate = score.accuracy is None or score.accuracy >= min_accuracy
     if score.metric is None:
         return Judgement("failure", "negative", "empty" if accurate else "accuracy")
     if not accurate:
         return Judgement("failure", "negative", "accuracy")
-    success = metric.is_better(score.metric, parameters.threshold)
+    success = metric.is_better(score.metric, target.threshold)
     outcome: Outcome = "success" if success else "failure"
-    if abs(score.metric - parameters.threshold) <= parameters.neutral_band + _ROUNDING * parameters.threshold:
+    if abs(score.metric - target.threshold) <= target.neutral_band + _ROUNDING * target.threshold:
         return Judgement(outcome, "neutral", "band")
     return Judgement(outcome, "positive", "goal") if success else Judgement(outcome, "negative", "missed")
 

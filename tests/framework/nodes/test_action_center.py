@@ -58,7 +58,7 @@ class Judge(Node):
     def done(self, done: Done) -> None:
         accuracy = done.correct / done.trials
         score = Score(done.metric, accuracy, done.correct, done.trials)
-        verdict = feedback.judge(score, self.task.metric, self.task.parameters)
+        verdict = feedback.judge(score, self.task.metric, self.task.target(done.level), 0.8)
         facts = {"attempt": done.attempt, "level": done.level, "metric": done.metric, "accuracy": accuracy}
         counts = {"correct": done.correct, "trials": done.trials}
         self.emit(
@@ -74,7 +74,7 @@ class Judge(Node):
                 ended=0,
             ),
         )
-        self.emit(FEEDBACK, Feedback(**facts, **counts, valence=verdict.valence, reason=verdict.reason))
+        self.emit(FEEDBACK, Feedback(**facts, **counts, goal=1000.0, valence=verdict.valence, reason=verdict.reason))
 
 
 class Agent:

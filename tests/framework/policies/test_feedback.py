@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from sar_tui.framework.parameters import TaskParameters, build
 from sar_tui.framework.policies.feedback import Judgement, is_due, judge
-from sar_tui.framework.task import Metric, Score
+from sar_tui.framework.task import Metric, Score, Target
 
 TIME = Metric("time", unit="ms", better="lower")
 TAPS = Metric("taps", unit="taps", better="higher")
@@ -20,12 +20,16 @@ def score(metric: float | None, accuracy: float | None = 1.0) -> Score:
     return Score(metric=metric, accuracy=accuracy, correct=0, trials=20)
 
 
+def judged(score: Score, metric: Metric, parameters: TaskParameters) -> Judgement:
+    return judge(score, metric, Target(parameters.threshold, parameters.neutral_band), parameters.min_accuracy)
+
+
 def test_exactly_the_threshold_is_failure() -> None:
     sharp = build(TaskParameters, {"threshold": 1000, "neutral_band": 0})
-    assert judge(score(1000.0), TIME, sharp).outcome == "failure"
-    assert judge(score(1000.0), TAPS, sharp).outcome == "failure"
-    assert judge(score(999.999), TIME, sharp) == Judgement("success", "positive", "goal")
-    assert judge(score(1000.001), TAPS, sharp) == Judgement("success", "positive", "goal")
+    assert judged(score(1000.0), TIME, sharp).outcome == "failure"
+    assert judged(score(1000.0), TAPS, sharp).outcome == "failure"
+    assert judged(score(999.999), TIME, sharp) == Judgement("success", "positive", "goal")
+    assert judged(score(1000.001), TAPS, sharp) == Judgement("success", "positive", "goal")
 
 
 @pytest.mark.parametrize(
@@ -42,7 +46,7 @@ def test_exactly_the_threshold_is_failure() -> None:
 def test_within_the_band_bounds_included_feedback_is_neutral_whatever_the_outcome(
     metric: float, expected: Judgement
 ) -> None:
-    assert judge(score(metric), TIME, P) == expected
+    assert judged(score(metric), TIME, P) == expected
 
 
 @pytest.mark.parametrize(
@@ -55,25 +59,25 @@ def test_within_the_band_bounds_included_feedback_is_neutral_whatever_the_outcom
     ],
 )
 def test_where_higher_is_better_above_the_threshold_is_success(metric: float, expected: Judgement) -> None:
-    assert judge(score(metric), TAPS, P) == expected
+    assert judged(score(metric), TAPS, P) == expected
 
 
 @pytest.mark.parametrize("metric", [None, 1.0, 995.0, 1005.0, 5000.0])
 def test_below_the_minimum_accuracy_feedback_is_negative_and_names_accuracy(metric: float | None) -> None:
-    assert judge(score(metric, 0.79), TIME, P) == Judgement("failure", "negative", "accuracy")
+    assert judged(score(metric, 0.79), TIME, P) == Judgement("failure", "negative", "accuracy")
 
 
 def test_exactly_the_minimum_accuracy_is_enough() -> None:
-    assert judge(score(500.0, 16 / 20), TIME, P).outcome == "success"
+    assert judged(score(500.0, 16 / 20), TIME, P).outcome == "success"
 
 
 def test_nothing_to_average_is_failure() -> None:
-    assert judge(score(None, 1.0), TIME, P) == Judgement("failure", "negative", "empty")
+    assert judged(score(None, 1.0), TIME, P) == Judgement("failure", "negative", "empty")
 
 
 def test_a_task_without_accuracy_is_judged_by_its_metric() -> None:
-    assert judge(score(500.0, None), TIME, P) == Judgement("success", "positive", "goal")
-    assert judge(score(None, None), TIME, P) == Judgement("failure", "negative", "empty")
+    assert judged(score(500.0, None), TIME, P) == Judgement("success", "positive", "goal")
+    assert judged(score(None, None), TIME, P) == Judgement("failure", "negative", "empty")
 
 
 @given(METRICS, ACCURACIES, st.sampled_from([TIME, TAPS]), st.integers(1, 2000), st.integers(0, 100))
@@ -81,7 +85,7 @@ def test_praise_is_never_given_for_failure_nor_blame_for_success(
     metric: float | None, accuracy: float | None, kind: Metric, threshold: int, band: int
 ) -> None:
     parameters = build(TaskParameters, {"threshold": threshold, "neutral_band": band})
-    verdict = judge(score(metric, accuracy), kind, parameters)
+    verdict = judged(score(metric, accuracy), kind, parameters)
     assert (verdict.valence, verdict.outcome) not in (("positive", "failure"), ("negative", "success"))
     enough = accuracy is None or accuracy >= 0.8
     better = metric is not None and (metric < threshold if kind is TIME else metric > threshold)

@@ -12,7 +12,7 @@ from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import KeyPerceived
 from sar_tui.framework.parameters import ParameterError, build, fields
-from sar_tui.framework.task import Result, Situation, Stimulus, Task, Trial
+from sar_tui.framework.task import Performance, Result, Situation, Stimulus, Task, Trial
 from sar_tui.plugins import Catalogue
 
 
@@ -221,10 +221,10 @@ def test_the_score_is_the_mean_of_correct_responses_that_count_and_the_share_of_
 @given(st.sampled_from("asdfjkl;1A?"), st.integers(0, 500))
 def test_a_slip_is_never_the_right_key(expected: str, seed: int) -> None:
     stimulus = Stimulus(expected, expected, f"Press: {expected}")
-    ((at, key),) = make().rehearse(stimulus, 400.0, True, Chance(seed))
+    ((at, key),) = make().rehearse(stimulus, Performance(400.0, slips=True), Chance(seed))
     assert at == 400.0
     assert key.casefold() != expected.casefold()
-    assert make().rehearse(stimulus, 400.0, False, Chance(seed)) == [(400.0, expected)]
+    assert make().rehearse(stimulus, Performance(400.0), Chance(seed)) == [(400.0, expected)]
 
 
 def test_the_tasks_own_parameters_are_those_of_the_thesis() -> None:

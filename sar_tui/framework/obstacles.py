@@ -1,0 +1,47 @@
+"""What keeps a session from going on that nobody in it can help: a disk that refuses, a sensor that is loose."""
+
+from sar_tui.framework.messages import SensorChanged, StorageChanged
+
+_LOST = ("detached", "stalled", "ended")
+_BACK = ("attached", "flowing")
+
+
+class Obstacles:
+    """Keeps what was told of the disk and of the sensor.
+
+    Args:
+        needs_sensor: whether the task needs one; it is then missing until it is attached.
+    """
+
+    def __init__(self, *, needs_sensor: bool) -> None:
+        self._needs_sensor = needs_sensor
+        self.disk_refuses = False
+        self.sensor_lost = needs_sensor
+        self._disk_says = ""
+        self._sensor_says = ""
+
+    def begin_run(self) -> None:
+        """A run of the program begins: nothing is known yet."""
+        self.disk_refuses = False
+        self.sensor_lost = self._needs_sensor
+
+    def hear_storage(self, storage: StorageChanged) -> None:
+        """The disk told something."""
+        self.disk_refuses = not storage.working
+        self._disk_says = storage.reason
+
+    def hear_sensor(self, sensor: SensorChanged) -> bool:
+        """The sensor told something; False if that is nothing to a session: it lost a sample, say."""
+        if not self._needs_sensor:
+            return False
+        if sensor.state in _BACK:
+            self.sensor_lost, self._sensor_says = False, ""
+            return True
+        if sensor.state in _LOST or (sensor.state == "error" and self.sensor_lost):
+            self.sensor_lost, self._sensor_says = True, sensor.detail
+            return True
+        return False
+
+    def says(self, reason: str) -> str:
+        """The words of what stands in the way, for the experimenter."""
+        return {"storage": self._disk_says, "sensor": self._sensor_says}.get(reason, "")

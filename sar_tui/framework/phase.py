@@ -1,0 +1,44 @@
+"""Where a session stands, and what it waits for there (see `messages.Waiting`)."""
+
+from enum import Enum, auto
+
+
+class Phase(Enum):
+    """Where the session stands."""
+
+    INSTRUCTIONS = auto()
+    READY = auto()  # waits for Enter to begin an attempt
+    START = auto()  # waits for the participant to start the trial
+    QUIET = auto()  # waits until no key has been pressed for a moment
+    FOREPERIOD = auto()
+    STORING = auto()  # the foreperiod is over; the last trial is not on disk yet
+    ONSET = auto()  # the prompt is on its way to the screen
+    RESPONSE = auto()
+    PAUSED = auto()
+    REVIEW = auto()  # every attempt is done and answered; waits for Enter
+    CLOSING = auto()  # nothing more is done; the last trial is not on disk yet
+    ENDED = auto()
+    BROKEN = auto()  # the task, or the program, has failed
+
+
+BEFORE_PROMPT = {Phase.QUIET, Phase.FOREPERIOD, Phase.STORING}
+IN_TRIAL = {Phase.START, *BEFORE_PROMPT, Phase.ONSET, Phase.RESPONSE}
+OVER = {Phase.CLOSING, Phase.ENDED, Phase.BROKEN}
+ENTER_GOES_ON = ("interrupted", "restored")
+PAUSES: dict[str, str] = {"interrupted": "enter", "restored": "enter", "sensor": "sensor"}
+"""What a pause waits for, by its reason; else for somebody to say that it goes on."""
+MARKABLE = {Phase.START, Phase.READY, Phase.REVIEW}
+"""Where a mark is the last trial's."""
+WAITS: dict[Phase, tuple[str, str]] = {
+    Phase.INSTRUCTIONS: ("enter", "instructions"),
+    Phase.READY: ("enter", "attempt"),
+    Phase.START: ("start", "trial"),
+    Phase.QUIET: ("quiet", "trial"),
+    Phase.FOREPERIOD: ("foreperiod", "trial"),
+    Phase.STORING: ("storage", "trial"),
+    Phase.ONSET: ("response", "trial"),
+    Phase.REVIEW: ("enter", "review"),
+    Phase.CLOSING: ("storage", "ended"),
+    Phase.ENDED: ("nothing", "ended"),
+    Phase.BROKEN: ("nothing", "broken"),
+}
