@@ -4,6 +4,7 @@ import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import sqlite_utils
@@ -15,9 +16,13 @@ from sar_tui.framework.parameters import ParameterError, TaskParameters, build
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ATTEMPT_ENDED
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu import ImuSource, SourceError
+from sar_tui.inputs.sensor import Imu
+from sar_tui.inputs.sources import open_source
 from sar_tui.plugins import Catalogue, task_folder
-from sar_tui.simulation.participant import SimulatedParticipant
-from sar_tui.simulation.person import Person
+from sar_tui.simulation.participant import SimulatedMover, SimulatedParticipant
+from sar_tui.simulation.person import PEOPLE, Person
 from sar_tui.store import locks, participants, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.provenance import machine, measured_timing, software
@@ -74,6 +79,7 @@ class Run:
     def close(self) -> None:
         """Let go. A session that has not ended is left as interrupted, to be gone on with."""
         try:
+            self.session.detach()
             if not self.session.ended:
                 sessions.interrupt(self._database, self.id)
         except (StoreError, sqlite3.Error):
@@ -225,6 +231,32 @@ def _enter(
     return Run(session_id, number, session, recorder, database, held)
 
 
+def sensor(parameters: TaskParameters, seed: int, clock: Clock) -> ImuFeed:
+    """The motion sensor that a task's ``imu`` parameter names, not started yet.
+
+    Raises:
+        ParameterError: there is no such sensor.
+    """
+    virtual = clock if isinstance(clock, VirtualClock) else None
+    try:
+        source = open_source(getattr(parameters, "imu", "phidget"), seed=seed, clock=virtual)
+    except SourceError as error:
+        raise ParameterError({"imu": str(error)}) from error
+    return ImuFeed(source, clock.now)
+
+
+def sensing(task: Task, seed: int, feed: ImuFeed) -> list[Node]:
+    """The nodes of a live session's motion sensor; a simulated hand moves by itself as an average person's would."""
+    nodes: list[Node] = [Imu(feed)]
+    if move := _movable(feed.source):
+        nodes.append(SimulatedMover(PEOPLE["average"], task, seed, move))
+    return nodes
+
+
+def _movable(source: ImuSource) -> Callable[[int, Any], None] | None:
+    return getattr(source, "move", None)
+
+
 def simulate(
     plan: Plan,
     person: Person,
@@ -239,7 +271,14 @@ def simulate(
         Failed: the task raised.
     """
     clock = VirtualClock()
-    run = start(plan, folder, catalogue, clock, lambda task: [SimulatedParticipant(person, task, plan.seed)])
+
+    def sit_down(task: Task) -> list[Node]:
+        if not task.sensors:
+            return [SimulatedParticipant(person, task, plan.seed)]
+        hand = open_source(f"simulated:{person.hand}", seed=plan.seed, clock=clock)
+        return [SimulatedParticipant(person, task, plan.seed, _movable(hand)), Imu(ImuFeed(hand, clock.now))]
+
+    run = start(plan, folder, catalogue, clock, sit_down)
     try:
         run.session.bus.subscribe(ATTEMPT_ENDED, lambda ended: progress(ended.attempt))
         run.begin()

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import secrets
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,10 +11,13 @@ from sar_tui.app.screen_output import ScreenOutput, Stage
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.clock import SECOND, Clock, LiveClock
 from sar_tui.framework.messages import Fault, Operator
+from sar_tui.framework.node import Node
+from sar_tui.framework.task import Task
 from sar_tui.framework.topics import OPERATOR
+from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, Run, resume, start
+from sar_tui.runs import Plan, Run, resume, sensing, sensor, start
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
@@ -30,8 +34,11 @@ class LiveSession:
     run; ``storage`` is the thread that writes. Both end with ``close``.
     """
 
-    def __init__(self, folder: Path, catalogue: Catalogue, clock: Clock | None = None) -> None:
+    def __init__(
+        self, folder: Path, catalogue: Catalogue, clock: Clock | None = None, feed: ImuFeed | None = None
+    ) -> None:
         self.clock = clock or LiveClock(asyncio.get_running_loop())
+        self._feed = feed
         self.keyboard = Keyboard()
         self.screen: ScreenOutput
         self.run: Run
@@ -42,11 +49,16 @@ class LiveSession:
     def open(self, stage: Stage, what: Plan | str) -> None:
         """Enter a new session (a plan) or an interrupted one (its id). Raises as `runs.start` and `runs.resume`."""
         self.screen = ScreenOutput(stage)
-        nodes = [self.keyboard, self.screen]
-        if isinstance(what, Plan):
-            self.run = start(what, self._folder, self._catalogue, self.clock, lambda task: nodes)
-        else:
-            self.run = resume(what, self._folder, self._catalogue, self.clock, lambda task: nodes)
+        begin = start if isinstance(what, Plan) else resume
+        self.run = begin(what, self._folder, self._catalogue, self.clock, self._nodes)  # type: ignore[operator]
+
+    def _nodes(self, task: Task) -> list[Node]:
+        """Keyboard and screen; and the motion sensor, for a task that needs one."""
+        if not task.sensors:
+            return [self.keyboard, self.screen]
+        seed = secrets.randbelow(2**31)
+        feed = self._feed or sensor(task.parameters, seed, self.clock)
+        return [self.keyboard, *sensing(task, seed, feed), self.screen]
 
     def begin(self, app: "App[int]", broken: Callable[[str], None]) -> None:
         """Start both workers and the loop. ``broken`` is called when the task has failed."""
@@ -94,6 +106,7 @@ class LiveSession:
         if self._closing:
             return
         self._closing = True
+        self.run.session.detach()
         app.workers.cancel_group(app, "session")
         if isinstance(self.clock, LiveClock):
             self.run.recorder.stop()

@@ -36,13 +36,15 @@ def graph(
 
 
 def _loop(kind: "type[Task]", theme: "Theme") -> "Graph":
-    """The loop as the app runs it: keyboard, the framework's nodes, screen, and the recorder."""
+    """The loop as the app runs it: keyboard and sensors, the framework's nodes, screen, and the recorder."""
     from sar_tui.app.screen_output import ScreenOutput
     from sar_tui.cli.setting import parameters
     from sar_tui.framework.graph import graph
     from sar_tui.framework.session import core_nodes
     from sar_tui.inputs.keyboard import Keyboard
+    from sar_tui.inputs.sensor import Imu
     from sar_tui.store.recorder import Recorder
 
     core = core_nodes(kind(parameters(kind, {})), theme, seed=0)
-    return graph([Keyboard, *(type(node) for node in core), ScreenOutput], [Recorder])
+    sensors = [Imu] if kind.sensors else []
+    return graph([Keyboard, *sensors, *(type(node) for node in core), ScreenOutput], [Recorder])

@@ -67,6 +67,9 @@ class Node:
         for method in _marked(type(self), "serves"):
             bus.serve(method.serves, getattr(self, method.__name__))
 
+    def detach(self) -> None:
+        """Let go of what the node holds outside of the bus: a device, a thread. Harmless when called again."""
+
     def emit(self, topic: Topic[M], message: M) -> None:
         """Publish one of the declared topics. Raises ValueError for another."""
         if topic not in self.emits:

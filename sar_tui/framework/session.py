@@ -105,8 +105,14 @@ class Session:
         core = {node.name for node in self.nodes} - {node.name for node in self._extra}
         return isinstance(record.message, Fault) and record.message.node not in core
 
+    def detach(self) -> None:
+        """Let go of devices. Harmless when called again."""
+        for node in self.nodes:
+            node.detach()
+
     def _end(self) -> None:
         self.ended = True
+        self.detach()
 
 
 def core_nodes(task: Task, theme: Theme, seed: int) -> tuple[Node, ...]:

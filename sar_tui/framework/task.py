@@ -196,7 +196,7 @@ class Performance(msgspec.Struct, frozen=True):
         reaction_ms: the reaction time drawn for this person, prompt and moment.
         slips: whether this person gets it wrong this time.
         pace: how long a movement takes this person this time, as a share of what it takes a healthy one.
-        unsteadiness: 0 for a steady hand, 1 for one that halts and trembles.
+        unsteadiness: 0 for a hand that goes straight, 1 for one that halts and dwells.
     """
 
     reaction_ms: float

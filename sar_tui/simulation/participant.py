@@ -17,6 +17,15 @@ READING = 1200 * MS
 """From a screen that waits for Enter to the Enter."""
 
 
+def acts(person: Person, task: Task, seed: int, prompt: Prompt) -> list[Act]:
+    """What a person does for a prompt: nothing, where they miss it."""
+    chance = Chance(seed, "person", prompt.attempt, prompt.trial)
+    if person.misses_it(chance):
+        return []
+    stimulus = Stimulus(prompt.stimulus, prompt.expected, prompt.text, choices=prompt.choices)
+    return task.rehearse(stimulus, person.perform(prompt.choices, prompt.attempt, chance), chance)
+
+
 class SimulatedParticipant(Node):
     """Sits down, presses Enter when asked to, and answers each prompt as its person would.
 
@@ -55,19 +64,12 @@ class SimulatedParticipant(Node):
             source="virtual",
         )
         self.bus.clock.call_at(onset, lambda: self.emit(SHOWN, shown))
-        for delay_ms, act in self._answer(prompt):
+        for delay_ms, act in acts(self._person, self._task, self._seed, prompt):
             at = onset + round(delay_ms * MS)
             if isinstance(act, str):
                 self._press(act, at)
             elif self._move:
                 self._move(at, act)
-
-    def _answer(self, prompt: Prompt) -> list[Act]:
-        chance = Chance(self._seed, "person", prompt.attempt, prompt.trial)
-        if self._person.misses_it(chance):
-            return []
-        stimulus = Stimulus(prompt.stimulus, prompt.expected, prompt.text, choices=prompt.choices)
-        return self._task.rehearse(stimulus, self._person.perform(prompt.choices, prompt.attempt, chance), chance)
 
     @on(ACTION)
     def answered(self, action: Action) -> None:
@@ -77,3 +79,27 @@ class SimulatedParticipant(Node):
 
     def _press(self, key: str, at: int) -> Handle:
         return self.bus.clock.call_at(at, lambda: self.emit(KEY, KeyPressed(key=key, at=at)))
+
+
+class SimulatedMover(Node):
+    """Moves a simulated hand as its person would, while somebody else presses the keys: to try a task without a sensor.
+
+    Args:
+        person, task, seed: who does what, and how it comes out.
+        move: moves the hand: (when in ns, movement).
+    """
+
+    name = "mover"
+
+    def __init__(self, person: Person, task: Task, seed: int, move: Callable[[int, Any], None]) -> None:
+        super().__init__()
+        self._person = person
+        self._task = task
+        self._seed = seed
+        self._move = move
+
+    @on(PROMPT)
+    def prompted(self, prompt: Prompt) -> None:
+        for delay_ms, act in acts(self._person, self._task, self._seed, prompt):
+            if not isinstance(act, str):
+                self._move(self.now + round(delay_ms * MS), act)

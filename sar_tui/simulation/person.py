@@ -28,7 +28,8 @@ class Person(msgspec.Struct, frozen=True):
         fatigue: the share of the reaction time that each attempt adds.
         pace: how long movements take, as a share of what they take a healthy adult.
         pace_sd: how much that varies from one to the next: the standard deviation of its logarithm.
-        unsteadiness: 0 for a steady hand, 1 for one that halts and trembles.
+        unsteadiness: 0 for a hand that goes straight, 1 for one that halts and dwells.
+        hand: how the hand trembles, and how its sensor sits: one of `motion.synthesis.PROFILES`.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Person(msgspec.Struct, frozen=True):
     pace: float = 1.0
     pace_sd: float = 0.05
     unsteadiness: float = 0.0
+    hand: str = "drifting"
 
     def perform(self, choices: int, attempt: int, chance: Chance) -> Performance:
         """How one prompt among ``choices`` is done in an attempt (1, 2, …)."""
@@ -82,8 +84,32 @@ class Person(msgspec.Struct, frozen=True):
 PEOPLE = {
     person.name: person
     for person in (
-        Person("poor", 560, 205, 150, 200, errors=0.05, misses=0.015, pace=1.45, pace_sd=0.12, unsteadiness=0.6),
-        Person("average", 415, 168, 110, 140, errors=0.03, misses=0.005, pace=1.16, pace_sd=0.08, unsteadiness=0.2),
+        Person(
+            "poor",
+            560,
+            205,
+            150,
+            200,
+            errors=0.05,
+            misses=0.015,
+            pace=1.45,
+            pace_sd=0.12,
+            unsteadiness=0.6,
+            hand="patient",
+        ),
+        Person(
+            "average",
+            415,
+            168,
+            110,
+            140,
+            errors=0.03,
+            misses=0.005,
+            pace=1.16,
+            pace_sd=0.08,
+            unsteadiness=0.2,
+            hand="noisy",
+        ),
         Person("competent", 310, 137, 70, 100, errors=0.02, misses=0.001, pace=0.9, pace_sd=0.05),
     )
 }

@@ -17,7 +17,7 @@ from sar_tui.framework.nodes.memory import Memory
 from sar_tui.framework.parameters import build
 from sar_tui.framework.policies import feedback
 from sar_tui.framework.task import Score, Task
-from sar_tui.framework.theme import QUALITATIVE, Theme, holds_number
+from sar_tui.framework.theme import QUALITATIVE, QUANTITATIVE, Theme, holds_number
 from sar_tui.framework.topics import ATTEMPT_ENDED, FEEDBACK, PROPOSED
 from sar_tui.plugins import Catalogue
 

@@ -1,0 +1,82 @@
+"""The motion sensor on the bus: its samples as a stream of blocks, what happens to it as messages."""
+
+import msgspec
+
+from sar_tui.framework.bus import Bus
+from sar_tui.framework.clock import MS, Handle
+from sar_tui.framework.messages import ImuBlock, SensorChanged
+from sar_tui.framework.node import Node
+from sar_tui.framework.topics import IMU, SENSOR
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu import Info, Status
+from sar_tui.motion.samples import pack
+
+DRAIN = 10 * MS
+"""How often the samples that have come are published."""
+_BEFORE_SAMPLES = ("attached", "flowing")
+
+
+class Imu(Node):
+    """Publishes what a motion sensor tells, from the beginning of the session to its end.
+
+    Args:
+        feed: of the sensor; one that runs already (the sensor has been looked at before) is taken over as it is.
+    """
+
+    name = "imu"
+    emits = (IMU, SENSOR)
+
+    def __init__(self, feed: ImuFeed) -> None:
+        super().__init__()
+        self.feed = feed
+        self._next: Handle | None = None
+        self._stopped = False
+
+    def attach(self, bus: Bus) -> None:
+        """Join a bus, and begin as soon as the session has."""
+        super().attach(bus)
+        bus.clock.call_soon(self._begin)
+
+    def detach(self) -> None:
+        """Publish nothing more, and let go of the sensor."""
+        self._stopped = True
+        if self._next:
+            self._next.cancel()
+        self.feed.stop()
+
+    def _begin(self) -> None:
+        if self._stopped:
+            return
+        if self.feed.is_running:
+            self.feed.drain()
+            if self.feed.info:
+                self._tell(Status(state="attached", at=self.bus.clock.now()))
+        else:
+            self.feed.start()
+        self._drain()
+
+    def _drain(self) -> None:
+        if self._stopped:
+            return
+        samples, statuses = self.feed.drain()
+        for status in statuses:
+            if status.state in _BEFORE_SAMPLES:
+                self._tell(status)
+        if len(samples):
+            self.emit(IMU, ImuBlock(samples=pack(samples)))
+        for status in statuses:
+            if status.state not in _BEFORE_SAMPLES:
+                self._tell(status)
+        self._next = self.bus.clock.call_at(self.bus.clock.now() + DRAIN, self._drain)
+
+    def _tell(self, status: Status) -> None:
+        self.emit(SENSOR, changed(status, self.feed.info))
+
+
+def changed(status: Status, info: Info | None) -> SensorChanged:
+    """A status as a message; with what the sensor is, when it is attached."""
+    facts = msgspec.structs.asdict(status)
+    if status.state == "attached" and info:
+        known = {field.name for field in msgspec.structs.fields(SensorChanged)}
+        facts |= {name: value for name, value in msgspec.structs.asdict(info).items() if name in known}
+    return SensorChanged(**facts)

@@ -1,0 +1,146 @@
+"""One reach from one stretch of samples: both detectors, all measures, ready to be kept beside the raw data."""
+
+from typing import Literal
+
+import msgspec
+
+from sar_tui.motion.detection import DETECTORS, detect
+from sar_tui.motion.reach import Reach
+from sar_tui.motion.robust import RobustParameters
+from sar_tui.motion.samples import Samples, recording
+from sar_tui.motion.thesis import ThesisParameters
+
+Name = Literal["robust", "thesis"]
+Hand = Literal["right", "left"]
+Measured = dict[str, str | int | float | bool | None]
+
+NS = 1e9
+EARLY_NS = 500_000_000
+"""A reach may have begun this much before the participant said so."""
+FEWEST = 10
+"""From fewer samples nothing can be told."""
+
+
+class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How reaches are found: by which detector, on which hand, and each detector's own parameters."""
+
+    detector: Name = "robust"
+    hand: Hand = "right"
+    robust: RobustParameters = RobustParameters()
+    thesis: ThesisParameters = ThesisParameters()
+
+
+class Window(msgspec.Struct, frozen=True, kw_only=True):
+    """The stretch in which one reach is expected, in ns: samples in [from_ns, to_ns), the reach after started_ns.
+
+    ``flags``: what is known to be wrong with the samples (``saturated``, ``error``).
+    """
+
+    from_ns: int
+    started_ns: int
+    to_ns: int
+    flags: tuple[str, ...] = ()
+
+
+class Finding(msgspec.Struct, frozen=True, kw_only=True):
+    """What was found, by the detector that scores. Without ``onset_ns`` there was no reach.
+
+    ``invalid``: why nothing can be said: ``samples`` (too few came), ``gap`` (too many are missing in the reach),
+    ``rate`` (too few a second); empty where something can.
+    """
+
+    onset_ns: int | None = None
+    turn_ns: int | None = None
+    end_ns: int | None = None
+    details: Measured
+    flags: tuple[str, ...] = ()
+    invalid: str = ""
+
+
+def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) -> Finding:
+    """Find the one reach of a window, by both detectors, and measure it.
+
+    Where there are several, the largest is meant, and ``several`` is flagged. A peak that the sensor could not
+    measure is None.
+
+    Args:
+        samples: dtype SAMPLE, at least those of the window.
+        window: where to look.
+        parameters: how.
+    """
+    inside = samples[(samples["at"] >= window.from_ns) & (samples["at"] < window.to_ns)]
+    known: Measured = {
+        "detector": parameters.detector,
+        "detector_version": DETECTORS[parameters.detector].version,
+        "detector_parameters": msgspec.json.encode(getattr(parameters, parameters.detector)).decode(),
+        "hand": parameters.hand,
+        "window_from_ns": window.from_ns,
+        "window_started_ns": window.started_ns,
+        "window_to_ns": window.to_ns,
+        "samples": len(inside),
+    }
+    if len(inside) < FEWEST:
+        return Finding(details=known, invalid="samples", flags=window.flags)
+    whole = recording(inside, window.from_ns, window.flags)
+    known["rate_hz"] = round(whole.rate_hz, 3)
+    found: dict[str, tuple[Reach, ...]] = {}
+    for name in DETECTORS:
+        try:
+            reaches = detect(whole, name, getattr(parameters, name), parameters.hand)
+        except ValueError:
+            return Finding(details=known, invalid="rate", flags=window.flags)
+        earliest = (window.started_ns - EARLY_NS - window.from_ns) / NS
+        after_start = (window.started_ns - window.from_ns) / NS
+        found[name] = tuple(r for r in reaches if r.onset_s >= earliest and r.end_s > after_start)
+        largest = _largest(found[name])
+        known[f"{name}_reach_time_ms"] = round(largest.reach_time_s * 1000, 3) if largest else None
+    reach = _largest(found[parameters.detector])
+    known["reaches"] = len(found[parameters.detector])
+    if reach is None:
+        return Finding(details=known, flags=window.flags)
+    flags = tuple(dict.fromkeys((*window.flags, *reach.flags, *(["several"] if known["reaches"] != 1 else []))))
+    return Finding(
+        onset_ns=_stamp(reach.onset_s, window),
+        turn_ns=_stamp(reach.turn_s, window),
+        end_ns=_stamp(reach.end_s, window),
+        details=known | measures(reach),
+        flags=flags,
+        invalid="gap" if "gap" in flags else "",
+    )
+
+
+def measures(reach: Reach) -> Measured:
+    """A reach as flat fields, times in ms. The peaks of a sensor that was beyond its range are None."""
+    saturated = "saturated" in reach.flags
+    return {
+        "reach_time_ms": round(reach.reach_time_s * 1000, 3),
+        "out_ms": round(reach.out_s * 1000, 3),
+        "back_ms": round(reach.back_s * 1000, 3),
+        "dwell_ms": round(reach.dwell_s * 1000, 3),
+        "turn_after_ms": round((reach.turn_s - reach.onset_s) * 1000, 3),
+        "peak_extension_rad_s": None if saturated else reach.peak_extension_rad_s,
+        "peak_return_rad_s": None if saturated else reach.peak_return_rad_s,
+        "time_to_peak_ms": None if saturated else round(reach.time_to_peak_s * 1000, 3),
+        "movement_units_out": reach.movement_units_out,
+        "movement_units_back": reach.movement_units_back,
+        "movement_units": reach.movement_units_out + reach.movement_units_back,
+        "sparc_out": reach.sparc_out,
+        "sparc_back": reach.sparc_back,
+        "sparc": _mean(reach.sparc_out, reach.sparc_back),
+        "ldlj_out": reach.ldlj_out,
+        "ldlj_back": reach.ldlj_back,
+        "tremor_index": reach.tremor_index,
+    }
+
+
+def _largest(reaches: tuple[Reach, ...]) -> Reach | None:
+    return max(reaches, key=lambda reach: reach.peak_extension_rad_s - reach.peak_return_rad_s, default=None)
+
+
+def _stamp(seconds: float, window: Window) -> int:
+    return window.from_ns + round(seconds * NS)
+
+
+def _mean(one: float | None, other: float | None) -> float | None:
+    known = [value for value in (one, other) if value is not None]
+    return sum(known) / len(known) if known else None

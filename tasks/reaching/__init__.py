@@ -1,0 +1,1 @@
+"""The reaching task (thesis 4.2.2)."""

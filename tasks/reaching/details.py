@@ -1,0 +1,47 @@
+"""What is kept of a reach beyond the common columns of a trial."""
+
+from typing import Annotated
+
+import msgspec
+
+from sar_tui.framework.task import Details
+
+
+class ReachDetails(Details, frozen=True):
+    """Stamps are of the session's clock, in ns; durations in ms. What could not be measured is None."""
+
+    marker_cm: Annotated[float | None, msgspec.Meta(description="How far the marker was, in cm.")] = None
+    closed: Annotated[str | None, msgspec.Meta(description="What ended the reach: key, stillness or timeout.")] = None
+    turn_ns: Annotated[int | None, msgspec.Meta(description="Where the hand turned, ns.")] = None
+    detector: Annotated[str | None, msgspec.Meta(description="The detector that scored.")] = None
+    detector_version: Annotated[str | None, msgspec.Meta(description="Its version.")] = None
+    detector_parameters: Annotated[str | None, msgspec.Meta(description="Its parameters, as JSON.")] = None
+    hand: Annotated[str | None, msgspec.Meta(description="The hand that reached.")] = None
+    window_from_ns: Annotated[int | None, msgspec.Meta(description="The first stamp that was looked at.")] = None
+    window_started_ns: Annotated[int | None, msgspec.Meta(description="The key that started the reach.")] = None
+    window_to_ns: Annotated[int | None, msgspec.Meta(description="Looked at up to this stamp, without it.")] = None
+    samples: Annotated[int | None, msgspec.Meta(description="How many samples were looked at.")] = None
+    rate_hz: Annotated[float | None, msgspec.Meta(description="Their rate, from the median step.")] = None
+    reaches: Annotated[int | None, msgspec.Meta(description="How many reaches were found; the largest is meant.")] = (
+        None
+    )
+    robust_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the robust detector.")] = None
+    thesis_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the thesis' detector.")] = None
+    reach_time_ms: Annotated[float | None, msgspec.Meta(description="From movement onset to its end.")] = None
+    out_ms: Annotated[float | None, msgspec.Meta(description="The way out.")] = None
+    back_ms: Annotated[float | None, msgspec.Meta(description="The way back.")] = None
+    dwell_ms: Annotated[float | None, msgspec.Meta(description="The rest at the marker.")] = None
+    turn_after_ms: Annotated[float | None, msgspec.Meta(description="From onset to the turn.")] = None
+    peak_extension_rad_s: Annotated[float | None, msgspec.Meta(description="Fastest turning on the way out.")] = None
+    peak_return_rad_s: Annotated[float | None, msgspec.Meta(description="On the way back; negative.")] = None
+    time_to_peak_ms: Annotated[float | None, msgspec.Meta(description="From onset to the peak of the way out.")] = None
+    movement_units_out: Annotated[int | None, msgspec.Meta(description="Speed peaks on the way out.")] = None
+    movement_units_back: Annotated[int | None, msgspec.Meta(description="Speed peaks on the way back.")] = None
+    movement_units: Annotated[int | None, msgspec.Meta(description="Both.")] = None
+    sparc_out: Annotated[float | None, msgspec.Meta(description="Smoothness, spectral arc length; way out.")] = None
+    sparc_back: Annotated[float | None, msgspec.Meta(description="The same; way back.")] = None
+    sparc: Annotated[float | None, msgspec.Meta(description="The mean of both.")] = None
+    ldlj_out: Annotated[float | None, msgspec.Meta(description="Smoothness, log dimensionless jerk; way out.")] = None
+    ldlj_back: Annotated[float | None, msgspec.Meta(description="The same; way back.")] = None
+    tremor_index: Annotated[float | None, msgspec.Meta(description="The share of 3-12 Hz in the movement.")] = None
+    mark: Annotated[str | None, msgspec.Meta(description="The therapist's: missed, compensated, assisted.")] = None

@@ -1,0 +1,88 @@
+"""The Task Base of the reaching task."""
+
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from sar_tui.framework.parameters import TaskParameters, meta
+
+_FEW_CM, _MOST_CM = 1.0, 200.0
+
+
+class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
+    """The Task Base of the reaching task."""
+
+    attempts: Annotated[int, meta("Attempts", help="How many attempts a session has.", ge=1, le=200)] = 20
+    reaches_per_attempt: Annotated[
+        int, meta("Reaches per attempt", help="How many reaches an attempt asks for.", ge=1, le=50)
+    ] = 1
+    imu: Annotated[
+        str,
+        meta("Motion sensor", help="phidget, phidget://host:port, simulated, or recorded:FILE.", min_length=1),
+    ] = "phidget"
+    hand: Annotated[Literal["right", "left"], meta("Hand", help="The hand that reaches, with the sensor on it.")] = (
+        "right"
+    )
+    marker_distances_cm: Annotated[
+        tuple[float, ...],
+        meta("Markers", "cm", "How far each marker is from the start, nearest first. A level is a marker."),
+    ] = (15.0, 20.0, 25.0, 30.0, 35.0, 40.0)
+    threshold: Annotated[
+        float,
+        meta("Goal", "ms",
+             "The mean reach time to the nearest marker has to be below this; farther ones are given more time.",
+             ge=100, le=60_000),
+    ] = 1200.0  # fmt: skip
+    goal_times_ms: Annotated[
+        tuple[float, ...],
+        meta("Own goals", "ms", "A goal for each marker, nearest first. Empty: made from Goal and the distances."),
+    ] = ()
+    neutral_band: Annotated[
+        float, meta("Neutral band", "% of the goal", "This near the goal feedback is neutral.", ge=0, le=50)
+    ] = 2.0
+    feedback_on: Annotated[
+        Literal["results", "performance", "both"],
+        meta("Feedback on", help="The time (results), how the hand moved (performance), or both."),
+    ] = "results"
+    detector: Annotated[
+        Literal["robust", "thesis"], meta("Detector", help="Which one scores; both are computed and kept.")
+    ] = "robust"
+    go_signal: Annotated[
+        bool,
+        meta("Go signal", help="After the space bar a random wait, and then a signal to go. Gives reaction times."),
+    ] = False
+    still_ms: Annotated[
+        int,
+        meta("Rest that ends a reach", "ms", "A reach followed by so much rest needs no second press.",
+             ge=1000, le=60_000),
+    ] = 2500  # fmt: skip
+    thesis_threshold_rad_s: Annotated[
+        float, meta("Thesis: threshold", "rad/s", "Turning faster than this about z is motion.", ge=0.01, le=5)
+    ] = 0.1
+    thesis_still_ms: Annotated[
+        int, meta("Thesis: stillness", "ms", "Motion ends where so long a stillness begins.", ge=50, le=5000)
+    ] = 800
+    min_accuracy: Annotated[
+        float, meta("Minimum accuracy", help="The share of reaches that have to be complete, 0 to 1.", ge=0, le=1)
+    ] = 0.8
+    response_timeout_ms: Annotated[
+        int, meta("Reach time-out", "ms", "After this long without an end a reach is over.", ge=1000, le=600_000)
+    ] = 20_000
+    max_level: Annotated[
+        int, meta("Highest level", help="The level never rises above this, nor above the last marker.", ge=1, le=100)
+    ] = 10
+
+    def problems(self) -> dict[str, str]:
+        problems = super().problems()
+        markers, goals = self.marker_distances_cm, self.goal_times_ms
+        if not markers or any(not _FEW_CM <= marker <= _MOST_CM for marker in markers):
+            problems["marker_distances_cm"] = f"Markers are {_FEW_CM:g} to {_MOST_CM:g} cm away; name one or more."
+        elif any(far <= near for near, far in pairwise(markers)):
+            problems["marker_distances_cm"] = "Markers have to be named from the nearest to the farthest."
+        if goals and len(goals) != len(markers):
+            problems["goal_times_ms"] = f"There are {len(markers)} markers, and {len(goals)} goals."
+        elif any(not 100 <= goal <= 60_000 for goal in goals):
+            problems["goal_times_ms"] = "Each goal lies between 100 and 60000 ms."
+        for name in ("start_level", "min_level"):
+            if markers and getattr(self, name) > len(markers):
+                problems[name] = f"There are {len(markers)} markers, so there is no level {getattr(self, name)}."
+        return problems

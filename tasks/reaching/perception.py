@@ -1,0 +1,160 @@
+"""Perception of reaches: from the samples of the hand's sensor to one reach, out and back (thesis 4.2.2)."""
+
+from collections import deque
+from typing import Literal
+
+import numpy as np
+
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.messages import (
+    ImuBlock,
+    KeyPerceived,
+    Prompt,
+    PromptVoided,
+    ReachPerceived,
+    SensorChanged,
+    TrialEnded,
+)
+from sar_tui.framework.node import TimedNode, on
+from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
+from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
+from sar_tui.motion.segmenter import Segmenter
+from sar_tui.motion.samples import SAMPLE, Samples, unpack
+
+REST = 3 * SECOND
+"""So much before a reach is kept, to know the hand at rest."""
+TAIL = 1 * SECOND
+"""So much after the key that ends a reach is waited for at most: a hand is felt to be back before it rests."""
+SETTLED_S = 0.85
+"""A hand that has rested for so long has come to rest, even by the thesis' rule of 800 ms."""
+PATIENCE = 300 * MS
+"""Samples that have not come this much after the tail will not."""
+TOO_SOON = 250 * MS
+"""Sooner after the start no reach can be over: the key was pressed twice."""
+
+
+class ReachPerception(TimedNode):
+    """Watches the hand from the key that starts a reach to the key that ends it, and tells what it did.
+
+    A participant who forgets that second key is not stuck: a reach that is over, and followed by ``still_ms`` of
+    rest, ends by itself; and nothing outlasts the time-out.
+
+    Args:
+        analysis: how reaches are found and measured.
+        still_ms: the rest after which a reach needs no key.
+    """
+
+    name = "reach_perception"
+    emits = (TIMER, REACH)
+
+    def __init__(self, analysis: AnalysisParameters, still_ms: int) -> None:
+        super().__init__()
+        self._analysis = analysis
+        self._still_s = still_ms / 1000
+        self._blocks: deque[Samples] = deque()
+        self._rate_hz = 0.0
+        self._clear()
+
+    def _clear(self) -> None:
+        self._prompt: Prompt | None = None
+        self._started = 0
+        self._ended: int | None = None
+        self._flags: list[str] = []
+        self._segmenter: Segmenter | None = None
+        self.cancel_timers()
+
+    # --- the sensor ----------------------------------------------------------------------------------------
+
+    @on(SENSOR)
+    def sensor_changed(self, sensor: SensorChanged) -> None:
+        """What was measured before a sensor was attached is another story; what goes wrong in a reach is noted."""
+        if sensor.state == "attached":
+            self._blocks.clear()
+            self._rate_hz = sensor.rate_hz
+        elif self._prompt and sensor.state in ("saturated", "error") and sensor.state not in self._flags:
+            self._flags.append(sensor.state)
+
+    @on(IMU)
+    def samples_came(self, block: ImuBlock) -> None:
+        samples = unpack(block.samples)
+        self._blocks.append(samples)
+        newest = int(samples["at"][-1])
+        if self._prompt is None:
+            self._forget_before(newest - REST)
+            return
+        rested, reached = self._watch(samples)
+        if self._ended is not None:
+            if newest >= self._ended + TAIL or (newest >= self._ended and rested >= SETTLED_S):
+                self._tell("key", newest)
+        elif reached and rested >= self._still_s:
+            self._tell("stillness", newest)
+
+    def _forget_before(self, stamp: int) -> None:
+        while self._blocks and self._blocks[0]["at"][-1] < stamp:
+            self._blocks.popleft()
+
+    def _watch(self, samples: Samples) -> tuple[float, bool]:
+        """How long the hand has rested, in s, and whether it has been out and back since the start."""
+        if self._segmenter is None:
+            self._segmenter = Segmenter(self._rate_hz, self._analysis.robust)
+            samples = self._samples()
+        self._segmenter.push(samples["at"] / 1e9, samples["rate"].astype(float))
+        return self._segmenter.still_for_s, self._segmenter.has_reached(self._started / 1e9)
+
+    def _samples(self) -> Samples:
+        return np.concatenate(self._blocks) if self._blocks else np.empty(0, SAMPLE)
+
+    # --- the trial -----------------------------------------------------------------------------------------
+
+    @on(PROMPT)
+    def prompted(self, prompt: Prompt) -> None:
+        """A reach may begin; it may have begun with the key that asked for the prompt."""
+        self._clear()
+        self._prompt = prompt
+        self._started = self.now if prompt.started is None else prompt.started
+        self.set_timer("timeout", self.now + prompt.timeout)
+
+    @on(PERCEIVED)
+    def key_pressed(self, press: KeyPerceived) -> None:
+        """The second press of the key says that the hand is back."""
+        prompt = self._prompt
+        if prompt is None or self._ended is not None or press.repeat or press.key != prompt.expected:
+            return
+        if press.at >= self._started + TOO_SOON:
+            self._ended = press.at
+            self.set_timer("tail", press.at + TAIL + PATIENCE)
+
+    @on(VOIDED)
+    def voided(self, _: PromptVoided) -> None:
+        self._clear()
+
+    @on(TRIAL)
+    def trial_ended(self, _: TrialEnded) -> None:
+        self._clear()
+
+    def timer(self, name: str, late: int) -> None:
+        self._tell("key" if name == "tail" else "timeout", self.now)
+
+    def _tell(self, closed: Literal["key", "stillness", "timeout"], until: int) -> None:
+        """Say what was seen, up to and with ``until``."""
+        assert self._prompt
+        window = Window(
+            from_ns=self._started - REST, started_ns=self._started, to_ns=until + 1, flags=tuple(self._flags)
+        )
+        found = analyse(self._samples(), window, self._analysis)
+        self.emit(
+            REACH,
+            ReachPerceived(
+                seat=self._prompt.seat,
+                at=self.now if self._ended is None else self._ended,
+                delay=self.now - until,
+                onset=found.onset_ns,
+                turn=found.turn_ns,
+                end=found.end_ns,
+                closed=closed,
+                details=found.details,
+                flags=found.flags,
+                invalid=found.invalid,
+            ),
+        )
+        self._clear()

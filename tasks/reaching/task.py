@@ -1,0 +1,203 @@
+"""The reaching task: out to a marker and back, with a motion sensor on the hand (thesis 4.2.2)."""
+
+import math
+from typing import Any, Literal
+
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.messages import ReachPerceived
+from sar_tui.framework.node import Node
+from sar_tui.framework.task import (
+    Act,
+    Again,
+    Mark,
+    Metric,
+    Performance,
+    Quality,
+    Result,
+    Situation,
+    Stimulus,
+    Target,
+    Task,
+    Trial,
+)
+from sar_tui.motion.analysis import AnalysisParameters
+from sar_tui.motion.robust import RobustParameters
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.thesis import ThesisParameters
+
+from .details import ReachDetails
+from .parameters import ReachingParameters
+from .perception import ReachPerception
+
+_AGAIN = {
+    "samples": "The sensor told us nothing of that reach. Please do it once more.",
+    "gap": "The sensor missed a part of that reach. Please do it once more.",
+    "rate": "The sensor is too slow to see a reach. Please fetch the experimenter.",
+}
+
+
+class ReachingTask(Task):
+    """Return begins an attempt, space starts and ends each reach. The metric is the mean reach time."""
+
+    name = "reaching"
+    title = "Reaching"
+    summary = "Reach out to a marker and back, as fast as you can, with a sensor on your hand."
+    metric = Metric("reach_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    Parameters = ReachingParameters
+    Details = ReachDetails
+    sensors = ("imu",)
+    qualities = (
+        Quality("sparc", "higher", "smoother", "as smoothly as you can", 0.1),
+        Quality("tremor_index", "lower", "steadier", "with a steady hand", 0.02),
+        Quality("time_to_peak_ms", "lower", "quicker to its peak", "with a quick start", 40.0),
+        Quality("movement_units", "lower", "made with fewer corrections", "in one go", 1.0),
+    )
+    marks = (
+        Mark("missed", "f7", "Marker missed", counts=False),
+        Mark("compensated", "f8", "Compensated", counts=True),
+        Mark("assisted", "f9", "Assisted", counts=False),
+    )
+    parameters: ReachingParameters
+
+    @property
+    def levels(self) -> int:
+        return len(self.parameters.marker_distances_cm)
+
+    @property
+    def trials_per_attempt(self) -> int:
+        return self.parameters.reaches_per_attempt
+
+    @property
+    def start_key(self) -> str:
+        return "space"
+
+    @property
+    def has_foreperiod(self) -> bool:
+        return self.parameters.go_signal
+
+    @property
+    def feedback_on(self) -> Literal["results", "performance", "both"]:
+        return self.parameters.feedback_on
+
+    def analysis(self) -> AnalysisParameters:
+        """How reaches are found, as the parameters say."""
+        return AnalysisParameters(
+            detector=self.parameters.detector,
+            hand=self.parameters.hand,
+            robust=RobustParameters(),
+            thesis=ThesisParameters(
+                threshold_rad_s=self.parameters.thesis_threshold_rad_s, still_ms=self.parameters.thesis_still_ms
+            ),
+        )
+
+    def nodes(self) -> tuple[Node, ...]:
+        return (ReachPerception(self.analysis(), self.parameters.still_ms),)
+
+    def marker_cm(self, level: int) -> float:
+        """How far the marker of a level is from the start."""
+        return self.parameters.marker_distances_cm[level - 1]
+
+    def target(self, level: int) -> Target:
+        """The goal of a level's marker.
+
+        Unless it is named, it grows with the square root of the distance: a minimum-jerk movement that takes so
+        much longer needs the same peak acceleration (Flash & Hogan 1985: peak acceleration = 5.77 distance / time²).
+        """
+        if self.parameters.goal_times_ms:
+            goal = self.parameters.goal_times_ms[level - 1]
+        else:
+            goal = self.parameters.threshold * math.sqrt(self.marker_cm(level) / self.marker_cm(1))
+            goal = float(round(goal))
+        return Target(goal, goal * self.parameters.neutral_band / 100)
+
+    # --- words ----------------------------------------------------------------------------------------------
+
+    def instructions(self) -> str:
+        signal = "Wait for the signal. Then reach" if self.parameters.go_signal else "Reach"
+        return (
+            "Rest your hand with the sensor at the start.\n"
+            "When you are ready, press Space with your other hand.\n"
+            f"{signal} out, touch the marker, and come back, as fast as you can.\n"
+            "When you are back, press Space again.\n\n"
+            "You may rest before each reach. To pause at any time, press Escape."
+        )
+
+    def goal(self, level: int) -> str:
+        seconds = self.target(level).threshold / 1000
+        return f"To {self._marker(level)} and back.\nYour goal: less than {seconds:.2f} seconds."
+
+    def notice(self, level: int, before: int) -> str:
+        if not before:
+            return f"Reach to {self._marker(level)}"
+        return f"Now reach to {self._marker(level)}"
+
+    def start(self, level: int) -> str:
+        return f"Hand at the start. Press Space, then reach to {self._marker(level)}."
+
+    def _marker(self, level: int) -> str:
+        far = f"{self.marker_cm(level):g} cm"
+        return f"marker {level} ({far})" if self.levels > 1 else f"the marker ({far})"
+
+    # --- trials ---------------------------------------------------------------------------------------------
+
+    def stimulus(self, situation: Situation) -> Stimulus:
+        marker = f"{self.marker_cm(situation.level):g} cm"
+        return Stimulus(
+            name=marker,
+            expected=self.start_key,
+            text=f"Reach: {marker}",
+            glyph="GO" if self.parameters.go_signal else "REACH",
+            hint="out and back, then press Space",
+            signals=self.parameters.go_signal,
+        )
+
+    def perceived(self, trial: Trial, percept: Any) -> Result | Again | None:
+        if not isinstance(percept, ReachPerceived):
+            return None
+        if percept.invalid:
+            return Again(percept.invalid, _AGAIN[percept.invalid])
+        details = {
+            **percept.details,
+            "marker_cm": self.marker_cm(trial.situation.level),
+            "closed": percept.closed,
+            "turn_ns": percept.turn,
+        }
+        if percept.onset is None:
+            return Result(correct=False, details=details, flags=(*percept.flags, "no_reach"))
+        value = percept.details["reach_time_ms"]
+        return Result(
+            correct=True,
+            response="reach",
+            onset_at=percept.onset,
+            response_at=percept.end,
+            value=float(value) if isinstance(value, int | float) else None,
+            details=details,
+            flags=percept.flags,
+        )
+
+    def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
+        """The hand makes a reach, and space is pressed when it is back. A slip is a flick of the wrist, or no key.
+
+        A healthy adult's reach out and back takes 0.85 s to 15 cm, and longer with the distance to the power 0.8:
+        effort limits it less than a goal that grows with the square root.
+        """
+        distance = float(stimulus.name.split()[0])
+        pace = 0.85 * (distance / 15.0) ** 0.8 * performance.pace
+        begins = performance.reaction_ms / 1000
+        out, back = 0.52 * pace, 0.48 * pace
+        amplitude = 0.025 * distance
+        halting = chance.uniform("halting") < performance.unsteadiness
+        shape = ReachShape(
+            out_s=out,
+            back_s=back,
+            dwell_s=0.3 * performance.unsteadiness * chance.uniform("dwell"),
+            peak_out=1.875 * amplitude / out,
+            peak_back=-1.875 * amplitude / back,
+            submovements=3 if halting and pace > 1.5 else 0,
+            seed=int(chance.uniform("shape") * 2**31),
+        )
+        press = begins + out + back + shape.dwell_s + 0.4 + 0.3 * chance.uniform("press")
+        acts: list[Act] = [(begins * 1000, shape)]
+        if not performance.slips:
+            acts.append((press * 1000, stimulus.expected))
+        return acts
