@@ -49,8 +49,10 @@ class LiveSession:
     def open(self, stage: Stage, what: Plan | str) -> None:
         """Enter a new session (a plan) or an interrupted one (its id). Raises as `runs.start` and `runs.resume`."""
         self.screen = ScreenOutput(stage)
-        begin = start if isinstance(what, Plan) else resume
-        self.run = begin(what, self._folder, self._catalogue, self.clock, self._nodes)  # type: ignore[operator]
+        if isinstance(what, Plan):
+            self.run = start(what, self._folder, self._catalogue, self.clock, self._nodes)
+        else:
+            self.run = resume(what, self._folder, self._catalogue, self.clock, self._nodes)
 
     def _nodes(self, task: Task) -> list[Node]:
         """Keyboard and screen; and the motion sensor, for a task that needs one."""

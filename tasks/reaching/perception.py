@@ -18,8 +18,8 @@ from sar_tui.framework.messages import (
 from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
 from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
-from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.samples import SAMPLE, Samples, unpack
+from sar_tui.motion.segmenter import Segmenter
 
 REST = 3 * SECOND
 """So much before a reach is kept, to know the hand at rest."""

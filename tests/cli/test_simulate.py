@@ -111,7 +111,7 @@ def test_bad_parameters_point_to_the_list_of_them(call: Call) -> None:
 
 def test_an_unknown_task_is_bad_input(call: Call) -> None:
     called = call("simulate", "juggling", "--user", "poor")
-    assert (called.code, called.err) == (2, "There is no task juggling. There is: keyboard.\n")
+    assert (called.code, called.err) == (2, "There is no task juggling. There is: keyboard, reaching.\n")
 
 
 def test_a_task_that_breaks_in_mid_session_is_a_failure_that_keeps_what_was_done(call: Call, tmp_path: Path) -> None:

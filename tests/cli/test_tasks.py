@@ -42,9 +42,10 @@ def test_tasks_are_listed_with_title_summary_and_metric(call: Call) -> None:
 
 
 def test_tasks_json(call: Call) -> None:
-    (row,) = call("tasks", "--json").json["tasks"]
+    row, reaching = call("tasks", "--json").json["tasks"]
     assert (row["name"], row["title"]) == ("keyboard", "Keyboard reaction")
     assert row["metric"]["better"] == "lower"
+    assert (reaching["name"], reaching["metric"]["name"]) == ("reaching", "reach_time")
 
 
 def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, change: Change) -> None:
