@@ -1,0 +1,216 @@
+"""Carries samples from a sensor's own thread to whoever drains them: stamped, checked and counted."""
+
+from collections import deque
+from collections.abc import Callable
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.inputs.clock_map import ClockMap
+from sar_tui.inputs.imu import ImuSource, Info, Sample, Status, Vector
+from sar_tui.motion.samples import SAMPLE, Samples
+
+STALL = 500 * MS
+"""Nothing for this long from a sensor that is attached: it is stalled."""
+GAP_STEPS = 1.5
+"""A step of the sensor's clock beyond this many of its intervals is a gap."""
+RESTART_MS = 1000.0
+"""A sensor's clock that goes back by more than this has begun anew; by less, the sample is wrong."""
+RATE_WINDOW = 2 * SECOND
+
+_TOO_LARGE = 1e30
+"""More than any sensor measures, and than 32 bits hold. NaN is not below it either."""
+_TOO_LATE_MS = 1e12
+
+_NOT_RISING = "The sensor's time stamps do not rise; such samples are left out."
+_NO_NUMBER = "The sensor tells of an angular rate that is not a number; such samples are left out."
+_RESTARTED = "The sensor's clock began anew; how many samples are missing is not known."
+_BEYOND = "Faster or harder than the sensor can measure."
+
+_Row = tuple[int, int, float, Vector, Vector, Vector]
+
+
+class Drained(NamedTuple):
+    """What came since the last time: good samples, dtype SAMPLE, and what happened; each in the order of events."""
+
+    samples: Samples
+    statuses: list[Status]
+
+
+class ImuFeed:
+    """Owns a source. The source's thread only appends to a queue; all else happens in ``drain``.
+
+    What is found here: a ``gap``, stamped like the first sample after it; the same as ``saturated``, where the sensor
+    told that it left those samples out because it was; samples at or beyond the sensor's range (``saturated`` too,
+    but kept), one status a drain, stamped like the first of them; an ``error`` for each run of samples left out, at
+    its beginning; ``stalled`` and ``flowing``.
+
+    Args:
+        source: where samples come from.
+        now: the present, in ns of the clock that the source's ``host_ns`` is taken from.
+
+    Attributes:
+        is_running: whether it was started, and not stopped since.
+        received: good samples so far.
+        lost: samples that never came.
+        dropped: samples that came and were left out.
+    """
+
+    def __init__(self, source: ImuSource, now: Callable[[], int]) -> None:
+        self.source = source
+        self.is_running = False
+        self._now = now
+        self._begin()
+
+    def _begin(self) -> None:
+        self._queue: deque[Sample | Status] = deque()
+        self.received = self.lost = self.dropped = 0
+        self._attached = self._heard = self._stalled = False
+        self._last_heard = 0
+        self._interval_ms = self._rate_range = self._acceleration_range = inf
+        self._counts: deque[tuple[int, int]] = deque()
+        self._beyond: list[int] = []
+        self._clock = ClockMap()
+        self._forget_last_sample()
+
+    def _forget_last_sample(self) -> None:
+        self._last_ms = -inf
+        self._dropping = ""
+        self._dropped_since = 0
+        self._told: list[Status] = []
+        self._clock.restart()
+
+    @property
+    def info(self) -> Info | None:
+        """What the sensor is; None until it is attached."""
+        return self.source.info
+
+    @property
+    def rate_hz(self) -> float:
+        """Good samples a second over the last two seconds of draining; 0 where there is no telling yet."""
+        if len(self._counts) < 2:
+            return 0.0
+        (first, before), (last, after) = self._counts[0], self._counts[-1]
+        return (after - before) * SECOND / (last - first)
+
+    def start(self) -> None:
+        """Begin anew, all counts at zero."""
+        self._begin()
+        self.is_running = True
+        self.source.start(self._queue.append, self._queue.append)
+
+    def stop(self) -> None:
+        """Let go of the sensor. What came until now can still be drained."""
+        self.is_running = False
+        self.source.stop()
+
+    def drain(self) -> Drained:
+        """All that came since the last time. Call every 10 ms or so, always from the same thread."""
+        now, queue = self._now(), self._queue
+        rows: list[_Row] = []
+        statuses: list[Status] = []
+        for _ in range(len(queue)):
+            item = queue.popleft()
+            if isinstance(item, Sample):
+                self._sample(item, rows, statuses)
+            else:
+                self._status(item, now, statuses)
+        if self._beyond:
+            statuses.append(Status(state="saturated", at=self._beyond[0], detail=_BEYOND, count=len(self._beyond)))
+            self._beyond.clear()
+        self._watch(now, statuses)
+        with np.errstate(over="ignore"):
+            return Drained(np.array(rows, dtype=SAMPLE), statuses)
+
+    def _sample(self, sample: Sample, rows: list[_Row], statuses: list[Status]) -> None:
+        self._heard = True
+        host_ns, device_ms, acceleration, rate, field = sample
+        known = abs(device_ms) < _TOO_LATE_MS
+        step = device_ms - self._last_ms
+        if known and step < -RESTART_MS:
+            self._flush(statuses)
+            self._forget_last_sample()
+            statuses.append(Status(state="gap", at=host_ns, detail=_RESTARTED))
+            step = inf
+        if not (known and step > 0):
+            self._drop(_NOT_RISING, host_ns, statuses)
+            return
+        if not abs(rate[0]) + abs(rate[1]) + abs(rate[2]) < _TOO_LARGE:
+            self._drop(_NO_NUMBER, host_ns, statuses)
+            self._dropped_since += 1
+            return
+        at = self._clock.at(device_ms, host_ns)
+        if self._told or GAP_STEPS * self._interval_ms < step < inf:
+            self._hole(at, step, statuses)
+        if _reaches(rate, self._rate_range) or _reaches(acceleration, self._acceleration_range):
+            self._beyond.append(at)
+        self._last_ms, self._dropping, self._dropped_since = device_ms, "", 0
+        self.received += 1
+        rows.append((at, host_ns, device_ms, acceleration, rate, field))
+
+    def _drop(self, why: str, host_ns: int, statuses: list[Status]) -> None:
+        self.dropped += 1
+        if self._dropping != why:
+            self._dropping = why
+            statuses.append(Status(state="error", at=host_ns, detail=why))
+
+    def _hole(self, at: int, step: float, statuses: list[Status]) -> None:
+        """Samples are missing between the last one and the one at ``at``, or the sensor told that it was saturated."""
+        missing = round(step / self._interval_ms) - 1 if GAP_STEPS * self._interval_ms < step < inf else 0
+        self.lost += max(0, missing - self._dropped_since)
+        if self._told:
+            self._flush(statuses, at, missing, step)
+        else:
+            statuses.append(Status(state="gap", at=at, count=missing, duration_ms=step))
+
+    def _flush(self, statuses: list[Status], at: int | None = None, missing: int = 0, step: float = 0.0) -> None:
+        """Pass on, as one, what the sensor told of being saturated since the last sample."""
+        if self._told:
+            first = self._told[0]
+            count = missing or sum(told.count for told in self._told)
+            duration_ms = step if missing else 0.0
+            statuses.append(
+                Status(state="saturated", at=at or first.at, detail=first.detail, count=count, duration_ms=duration_ms)
+            )
+            self._told.clear()
+
+    def _status(self, status: Status, now: int, statuses: list[Status]) -> None:
+        if status.state == "saturated":
+            self._told.append(status)
+            self._heard = True
+            return
+        if status.state in ("attached", "detached", "ended"):
+            self._flush(statuses)
+            self._forget_last_sample()
+            self._attached, self._stalled = status.state == "attached", False
+        if status.state == "attached":
+            self._last_heard = now
+            self._counts.clear()
+            info = self.source.info
+            self._interval_ms = 1000 / info.rate_hz if info and info.rate_hz > 0 else inf
+            self._rate_range = (info.rate_range_rad_s if info else 0) or inf
+            self._acceleration_range = (info.acceleration_range_m_s2 if info else 0) or inf
+        statuses.append(status)
+
+    def _watch(self, now: int, statuses: list[Status]) -> None:
+        """Tell of a sensor that falls silent, and count."""
+        if self._heard:
+            self._last_heard = now
+            if self._stalled:
+                statuses.append(Status(state="flowing", at=now))
+            self._heard = self._stalled = False
+        elif self._attached and not self._stalled and now - self._last_heard >= STALL:
+            self._stalled = True
+            statuses.append(Status(state="stalled", at=now, duration_ms=(now - self._last_heard) / MS))
+        if self._counts and self._counts[-1][0] >= now:
+            self._counts.pop()
+        self._counts.append((now, self.received))
+        while now - self._counts[0][0] > RATE_WINDOW:
+            self._counts.popleft()
+
+
+def _reaches(vector: Vector, limit: float) -> bool:
+    x, y, z = vector
+    return abs(x) >= limit or abs(y) >= limit or abs(z) >= limit

@@ -1,0 +1,56 @@
+"""Calls a source that makes its own samples when the next of them are due."""
+
+import threading
+from collections.abc import Callable
+
+from sar_tui.framework.clock import SECOND, Clock, Handle, host_now
+
+
+class Pace:
+    """Runs steps at their time: as callbacks of a clock, or on a thread of its own.
+
+    Args:
+        step: does what is due at the time it is given (ns), and says when it wants to be called again; None for never.
+        clock: whose callbacks to use; if None, a thread on the host's clock.
+    """
+
+    def __init__(self, step: Callable[[int], int | None], clock: Clock | None = None) -> None:
+        self._step = step
+        self._clock = clock
+        self._stopped = threading.Event()
+        self._due: Handle | None = None
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Take the first step as soon as may be."""
+        self.stop()
+        self._stopped = threading.Event()
+        if self._clock:
+            self._tick_at(self._clock, self._clock.now())
+        else:
+            self._thread = threading.Thread(target=self._run, args=(self._stopped,), name="sensor", daemon=True)
+            self._thread.start()
+
+    def stop(self) -> None:
+        """Take no more steps. Waits for one that is under way, unless that is who asks."""
+        self._stopped.set()
+        if self._due:
+            self._due.cancel()
+            self._due = None
+        if self._thread and self._thread is not threading.current_thread():
+            self._thread.join()
+        self._thread = None
+
+    def _tick_at(self, clock: Clock, when: int) -> None:
+        def tick() -> None:
+            due = self._step(clock.now())
+            if due is not None and not stopped.is_set():
+                self._tick_at(clock, due)
+
+        stopped = self._stopped
+        self._due = clock.call_at(when, tick)
+
+    def _run(self, stopped: threading.Event) -> None:
+        due: int | None = host_now()
+        while due is not None and not stopped.wait(max(0, due - host_now()) / SECOND):
+            due = self._step(host_now())

@@ -1,0 +1,302 @@
+"""The PhidgetSpatial: on a USB port of this computer, or of another one on the network."""
+
+import ctypes
+import math
+import os
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+from urllib.parse import urlsplit
+
+from sar_tui.framework.clock import host_now
+from sar_tui.inputs.imu import Info, Sample, SourceError, Status, Vector
+
+G = 9.80665
+"""m/s² in a g."""
+DEGREE = math.pi / 180
+"""rad in a degree."""
+NO_GYROSCOPE = ("1041", "1043", "1049")
+"""Models that measure acceleration alone."""
+SERVER_PORT = 5661
+"""Where a Phidget network server listens."""
+
+NO_PACKAGE = "The Python package Phidget22 is missing; install it with: pip install phidget22"
+NO_LIBRARY = "The sensor's driver cannot be loaded ({}); install it with: pip install phidget22 libusb-package"
+NO_PERMISSION = (
+    "A sensor is plugged in, but this computer does not let you use it: write the line "
+    'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess" '
+    "into the file /etc/udev/rules.d/70-phidget.rules, unplug the sensor, and plug it in again."
+)
+
+_UNKNOWN = 1e299
+"""What a Phidget does not know it tells as 1e300."""
+_CLOSE_S = 2.0
+_LOOK_AGAIN_S = 1.0
+_DENIED_CODES = (1, 7)
+_DUPLICATE_CODE = 27
+_CLEARED, _SATURATED = 4096, 4105
+_ADVICE = {
+    1: " Install the same version of Phidget22 here and on the network server.",
+    2: " Close the other program that uses the sensor.",
+    3: " See that the Phidget network server can be reached and asks for no password.",
+}
+
+
+class _Address(NamedTuple):
+    serial: int | None = None
+    host: str = ""
+    port: int = SERVER_PORT
+
+    @property
+    def hint(self) -> str:
+        """What to do so that a sensor is attached."""
+        if self.host:
+            return f"Waiting for a PhidgetSpatial of the Phidget network server at {self.host}, port {self.port}."
+        which = "" if self.serial is None else f" with the serial number {self.serial}"
+        return f"Waiting for a PhidgetSpatial{which}: plug it in, and close other programs that use it."
+
+
+def _parsed(address: str) -> _Address:
+    with suppress(ValueError):
+        if not address:
+            return _Address()
+        if address.isascii() and address.isdigit():
+            return _Address(serial=int(address))
+        server = urlsplit(address)
+        if server.hostname and not server.username and server.scheme in ("", "phidget"):
+            return _Address(host=server.hostname, port=server.port or SERVER_PORT)
+    raise SourceError(f"There is no sensor phidget:{address}. Say phidget, phidget:SERIAL or phidget://HOST:PORT.")
+
+
+class PhidgetSource:
+    """A PhidgetSpatial 3/3/3 as a source of samples: the 1044_1 it was made for, and all its kin with a gyroscope.
+
+    It may be plugged in, pulled out and plugged in again at any time. It is asked for as many samples a second as it
+    can give. A sample with any axis beyond its range a Phidget leaves out, and only tells of: ``saturated``.
+
+    Args:
+        address: nothing for the first one on a USB port; a serial number; ``//HOST:PORT`` for a Phidget network
+            server, one without a password. Raises SourceError for anything else.
+        make: makes the channel; Phidget22's ``Spatial`` if None.
+        denied: whether a sensor is plugged in that one may not use; looked up if None.
+    """
+
+    def __init__(
+        self,
+        address: str = "",
+        *,
+        make: Callable[[], Any] | None = None,
+        denied: Callable[[], bool] | None = None,
+    ) -> None:
+        self.info: Info | None = None
+        self._address = _parsed(address)
+        self._make = make or _spatial
+        self._denied = denied or usb_denied
+        self._channel: Any = None
+        self._stopped = threading.Event()
+
+    def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
+        """Wait in the background for a sensor, and deliver its samples."""
+        self.stop()
+        self._sink, self._on_status = sink, on_status
+        self._told = ""
+        self._stopped = threading.Event()
+        self._tell("detached", self._address.hint)
+        try:
+            self._open()
+        except ImportError:
+            self._tell("error", NO_PACKAGE)
+        except OSError as error:
+            self._tell("error", NO_LIBRARY.format(error))
+        except Exception as error:
+            denied = getattr(error, "code", None) in _DENIED_CODES
+            self._tell("error", NO_PERMISSION if denied else f"The sensor cannot be opened: {_words(error)}")
+        else:
+            if not self._address.host:
+                threading.Thread(target=self._watch, args=(self._stopped,), name="phidget", daemon=True).start()
+
+    def stop(self) -> None:
+        """Let go of the sensor. Takes two seconds at most, should the driver hang."""
+        self._stopped.set()
+        if closing := self._close():
+            closing.join(_CLOSE_S)
+
+    def zero(self) -> None:
+        """Have the sensor measure its bias; it takes one to two seconds, and must lie still."""
+        if self.info is not None and self._channel is not None:
+            self._guarded(self._channel.zeroGyro)()
+
+    def _open(self) -> None:
+        channel = self._make()
+        channel.setOnAttachHandler(self._guarded(self._attached))
+        channel.setOnDetachHandler(self._guarded(self._detached))
+        channel.setOnErrorHandler(self._guarded(self._erred))
+        channel.setOnSpatialDataHandler(self._guarded(self._measured))
+        channel.setIsRemote(bool(self._address.host))
+        channel.setIsLocal(not self._address.host)
+        if self._address.serial is not None:
+            channel.setDeviceSerialNumber(self._address.serial)
+        if self._address.host:
+            self._add_server()
+        self._channel = channel
+        channel.open()
+
+    def _close(self) -> threading.Thread | None:
+        """Close the channel on another thread: the driver may wait for its handlers, and this may be one of them."""
+        channel, self._channel, self.info = self._channel, None, None
+        if channel is None:
+            return None
+        closing = threading.Thread(target=self._closed, args=(channel,), name="phidget close", daemon=True)
+        closing.start()
+        return closing
+
+    def _closed(self, channel: Any) -> None:
+        for forget in (
+            channel.setOnSpatialDataHandler,
+            channel.setOnAttachHandler,
+            channel.setOnDetachHandler,
+            channel.setOnErrorHandler,
+        ):
+            forget(None)
+        with suppress(Exception):
+            channel.close()
+        if self._address.host:
+            with suppress(Exception):
+                from Phidget22.Net import Net
+
+                Net.removeServer(self._server)
+
+    @property
+    def _server(self) -> str:
+        return f"sar-tui {self._address.host}:{self._address.port}"
+
+    def _add_server(self) -> None:
+        from Phidget22.Net import Net
+
+        try:
+            Net.addServer(self._server, self._address.host, self._address.port, "", 0)
+        except Exception as error:
+            if getattr(error, "code", None) != _DUPLICATE_CODE:
+                raise
+
+    def _attached(self, channel: Any) -> None:
+        model = f"{channel.getDeviceName()} ({channel.getDeviceSKU()})"
+        if channel.getDeviceSKU().startswith(NO_GYROSCOPE):
+            self._tell(
+                "error",
+                f"The {model} has no gyroscope, so it cannot measure how a hand turns. "
+                "Use a PhidgetSpatial 3/3/3, such as the 1044_1, and start anew.",
+            )
+            self._close()
+            return
+        channel.setDataInterval(channel.getMinDataInterval())
+        self.info = Info(
+            source=self._address.host or "USB",
+            model=model,
+            serial=str(channel.getDeviceSerialNumber()),
+            rate_hz=1000 / channel.getDataInterval(),
+            rate_range_rad_s=_limit(channel.getMaxAngularRate) * DEGREE,
+            acceleration_range_m_s2=_limit(channel.getMaxAcceleration) * G,
+            has_field=_limit(channel.getMaxMagneticField) > 0,
+        )
+        self._told = ""
+        self._tell("attached", f"Firmware {channel.getDeviceVersion()}.")
+
+    def _detached(self, _channel: Any) -> None:
+        self.info = None
+        self._tell("detached", self._address.hint)
+
+    def _erred(self, _channel: Any, code: int, description: str) -> None:
+        if code == _SATURATED:
+            self._tell("saturated", description, count=1)
+        elif code != _CLEARED:
+            self._tell("error", f"The sensor reports: {description.rstrip('.')}.{_ADVICE.get(code, '')}")
+
+    def _measured(self, _channel: Any, acceleration: Any, rate: Any, field: Any, timestamp: float) -> None:
+        self._sink(Sample(host_now(), timestamp, _in(G, acceleration), _in(DEGREE, rate), _in(1.0, field)))
+
+    def _guarded(self, handle: Callable[..., None]) -> Callable[..., None]:
+        """A handler whose exceptions become a status, told once: the driver would print and forget them."""
+
+        def handler(*arguments: Any) -> None:
+            try:
+                handle(*arguments)
+            except Exception as error:
+                what = f"The sensor cannot be used as it should: {_words(error)}"
+                if what != self._told:
+                    self._told = what
+                    self._tell("error", what)
+
+        return handler
+
+    def _tell(
+        self, state: Literal["attached", "detached", "error", "saturated"], detail: str = "", count: int = 0
+    ) -> None:
+        self._on_status(Status(state=state, at=host_now(), detail=detail, count=count))
+
+    def _watch(self, stopped: threading.Event) -> None:
+        """Tell of a sensor that one may not use; the driver keeps silent about it.
+
+        Twice in a row, since the system takes a moment to give a sensor to the user who plugs it in.
+        """
+        seen = 0
+        while seen < 2 and not stopped.wait(_LOOK_AGAIN_S):
+            seen = seen + 1 if self.info is None and self._denied() else 0
+        if seen == 2:
+            self._tell("error", NO_PERMISSION)
+
+
+def usb_denied(devices: Path = Path("/sys/bus/usb/devices"), nodes: Path = Path("/dev/bus/usb")) -> bool:
+    """Whether a Phidget is on a USB port that this user may not open. Linux only; elsewhere there are no such folders.
+
+    Args:
+        devices: where the system lists what is plugged in.
+        nodes: where it is opened.
+    """
+    for vendor in devices.glob("*/idVendor"):
+        with suppress(OSError, ValueError):
+            if vendor.read_text().strip() == "06c2":
+                bus, device = (int((vendor.parent / number).read_text()) for number in ("busnum", "devnum"))
+                node = nodes / f"{bus:03}" / f"{device:03}"
+                if node.exists() and not os.access(node, os.R_OK | os.W_OK):
+                    return True
+    return False
+
+
+def _spatial() -> Any:
+    """Phidget22's channel. Raises ImportError without the package, OSError without its native libraries."""
+    if sys.platform == "linux":
+        with suppress(ImportError, OSError):
+            import libusb_package
+
+            ctypes.CDLL(str(libusb_package.get_library_path()))
+    from Phidget22.Devices.Spatial import Spatial
+    from Phidget22.Phidget import Phidget
+
+    Phidget.getLibraryVersion()  # Fails before there is an object, whose destructor would fail once more, aloud.
+    return Spatial()
+
+
+def _in(unit: float, values: Any) -> Vector:
+    x, y, z = values
+    return (
+        x * unit if abs(x) < _UNKNOWN else math.nan,
+        y * unit if abs(y) < _UNKNOWN else math.nan,
+        z * unit if abs(z) < _UNKNOWN else math.nan,
+    )
+
+
+def _limit(ask: Callable[[], Any]) -> float:
+    """The smallest limit of the three axes; 0 where the sensor cannot tell."""
+    with suppress(Exception):
+        limit = float(min(ask()))
+        return limit if 0 < limit < _UNKNOWN else 0.0
+    return 0.0
+
+
+def _words(error: Exception) -> str:
+    said = (str(getattr(error, part, "") or "").strip() for part in ("description", "details"))
+    return ": ".join(filter(None, said)) or f"{type(error).__name__}: {error}"

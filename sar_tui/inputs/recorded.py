@@ -1,0 +1,111 @@
+"""A recording as a sensor: its samples come again, at their pace or as fast as may be."""
+
+from collections.abc import Callable, Iterator
+from typing import Any, Literal
+
+import numpy as np
+
+from sar_tui.framework.clock import Clock
+from sar_tui.inputs.imu import Info, Sample, SourceError, Status
+from sar_tui.inputs.pace import Pace
+from sar_tui.motion.samples import Samples
+
+BLOCK = 1000
+"""How many samples are sent at a time where nothing holds them up."""
+
+_vector: Callable[[Any], Any] = tuple
+
+
+def as_sent(samples: Samples) -> Iterator[Sample]:
+    """Samples as a sensor's driver hands them on, one by one."""
+    columns = (samples[name].tolist() for name in ("host", "device_ms", "acceleration", "rate", "field"))
+    for host_ns, device_ms, acceleration, rate, field in zip(*columns, strict=True):
+        yield Sample(host_ns, device_ms, _vector(acceleration), _vector(rate), _vector(field))
+
+
+class RecordedSource:
+    """Plays samples, then tells that it has ended.
+
+    In real time a sample is stamped when it is played; played fast, as if it had been played in real time.
+
+    Args:
+        samples: what to play, dtype SAMPLE, at least two; their ``at`` sets the pace.
+        speed: as they were recorded, or as fast as may be.
+        loop: whether to begin again at the end, without end. In real time only: raises SourceError.
+        clock: whose time to play in; the host's, with a thread of its own, if None.
+        name: what to call it.
+    """
+
+    def __init__(
+        self,
+        samples: Samples,
+        speed: Literal["real time", "fast"] = "real time",
+        loop: bool = False,
+        *,
+        clock: Clock | None = None,
+        name: str = "recorded",
+    ) -> None:
+        if len(samples) < 2:
+            raise SourceError(f"A recording needs two samples at least to be played; this one has {len(samples)}.")
+        if loop and speed == "fast":
+            raise SourceError("A recording that is played fast cannot be repeated without end; choose one of the two.")
+        self.info: Info | None = None
+        self._speed = speed
+        self._loop = loop
+        self._samples = list(as_sent(samples))
+        self._elapsed: list[int] = (samples["at"] - samples["at"][0]).tolist()
+        self._step_ns = int(np.median(np.diff(samples["at"])))
+        self._pace = Pace(self._play, clock)
+        self._info = Info(
+            source=name,
+            model="Recording",
+            rate_hz=1e9 / self._step_ns,
+            has_acceleration=not np.isnan(samples["acceleration"]).all(),
+            has_field=not np.isnan(samples["field"]).all(),
+        )
+
+    def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
+        """Play from the beginning."""
+        self._pace.stop()
+        self._sink, self._on_status = sink, on_status
+        self.info = None
+        self._next = 0
+        self._round_ns = 0
+        self._pace.start()
+
+    def stop(self) -> None:
+        """Play no further."""
+        self._pace.stop()
+
+    def zero(self) -> None:
+        """Nothing: what is recorded is recorded."""
+
+    def _play(self, now: int) -> int | None:
+        if self.info is None:
+            self.info = self._info
+            self._begun_ns = now
+            self._on_status(Status(state="attached", at=now))
+        if self._speed == "fast":
+            for _ in self._samples[self._next : self._next + BLOCK]:
+                self._send(self._due_ns)
+        else:
+            while self._next < len(self._samples) and self._due_ns <= now:
+                self._send(now)
+        if self._next < len(self._samples):
+            return now if self._speed == "fast" else self._due_ns
+        if self._loop:
+            self._round_ns += self._elapsed[-1] + self._step_ns
+            self._next = 0
+            return self._due_ns
+        self._on_status(Status(state="ended", at=self._begun_ns + self._elapsed[-1]))
+        return None
+
+    @property
+    def _due_ns(self) -> int:
+        return self._begun_ns + self._round_ns + self._elapsed[self._next]
+
+    def _send(self, host_ns: int) -> None:
+        sample = self._samples[self._next]
+        device_ms = sample.device_ms + self._round_ns / 1e6
+        self._sink(sample._replace(host_ns=host_ns, device_ms=device_ms))
+        self._next += 1

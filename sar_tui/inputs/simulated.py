@@ -1,0 +1,76 @@
+"""The simulated hand as a sensor."""
+
+import math
+import threading
+from collections.abc import Callable
+
+from sar_tui.framework.clock import MS, Clock
+from sar_tui.inputs.imu import Info, Sample, Status
+from sar_tui.inputs.pace import Pace
+from sar_tui.inputs.recorded import as_sent
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import SimulatedHand
+
+STEP = 10 * MS
+"""How often samples are delivered."""
+_SATURATION = "The simulated gyroscope was turned faster than it can measure."
+
+
+class SimulatedSource:
+    """A simulated hand with a sensor on it, whose samples are delivered every 10 ms.
+
+    On a virtual clock the same moves give the same samples each time. A sensor that leaves out what is beyond its
+    range, and loses nothing else, tells of it as a Phidget does.
+
+    Args:
+        hand: what moves, and how it is measured.
+        clock: whose time the hand lives in; the host's, with a thread of its own, if None.
+    """
+
+    def __init__(self, hand: SimulatedHand, clock: Clock | None = None) -> None:
+        self.hand = hand
+        self.info: Info | None = None
+        self._pace = Pace(self._measure, clock)
+        self._moving = threading.Lock()
+
+    def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
+        """Begin to deliver samples."""
+        self._pace.stop()
+        self._sink, self._on_status = sink, on_status
+        self.info = None
+        self._pace.start()
+
+    def stop(self) -> None:
+        """Deliver nothing more."""
+        self._pace.stop()
+
+    def zero(self) -> None:
+        """Nothing: a simulated sensor keeps the bias it was given."""
+
+    def move(self, at_ns: int, shape: ReachShape) -> None:
+        """Make a reach, its onset at ``at_ns`` of the clock the hand lives in. Any thread may ask for it."""
+        with self._moving:
+            self.hand.move(at_ns, shape)
+
+    def _measure(self, now: int) -> int:
+        profile, rate_hz = self.hand.profile, self.hand.rate_hz
+        saturates = math.isfinite(profile.saturation_rad_s)
+        if self.info is None:
+            self.info = Info(
+                source="simulated",
+                model="Simulated hand",
+                rate_hz=rate_hz,
+                rate_range_rad_s=profile.saturation_rad_s if saturates else 0.0,
+            )
+            self._until = now
+            self._last_ms = math.inf
+            self._on_status(Status(state="attached", at=now))
+        with self._moving:
+            samples = self.hand.samples(self._until, now)
+        self._until = now
+        for sample in as_sent(samples):
+            if saturates and not profile.lost and sample.device_ms - self._last_ms > 1500 / rate_hz:
+                self._on_status(Status(state="saturated", at=sample.host_ns, count=1, detail=_SATURATION))
+            self._last_ms = sample.device_ms
+            self._sink(sample)
+        return now + STEP

@@ -1,0 +1,101 @@
+"""Motion sensors by name: those that ship, and those of plug-ins (entry points of the group ``sar_tui.inputs``)."""
+
+from collections.abc import Callable
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Literal
+from urllib.parse import parse_qsl
+
+import msgspec
+
+from sar_tui.framework.clock import Clock
+from sar_tui.inputs.imu import ImuSource, SourceError
+
+GROUP = "sar_tui.inputs"
+SIMULATED_RATE_HZ = 250.0
+
+
+def source_names() -> list[str]:
+    """The names that ``open_source`` knows; what follows the colon is each one's own."""
+    return sorted({*_SHIPPED, *(entry.name for entry in entry_points(group=GROUP))})
+
+
+def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuSource:
+    """A source of samples by name; it is not started. Raises SourceError, saying what is wrong with the name.
+
+    - ``phidget``, ``phidget:SERIAL``, ``phidget://HOST:PORT``: a PhidgetSpatial, `phidget.PhidgetSource`;
+    - ``simulated``, ``simulated:PROFILE``: a simulated hand, with one of `motion.synthesis.PROFILES`;
+    - ``recorded:FILE``, ``recorded:FILE?rate=deg/s&acceleration=g&speed=fast&loop=yes``: a recording;
+    - any other: the entry point of that name, called with the text after the colon.
+
+    Args:
+        seed: what a simulated hand draws its noise from.
+        clock: whose time simulated hands and recordings live in; the host's if None.
+    """
+    kind, _, text = name.strip().partition(":")
+    if kind in _SHIPPED:
+        return _SHIPPED[kind](text, seed, clock)
+    for entry in entry_points(group=GROUP):
+        if entry.name == kind:
+            try:
+                source: ImuSource = entry.load()(text)
+            except SourceError:
+                raise
+            except Exception as error:
+                why = f"{type(error).__name__}: {error}"
+                raise SourceError(f"The sensor {kind} ({entry.value}) cannot be loaded: {why}.") from error
+            if missing := [part for part in ("start", "stop", "zero", "info") if not hasattr(source, part)]:
+                raise SourceError(f"The sensor {kind} ({entry.value}) is no source: it lacks {', '.join(missing)}.")
+            return source
+    raise SourceError(f'There is no sensor "{name}". There is: {", ".join(source_names())}.')
+
+
+class _Playing(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What may follow the question mark of a recording."""
+
+    acceleration: Literal["m/s2", "g"] = "m/s2"
+    rate: Literal["rad/s", "deg/s"] = "rad/s"
+    speed: Literal["real time", "fast"] = "real time"
+    loop: Literal["yes", "no"] = "no"
+
+
+def _phidget(address: str, _seed: int, _clock: Clock | None) -> ImuSource:
+    from sar_tui.inputs.phidget import PhidgetSource
+
+    return PhidgetSource(address)
+
+
+def _simulated(profile: str, seed: int, clock: Clock | None) -> ImuSource:
+    from sar_tui.inputs.simulated import SimulatedSource
+    from sar_tui.motion.synthesis import PROFILES, SimulatedHand
+
+    if (profile or "clean") not in PROFILES:
+        raise SourceError(f'There is no simulated hand "{profile}". There is: {", ".join(PROFILES)}.')
+    return SimulatedSource(SimulatedHand(PROFILES[profile or "clean"], SIMULATED_RATE_HZ, seed), clock)
+
+
+def _recorded(text: str, _seed: int, clock: Clock | None) -> ImuSource:
+    from sar_tui.inputs.recorded import RecordedSource
+    from sar_tui.inputs.recording_file import Units, read_recording
+
+    file, _, query = text.partition("?")
+    if not file:
+        raise SourceError("Say which recording: recorded:FILE.csv or recorded:FILE.npz.")
+    try:
+        options = dict(parse_qsl(query.replace("²", "2"), keep_blank_values=True, strict_parsing=bool(query)))
+        playing = msgspec.convert(options, _Playing)
+    except (ValueError, msgspec.ValidationError) as error:
+        raise SourceError(
+            f'"?{query}" cannot be understood ({error}). After the file there may be: '
+            "rate=rad/s or deg/s, acceleration=m/s2 or g, speed=real time or fast, loop=yes or no; with & between two."
+        ) from error
+    path = Path(file)
+    samples = read_recording(path, Units(acceleration=playing.acceleration, rate=playing.rate))
+    return RecordedSource(samples, playing.speed, playing.loop == "yes", clock=clock, name=path.name)
+
+
+_SHIPPED: dict[str, Callable[[str, int, Clock | None], ImuSource]] = {
+    "phidget": _phidget,
+    "recorded": _recorded,
+    "simulated": _simulated,
+}

@@ -1,0 +1,291 @@
+"""Given a source of samples, when its feed is drained, then good samples come out, and all that went wrong is told."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.inputs.feed import Drained, ImuFeed
+from sar_tui.inputs.imu import NOTHING, Info, Sample, Status, Vector
+from sar_tui.motion.samples import SAMPLE
+
+INFO = Info(source="test", model="By hand", rate_hz=250.0, rate_range_rad_s=5.0, acceleration_range_m_s2=80.0)
+STILL: Vector = (0.0, 0.0, 0.0)
+
+
+class ByHand:
+    """A source that sends what it is told to."""
+
+    def __init__(self) -> None:
+        self.info: Info | None = None
+        self.sink: Callable[[Sample], None]
+        self.on_status: Callable[[Status], None]
+        self.stopped = 0
+
+    def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
+        self.sink, self.on_status = sink, on_status
+
+    def stop(self) -> None:
+        self.stopped += 1
+
+    def zero(self) -> None: ...
+
+
+class Bench:
+    """A feed, its source and its clock; the sensor's clock stands at 0 when the host's does."""
+
+    def __init__(self, info: Info = INFO) -> None:
+        self.clock = VirtualClock()
+        self.source = ByHand()
+        self.feed = ImuFeed(self.source, self.clock.now)
+        self.feed.start()
+        self.attach(info)
+
+    def attach(self, info: Info = INFO) -> None:
+        self.source.info = info
+        self.source.on_status(Status(state="attached", at=self.clock.now()))
+
+    def send(self, *device_ms: float, rate: Vector = STILL, acceleration: Vector = STILL) -> None:
+        for stamp in device_ms:
+            finite = stamp if math.isfinite(stamp) else 0.0
+            self.source.sink(Sample(round(finite * MS), stamp, acceleration, rate))
+
+    def saturate(self, at_ms: float) -> None:
+        self.source.on_status(Status(state="saturated", at=round(at_ms * MS), detail="Gyroscope.", count=1))
+
+    def told(self) -> list[Status]:
+        return [status for status in self.feed.drain().statuses if status.state != "attached"]
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench()
+
+
+def test_samples_come_out_as_they_went_in_with_the_time_they_were_taken(bench: Bench) -> None:
+    bench.source.sink(Sample(5 * MS, 100.0, (1.0, 2.0, 3.0), (0.1, 0.2, 0.3), (0.4, 0.5, 0.6)))
+    bench.source.sink(Sample(8 * MS, 104.0, (1.0, 2.0, 3.0), (0.1, 0.2, 0.3)))
+    samples = bench.feed.drain().samples
+    assert samples.dtype == SAMPLE
+    assert samples["host"].tolist() == [5 * MS, 8 * MS]
+    assert samples["at"].tolist() == [5 * MS, 8 * MS]
+    assert samples["device_ms"].tolist() == [100.0, 104.0]
+    assert np.allclose(samples["acceleration"], [[1, 2, 3]] * 2)
+    assert np.allclose(samples["rate"], [[0.1, 0.2, 0.3]] * 2)
+    assert np.allclose(samples["field"][0], [0.4, 0.5, 0.6])
+    assert np.isnan(samples["field"][1]).all()
+
+
+def test_nothing_new_is_an_empty_array_of_samples(bench: Bench) -> None:
+    bench.feed.drain()
+    samples, statuses = bench.feed.drain()
+    assert (len(samples), samples.dtype, statuses) == (0, SAMPLE, [])
+
+
+@given(st.lists(st.integers(0, 40), max_size=30))
+def test_however_it_is_drained_no_sample_is_lost_and_their_order_is_kept(blocks: list[int]) -> None:
+    bench, sent, come = Bench(), 0, []
+    for block in blocks:
+        bench.send(*(4.0 * (sent + index) for index in range(block)))
+        sent += block
+        come += bench.feed.drain().samples["device_ms"].tolist()
+    assert come == [4.0 * index for index in range(sent)]
+    assert (bench.feed.received, bench.feed.lost, bench.feed.dropped) == (sent, 0, 0)
+
+
+@pytest.mark.parametrize("stamp", [4.0, 2.0, -math.inf, math.inf, math.nan, 1e13])
+def test_a_stamp_that_does_not_rise_is_left_out_and_told_once_a_run(bench: Bench, stamp: float) -> None:
+    bench.send(0.0, 4.0, stamp, stamp, stamp, 8.0)
+    samples, statuses = bench.feed.drain()
+    assert samples["device_ms"].tolist() == [0.0, 4.0, 8.0]
+    assert [status.state for status in statuses] == ["attached", "error"]
+    assert "do not rise" in statuses[1].detail
+    assert bench.feed.dropped == 3
+    bench.send(stamp)
+    assert [status.state for status in bench.told()] == ["error"]
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_rate_that_is_no_number_is_left_out_and_the_hole_it_leaves_is_told(
+    bench: Bench, bad: float, axis: int
+) -> None:
+    rate: Any = [0.0, 0.0, 0.0]
+    rate[axis] = bad
+    bench.send(0.0)
+    bench.send(4.0, 8.0, rate=tuple(rate))
+    bench.send(12.0)
+    samples, statuses = bench.feed.drain()
+    assert samples["device_ms"].tolist() == [0.0, 12.0]
+    assert [(status.state, status.count) for status in statuses] == [("attached", 0), ("error", 0), ("gap", 2)]
+    assert (bench.feed.dropped, bench.feed.lost) == (2, 0)
+
+
+def test_an_acceleration_that_is_no_number_is_not_worth_a_sample(bench: Bench) -> None:
+    bench.send(0.0, acceleration=NOTHING)
+    bench.send(4.0, acceleration=(1e300, 0.0, 0.0))
+    assert len(bench.feed.drain().samples) == 2
+
+
+def test_a_hole_in_the_sensors_time_is_a_gap_at_the_sample_after_it(bench: Bench) -> None:
+    bench.send(0.0, 4.0, 24.0, 28.0)
+    assert bench.told() == [Status(state="gap", at=24 * MS, count=4, duration_ms=20.0)]
+    assert bench.feed.lost == 4
+
+
+def test_a_hole_between_two_drains_is_seen(bench: Bench) -> None:
+    bench.send(0.0)
+    bench.feed.drain()
+    bench.send(12.0)
+    assert [(status.state, status.count) for status in bench.told()] == [("gap", 2)]
+
+
+def test_a_little_jitter_of_the_sensors_time_is_no_gap(bench: Bench) -> None:
+    bench.send(0.0, 5.9, 8.0, 13.5)
+    assert bench.told() == []
+
+
+def test_a_sensor_that_does_not_tell_its_rate_has_no_gaps() -> None:
+    bench = Bench(Info(source="test", model="By hand", rate_hz=0.0))
+    bench.send(0.0, 4.0, 400.0)
+    assert bench.told() == []
+
+
+def test_a_hole_is_saturation_where_the_sensor_said_so(bench: Bench) -> None:
+    bench.send(0.0, 4.0)
+    for at_ms in (8.0, 12.0, 16.0):
+        bench.saturate(at_ms)
+    bench.send(20.0, 24.0)
+    assert bench.told() == [Status(state="saturated", at=20 * MS, detail="Gyroscope.", count=3, duration_ms=16.0)]
+    assert bench.feed.lost == 3
+    bench.send(36.0)
+    assert [status.state for status in bench.told()] == ["gap"]
+
+
+def test_saturation_without_a_hole_is_told_as_it_came(bench: Bench) -> None:
+    bench.send(0.0)
+    bench.saturate(3.0)
+    bench.send(4.0)
+    assert bench.told() == [Status(state="saturated", at=4 * MS, detail="Gyroscope.", count=1)]
+
+
+def test_saturation_is_not_forgotten_when_the_sensor_is_pulled_out(bench: Bench) -> None:
+    bench.send(0.0)
+    bench.saturate(4.0)
+    bench.source.on_status(Status(state="detached", at=5 * MS))
+    assert [(status.state, status.count) for status in bench.told()] == [("saturated", 1), ("detached", 0)]
+
+
+@pytest.mark.parametrize("vector", ["rate", "acceleration"])
+def test_samples_at_the_end_of_the_range_are_kept_and_told_once_a_drain(bench: Bench, vector: str) -> None:
+    limit = {"rate": 5.0, "acceleration": 80.0}[vector]
+    bench.send(0.0)
+    bench.send(4.0, **{vector: (0.0, -limit, 0.0)})
+    bench.send(8.0, **{vector: (0.0, 0.0, limit + 1)})
+    bench.send(12.0, **{vector: (0.0, 0.0, limit * 0.99)})
+    samples, statuses = bench.feed.drain()
+    assert len(samples) == 4
+    assert [(status.state, status.count, status.at) for status in statuses[1:]] == [("saturated", 2, 4 * MS)]
+
+
+def test_a_sensor_that_falls_silent_is_stalled_once_and_flows_again(bench: Bench) -> None:
+    bench.send(0.0)
+    bench.feed.drain()
+    bench.clock.advance(499 * MS)
+    assert bench.told() == []
+    bench.clock.advance(1 * MS)
+    assert [(status.state, status.at) for status in bench.told()] == [("stalled", 500 * MS)]
+    bench.clock.advance(2 * SECOND)
+    assert bench.told() == []
+    bench.send(2500.0)
+    assert [status.state for status in bench.told()] == ["gap", "flowing"]
+
+
+def test_a_sensor_that_never_says_a_thing_is_stalled(bench: Bench) -> None:
+    bench.feed.drain()
+    bench.clock.advance(SECOND)
+    assert [status.state for status in bench.told()] == ["stalled"]
+
+
+def test_a_sensor_that_only_tells_of_saturation_is_not_stalled(bench: Bench) -> None:
+    bench.send(0.0)
+    for step in range(1, 20):
+        bench.saturate(100.0 * step)
+        bench.clock.advance(100 * MS)
+        assert bench.told() == []
+
+
+@pytest.mark.parametrize("state", ["detached", "ended"])
+def test_a_sensor_that_is_gone_does_not_stall(bench: Bench, state: Any) -> None:
+    bench.send(0.0)
+    bench.source.on_status(Status(state=state, at=0))
+    bench.feed.drain()
+    bench.clock.advance(SECOND)
+    assert bench.told() == []
+
+
+def test_a_sensor_that_is_plugged_in_again_begins_its_clock_anew_and_leaves_no_gap(bench: Bench) -> None:
+    bench.send(60_000.0, 60_004.0)
+    bench.source.on_status(Status(state="detached", at=60_010 * MS))
+    bench.attach()
+    bench.source.sink(Sample(70_000 * MS, 0.0, STILL, STILL))
+    samples, statuses = bench.feed.drain()
+    assert [status.state for status in statuses] == ["attached", "detached", "attached"]
+    assert samples["at"].tolist() == [60_000 * MS, 60_004 * MS, 70_000 * MS]
+
+
+def test_a_clock_that_begins_anew_untold_is_a_gap_of_unknown_size(bench: Bench) -> None:
+    bench.send(60_000.0)
+    bench.source.sink(Sample(60_500 * MS, 0.0, STILL, STILL))
+    bench.source.sink(Sample(60_504 * MS, 4.0, STILL, STILL))
+    samples, statuses = bench.feed.drain()
+    assert samples["at"].tolist() == [60_000 * MS, 60_500 * MS, 60_504 * MS]
+    assert [(status.state, status.count) for status in statuses[1:]] == [("gap", 0)]
+    assert "began anew" in statuses[1].detail
+
+
+def test_errors_of_the_sensor_pass_through_in_their_order(bench: Bench) -> None:
+    bench.send(0.0, 12.0)
+    bench.source.on_status(Status(state="error", at=13 * MS, detail="packet lost"))
+    bench.send(24.0)
+    assert [status.state for status in bench.told()] == ["gap", "error", "gap"]
+
+
+def test_the_rate_is_measured_over_two_seconds(bench: Bench) -> None:
+    assert bench.feed.rate_hz == 0.0
+    for step in range(500):
+        bench.clock.advance(10 * MS)
+        stamps = range(step * 10, step * 10 + 10, 4) if step < 300 else range(step * 10, step * 10 + 10, 5)
+        bench.send(*map(float, stamps))
+        bench.feed.drain()
+        if step == 299:
+            assert bench.feed.rate_hz == pytest.approx(300)
+    assert bench.feed.rate_hz == pytest.approx(200)
+    bench.clock.advance(3 * SECOND)
+    bench.feed.drain()
+    assert bench.feed.rate_hz == 0.0
+
+
+def test_starting_again_begins_all_counts_at_zero(bench: Bench) -> None:
+    bench.send(0.0, 4.0, 4.0, 40.0)
+    bench.feed.drain()
+    bench.feed.stop()
+    assert (bench.source.stopped, bench.feed.is_running) == (1, False)
+    bench.feed.start()
+    assert (bench.feed.received, bench.feed.lost, bench.feed.dropped, bench.feed.is_running) == (0, 0, 0, True)
+
+
+def test_what_came_before_the_stop_can_still_be_drained(bench: Bench) -> None:
+    bench.send(0.0, 4.0)
+    bench.feed.stop()
+    drained: Drained = bench.feed.drain()
+    assert len(drained.samples) == 2
+
+
+def test_a_feed_tells_what_its_sensor_is(bench: Bench) -> None:
+    assert bench.feed.info == INFO

@@ -1,0 +1,100 @@
+"""Given Phidget22's own channel, when its callback is called from another thread, then every sample arrives."""
+
+import ctypes
+import math
+import queue
+import threading
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sar_tui.framework.clock import host_now
+from sar_tui.inputs.feed import Drained, ImuFeed
+from sar_tui.inputs.phidget import PhidgetSource, _spatial
+
+WAIT_S = 20.0
+"""How long to wait for another thread before a test fails."""
+Axes = ctypes.c_double * 3
+
+
+def channel(interval_ms: int) -> Any:
+    """A real ``Spatial``, but for what it would have to ask a device."""
+    real = _spatial()
+    real.getDeviceName = lambda: "PhidgetSpatial Precision 3/3/3"
+    real.getDeviceSKU = lambda: "1044_1B"
+    real.getDeviceSerialNumber = lambda: 1
+    real.getDeviceVersion = lambda: 100
+    real.getMinDataInterval = real.getDataInterval = lambda: interval_ms
+    real.setDataInterval = lambda _: None
+    real.getMaxAngularRate = lambda: [2000.0] * 3
+    real.getMaxAcceleration = lambda: [8.0] * 3
+    real.getMaxMagneticField = lambda: [50.0] * 3
+    return real
+
+
+@pytest.mark.parametrize("interval_ms", [4, 1])
+def test_five_seconds_of_samples_arrive_whole_in_order_and_in_our_units(interval_ms: int) -> None:
+    count = 5000 // interval_ms
+    spatial = channel(interval_ms)
+    feed = ImuFeed(PhidgetSource(make=lambda: spatial, denied=lambda: False), host_now)
+    feed.start()
+
+    sent: queue.Queue[bool] = queue.Queue()
+
+    def send() -> None:
+        spatial._onAttach(None, None)
+        for index in range(count):
+            number = float(index)
+            spatial._onSpatialData(
+                None,
+                None,
+                Axes(1.0, 0.0, -1.0),
+                Axes(90.0, 0.0, -0.01 * number),
+                Axes(0.1, 0.2, 0.3),
+                number * interval_ms,
+            )
+            if index % 10 == 9:
+                sent.put(True)
+        spatial._onError(None, None, 4105, b"Gyroscope Saturation Detected.")
+        spatial._onDetach(None, None)
+        sent.put(False)
+
+    driver = threading.Thread(target=send)
+    driver.start()
+    drained: list[Drained] = []
+    while sent.get(timeout=WAIT_S):
+        drained.append(feed.drain())
+    drained.append(feed.drain())
+    driver.join()
+    feed.stop()
+
+    samples = np.concatenate([block.samples for block in drained])
+    statuses = [status for block in drained for status in block.statuses]
+    assert [status.state for status in statuses] == ["detached", "attached", "saturated", "detached"]
+    assert samples["device_ms"].tolist() == [float(index * interval_ms) for index in range(count)]
+    assert (feed.received, feed.lost, feed.dropped) == (count, 0, 0)
+    assert (np.diff(samples["at"]) > 0).all()
+    assert (np.diff(samples["host"]) >= 0).all()
+    assert np.allclose(samples["acceleration"], [9.80665, 0.0, -9.80665])
+    assert np.allclose(samples["rate"][:, 0], math.pi / 2)
+    assert np.allclose(samples["rate"][:, 2], np.radians(-0.01 * np.arange(count)))
+    assert np.allclose(samples["field"], [0.1, 0.2, 0.3])
+
+
+def test_with_no_device_there_is_a_hint_and_no_error_and_it_stops(capfd: pytest.CaptureFixture[str]) -> None:
+    feed = ImuFeed(PhidgetSource("1", denied=lambda: False), host_now)
+    feed.start()
+    feed.source.zero()
+    feed.stop()
+    assert [(status.state, "1" in status.detail) for status in feed.drain().statuses] == [("detached", True)]
+    assert feed.info is None
+    assert capfd.readouterr().err == ""
+
+
+def test_a_server_on_the_network_that_is_not_there_is_waited_for() -> None:
+    feed = ImuFeed(PhidgetSource("//127.0.0.1:1"), host_now)
+    for _ in range(2):
+        feed.start()
+        feed.stop()
+        assert [status.state for status in feed.drain().statuses] == ["detached"]

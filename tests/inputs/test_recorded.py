@@ -1,0 +1,141 @@
+"""Given a recording, when it is played, then its samples come again, at their pace or at once, and then it ends."""
+
+import queue
+import threading
+from itertools import pairwise
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+
+from sar_tui.framework.clock import MS, SECOND, VirtualClock, host_now
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu import Sample, SourceError, Status
+from sar_tui.inputs.recorded import BLOCK, RecordedSource
+from sar_tui.motion.samples import SAMPLE, Samples
+
+WAIT_S = 20.0
+"""How long to wait for another thread before a test fails."""
+
+
+def samples(count: int, step_ms: int = 4) -> Samples:
+    made = np.zeros(count, dtype=SAMPLE)
+    made["at"] = 77 * SECOND + np.arange(count) * step_ms * MS
+    made["device_ms"] = np.arange(count) * step_ms
+    made["rate"][:, 2] = np.arange(count)
+    made["acceleration"] = made["field"] = np.nan
+    return made
+
+
+def play(source: RecordedSource) -> list[Any]:
+    """All that a source sends from a thread of its own, until it ends."""
+    come: queue.Queue[Any] = queue.Queue()
+    source.start(come.put, come.put)
+    told: list[Any] = [come.get(timeout=WAIT_S)]
+    while not (isinstance(told[-1], Status) and told[-1].state == "ended"):
+        told.append(come.get(timeout=WAIT_S))
+    source.stop()
+    return told
+
+
+@pytest.mark.parametrize("speed", ["real time", "fast"])
+def test_all_samples_are_played_in_order_between_attached_and_ended(speed: Literal["real time", "fast"]) -> None:
+    attached, *played, ended = play(RecordedSource(samples(20), speed))
+    assert (attached.state, ended.state) == ("attached", "ended")
+    assert [sample.rate[2] for sample in played] == [float(number) for number in range(20)]
+    assert [sample.device_ms for sample in played] == [4.0 * number for number in range(20)]
+
+
+def test_in_real_time_no_sample_is_played_before_its_time() -> None:
+    begun = host_now()
+    _, *played, _ = play(RecordedSource(samples(10)))
+    assert all(sample.host_ns - begun >= 4 * MS * number for number, sample in enumerate(played))
+
+
+def test_played_fast_samples_are_stamped_as_if_played_in_real_time() -> None:
+    _, *played, ended = play(RecordedSource(samples(3 * BLOCK + 7), "fast"))
+    assert {b.host_ns - a.host_ns for a, b in pairwise(played)} == {4 * MS}
+    assert len(played) == 3 * BLOCK + 7
+    assert ended.at == played[-1].host_ns
+
+
+def test_a_source_tells_what_the_recording_holds() -> None:
+    source = RecordedSource(samples(10), "fast", name="walk.csv")
+    assert source.info is None
+    play(source)
+    assert source.info is not None
+    assert (source.info.source, source.info.rate_hz) == ("walk.csv", 250.0)
+    assert (source.info.has_acceleration, source.info.has_field) == (False, False)
+
+
+def test_on_a_virtual_clock_an_hour_passes_at_its_pace() -> None:
+    clock = VirtualClock(5 * SECOND)
+    feed = ImuFeed(RecordedSource(samples(100), clock=clock), clock.now)
+    feed.start()
+    clock.advance(199 * MS)
+    half = feed.drain()
+    assert half.samples["at"].tolist() == [5 * SECOND + 4 * MS * number for number in range(50)]
+    clock.advance(3600 * SECOND)
+    rest, statuses = feed.drain()
+    assert (len(rest), [status.state for status in statuses]) == (50, ["ended"])
+    assert not clock.step()
+
+
+def test_played_again_and_again_it_goes_on_without_a_gap() -> None:
+    clock = VirtualClock()
+    feed = ImuFeed(RecordedSource(samples(10), loop=True, clock=clock), clock.now)
+    feed.start()
+    clock.advance(400 * MS)
+    come, statuses = feed.drain()
+    assert come["device_ms"].tolist() == [4.0 * number for number in range(101)]
+    assert come["rate"][:, 2].tolist() == [float(number % 10) for number in range(101)]
+    assert [status.state for status in statuses] == ["attached"]
+    feed.stop()
+    assert not clock.step()
+
+
+def test_stop_returns_at_once_though_the_next_sample_is_an_hour_away() -> None:
+    source = RecordedSource(samples(3, step_ms=3_600_000))
+    first = threading.Event()
+    heard: list[Sample] = []
+
+    def hear(sample: Sample) -> None:
+        heard.append(sample)
+        first.set()
+
+    source.start(hear, lambda _: None)
+    assert first.wait(WAIT_S)
+    source.stop()
+    assert len(heard) == 1
+
+
+@pytest.mark.parametrize("clock", [None, VirtualClock()])
+def test_who_hears_a_sample_may_stop_it(clock: VirtualClock | None) -> None:
+    source = RecordedSource(samples(3 * BLOCK), "fast", clock=clock)
+    over = threading.Event()
+    states: list[str] = []
+
+    def hear(_: Sample) -> None:
+        source.stop()
+        over.set()
+
+    source.start(hear, lambda status: states.append(status.state))
+    if clock:
+        clock.advance(SECOND)
+    assert over.wait(WAIT_S)
+    source.stop()
+    assert states == ["attached"]
+
+
+def test_started_again_it_is_played_from_the_beginning() -> None:
+    source = RecordedSource(samples(5), "fast")
+    assert [len(play(source)), len(play(source))] == [7, 7]
+    source.stop()
+    source.zero()
+
+
+def test_what_cannot_be_played_is_refused() -> None:
+    with pytest.raises(SourceError, match="two samples"):
+        RecordedSource(samples(1))
+    with pytest.raises(SourceError, match="without end"):
+        RecordedSource(samples(10), "fast", loop=True)

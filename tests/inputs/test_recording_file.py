@@ -1,0 +1,256 @@
+"""Given a recording in a file, when it is read, then its samples come in our units, or its fault is named."""
+
+import io
+import math
+import re
+import tempfile
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from sar_tui.inputs import recording_file
+from sar_tui.inputs.imu import SourceError
+from sar_tui.inputs.recording_file import Units, read_recording, write_recording
+from sar_tui.motion.samples import SAMPLE, Samples, recording
+
+HEADER = "t,ax,ay,az,wx,wy,wz"
+ROWS = [f"{0.01 * index:.2f},1,2,3,{index},0.5,-90" for index in range(40)]
+
+
+def some_samples(count: int = 50) -> Samples:
+    chance = np.random.default_rng(7)
+    samples = np.zeros(count, dtype=SAMPLE)
+    samples["at"] = samples["host"] = 123_456_789_012 + np.arange(count) * 4_000_000
+    samples["device_ms"] = samples["at"] / 1e6
+    for field in ("acceleration", "rate", "field"):
+        samples[field] = chance.normal(0, 3, (count, 3))
+    return samples
+
+
+@pytest.fixture
+def csv(tmp_path: Path) -> Callable[..., Path]:
+    """Writes lines to a file."""
+
+    def write(*lines: str, end: str = "\n", encoding: str = "utf-8") -> Path:
+        path = tmp_path / "walk.csv"
+        path.write_bytes((end.join(lines) + end).encode(encoding))
+        return path
+
+    return write
+
+
+@pytest.fixture
+def npz(tmp_path: Path) -> Callable[..., Path]:
+    """Writes arrays to a file: good ones, but for those that are given; None leaves one out."""
+
+    def write(**changed: Any) -> Path:
+        good: dict[str, Any] = {name: np.linspace(0, 1, 40) for name in ("t", "wx", "wy", "wz")}
+        path = tmp_path / "walk.npz"
+        np.savez(path, **{name: array for name, array in (good | changed).items() if array is not None})
+        return path
+
+    return write
+
+
+def fault(path: Path, units: Units = recording_file.SI) -> str:
+    """What is said of a file that cannot be read."""
+    with pytest.raises(SourceError) as caught:
+        read_recording(path, units)
+    said = str(caught.value)
+    assert str(path) in said
+    assert said.endswith(".")
+    assert "\n" not in said
+    return said.replace(str(path), "FILE")
+
+
+def test_a_table_with_commas_is_read(csv: Callable[..., Path]) -> None:
+    samples = read_recording(csv(HEADER, *ROWS))
+    assert samples["at"].tolist() == [10_000_000 * index for index in range(40)]
+    assert samples["host"].tolist() == samples["at"].tolist()
+    assert np.allclose(samples["device_ms"], 10.0 * np.arange(40))
+    assert samples["rate"][5].tolist() == [5.0, 0.5, -90.0]
+    assert samples["acceleration"][5].tolist() == [1.0, 2.0, 3.0]
+    assert np.isnan(samples["field"]).all()
+    assert recording(samples).rate_hz == pytest.approx(100)
+
+
+def test_degrees_and_g_are_converted(csv: Callable[..., Path]) -> None:
+    samples = read_recording(csv(HEADER, *ROWS), Units(rate="deg/s", acceleration="g"))
+    assert samples["rate"][0, 2] == pytest.approx(-math.pi / 2)
+    assert samples["acceleration"][0, 1] == pytest.approx(2 * 9.80665)
+
+
+def test_acceleration_may_be_missing_and_further_columns_are_let_be(csv: Callable[..., Path]) -> None:
+    samples = read_recording(csv("label,wz,wy,wx,t", *(f"hand,3,2,1,{0.01 * index:.2f}" for index in range(30))))
+    assert samples["rate"][0].tolist() == [1.0, 2.0, 3.0]
+    assert np.isnan(samples["acceleration"]).all()
+    assert recording(samples).acceleration is None
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("header", [HEADER, HEADER.replace(",", " , ")])
+def test_what_spreadsheets_make_of_a_table_is_read(
+    csv: Callable[..., Path], encoding: str, end: str, header: str
+) -> None:
+    assert len(read_recording(csv(header, *ROWS, "", " ", end=end, encoding=encoding))) == 40
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ([], "FILE is empty."),
+        (["t,ax,ay,az,wx,wz", *ROWS], "FILE: the columns wy are missing."),
+        (["t,ax,wx,wy,wz", *ROWS], "FILE: the columns ay, az are missing."),
+        (["t,wx,wy,wz,mz", *ROWS], "FILE: the columns mx, my are missing."),
+        (["t,t,wx,wx,wy,wz", *ROWS], "FILE: there are two columns t, wx; keep one of each."),
+        ([HEADER.replace(",", ";"), *ROWS], "told apart by commas, not by semicolons"),
+        (ROWS, "FILE: the columns t, wx, wy, wz are missing."),
+        ([HEADER, *ROWS[:3], "0.03,1,2,3,4,5", *ROWS[4:]], "FILE, line 5: 6 values for 7 columns; "),
+        ([HEADER, *ROWS[:3], "", "0,03,1,2,3,4,5,6", *ROWS[4:]], "FILE, line 6: 8 values for 7 columns; "),
+        ([HEADER, *ROWS[:3], "0.03,1,2,3,x,5,6"], 'FILE, line 5: "x" in the column wx is not a number.'),
+        ([HEADER, *ROWS[:3], "0.03,1,2,3,4,,6"], 'FILE, line 5: "" in the column wy is not a number.'),
+        ([HEADER, *ROWS[:3], "0.03,1,2,3,nan,5,6", *ROWS[4:]], "FILE, line 5: nan in the column wx is no measurement"),
+        ([HEADER, *ROWS[:3], "0.03,1,2,3,4,-inf,6", *ROWS[4:]], "line 5: -inf in the column wy is no measurement"),
+        ([HEADER, *ROWS[:3], "0.03,1,2,3,4,5,1e40", *ROWS[4:]], "line 5: 1e+40 in the column wz is no measurement"),
+        ([HEADER, *ROWS[:3], "0.03,inf,2,3,4,5,6", *ROWS[4:]], "line 5: inf in the column ax is no measurement"),
+        ([HEADER, *ROWS[:3], "0.02,1,2,3,4,5,6", *ROWS[4:]], "line 5: the time 0.02 is the same as that of the sample"),
+        (
+            [HEADER, *ROWS[:3], "0.01,1,2,3,4,5,6", *ROWS[4:]],
+            "line 5: the time 0.01 is before that of the sample above",
+        ),
+        ([HEADER, *ROWS[:3], "nan,1,2,3,4,5,6", *ROWS[4:]], "line 5: the time nan cannot be; t is in seconds."),
+        ([HEADER, "1.7e12,1,2,3,4,5,6", *ROWS[4:]], "line 2: the time 1.7e+12 cannot be; t is in seconds."),
+        ([HEADER], "FILE holds 0 samples; at least 20 are needed."),
+        ([HEADER, *ROWS[:19]], "FILE holds 19 samples; at least 20 are needed."),
+        ([HEADER, *(f"{index},1,2,3,4,5,6" for index in range(40))], "FILE holds 1 samples a second (t is in seconds)"),
+        ([HEADER, '0.00,"1' + "1" * 140_000, *ROWS[1:]], "this is no CSV: field larger than field limit"),
+    ],
+)
+def test_a_fault_is_named_with_its_place(csv: Callable[..., Path], lines: list[str], said: str) -> None:
+    assert said in fault(csv(*lines))
+
+
+def test_an_acceleration_that_was_not_measured_for_a_moment_is_no_fault(csv: Callable[..., Path]) -> None:
+    samples = read_recording(csv(HEADER, *ROWS[:3], "0.03,nan,nan,nan,4,5,6", *ROWS[4:]))
+    assert np.isnan(samples["acceleration"]).any(axis=1).tolist().count(True) == 1
+
+
+def test_text_that_is_not_utf_8_is_told_with_its_line(csv: Callable[..., Path]) -> None:
+    assert "FILE, line 2: this is no UTF-8 text" in fault(csv(HEADER, "0,1,2,3,4,5,6 é", encoding="latin-1"))
+    assert "this is no UTF-8 text" in fault(csv(HEADER, *ROWS, encoding="utf-16"))
+
+
+def test_what_is_no_file_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert fault(tmp_path / "none.csv") == "There is no file FILE."
+    assert fault(tmp_path) == "FILE is no file: name a recording, FILE.csv or FILE.npz."
+    secret = tmp_path / "secret.csv"
+    secret.write_text("t")
+
+    def refuse(_: Path) -> bytes:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "read_bytes", refuse)
+    assert fault(secret) == "FILE cannot be read: Permission denied."
+
+
+def test_a_file_that_would_fill_the_memory_is_refused(
+    csv: Callable[..., Path], npz: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    table = csv(HEADER, *ROWS)
+    bomb = npz(t=np.zeros(100_000))
+    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("t.npy", bytes(100_000))
+    monkeypatch.setattr(recording_file, "LARGEST", 800)
+    assert bomb.stat().st_size < 800 < table.stat().st_size
+    assert "larger than 1 GiB" in fault(table)
+    assert "unpacks to more than 1 GiB" in fault(bomb)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"wx": None}, "FILE: the columns wx are missing."),
+        ({"ax": np.zeros(40)}, "FILE: the columns ay, az are missing."),
+        ({"wx": np.zeros(39)}, "FILE: the arrays wx are not as long as t."),
+        ({"wx": np.zeros((40, 2))}, "FILE: the array wx has to be one row of numbers."),
+        ({"wx": np.array(["1"] * 40)}, "FILE: the array wx has to be one row of numbers."),
+        ({"wx": np.zeros(40, dtype=complex)}, "FILE: the array wx has to be one row of numbers."),
+        ({"wx": np.array([print] * 40, dtype=object)}, "FILE: the array wx cannot be read: Object arrays"),
+        ({"wx": np.full(40, np.nan)}, "FILE, sample 1: nan in the column wx is no measurement"),
+        ({"t": np.zeros(40)}, "FILE, sample 2: the time 0 is the same as"),
+    ],
+)
+def test_a_fault_of_the_arrays_is_named(npz: Callable[..., Path], changed: dict[str, Any], said: str) -> None:
+    assert said in fault(npz(**changed))
+
+
+@pytest.mark.parametrize("keep", [10, 300, -30])
+def test_a_damaged_archive_is_told(npz: Callable[..., Path], keep: int) -> None:
+    path = npz()
+    path.write_bytes(path.read_bytes()[:keep])
+    assert "FILE is no NPZ file, or a damaged one" in fault(path)
+
+
+def test_an_array_that_claims_to_be_endless_is_told(npz: Callable[..., Path]) -> None:
+    path = npz()
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (1 << 50,)})
+    with zipfile.ZipFile(path, "w") as archive:
+        for name in ("t", "wx", "wy", "wz"):
+            archive.writestr(f"{name}.npy", header.getvalue())
+    assert "FILE is no NPZ file, or a damaged one" in fault(path)
+
+
+@given(st.binary(max_size=300))
+def test_no_rubbish_is_taken_for_a_recording(rubbish: bytes) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("rubbish.csv", "rubbish.npz"):
+            path = Path(folder) / name
+            path.write_bytes(rubbish)
+            fault(path)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz", ".CSV", ".NPZ"])
+def test_what_is_written_is_read_again(tmp_path: Path, suffix: str) -> None:
+    samples = some_samples()
+    path = tmp_path / f"walk{suffix}"
+    write_recording(path, samples)
+    again = read_recording(path)
+    assert again["at"].tolist() == samples["at"].tolist()
+    for field in ("acceleration", "rate", "field"):
+        assert again[field].tolist() == samples[field].tolist()
+
+
+@given(
+    arrays.arrays("<f4", (20, 3), elements=st.floats(-1e6, 1e6, width=32)),
+    st.integers(-(10**15), 10**15),
+    st.integers(1, 50 * 10**6),
+)
+def test_not_a_bit_of_a_measurement_changes_on_its_way_through_a_table(rate: Any, start: int, step: int) -> None:
+    samples = np.zeros(20, dtype=SAMPLE)
+    samples["at"] = start + np.arange(20) * step
+    samples["rate"] = rate
+    samples["acceleration"] = samples["field"] = np.nan
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "walk.csv"
+        write_recording(path, samples)
+        assert path.read_text().startswith("t,wx,wy,wz\n")
+        again = read_recording(path)
+    assert again["at"].tolist() == samples["at"].tolist()
+    assert again["rate"].tolist() == samples["rate"].tolist()
+
+
+@pytest.mark.parametrize(
+    ("name", "said"), [("walk.mat", "FILE.csv or FILE.npz"), ("none/walk.csv", "cannot be written: No such file")]
+)
+def test_what_cannot_be_written_is_told(tmp_path: Path, name: str, said: str) -> None:
+    with pytest.raises(SourceError, match=re.escape(said)):
+        write_recording(tmp_path / name, some_samples())

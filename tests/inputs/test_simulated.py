@@ -1,0 +1,92 @@
+"""Given a simulated hand, when it is a sensor, then its samples come every 10 ms, the same each time."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from sar_tui.framework.clock import MS, SECOND, VirtualClock, host_now
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu import Sample, Status
+from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.motion.samples import Samples
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import PROFILES, SimulatedHand
+
+WAIT_S = 20.0
+REACH = ReachShape(out_s=0.6, back_s=0.6, peak_out=4.0, peak_back=-4.0)
+
+
+def session(profile: str, seconds: int = 3) -> tuple[Samples, list[Status], SimulatedHand]:
+    """What a feed makes of a reach after one second, drained every 10 ms."""
+    clock = VirtualClock(9 * SECOND)
+    hand = SimulatedHand(PROFILES[profile], 250.0, seed=3)
+    source = SimulatedSource(hand, clock)
+    source.move(10 * SECOND, REACH)
+    feed = ImuFeed(source, clock.now)
+    feed.start()
+    come, statuses = [], []
+    for _ in range(100 * seconds):
+        clock.advance(10 * MS)
+        drained = feed.drain()
+        come.append(drained.samples)
+        statuses += drained.statuses
+    feed.stop()
+    return np.concatenate(come), statuses, hand
+
+
+def test_on_a_virtual_clock_the_samples_are_the_hands_own() -> None:
+    samples, statuses, hand = session("noisy")
+    assert samples.tobytes() == hand.samples(9 * SECOND, 12 * SECOND).tobytes()
+    assert [(status.state, status.at) for status in statuses] == [("attached", 9 * SECOND)]
+
+
+def test_the_same_moves_give_the_same_samples_each_time() -> None:
+    assert session("patient")[0].tobytes() == session("patient")[0].tobytes()
+
+
+def test_samples_that_get_lost_are_gaps() -> None:
+    samples, statuses, _ = session("lossy")
+    gaps = [status for status in statuses if status.state == "gap"]
+    assert sum(gap.count for gap in gaps) == pytest.approx(750 - len(samples), abs=1)
+    assert len(gaps) > 30
+
+
+def test_what_is_beyond_the_sensors_range_is_missing_and_told_as_saturation() -> None:
+    samples, statuses, _ = session("saturating")
+    assert np.abs(samples["rate"]).max() <= 3.0
+    assert {status.state for status in statuses} == {"attached", "saturated"}
+    assert sum(status.count for status in statuses) == 750 - len(samples)
+
+
+def test_nothing_comes_after_the_stop() -> None:
+    clock = VirtualClock()
+    source = SimulatedSource(SimulatedHand(PROFILES["clean"]), clock)
+    heard: list[Sample] = []
+    source.start(heard.append, lambda _: None)
+    clock.advance(SECOND)
+    source.stop()
+    count = len(heard)
+    clock.advance(SECOND)
+    source.zero()
+    assert (count, len(heard)) == (250, 250)
+
+
+def test_without_a_clock_it_lives_in_the_hosts_time_on_a_thread_of_its_own() -> None:
+    source = SimulatedSource(SimulatedHand(PROFILES["clean"], 1000.0))
+    begun, enough = host_now(), threading.Event()
+    heard: list[Sample] = []
+
+    def hear(sample: Sample) -> None:
+        heard.append(sample)
+        if len(heard) >= 30:
+            enough.set()
+
+    source.start(hear, lambda _: None)
+    source.move(begun, REACH)
+    assert enough.wait(WAIT_S)
+    source.stop()
+    assert begun <= heard[0].host_ns <= heard[-1].host_ns <= host_now()
+    assert [sample.device_ms for sample in heard] == pytest.approx(range(len(heard)))
+    assert source.info is not None
+    assert (source.info.model, source.info.rate_hz) == ("Simulated hand", 1000.0)

@@ -1,0 +1,158 @@
+"""Given the name of a sensor, when it is opened, then there is a source, or it is told what there is."""
+
+import subprocess
+import sys
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.inputs import sources
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu import SourceError
+from sar_tui.inputs.phidget import PhidgetSource
+from sar_tui.inputs.recorded import RecordedSource
+from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.inputs.sources import open_source, source_names
+from sar_tui.motion.synthesis import PROFILES
+
+
+def makes_a_phidget(text: str) -> PhidgetSource:
+    """As a plug-in's entry point."""
+    return PhidgetSource(text)
+
+
+def makes_nothing(text: str) -> object:
+    return text
+
+
+def fails(text: str) -> object:
+    raise RuntimeError(f"no {text} today")
+
+
+@pytest.fixture
+def _plugins(monkeypatch: pytest.MonkeyPatch) -> None:
+    entries = [
+        EntryPoint(name, f"{__name__}:{value}", "sar_tui.inputs")
+        for name, value in {
+            "camera": "makes_a_phidget",
+            "hollow": "makes_nothing",
+            "faulty": "fails",
+            "absent": "nowhere",
+        }.items()
+    ]
+    monkeypatch.setattr(sources, "entry_points", lambda group: [entry for entry in entries if entry.group == group])
+
+
+@pytest.fixture
+def walk(tmp_path: Path) -> Path:
+    path = tmp_path / "walk.csv"
+    rows = (f"{0.01 * index:.2f},0,0,1,0,0,90" for index in range(30))
+    path.write_text("\n".join(["t,ax,ay,az,wx,wy,wz", *rows]))
+    return path
+
+
+@pytest.mark.parametrize("name", ["phidget", "phidget:473001", "phidget://lab-pi:5661"])
+def test_a_phidget_is_opened_by_name_serial_number_or_host(name: str) -> None:
+    assert isinstance(open_source(name), PhidgetSource)
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_simulated_hand_is_opened_by_its_profile(profile: str) -> None:
+    source = open_source(f"simulated:{profile}", seed=4)
+    assert isinstance(source, SimulatedSource)
+    assert source.hand.profile == PROFILES[profile]
+
+
+def test_a_simulated_hand_is_calm_unless_told_otherwise_and_drawn_from_the_seed() -> None:
+    source = open_source("simulated")
+    assert isinstance(source, SimulatedSource)
+    assert source.hand.profile == PROFILES["clean"]
+
+    def noise(seed: int) -> bytes:
+        clock = VirtualClock()
+        feed = ImuFeed(open_source("simulated:noisy", seed=seed, clock=clock), clock.now)
+        feed.start()
+        clock.advance(SECOND)
+        return feed.drain().samples.tobytes()
+
+    assert noise(1) == noise(1) != noise(2)
+
+
+def test_a_recording_is_opened_with_what_stands_after_the_question_mark(walk: Path) -> None:
+    clock = VirtualClock()
+    source = open_source(f"recorded:{walk}?rate=deg/s&acceleration=g&speed=fast", clock=clock)
+    assert isinstance(source, RecordedSource)
+    feed = ImuFeed(source, clock.now)
+    feed.start()
+    clock.advance(0)
+    samples, statuses = feed.drain()
+    assert statuses[-1].state == "ended"
+    assert np.allclose(samples["rate"][:, 2], np.pi / 2)
+    assert np.allclose(samples["acceleration"][:, 2], 9.80665)
+    assert source.info is not None
+    assert source.info.source == "walk.csv"
+
+
+@pytest.mark.parametrize("query", ["", "?loop=yes", "?speed=real time&acceleration=m/s²", "?speed=real+time&loop=no"])
+def test_options_of_a_recording_may_be_left_out(walk: Path, query: str) -> None:
+    assert isinstance(open_source(f"recorded:{walk}{query}"), RecordedSource)
+
+
+@pytest.mark.parametrize("query", ["rate=rpm", "speed", "colour=red", "loop=", "rate=deg/s&", "speed=fast;loop=yes"])
+def test_an_option_that_is_none_is_told_with_those_there_are(walk: Path, query: str) -> None:
+    with pytest.raises(SourceError, match=r"After the file there may be: rate=rad/s or deg/s"):
+        open_source(f"recorded:{walk}?{query}")
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("recorded", "Say which recording"),
+        ("recorded:", "Say which recording"),
+        ("recorded:none.csv", "There is no file none.csv"),
+        ("simulated:wild", 'There is no simulated hand "wild". There is: clean, noisy'),
+        ("phidget:first", "phidget:SERIAL"),
+        ("telepathy", 'There is no sensor "telepathy". There is: '),
+        ("", 'There is no sensor "". There is: '),
+    ],
+)
+def test_a_name_that_is_none_is_told_with_what_there_is(name: str, said: str) -> None:
+    with pytest.raises(SourceError) as caught:
+        open_source(name)
+    assert said in str(caught.value)
+
+
+@pytest.mark.usefixtures("_plugins")
+def test_a_plug_in_is_opened_by_its_name_with_the_text_after_the_colon() -> None:
+    assert isinstance(open_source("camera:473001"), PhidgetSource)
+    assert source_names() == ["absent", "camera", "faulty", "hollow", "phidget", "recorded", "simulated"]
+
+
+@pytest.mark.usefixtures("_plugins")
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("camera:first", "phidget:SERIAL"),
+        ("hollow:x", "is no source: it lacks start, stop, zero, info."),
+        ("faulty:luck", "cannot be loaded: RuntimeError: no luck today."),
+        ("absent", "cannot be loaded: AttributeError"),
+    ],
+)
+def test_a_plug_in_that_does_not_work_is_told(name: str, said: str) -> None:
+    with pytest.raises(SourceError) as caught:
+        open_source(name)
+    assert said in str(caught.value)
+
+
+def test_the_names_that_ship_are_always_there() -> None:
+    assert {"phidget", "recorded", "simulated"} <= set(source_names())
+
+
+def test_to_know_the_names_no_driver_is_loaded() -> None:
+    look = "import sys, sar_tui.inputs.sources as s; s.open_source('phidget'); print('Phidget22' in sys.modules)"
+    run: Any = subprocess.run([sys.executable, "-c", look], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "False"
