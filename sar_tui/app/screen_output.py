@@ -9,6 +9,7 @@ from sar_tui.framework.messages import (
     OutputReport,
     Prompt,
     PromptVoided,
+    ReachPerceived,
     SessionEnded,
     Shown,
     TrialEnded,
@@ -20,6 +21,7 @@ from sar_tui.framework.topics import (
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
     PROMPT,
+    REACH,
     REPORT,
     SESSION_ENDED,
     SHOWN,
@@ -40,6 +42,9 @@ class Stage(Protocol):
 
     def begin_attempt(self, started: AttemptStarted) -> None:
         """An attempt begins: be quiet from here on."""
+
+    def reached(self, reach: ReachPerceived) -> None:
+        """A reach was seen; it may be shown when the attempt is over."""
 
     def progress(self, done: int) -> None:
         """So many trials of the attempt are done."""
@@ -75,6 +80,10 @@ class ScreenOutput(Node):
     def shown(self, shown: Shown) -> None:
         """The stage tells when a prompt reached the terminal; from any thread."""
         self.bus.post(SHOWN, shown)
+
+    @on(REACH)
+    def reach_perceived(self, reach: ReachPerceived) -> None:
+        self._stage.reached(reach)
 
     @on(TRIAL)
     def trial_ended(self, trial: TrialEnded) -> None:

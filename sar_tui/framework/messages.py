@@ -174,7 +174,9 @@ class ReachPerceived(Percept, frozen=True, kw_only=True):
 
     ``onset``, ``turn``, ``end`` in ns. ``closed``: what told that it was over: ``key``, ``stillness``, ``timeout``.
     ``details``: what was measured of it. ``flags``: what to beware of. ``invalid``: why nothing can be said of it,
-    so that it has to be done again; empty where something can.
+    so that it has to be done again; empty where something can. ``trace``: how fast the hand turned about the reach's
+    axis, rad/s, out is positive; ``trace_hz`` values a second, the first at ``trace_from`` (ns): to be drawn, not
+    to be analysed.
     """
 
     onset: int | None = None
@@ -184,6 +186,9 @@ class ReachPerceived(Percept, frozen=True, kw_only=True):
     details: Json = {}
     flags: tuple[str, ...] = ()
     invalid: str = ""
+    trace: tuple[float, ...] = ()
+    trace_hz: float = 0.0
+    trace_from: int = 0
 
 
 class Waiting(Message, frozen=True, kw_only=True):

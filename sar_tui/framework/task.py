@@ -223,6 +223,7 @@ class Task(ABC):
     name: ClassVar[str]
     title: ClassVar[str]
     summary: ClassVar[str] = ""
+    trials: ClassVar[str] = "Prompts"
     version: ClassVar[str] = "1"
     metric: ClassVar[Metric]
     Parameters: ClassVar[type[TaskParameters]] = TaskParameters
@@ -283,8 +284,8 @@ class Task(ABC):
         return ""
 
     def start(self, level: int) -> str:
-        """How to start a trial, in the participant's words, where there is a ``start_key``."""
-        return f"Press {self.start_key.capitalize()} when you are ready."
+        """What the participant has to heed before starting a trial, where there is a ``start_key``."""
+        return "Start when you are ready."
 
     @abstractmethod
     def stimulus(self, situation: Situation) -> Stimulus:

@@ -42,6 +42,7 @@ class ReachingTask(Task):
     name = "reaching"
     title = "Reaching"
     summary = "Reach out to a marker and back, as fast as you can, with a sensor on your hand."
+    trials = "Reaches"
     metric = Metric("reach_time", unit="ms", better="lower", improved="faster", worsened="slower")
     Parameters = ReachingParameters
     Details = ReachDetails
@@ -132,7 +133,8 @@ class ReachingTask(Task):
         return f"Now reach to {self._marker(level)}"
 
     def start(self, level: int) -> str:
-        return f"Hand at the start. Press Space, then reach to {self._marker(level)}."
+        first = "When you see GO, reach" if self.parameters.go_signal else "Then reach"
+        return f"Rest your hand at the start.\n{first} to {self._marker(level)} and back."
 
     def _marker(self, level: int) -> str:
         far = f"{self.marker_cm(level):g} cm"

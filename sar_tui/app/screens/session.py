@@ -2,6 +2,7 @@
 
 import asyncio
 import functools
+from collections import deque
 from collections.abc import Callable
 from typing import Any, ClassVar
 
@@ -16,6 +17,7 @@ from sar_tui.app.live import LiveSession
 from sar_tui.app.quiet import Quiet
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
+from sar_tui.app.screens.words import Words, words
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
     Action,
@@ -23,11 +25,13 @@ from sar_tui.framework.messages import (
     AttemptStarted,
     Operator,
     Prompt,
+    ReachPerceived,
     Recall,
     SessionEnded,
     Shown,
     Waiting,
 )
+from sar_tui.framework.task import Mark
 from sar_tui.framework.topics import RECALL
 from sar_tui.widgets.agent import Agent
 from sar_tui.widgets.big_prompt import BigPrompt
@@ -56,12 +60,17 @@ class SessionScreen(Screen[None]):
         self._quiet = Quiet()
         self._waiting: Waiting | None = None
         self._last_key = ("", 0.0)
+        self._shown = "message"
+        self._traces: deque[ReachPerceived] = deque(maxlen=3)
 
     @property
     def help_text(self) -> str:
-        """What the task asks for, and how to pause."""
-        instructions = self._live.run.session.task.instructions()
-        return f"{instructions}\n\nWhen a screen asks you to, press Enter. To pause, press Escape; nothing is lost.\n"
+        """What the task asks for, how to pause, and how a therapist marks a trial."""
+        task = self._live.run.session.task
+        pause = "When a screen asks you to, press Enter. To pause, press Escape; nothing is lost.\n"
+        marks = ", ".join(f"{mark.key.upper()} {mark.title.lower()}" for mark in task.marks)
+        therapist = f"\nFor the therapist, during or after a trial: {marks}.\n" if marks else ""
+        return f"{task.instructions()}\n\n{pause}{therapist}"
 
     def compose(self) -> ComposeResult:
         session = self._live.run.session
@@ -108,7 +117,16 @@ class SessionScreen(Screen[None]):
         if event.key not in ("escape", "f1", "ctrl+p"):
             event.stop()
             event.prevent_default()
+        for mark in self._live.run.session.task.marks:
+            if event.key == mark.key:
+                self._mark(mark)
+                return
         self._live.keyboard.pressed(event.key, event.character, self._live.stamp(event.time), self._quiet.lag)
+
+    def _mark(self, mark: Mark) -> None:
+        """The therapist says something of the trial under way, or of the last."""
+        self._live.operate(Operator(command="mark", actor="therapist", reason=mark.name))
+        self.query_one("#where", Static).update(f"Marked: {mark.title.lower()}")
 
     def _is_repeat(self, event: events.Key) -> bool:
         """Whether a key is held or bounces, as perception judges it; the Enter before the summary must not close it."""
@@ -152,6 +170,8 @@ class SessionScreen(Screen[None]):
             asyncio.get_running_loop().call_later(_LOOK_AFTER, self._look_at_stamp, tell, stamps, unseen_at)
         else:
             self.call_after_refresh(self._refreshed, tell)
+        if self._shown != "prompt":
+            self._stage("prompt")
         self.query_one(BigPrompt).show(prompt.glyph, prompt.text, prompt.hint)
 
     def _look_at_stamp(self, tell: Callable[..., Shown], stamps: list[int], unseen_at: int) -> None:
@@ -175,6 +195,9 @@ class SessionScreen(Screen[None]):
         self._quiet.begin_attempt()
         self.query_one(Agent).say("", "listening")
 
+    def reached(self, reach: ReachPerceived) -> None:
+        self._traces.append(reach)
+
     def progress(self, done: int) -> None:
         self._count(done)
 
@@ -194,33 +217,18 @@ class SessionScreen(Screen[None]):
             if waiting.what == "response":
                 self._quiet.begin_trial()
             return
-        match waiting.stage:
-            case "instructions":
-                self._message("Welcome", self._live.run.session.task.instructions(), "Press Enter to go on.")
-            case "attempt":
-                headline = waiting.attempt_name.capitalize()
-                self._message(headline, waiting.goal, f"Press Enter to begin {waiting.attempt_name}.")
-                self._where(waiting)
-            case "review":
-                self._message("You have done it", "That was the last attempt.", "Press Enter to see how it went.")
-                self._where(waiting)
-                self._count(waiting.trial - 1)
-            case "trial" if entered:
-                self._begin_trials(waiting)
-            case "paused":
-                self._paused(waiting)
-            case "broken":
-                self._message(
-                    "Please fetch the experimenter",
-                    "Something went wrong in this task, so the session has stopped.\nEverything you did is kept.",
-                    "Press Enter to close.",
-                )
-            case "ended" if waiting.reason == "storage":
-                self._ask_for_space(waiting.detail)
-            case "trial" if waiting.reason == "held":
-                self.query_one(Agent).say("Please let go of the keys for a moment.", "listening")
-            case "ended" if waiting.what == "storage":
-                self._message("Finished", "Your results are being saved.", "")
+        said = words(waiting, self._live.run.session.task)
+        if waiting.reason == "held":
+            self.query_one(Agent).say("Please let go of the keys for a moment.", "listening")
+        elif said is not None:
+            self._tell(waiting, said)
+        elif waiting.stage == "trial" and (entered or self._shown != "prompt"):
+            self._begin_trials(waiting)
+        elif waiting.stage == "paused":
+            self._where(waiting)
+            self._count(waiting.trial - 1)
+            self.query_one(PauseMenu).open(waiting.reason)
+            self._stage("menu")
 
     def end(self, ended: SessionEnded) -> None:
         session = self._live.run.session
@@ -237,41 +245,20 @@ class SessionScreen(Screen[None]):
         self.query_one(Agent).say("", "listening")
         self._stage("prompt")
 
-    def _paused(self, waiting: Waiting) -> None:
-        self._where(waiting)
-        self._count(waiting.trial - 1)
-        match waiting.reason:
-            case "interrupted":
-                self._message(
-                    "Welcome back",
-                    f"We go on with {waiting.attempt_name}. {waiting.goal}",
-                    "Press Enter to go on.",
-                )
-            case "storage":
-                self._ask_for_space(waiting.detail)
-            case "restored":
-                self._message("Thank you for waiting", "Everything is saved again.", "Press Enter to go on.")
-            case reason:
-                self.query_one(PauseMenu).open(reason)
-                self._stage("menu")
-
-    def _ask_for_space(self, detail: str) -> None:
-        self._message(
-            "Please fetch the experimenter",
-            "The computer cannot save just now, so the session has paused.\n"
-            "Everything you did is kept.\n\n"
-            f"For the experimenter: {detail or 'The disk refuses to write.'}\n"
-            "When it can be saved again, the session can go on.",
-            "",
-        )
-
-    def _message(self, headline: str, text: str, enter: str) -> None:
-        self.query_one("#headline", Static).update(headline)
-        self.query_one("#text", Static).update(text)
-        self.query_one("#enter", Static).update(enter)
+    def _tell(self, waiting: Waiting, said: Words) -> None:
+        """Say what is waited for, and how far the session has come."""
+        if waiting.stage in ("attempt", "review", "trial", "paused"):
+            self._where(waiting)
+        if waiting.stage in ("review", "trial", "paused"):
+            self._count(waiting.trial - 1)
+        if waiting.stage == "trial":
+            self.query_one(Agent).say("", "listening")
+        for name, text in (("#headline", said.headline), ("#text", said.text), ("#enter", said.press)):
+            self.query_one(name, Static).update(text)
         self._stage("message")
 
     def _stage(self, name: str) -> None:
+        self._shown = name
         self.query_one("#stage", ContentSwitcher).current = name
         menu = self.query_one(PauseMenu)
         self.set_focus(menu if name == "menu" else None)
@@ -296,7 +283,8 @@ class SessionScreen(Screen[None]):
         self.query_one("#attempts", ProgressLine).tell(kind, done, total)
 
     def _count(self, done: int) -> None:
-        self.query_one("#trials", ProgressLine).tell("Prompts", done, self._live.run.session.task.trials_per_attempt)
+        task = self._live.run.session.task
+        self.query_one("#trials", ProgressLine).tell(task.trials, done, task.trials_per_attempt)
 
     def _broken(self, error: str) -> None:
         """The task raised: nothing is lost, but it cannot go on."""

@@ -1,0 +1,80 @@
+"""Where a movement begins and ends, to a few milliseconds: the flank of its speed extrapolated to zero."""
+
+import numpy as np
+
+from sar_tui.motion.samples import Floats
+
+LOW, HIGH = 0.08, 0.35
+HIGHEST_LOW = 0.2
+PROMINENT = 0.2
+FALL = 0.6
+POINTS = 24
+TAIL = 0.02
+
+
+def first_peak(speed: Floats) -> int:
+    """Where a phase's first submovement is fastest: before a fall to 60 %, and at least 20 % of the phase's peak."""
+    highest = np.maximum.accumulate(speed)
+    fallen = np.flatnonzero((speed < FALL * highest) & (highest >= PROMINENT * highest[-1]))
+    return int(speed[: fallen[0] if len(fallen) else len(speed)].argmax())
+
+
+def onset(time_s: Floats, speed: Floats, floor: float = 0.0) -> float:
+    """When a movement began that is fastest at the end of ``speed``. For an end, give both arrays reversed.
+
+    After Botzer & Karniel (2009), Front Neurosci 3:320-329: the square root of the speed grows evenly from the onset,
+    so a line through it, here between 8 and 35 % of the peak, leads back to the onset. A minimum-jerk speed is
+    peak · (4u(1 − u))² of the share u of its time, so u = (1 − √(1 − √(speed / peak))) / 2, which is even all the way;
+    the line is fitted to that. It saves the root's own 2 % of the lobe, at either end.
+
+    A movement may trail off more slowly than that: it lasts as long as its speed stays above 2 % of the peak (a bound
+    of Alt Murphy, Willén & Sunnerhagen 2011, Neurorehabil Neural Repair 25:71-80) and above three times the noise.
+    One that moves fast from the first sample began there.
+
+    Args:
+        time_s: shape (n,), rising or falling.
+        speed: shape (n,), at least 0, its largest value last.
+        floor: what noise leaves at rest; the fit begins above it.
+    """
+    if len(speed) < 3 or speed[-1] <= 0:
+        return float(time_s[0])
+    relative = speed / speed[-1]
+    low = min(max(floor / float(speed[-1]), LOW), HIGHEST_LOW)
+    below = np.flatnonzero(relative < low)
+    if not len(below) and relative[0] > HIGHEST_LOW:
+        return float(time_s[0])
+    first = int(below[-1]) if len(below) else 0
+    rise = np.maximum.accumulate(relative[first:]) + 1e-9 * np.arange(len(relative) - first)
+    root = np.linspace(np.sqrt(max(low, rise[0])), np.sqrt(max(low, rise[0]) + HIGH - LOW), POINTS)
+    when = np.interp(root**2, rise, time_s[first:])
+    share = (1.0 - np.sqrt(np.maximum(1.0 - root, 0.0))) / 2.0
+    centred = share - share.mean()
+    slope = float(centred @ when / (centred @ centred))
+    start = float(when.mean()) - slope * float(share.mean())
+    over = np.flatnonzero(relative < max(TAIL, 3.0 * floor / float(speed[-1])))
+    trail = float(time_s[over[-1]]) if len(over) else float(time_s[0])
+    return min(start, trail) if slope > 0 else max(start, trail)
+
+
+def edges(
+    time_s: Floats, speed: Floats, calm: Floats, first: int, last: int, margin: int, floor: float
+) -> tuple[float, float]:
+    """When a phase begins and ends that lies about samples ``first`` to ``last``.
+
+    Args:
+        time_s: shape (n,), evenly spaced.
+        speed: shape (n,), the phase's direction positive, smoothed lightly.
+        calm: the same, smoothed more: for finding the first and the last submovement.
+        first, last: a first guess, in samples.
+        margin: how far outside of it the phase may begin and end, in samples.
+        floor: what noise leaves of the speed at rest.
+    """
+    rising = first + first_peak(calm[first:last])
+    falling = last - 1 - first_peak(calm[first:last][::-1])
+    way_in = slice(max(0, first - margin), rising + 1)
+    way_out = slice(falling, min(len(speed), last + margin))
+    ahead = np.maximum(speed, 0.0)
+    return (
+        onset(time_s[way_in], ahead[way_in], floor),
+        onset(time_s[way_out][::-1], ahead[way_out][::-1], floor),
+    )

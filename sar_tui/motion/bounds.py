@@ -1,0 +1,41 @@
+"""What a detector finds: when a reach begins, turns and ends, and about which axis."""
+
+from typing import Literal, NamedTuple
+
+import msgspec
+
+from sar_tui.motion.samples import Floats
+
+Hand = Literal["left", "right"]
+"""The hand that wears the sensor, its z out of the back of it."""
+
+OUTWARDS: dict[Hand, float] = {"right": 1.0, "left": -1.0}
+"""The sign of the rotation about z on the way out (the thesis' Figure 4.8 is of a right hand)."""
+
+
+class Bounds(msgspec.Struct, frozen=True, kw_only=True):
+    """The times of one reach, in s since the recording's origin.
+
+    ``arrival_s`` and ``departure_s``: when the hand comes to the target and leaves it; the same, or the wrong way
+    round by a little, where it does not rest there. ``axis``: unit vector in the sensor's axes; turning about it is
+    positive on the way out. ``flags``: see Reach.
+    """
+
+    onset_s: float
+    arrival_s: float
+    departure_s: float
+    end_s: float
+    axis: tuple[float, float, float]
+    flags: tuple[str, ...] = ()
+
+
+class Detected(NamedTuple):
+    """What a detector made of a recording: the angular rate it went by, and the reaches in it.
+
+    ``time_s``: shape (n,), evenly spaced. ``rate``: shape (n, 3), rad/s, without the bias if the detector removes it.
+    """
+
+    time_s: Floats
+    rate: Floats
+    rate_hz: float
+    reaches: tuple[Bounds, ...]

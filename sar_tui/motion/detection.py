@@ -1,0 +1,50 @@
+"""Reaches in a recording, by a detector of one's choice, measured."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import msgspec
+
+from sar_tui.motion import robust, thesis
+from sar_tui.motion.bounds import Detected, Hand
+from sar_tui.motion.measures import measure
+from sar_tui.motion.reach import Reach
+from sar_tui.motion.samples import Recording
+
+
+class Detector(NamedTuple):
+    """A way to find reaches. ``version`` changes whenever its results may."""
+
+    version: str
+    parameters: type[msgspec.Struct]
+    find: Callable[[Recording, Any, Hand], Detected]
+
+
+DETECTORS: dict[str, Detector] = {
+    "robust": Detector("1", robust.RobustParameters, robust.find),
+    "thesis": Detector("1", thesis.ThesisParameters, thesis.find),
+}
+
+
+def detect(
+    recording: Recording, detector: str = "robust", parameters: msgspec.Struct | None = None, hand: Hand = "right"
+) -> tuple[Reach, ...]:
+    """The reaches in a recording, in the order of time.
+
+    Args:
+        recording: what the sensor measured; with at least a second of rest before the reach, for the best result.
+        detector: a name in ``DETECTORS``.
+        parameters: of that detector's type; its defaults if None.
+        hand: the hand that wears the sensor.
+
+    Raises ValueError for an unknown detector, parameters of another one, or fewer samples a second than it needs.
+    """
+    chosen = DETECTORS.get(detector)
+    if chosen is None:
+        raise ValueError(f"There is no detector named {detector!r}; there are: {', '.join(DETECTORS)}.")
+    if parameters is not None and not isinstance(parameters, chosen.parameters):
+        raise ValueError(
+            f"The detector {detector!r} takes {chosen.parameters.__name__}, not {type(parameters).__name__}."
+        )
+    inherited = tuple(flag for flag in recording.flags if flag != "gap")
+    return measure(chosen.find(recording, parameters, hand), inherited)

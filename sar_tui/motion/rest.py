@@ -1,0 +1,132 @@
+"""What a sensor shows while the hand rests: its bias, its noise, the hand's tremor."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from sar_tui.motion.filters import smooth
+from sar_tui.motion.samples import Floats
+
+SLOW_HZ = 2.5
+"""Wilful movement shows below this, tremor above it."""
+
+STILL_RAD_S = 0.05
+"""A hand is still where what is below ``SLOW_HZ`` varies by less (standard deviation, all axes together), rad/s."""
+
+STEADY_RAD_S = 0.06
+"""A bias does not change by more from one rest to the next, rad/s: what is further off is a slow, steady movement."""
+
+STEP_S = 0.1
+NEARBY_S = 2.0
+TREMOR_HZ = (3.0, 12.0)
+TREMOR_RAD_S = 0.03
+PEAKED = 4.0
+SPECTRA = 40
+
+
+class Rest(NamedTuple):
+    """The rest in a recording of n samples.
+
+    ``bias``: shape (n, 3), rad/s, from the rests nearby. ``still``: shape (n,), where the hand rests. ``whole``:
+    whether it does so for as long as it should. ``tremor_hz``: the tremor's frequency at rest, None for no tremor.
+    """
+
+    bias: Floats
+    still: npt.NDArray[np.bool_]
+    whole: bool
+    tremor_hz: float | None
+
+
+def find_rest(rate: Floats, rate_hz: float, rest_s: float) -> Rest:
+    """Find where the hand rests for ``rest_s`` or longer, and what the sensor shows there.
+
+    A rest is a window in which the slow part of the rate is steady, at a level that agrees with the others. Where
+    none is so long, shorter ones are taken, down to a quarter. Where nothing is still, the bias is the mean of all:
+    that is right for a hand that has come back to where it began.
+
+    Args:
+        rate: angular rate on a uniform grid, shape (n, 3), rad/s.
+        rate_hz: samples a second.
+        rest_s: how long the hand should rest.
+    """
+    slow = smooth(rate, rate_hz, SLOW_HZ)
+    for share in (1.0, 0.5, 0.25):
+        size = max(2, round(share * rest_s * rate_hz))
+        begins = np.arange(0, len(rate) - size + 1, max(1, round(STEP_S * rate_hz)))
+        mean, spread = _windows(slow, begins, size)
+        steady = np.flatnonzero(spread < np.clip(2.0 * spread.min(initial=STILL_RAD_S), STILL_RAD_S / 4, STILL_RAD_S))
+        if len(steady):
+            kept = _inner(steady[_agreeing(mean[steady])], len(begins))
+            return _rest(rate, rate_hz, begins[kept], mean[kept], size, share == 1.0)
+    nowhere = np.zeros(len(rate), dtype=bool)
+    return Rest(np.tile(rate.mean(axis=0), (len(rate), 1)), nowhere, False, None)
+
+
+def _rest(rate: Floats, rate_hz: float, begins: npt.NDArray[np.int_], levels: Floats, size: int, whole: bool) -> Rest:
+    """The rest in windows of ``size`` samples at ``begins``, with these ``levels``."""
+    still = np.zeros(len(rate), dtype=bool)
+    for begin in begins:
+        still[begin : begin + size] = True
+    nearby = _running_mean(levels, round(NEARBY_S / STEP_S))
+    bias = np.column_stack([np.interp(np.arange(len(rate)), begins + size / 2, axis) for axis in nearby.T])
+    return Rest(bias, still, whole, _tremor_hz(rate, begins, size, rate_hz))
+
+
+def _windows(x: Floats, begins: npt.NDArray[np.int_], size: int) -> tuple[Floats, Floats]:
+    """Mean of each axis, shape (k, 3), and standard deviation of all together, shape (k,), in each window."""
+    centred = x - x.mean(axis=0)
+    sums = np.concatenate((np.zeros((1, 3)), np.cumsum(centred, axis=0)))
+    squares = np.concatenate(([0.0], np.cumsum((centred**2).sum(axis=1))))
+    mean = (sums[begins + size] - sums[begins]) / size
+    variance = (squares[begins + size] - squares[begins]) / size - (mean**2).sum(axis=1)
+    return mean + x.mean(axis=0), np.sqrt(np.maximum(variance, 0.0))
+
+
+def _agreeing(levels: Floats) -> npt.NDArray[np.int_]:
+    """Which of the levels, shape (k, 3), belong to one bias that changes slowly: the one that most agree with."""
+    some = levels[:: max(1, len(levels) // 200)]
+    agreement = (np.linalg.norm(some[:, None] - some[None], axis=2) < STEADY_RAD_S).sum(axis=1)
+    anchor = int(np.linalg.norm(levels - some[agreement.argmax()], axis=1).argmin())
+    kept = [anchor]
+    for order in (range(anchor + 1, len(levels)), range(anchor - 1, -1, -1)):
+        near = levels[anchor]
+        for index in order:
+            if np.linalg.norm(levels[index] - near) < STEADY_RAD_S:
+                kept.append(index)
+                near = 0.8 * near + 0.2 * levels[index]
+    return np.array(sorted(kept))
+
+
+def _inner(kept: npt.NDArray[np.int_], count: int) -> npt.NDArray[np.int_]:
+    """The windows that are not the first or last two of a rest, next to movement; all if no others are left."""
+    calm = np.zeros(count + 4, dtype=bool)
+    calm[:2] = calm[-2:] = True
+    calm[kept + 2] = True
+    inner = kept[calm[kept] & calm[kept + 1] & calm[kept + 3] & calm[kept + 4]]
+    return inner if len(inner) else kept
+
+
+def _running_mean(levels: Floats, reach: int) -> Floats:
+    """The mean of each level and up to ``reach`` on either side of it."""
+    sums = np.concatenate((np.zeros((1, 3)), np.cumsum(levels, axis=0)))
+    index = np.arange(len(levels))
+    first, last = np.maximum(index - reach, 0), np.minimum(index + reach + 1, len(levels))
+    mean: Floats = (sums[last] - sums[first]) / (last - first)[:, None]
+    return mean
+
+
+def _tremor_hz(rate: Floats, begins: npt.NDArray[np.int_], size: int, rate_hz: float) -> float | None:
+    """Where the mean spectrum of the rests has a peak of tremor: well above what is around it, and not tiny."""
+    some = begins[:: max(1, len(begins) // SPECTRA)]
+    windows = rate[some[:, None] + np.arange(size)]
+    bell = np.hanning(size)[:, None]
+    windows = (windows - windows.mean(axis=1, keepdims=True)) * bell
+    amplitude = np.abs(np.fft.rfft(windows, 4 * size, axis=1)) * (2 / bell.sum())
+    spectrum = np.sqrt((amplitude**2).sum(axis=2).mean(axis=0))
+    frequency = np.fft.rfftfreq(4 * size, 1 / rate_hz)
+    band = (frequency >= TREMOR_HZ[0]) & (frequency <= TREMOR_HZ[1])
+    peak = float(spectrum[band].max(initial=0.0))
+    if peak <= max(TREMOR_RAD_S, PEAKED * float(np.median(spectrum[band]))):
+        return None
+    return float(frequency[band][spectrum[band].argmax()])

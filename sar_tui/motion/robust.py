@@ -1,0 +1,175 @@
+"""Reaches found in spite of a sensor's bias and noise, a hand's tremor and pauses, and however the sensor is worn."""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from sar_tui.motion.boundaries import edges
+from sar_tui.motion.bounds import OUTWARDS, Bounds, Detected, Hand
+from sar_tui.motion.filters import LOW_RATE, smooth, usable_cutoff
+from sar_tui.motion.grid import Grid, even
+from sar_tui.motion.phases import pairs, phases, principal_axis
+from sar_tui.motion.rest import SLOW_HZ, find_rest
+from sar_tui.motion.samples import Floats, Recording
+
+CALM_HZ = 5.0
+MARGIN_S = 1.0
+ACROSS = math.cos(math.radians(80))
+"""An axis further than 80° from z says nothing of the hand's side: what comes first is the way out."""
+
+
+class RobustParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """What counts as movement, and what as a reach.
+
+    Args:
+        cutoff_hz: what is faster is not seen (a Butterworth low-pass of second order).
+        rest_s: a hand that is still for so long rests; the sensor's bias and noise are taken from there.
+        begin_rad_s: movement gets faster than this; more where the hand is not as quiet at rest.
+        end_rad_s: movement lasts as long as it is faster than this.
+        least_rad: the way out and the way back each turn the hand at least so far; a twitch does not.
+        shortest_s: and each lasts at least so long.
+        pause_s: a pause in one direction shorter than this divides no phase.
+        dwell_s: a rest at the target no longer than this divides no reach.
+        longest_s: a reach that lasts longer is ended there.
+    """
+
+    cutoff_hz: float = 8.0
+    rest_s: float = 1.0
+    begin_rad_s: float = 0.1
+    end_rad_s: float = 0.05
+    least_rad: float = 0.1
+    shortest_s: float = 0.12
+    pause_s: float = 0.5
+    dwell_s: float = 2.0
+    longest_s: float = 15.0
+
+
+class _Motion(NamedTuple):
+    """A recording without its bias, smoothed much, to see phases in, and little, to time them by."""
+
+    grid: Grid
+    slow: Floats
+    light: Floats
+    still: npt.NDArray[np.bool_]
+    rested: bool
+    begin: float
+    end: float
+
+
+def find(recording: Recording, parameters: RobustParameters | None = None, hand: Hand = "right") -> Detected:
+    """The reaches in a recording, from the whole of it.
+
+    Rest gives the bias, the noise and the tremor's frequency. Without them, phases of movement show in what is slower
+    than 2.5 Hz, about their principal axis; two that are opposite and alike are a reach. Its boundaries come from what
+    is slower than ``cutoff_hz``.
+
+    Flags: ``no_rest`` (nothing was still before it: its bias is a guess), ``gap`` (over 100 ms of samples are missing
+    in it), ``cut`` (the recording begins or ends in it), ``timed_out``, ``reversed`` (out is not the way that this
+    hand reaches out), ``low_rate`` (too few samples a second for ``cutoff_hz``: it was lowered).
+
+    Raises ValueError for fewer than 20 samples a second.
+    """
+    parameters = parameters or RobustParameters()
+    grid = even(recording)
+    if len(grid.time_s) < 2:
+        return Detected(grid.time_s, grid.rate, grid.rate_hz, ())
+    cutoff = usable_cutoff(parameters.cutoff_hz, grid.rate_hz)
+    rest = find_rest(grid.rate, grid.rate_hz, parameters.rest_s)
+    rate = grid.rate - rest.bias
+    slow = smooth(rate, grid.rate_hz, SLOW_HZ, rest.tremor_hz)
+    speed = np.linalg.norm(slow, axis=1)
+    floor = _percentile(speed[rest.still], 99)
+    motion = _Motion(
+        grid=grid,
+        slow=slow,
+        light=smooth(rate, grid.rate_hz, cutoff, rest.tremor_hz),
+        still=rest.still,
+        rested=rest.whole,
+        begin=max(parameters.begin_rad_s, 2.0 * floor),
+        end=max(parameters.end_rad_s, 1.2 * floor),
+    )
+    reaches = tuple(
+        reach
+        for group in _groups(speed > motion.begin, parameters.dwell_s * grid.rate_hz)
+        for reach in _reaches(motion, group, parameters, hand)
+    )
+    return Detected(grid.time_s, rate, grid.rate_hz, reaches)
+
+
+def _groups(moving: npt.NDArray[np.bool_], longest: float) -> Iterator[slice]:
+    """Stretches of movement that no rest longer than ``longest`` samples divides."""
+    index = np.flatnonzero(moving)
+    for part in np.split(index, np.flatnonzero(np.diff(index) > longest) + 1):
+        if len(part):
+            yield slice(int(part[0]), int(part[-1]) + 1)
+
+
+def _reaches(motion: _Motion, group: slice, parameters: RobustParameters, hand: Hand) -> Iterator[Bounds]:
+    """The reaches in one stretch of movement, about its principal axis."""
+    rate_hz = motion.grid.rate_hz
+    axis = principal_axis(motion.slow[group])
+    sided = abs(axis[2]) > ACROSS
+    if sided:
+        axis = axis * math.copysign(1.0, axis[2] * OUTWARDS[hand])
+    margin = round(MARGIN_S * rate_hz)
+    around = slice(max(0, group.start - margin), group.stop + margin)
+    time, slow, light = motion.grid.time_s[around], motion.slow[around] @ axis, motion.light[around] @ axis
+    calm = smooth(light[:, None], rate_hz, CALM_HZ)[:, 0]
+    floor = _percentile(np.abs(motion.light[motion.still] @ axis), 95)
+    found = phases(
+        slow,
+        rate_hz,
+        begin=motion.begin,
+        end=motion.end,
+        least_rad=parameters.least_rad,
+        shortest_s=parameters.shortest_s,
+        pause_s=parameters.pause_s,
+    )
+    for out, back in pairs(found, rate_hz, parameters.dwell_s):
+        sign = math.copysign(1.0, out.angle)
+        onset, arrival = edges(time, sign * light, sign * calm, out.first, out.last, margin, floor)
+        departure, end = edges(time, -sign * light, -sign * calm, back.first, back.last, margin, floor)
+        x, y, z = (sign * axis).tolist()
+        bounds = Bounds(
+            onset_s=max(onset, float(time[0])),
+            arrival_s=arrival,
+            departure_s=departure,
+            end_s=min(end, float(time[-1])),
+            axis=(x, y, z),
+            flags=("reversed",) if sided and sign < 0 else (),
+        )
+        yield _checked(bounds, motion, out.first + around.start, back.last + around.start, parameters)
+
+
+def _checked(bounds: Bounds, motion: _Motion, first: int, last: int, parameters: RobustParameters) -> Bounds:
+    """The reach between two samples with its flags, ended if it is too long."""
+    grid = motion.grid
+    end_s = max(bounds.onset_s, bounds.end_s)
+    flags = list(bounds.flags)
+    if not motion.rested or not (motion.still & (grid.time_s < bounds.onset_s)).any():
+        flags.append("no_rest")
+    if first == 0 or last == len(grid.time_s):
+        flags.append("cut")
+    if end_s - bounds.onset_s > parameters.longest_s:
+        flags.append("timed_out")
+        end_s = bounds.onset_s + parameters.longest_s
+    if grid.gap(bounds.onset_s, end_s):
+        flags.append("gap")
+    if grid.rate_hz < LOW_RATE * parameters.cutoff_hz:
+        flags.append("low_rate")
+    return msgspec.structs.replace(
+        bounds,
+        end_s=end_s,
+        arrival_s=min(max(bounds.arrival_s, bounds.onset_s), end_s),
+        departure_s=min(max(bounds.departure_s, bounds.onset_s), end_s),
+        flags=tuple(flags),
+    )
+
+
+def _percentile(x: Floats, share: float) -> float:
+    """A percentile; 0 of nothing."""
+    return float(np.percentile(x, share)) if len(x) else 0.0

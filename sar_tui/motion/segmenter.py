@@ -1,0 +1,193 @@
+"""Movement as it happens: whether the hand moves, how long it has been still, and whether it came back."""
+
+import math
+from collections import deque
+
+from sar_tui.motion.filters import Lowpass, usable_cutoff
+from sar_tui.motion.rest import SLOW_HZ, STEADY_RAD_S, STILL_RAD_S
+from sar_tui.motion.robust import RobustParameters
+from sar_tui.motion.samples import Floats
+
+BLOCK_S = 0.1
+BACK = 0.35
+LONGEST_STEP_S = 0.1
+CLEAR = 1.5
+EARLY_S = 0.5
+NEWEST = 2
+SPREADS = 2.0
+
+Vector = tuple[float, float, float]
+
+
+class _Block:
+    """A tenth of a second summed up: of fast and slow rates, and whether the hand moved in it."""
+
+    __slots__ = ("count", "fast", "moved", "slow", "squares")
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.fast = [0.0, 0.0, 0.0]
+        self.slow = [0.0, 0.0, 0.0]
+        self.squares = [0.0, 0.0]
+        self.moved = False
+
+
+def _level(blocks: list[_Block]) -> Vector:
+    """The mean of the slow rate."""
+    count = sum(block.count for block in blocks)
+    x, y, z = (sum(block.slow[axis] for block in blocks) / count for axis in range(3))
+    return x, y, z
+
+
+def _spreads(blocks: list[_Block]) -> tuple[float, float]:
+    """Standard deviation of the fast and of the slow rate, all axes together."""
+    count = sum(block.count for block in blocks)
+    fast = sum((sum(block.fast[axis] for block in blocks) / count) ** 2 for axis in range(3))
+    slow = sum(level * level for level in _level(blocks))
+    squares = [sum(block.squares[which] for block in blocks) / count for which in (0, 1)]
+    return math.sqrt(max(0.0, squares[0] - fast)), math.sqrt(max(0.0, squares[1] - slow))
+
+
+class Segmenter:
+    """Tells movement from rest, sample by sample; for ending a trial, not for timing a reach.
+
+    Whatever the blocks that samples come in, its state after a sample is the same. It lags behind the hand,
+    because of its filters: by tens of milliseconds, or up to half a second where tremor or noise take a slower one.
+
+    Args:
+        rate_hz: samples a second; below 20 raises ValueError.
+        parameters: as for ``robust.find``.
+
+    Attributes:
+        moving: whether the hand moves.
+        still_for_s: for how long it has not been; 0 while it moves.
+        began_s: when the present movement, or else the last one, began; None before the first. Pauses at the target
+            are part of it.
+        returned: whether that movement has gone out and come back.
+    """
+
+    def __init__(self, rate_hz: float, parameters: RobustParameters | None = None) -> None:
+        self.parameters = parameters or RobustParameters()
+        cutoff = usable_cutoff(self.parameters.cutoff_hz, rate_hz)
+        self.moving = False
+        self.still_for_s = 0.0
+        self.began_s: float | None = None
+        self.returned = False
+        self._fast = [Lowpass(cutoff, rate_hz) for _ in range(3)]
+        self._slow = [Lowpass(SLOW_HZ, rate_hz) for _ in range(3)]
+        self._slower = [Lowpass(SLOW_HZ, rate_hz) for _ in range(3)]
+        self._block_size = max(1, round(BLOCK_S * rate_hz))
+        self._blocks: deque[_Block] = deque(maxlen=NEWEST + max(2, round(self.parameters.rest_s / BLOCK_S)))
+        self._block = _Block()
+        self._bias: Vector | None = None
+        self._rested = False
+        self._fast_floor = self._slow_floor = 0.0
+        self._last_s: float | None = None
+        self._stopped_s: float | None = None
+        self._moving_s = 0.0
+        self._turned = [0.0, 0.0, 0.0]
+        self._farthest = 0.0
+        self._returned_s = -math.inf
+
+    def has_reached(self, since_s: float) -> bool:
+        """Whether the hand has come back since then, in a movement that began no more than 0.5 s before."""
+        return self.returned and self._returned_s > since_s and (self.began_s or 0.0) > since_s - EARLY_S
+
+    def push(self, time_s: Floats, rate: Floats) -> None:
+        """Take samples: time in s, shape (n,); angular rate in rad/s, shape (n, 3). What is no number is skipped."""
+        for now, (x, y, z) in zip(time_s.tolist(), rate.tolist(), strict=True):
+            if math.isfinite(x + y + z):
+                self._sample(now, x, y, z)
+
+    def _sample(self, now: float, x: float, y: float, z: float) -> None:
+        step = 0.0 if self._last_s is None else min(now - self._last_s, LONGEST_STEP_S)
+        self._last_s = now
+        fast = (self._fast[0](x), self._fast[1](y), self._fast[2](z))
+        slow = (
+            self._slower[0](self._slow[0](x)),
+            self._slower[1](self._slow[1](y)),
+            self._slower[2](self._slow[2](z)),
+        )
+        self._bias = self._bias or slow
+        self._gate(fast, slow)
+        bias = self._bias
+        fast_speed, slow_speed = math.dist(fast, bias), math.dist(slow, bias)
+        least = self.parameters.begin_rad_s
+        shaking = 2.0 * self._fast_floor > CLEAR * least
+        speed, floor = (slow_speed, self._slow_floor) if shaking else (fast_speed, self._fast_floor)
+        if self.moving:
+            self._moving_s += step
+            if speed < max(self.parameters.end_rad_s, 1.2 * floor) or self._moving_s > self.parameters.longest_s:
+                self._stop(now)
+        elif speed > max(least, 2.0 * floor) and self._moving_s <= self.parameters.longest_s:
+            self._begin(now)
+        if not self.moving:
+            self._stopped_s = now if self._stopped_s is None else self._stopped_s
+            self.still_for_s = now - self._stopped_s
+        self._turn(slow, bias, step)
+
+    def _forget(self) -> None:
+        """As before the first movement."""
+        self.moving, self.began_s, self.returned = False, None, False
+        self._turned, self._farthest = [0.0, 0.0, 0.0], 0.0
+
+    def _begin(self, now: float) -> None:
+        """The hand moves; after a rest this is a new movement, and after one at the target if that was long."""
+        over = self.returned or self._farthest < self.parameters.least_rad
+        rested_s = self.parameters.pause_s if over else self.parameters.dwell_s
+        if self.began_s is None or self.still_for_s > rested_s:
+            self.began_s, self.returned = now, False
+            self._turned, self._farthest = [0.0, 0.0, 0.0], 0.0
+        self.moving, self.still_for_s, self._stopped_s, self._moving_s = True, 0.0, None, 0.0
+
+    def _stop(self, now: float) -> None:
+        """The hand rests, or has moved for so long that its bias must have changed: that is learnt at the next rest."""
+        self.moving, self._stopped_s = False, now
+        if self._moving_s > self.parameters.longest_s:
+            self._rested = False
+        else:
+            self._moving_s = 0.0
+
+    def _turn(self, slow: Vector, bias: Vector, step: float) -> None:
+        """Follow how far the hand has turned: it is back where that is little of what it was."""
+        if self.began_s is None or self.returned or (not self.moving and self.still_for_s > BLOCK_S):
+            return
+        for axis in range(3):
+            self._turned[axis] += (slow[axis] - bias[axis]) * step
+        angle = math.hypot(*self._turned)
+        self._farthest = max(self._farthest, angle)
+        if self._farthest >= self.parameters.least_rad and angle < BACK * self._farthest:
+            self.returned, self._returned_s = True, self._last_s or 0.0
+
+    def _gate(self, fast: Vector, slow: Vector) -> None:
+        """Learn bias and noise where the slow part has been steady for ``rest_s``, near the bias known so far."""
+        block = self._block
+        block.count += 1
+        block.moved = block.moved or self.moving
+        for axis in range(3):
+            block.fast[axis] += fast[axis]
+            block.slow[axis] += slow[axis]
+            block.squares[0] += fast[axis] * fast[axis]
+            block.squares[1] += slow[axis] * slow[axis]
+        if block.count < self._block_size:
+            return
+        self._blocks.append(block)
+        self._block = _Block()
+        if len(self._blocks) == self._blocks.maxlen:  # the newest may hold the start of a movement
+            self._learn([*self._blocks][:-NEWEST])
+
+    def _learn(self, blocks: list[_Block]) -> None:
+        """Take the level and the spread of a second for rest, if they can be.
+
+        At the first rest, what seemed to be movement before is forgotten: the bias was but a guess.
+        """
+        level, (fast, slow) = _level(blocks), _spreads(blocks)
+        if slow > STILL_RAD_S:
+            return
+        known = self._rested and self._bias is not None
+        if known and (any(block.moved for block in blocks) or math.dist(level, self._bias or level) > STEADY_RAD_S):
+            return
+        if not known:
+            self._forget()
+        self._bias, self._rested, self._moving_s = level, True, 0.0
+        self._fast_floor, self._slow_floor = SPREADS * fast, SPREADS * slow

@@ -1,0 +1,164 @@
+"""How smooth a movement is, from its speed profile, and how much of it is tremor.
+
+Each function takes one phase of a movement (out, or back), never both: the rest between them would count as jerk.
+None means that there is nothing to measure: the phase is too short, holds no movement, or a sample is not finite.
+"""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from sar_tui.motion.samples import Floats
+from sar_tui.motion.turns import turning_points
+
+_SHORTEST_S = 0.1
+_FEWEST_SAMPLES = 5
+_NO_JERK = 1e-12
+
+_SPECTRUM_HZ = 10.0
+_SPECTRUM_FLOOR = 0.05
+_SPECTRUM_PADDING = 4
+
+_JERK_HZ = 100.0
+
+_UNIT_RISE = 0.1
+_UNIT_APART_S = 0.15
+
+_TREMOR_HZ = (3.0, 12.0)
+_TREMOR_SHORTEST_S = 1.0
+_TREMOR_PADDING = 4
+
+
+def sparc(speed: Floats, rate_hz: float) -> float | None:
+    """Spectral arc length: minus the length of the normalised amplitude spectrum of speed; nearer 0 is smoother.
+
+    After Balasubramanian, Melendez-Calderon, Roby-Brami & Burdet (2015), "On the analysis of movement smoothness",
+    J NeuroEng Rehabil 12:112, with its settings: the spectrum ends at 10 Hz or where it is last at 5 % of its
+    maximum, whichever comes first; n samples are zero-padded to 2 ** (ceil(log2(n)) + 4). The frequency axis is
+    scaled to 1 over what is left of the spectrum. The same as ``sparc`` of the package monalysa for rates from 20 Hz.
+
+    A minimum-jerk speed of 1 s, sampled at 100 Hz from 0 to 0.99 s, has −1.4058293244.
+
+    Args:
+        speed: shape (n,), not negative, any unit.
+        rate_hz: samples a second.
+    """
+    profile = _measurable(speed, rate_hz, _SHORTEST_S)
+    if profile is None:
+        return None
+    size = 2 ** (math.ceil(math.log2(len(profile))) + _SPECTRUM_PADDING)
+    amplitude = np.abs(np.fft.rfft(profile, size))
+    amplitude /= amplitude.max()
+    frequency = np.arange(len(amplitude)) * (rate_hz / size)
+    amplitude = amplitude[frequency <= _SPECTRUM_HZ]
+    above = np.flatnonzero(amplitude >= _SPECTRUM_FLOOR)
+    kept = amplitude[above[0] : above[-1] + 1] if len(above) else above
+    if len(kept) < 2:
+        return None
+    return -float(np.sum(np.hypot(1.0 / (len(kept) - 1), np.diff(kept))))
+
+
+def ldlj(speed: Floats, rate_hz: float) -> float | None:
+    """Log dimensionless jerk: −ln(duration³ / peak² · ∫ jerk² dt) of a speed profile; nearer 0 is smoother.
+
+    Jerk is the second derivative of speed. Same source as ``sparc``, and the same as ``log_dimensionless_jerk`` of
+    monalysa at 100 Hz: the derivative is the second difference over (1 / rate)², the integral a sum over it, and the
+    duration of n samples is n / rate. As such differences depend on the rate, other rates are resampled to 100 Hz
+    first (to the nearest whole number of samples).
+
+    A minimum-jerk speed of 1 s, sampled at 100 Hz from 0 to 0.99 s, has −5.2241390675.
+
+    Args:
+        speed: shape (n,), not negative, any unit.
+        rate_hz: samples a second.
+    """
+    profile = _measurable(speed, rate_hz, _SHORTEST_S)
+    if profile is None:
+        return None
+    profile, step_s = _resampled(profile, 1.0 / rate_hz, _JERK_HZ)
+    jerk = np.diff(profile / profile.max(), n=2) / step_s**2
+    dimensionless = (len(profile) * step_s) ** 3 * float(np.sum(jerk**2)) * step_s
+    return -math.log(dimensionless) if dimensionless > _NO_JERK else None
+
+
+def movement_units(speed: Floats, rate_hz: float) -> int:
+    """How many times the movement speeds up: one for a smooth reach, more with every correction.
+
+    A movement unit is an acceleration and the deceleration after it (von Hofsten 1991, J Mot Behav 23:280-292); fewer
+    peaks of speed are a mark of recovery after stroke (Rohrer et al. 2002, J Neurosci 22:8297-8304). A rise counts
+    from 10 % of the profile's peak, and a peak within 150 ms of the last one counted belongs to it (the latter after
+    Alt Murphy, Willén & Sunnerhagen 2011, Neurorehabil Neural Repair 25:71-80; their 20 mm/s has no angular
+    equivalent, so the rise is relative).
+
+    Args:
+        speed: shape (n,), not negative, any unit.
+        rate_hz: samples a second.
+    """
+    profile = _measurable(speed, rate_hz, 0.0)
+    if profile is None:
+        return 0
+    apart = _UNIT_APART_S * rate_hz
+    units, counted_at = 0, -math.inf
+    for start, peak in pairwise(turning_points(profile.tolist(), _UNIT_RISE)):
+        if profile[peak] > profile[start] and peak - counted_at >= apart:
+            units, counted_at = units + 1, peak
+    return units
+
+
+def tremor_index(rate: Floats, rate_hz: float) -> float | None:
+    """The share of 3-12 Hz in the power of movement up to 12 Hz, 0 to 1, all three axes together.
+
+    Parkinsonian tremor lies at 3-8 Hz and essential tremor at 4-12 Hz (Luft et al. 2019, Sensors 19:4301), wilful
+    movement mostly below; power in the band against power below it tells persons with essential tremor from others
+    (Ali et al. 2022, Sci Rep 12:5242, of acceleration). The mean of each axis (the gyroscope's bias) is removed, and
+    a Hann window keeps a movement that was cut off from leaking into the band. A fast movement has power of its own
+    there: compare like with like. Needs a second of samples, and 24 of them a second.
+
+    Args:
+        rate: angular rate, shape (n, 3), rad/s.
+        rate_hz: samples a second.
+    """
+    low, high = _TREMOR_HZ
+    if rate_hz < 2 * high or len(rate) < _TREMOR_SHORTEST_S * rate_hz or not np.isfinite(rate).all():
+        return None
+    moving = rate - rate.mean(axis=0)
+    largest = np.abs(moving).max()
+    if largest <= 1e-12 * np.abs(rate).max():
+        return None
+    size = len(rate) * _TREMOR_PADDING
+    windowed = moving / largest * np.hanning(len(rate))[:, np.newaxis]
+    power = np.sum(np.abs(np.fft.rfft(windowed, size, axis=0)) ** 2, axis=1)
+    frequency = np.fft.rfftfreq(size, 1.0 / rate_hz)
+    all_power = float(power[frequency <= high].sum())
+    if not all_power > 0:
+        return None
+    return float(power[(frequency >= low) & (frequency <= high)].sum()) / all_power
+
+
+def _measurable(speed: Floats, rate_hz: float, shortest_s: float) -> Floats | None:
+    """The profile with its peak scaled to 1, or None where there is nothing to measure."""
+    enough = rate_hz > 0 and len(speed) >= max(_FEWEST_SAMPLES, shortest_s * rate_hz)
+    if not enough or not np.isfinite(speed).all() or not np.max(speed) > 0:
+        return None
+    return np.asarray(speed, dtype=float) / float(np.max(speed))
+
+
+def _resampled(profile: Floats, step_s: float, rate_hz: float) -> tuple[Floats, float]:
+    """The profile between the same end points in steps of about 1 / rate_hz, and the step.
+
+    By a sine series over what is left of the profile without the line through its ends, cut off at half the lower of
+    the two rates: smooth between samples (straight lines would be all jerk) and free of aliases.
+    """
+    steps = len(profile) - 1
+    wanted = max(round(steps * step_s * rate_hz), 2)
+    if wanted == steps:
+        return profile, step_s
+    rest = profile - np.linspace(profile[0], profile[-1], steps + 1)
+    spectrum = np.fft.rfft(np.concatenate([rest, -rest[-2:0:-1]]))
+    series = np.zeros(wanted + 1, dtype=complex)
+    shared = min(steps, wanted)
+    series[:shared] = spectrum[:shared]
+    line = np.linspace(profile[0], profile[-1], wanted + 1)
+    smooth = np.fft.irfft(series, 2 * wanted)[: wanted + 1] * (wanted / steps)
+    return line + smooth, steps * step_s / wanted

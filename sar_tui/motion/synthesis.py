@@ -1,0 +1,245 @@
+"""The simulated hand: reaches as a motion sensor on its back measures them, good sensor or bad, calm hand or not."""
+
+import math
+from typing import NamedTuple
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from sar_tui.motion.samples import SAMPLE, Floats, Recording, Samples, recording
+from sar_tui.motion.shapes import ReachShape, waveform
+
+GRAVITY_M_S2 = 9.81
+FOREARM_M = 0.3
+ACCELERATION_NOISE_M_S2 = 0.02
+BLOCK = 512
+
+Vector = tuple[float, float, float]
+
+
+class Profile(msgspec.Struct, frozen=True, kw_only=True):
+    """A sensor and the hand it is worn on, as far as they are not ideal.
+
+    Args:
+        noise_rad_s: standard deviation of the noise of each axis, rad/s.
+        bias_rad_s: what each axis shows at rest, rad/s.
+        drift_rad_s_per_s: how fast the bias of every axis grows, rad/s a second.
+        tremor_hz: frequency of the hand's tremor, Hz.
+        tremor_rad_s: its amplitude about the reach's axis, rad/s; half of that across it. At rest and in movement.
+        axis: what the reach turns about, in the sensor's axes; of any length. z is out of the back of the hand.
+        lost: the share of samples that never come, 0 to 1.
+        saturation_rad_s: a sample with any axis beyond this is not delivered at all, as with a Phidget.
+    """
+
+    noise_rad_s: float = 0.0
+    bias_rad_s: Vector = (0.0, 0.0, 0.0)
+    drift_rad_s_per_s: float = 0.0
+    tremor_hz: float = 5.0
+    tremor_rad_s: float = 0.0
+    axis: Vector = (0.0, 0.0, 1.0)
+    lost: float = 0.0
+    saturation_rad_s: float = math.inf
+
+
+TILTED: Vector = (0.8, math.sqrt(1 - 0.8**2 - 0.1**2), 0.1)
+"""A sensor worn askew: a tenth of the reach's rotation is about its z."""
+
+PROFILES: dict[str, Profile] = {
+    "clean": Profile(),
+    "noisy": Profile(noise_rad_s=math.radians(2)),
+    "biased": Profile(bias_rad_s=(math.radians(6), math.radians(-6), math.radians(6))),
+    "drifting": Profile(noise_rad_s=math.radians(0.2), drift_rad_s_per_s=math.radians(0.1)),
+    "tremor": Profile(noise_rad_s=math.radians(0.2), tremor_rad_s=0.15),
+    "tilted": Profile(noise_rad_s=math.radians(0.2), axis=TILTED),
+    "lossy": Profile(noise_rad_s=math.radians(0.2), lost=0.1),
+    "saturating": Profile(noise_rad_s=math.radians(0.2), saturation_rad_s=3.0),
+    "patient": Profile(
+        noise_rad_s=math.radians(1),
+        bias_rad_s=(math.radians(3), math.radians(-3), math.radians(3)),
+        drift_rad_s_per_s=math.radians(0.01),
+        tremor_rad_s=0.1,
+        axis=(0.4, 0.3, 0.87),
+        lost=0.01,
+    ),
+}
+"""Sensors and hands to try things with, by name."""
+
+
+def _frame(axis: Vector) -> tuple[Floats, Floats, Floats]:
+    """Unit vectors along the axis of the reach, and two across it: the forearm's, and the way the hand goes."""
+    length = math.hypot(*axis)
+    if length == 0:
+        raise ValueError("A reach turns about an axis: it cannot be (0, 0, 0).")
+    along = np.asarray(axis, dtype=float) / length
+    fingers = np.array([0.0, 1.0, 0.0]) if abs(along[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
+    forearm = fingers - along * (fingers @ along)
+    forearm /= np.linalg.norm(forearm)
+    return along, forearm, np.cross(along, forearm)
+
+
+class SimulatedHand:
+    """A hand that makes the reaches it is told to, and the samples of the sensor on it.
+
+    The same calls of ``move`` give the same samples, however ``samples`` is asked for them: all at once or bit by bit.
+
+    Args:
+        profile: what is not ideal.
+        rate_hz: samples a second.
+        seed: what noise, losses and the tremor's phase are drawn from.
+    """
+
+    def __init__(self, profile: Profile, rate_hz: float = 250.0, seed: int = 0) -> None:
+        self.profile = profile
+        self.rate_hz = rate_hz
+        self._seed = seed
+        self._period_ns = round(1e9 / rate_hz)
+        self._start_ns: int | None = None
+        self._moves: list[tuple[int, ReachShape]] = []
+        self._blocks: dict[int, Floats] = {}
+        self._frame = _frame(profile.axis)
+        self._tremor_phase = float(np.random.default_rng([seed, 0]).uniform(0.0, 2 * math.pi))
+
+    def move(self, at_ns: int, shape: ReachShape) -> None:
+        """Make a reach, its onset at ``at_ns``. Reaches that overlap add up."""
+        waveform(shape)
+        self._moves.append((at_ns, shape))
+
+    def samples(self, from_ns: int, to_ns: int) -> Samples:
+        """The samples with ``from_ns`` <= at < ``to_ns``, dtype SAMPLE.
+
+        The first call's ``from_ns`` is where the sensor's clock begins: samples lie on a grid from there.
+        """
+        start = self._start_ns = from_ns if self._start_ns is None else self._start_ns
+        first = max(0, -((start - from_ns) // self._period_ns))
+        last = max(first, -((start - to_ns) // self._period_ns))
+        index = np.arange(first, last, dtype=np.int64)
+        at = start + index * self._period_ns
+        since_s = index * (self._period_ns / 1e9)
+        chance = self._chance(first, last)
+        turning, angle, acceleration = self._reaches(at)
+        samples = np.zeros(len(index), dtype=SAMPLE)
+        samples["at"] = samples["host"] = at
+        samples["device_ms"] = since_s * 1e3
+        samples["rate"] = self._measured_rate(since_s, turning, chance[:, 0:3])
+        samples["acceleration"] = self._acceleration(turning, angle, acceleration, chance[:, 3:6])
+        samples["field"] = np.nan
+        kept: Samples = samples[
+            (chance[:, 6] >= self.profile.lost) & (np.abs(samples["rate"]) <= self.profile.saturation_rad_s).all(axis=1)
+        ]
+        return kept
+
+    def _chance(self, first: int, last: int) -> Floats:
+        """What chance gives to each sample: six normal numbers and one uniform; drawn in blocks that never change."""
+        wanted = range(first // BLOCK, -(-last // BLOCK))
+        if not wanted:
+            return np.empty((0, 7))
+        self._blocks = {block: self._blocks[block] if block in self._blocks else self._drawn(block) for block in wanted}
+        drawn = np.concatenate([self._blocks[block] for block in wanted])
+        offset = wanted.start * BLOCK
+        return drawn[first - offset : last - offset]
+
+    def _drawn(self, block: int) -> Floats:
+        generator = np.random.default_rng([self._seed, 1, block])
+        return np.column_stack((generator.standard_normal((BLOCK, 6)), generator.random(BLOCK)))
+
+    def _reaches(self, at: npt.NDArray[np.int64]) -> tuple[Floats, Floats, Floats]:
+        """Angular rate, angle and angular acceleration about the reaches' axis."""
+        rate, angle, acceleration = np.zeros((3, len(at)))
+        for onset_ns, shape in self._moves:
+            form = waveform(shape)
+            time_s = (at - onset_ns) / 1e9
+            if not len(time_s) or time_s[-1] < form.time_s[0]:
+                continue
+            angle += np.interp(time_s, form.time_s, form.angle)
+            if time_s[0] <= form.time_s[-1]:
+                rate += np.interp(time_s, form.time_s, form.rate, left=0.0, right=0.0)
+                acceleration += np.interp(time_s, form.time_s, form.acceleration, left=0.0, right=0.0)
+        return rate, angle, acceleration
+
+    def _measured_rate(self, since_s: Floats, turning: Floats, noise: Floats) -> Floats:
+        """The gyroscope, shape (n, 3). The tremor's frequency wanders a little, as tremor does."""
+        profile, (along, forearm, _) = self.profile, self._frame
+        phase = 2 * math.pi * profile.tremor_hz * since_s + 0.5 * np.sin(2 * since_s) + self._tremor_phase
+        rate = np.outer(turning + profile.tremor_rad_s * np.sin(phase), along)
+        rate += np.outer(0.5 * profile.tremor_rad_s * np.cos(phase), forearm)
+        rate += np.asarray(profile.bias_rad_s) + profile.drift_rad_s_per_s * since_s[:, None]
+        return rate + profile.noise_rad_s * noise
+
+    def _acceleration(self, turning: Floats, angle: Floats, acceleration: Floats, noise: Floats) -> Floats:
+        """The accelerometer, shape (n, 3): gravity as the hand turns in it, and the hand's own, on a forearm's end."""
+        along, forearm, way = self._frame
+        up = np.array([0.0, 0.0, GRAVITY_M_S2])
+        parallel = along * (along @ up)
+        across = np.outer(np.cos(angle), up - parallel) - np.outer(np.sin(angle), np.cross(along, up))
+        own = FOREARM_M * (np.outer(acceleration, way) - np.outer(turning**2, forearm))
+        measured: Floats = parallel + across + own + ACCELERATION_NOISE_M_S2 * noise
+        return measured
+
+
+class Simulation(NamedTuple):
+    """A recording, and the truth of it: (onset, end) of each reach, in s."""
+
+    recording: Recording
+    truth: tuple[tuple[float, float], ...]
+
+
+def simulate(
+    shapes: list[ReachShape],
+    profile: Profile = PROFILES["clean"],
+    *,
+    rate_hz: float = 250.0,
+    rest_s: float = 2.0,
+    seed: int = 0,
+) -> Simulation:
+    """Reaches one after the other, with ``rest_s`` of rest before, between and after them."""
+    hand = SimulatedHand(profile, rate_hz, seed)
+    onset_s, truth = rest_s, []
+    for shape in shapes:
+        hand.move(round(onset_s * 1e9), shape)
+        truth.append((onset_s, onset_s + shape.duration_s))
+        onset_s += shape.duration_s + rest_s
+    samples = hand.samples(0, round(onset_s * 1e9))
+    share = max(map(abs, profile.axis)) / math.hypot(*profile.axis)
+    saturated = any(share * max(shape.peak_out, -shape.peak_back) > profile.saturation_rad_s for shape in shapes)
+    return Simulation(recording(samples, flags=("saturated",) if saturated else ()), tuple(truth))
+
+
+class TableRow(NamedTuple):
+    """A row of the thesis' Table 4.1: peaks in rad/s. The table's "[ms]" are seconds."""
+
+    type: str
+    reach_time_s: float
+    peak_extension_rad_s: float
+    peak_return_rad_s: float
+
+    @property
+    def shape(self) -> ReachShape:
+        """A minimum-jerk reach of this row: each phase takes so long that the hand is back where it began."""
+        share = self.peak_return_rad_s / (self.peak_return_rad_s - self.peak_extension_rad_s)
+        return ReachShape(
+            out_s=self.reach_time_s * share,
+            back_s=self.reach_time_s * (1 - share),
+            peak_out=self.peak_extension_rad_s,
+            peak_back=self.peak_return_rad_s,
+        )
+
+
+TABLE_4_1 = (
+    TableRow("slow near", 1.3385, 0.8622, -1.6876),
+    TableRow("slow near", 1.4416, 1.0226, -1.7875),
+    TableRow("fast near", 0.8117, 2.4040, -3.4104),
+    TableRow("fast near", 0.8239, 2.8159, -3.2666),
+    TableRow("slow far", 1.4920, 1.9187, -2.9641),
+    TableRow("slow far", 1.5169, 1.9366, -3.0210),
+    TableRow("fast far", 1.0922, 3.3147, -4.4224),
+    TableRow("fast far", 1.0792, 3.9105, -4.4508),
+)
+"""The eight reaches the thesis' system was tried with."""
+
+
+def table_4_1_recording(
+    rate_hz: float = 250.0, still_s: float = 2.0, profile: Profile = PROFILES["clean"], seed: int = 0
+) -> Simulation:
+    """The eight reaches of Table 4.1 in its order, with ``still_s`` of rest before, between and after them."""
+    return simulate([row.shape for row in TABLE_4_1], profile, rate_hz=rate_hz, rest_s=still_s, seed=seed)

@@ -1,0 +1,87 @@
+"""The thesis' own detector (section 4.2.2): the hand moves while it turns about z faster than a threshold."""
+
+import msgspec
+import numpy as np
+
+from sar_tui.motion.bounds import OUTWARDS, Bounds, Detected, Hand
+from sar_tui.motion.grid import Grid, even
+from sar_tui.motion.samples import Floats, Recording
+
+
+class ThesisParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """The thesis' two numbers.
+
+    Args:
+        threshold_rad_s: the hand moves where the rate about z exceeds this, either way.
+        still_ms: a reach is over where the rate then stays below for so long.
+    """
+
+    threshold_rad_s: float = 0.1
+    still_ms: float = 800.0
+
+
+def find(recording: Recording, parameters: ThesisParameters | None = None, hand: Hand = "right") -> Detected:
+    """Every stretch of movement is a reach; it ends where the quiet that ends it begins.
+
+    A reach that the recording ends before its quiet is over is flagged ``endless``, and ends with the recording.
+    ``reversed`` and ``gap`` are as in ``robust.find``.
+    """
+    parameters = parameters or ThesisParameters()
+    grid = even(recording)
+    if not len(grid.time_s):
+        return Detected(grid.time_s, grid.rate, grid.rate_hz, ())
+    usable = np.isfinite(recording.rate).all(axis=1)
+    segments = _segments(recording.time_s[usable], np.abs(recording.rate[usable, 2]), parameters)
+    reaches = tuple(_bounds(grid, segment, parameters.threshold_rad_s, hand) for segment in segments)
+    return Detected(grid.time_s, grid.rate, grid.rate_hz, reaches)
+
+
+def _segments(time_s: Floats, speed: Floats, parameters: ThesisParameters) -> list[tuple[float, float, bool]]:
+    """Onset, end, and whether it ended, of each stretch above the threshold, shorter quiets bridged."""
+    above = np.flatnonzero(speed > parameters.threshold_rad_s)
+    if not len(above):
+        return []
+    still_s = parameters.still_ms / 1000.0
+    quiet = time_s[np.minimum(above + 1, len(time_s) - 1)]
+    until = np.append(time_s[above[1:]], time_s[-1])
+    ends = until - quiet >= still_s - 1e-9
+    ends[:-1] &= np.diff(above) > 1
+    last = np.flatnonzero(ends)
+    first = np.concatenate(([0], last + 1))
+    segments = [(float(time_s[above[a]]), float(quiet[b]), True) for a, b in zip(first, last, strict=False)]
+    if first[-1] < len(above):
+        segments.append((float(time_s[above[first[-1]]]), float(time_s[-1]), False))
+    return segments
+
+
+def _bounds(grid: Grid, segment: tuple[float, float, bool], threshold: float, hand: Hand) -> Bounds:
+    """A stretch as a reach. It turns where z changes sign between its extremes; one of only one sign is all out."""
+    onset_s, end_s, ended = segment
+    margin = 0.51 / grid.rate_hz
+    inside = (grid.time_s >= onset_s - margin) & (grid.time_s <= end_s + margin)
+    time, turning = grid.time_s[inside], grid.rate[inside, 2] * OUTWARDS[hand]
+    flags = [] if ended else ["endless"]
+    if grid.gap(onset_s, end_s):
+        flags.append("gap")
+    sign = 1.0
+    arrival_s = departure_s = end_s
+    if turning.min() < -threshold and turning.max() > threshold:
+        if turning.argmin() < turning.argmax():
+            sign = -1.0
+            flags.append("reversed")
+        out, back = sorted((int(turning.argmin()), int(turning.argmax())))
+        way_out = np.flatnonzero(sign * turning[out:back] > threshold)
+        way_back = np.flatnonzero(sign * turning[out : back + 1] < -threshold)
+        arrival_s = float(time[out + way_out[way_out < way_back[0]][-1]])
+        departure_s = float(time[out + way_back[0]])
+    elif -turning.min() > turning.max():
+        sign = -1.0
+        flags.append("reversed")
+    return Bounds(
+        onset_s=onset_s,
+        arrival_s=arrival_s,
+        departure_s=departure_s,
+        end_s=end_s,
+        axis=(0.0, 0.0, sign * OUTWARDS[hand]),
+        flags=tuple(flags),
+    )

@@ -1,0 +1,153 @@
+"""Given a recording and the name of a detector, when reaches are asked for, then they come measured."""
+
+import math
+from typing import Literal
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sar_tui.motion.detection import DETECTORS, detect
+from sar_tui.motion.reach import Reach
+from sar_tui.motion.robust import RobustParameters
+from sar_tui.motion.samples import Recording
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, simulate, table_4_1_recording
+from sar_tui.motion.thesis import ThesisParameters
+
+Name = Literal["robust", "thesis"]
+NAMES = ["robust", "thesis"]
+REACH = ReachShape(out_s=0.6, back_s=0.5, dwell_s=0.3, peak_out=2.0, peak_back=-2.4)
+
+
+def the_reach(shape: ReachShape, profile: Profile = PROFILES["clean"], detector: str = "robust") -> Reach:
+    (reach,) = detect(simulate([shape], profile).recording, detector)
+    return reach
+
+
+@pytest.mark.parametrize("detector", NAMES)
+def test_the_table_s_eight_have_its_amplitudes(detector: str) -> None:
+    reaches = detect(table_4_1_recording().recording, detector)
+    assert len(reaches) == 8
+    for reach, row in zip(reaches, TABLE_4_1, strict=True):
+        assert reach.peak_extension_rad_s == pytest.approx(row.peak_extension_rad_s, rel=0.03)
+        assert reach.peak_return_rad_s == pytest.approx(row.peak_return_rad_s, rel=0.03)
+        assert reach.movement_units_out == reach.movement_units_back == 1
+
+
+def test_every_time_of_a_reach_is_measured() -> None:
+    reach = the_reach(REACH)
+    assert reach.onset_s == pytest.approx(2.0, abs=0.01)
+    assert reach.end_s == pytest.approx(3.4, abs=0.01)
+    assert reach.reach_time_s == reach.end_s - reach.onset_s
+    assert reach.out_s == pytest.approx(0.6, abs=0.01)
+    assert reach.dwell_s == pytest.approx(0.3, abs=0.02)
+    assert reach.back_s == pytest.approx(0.5, abs=0.01)
+    assert reach.turn_s == pytest.approx(2.75, abs=0.01)
+    assert reach.time_to_peak_s == pytest.approx(0.3, abs=0.01)
+
+
+@pytest.mark.parametrize("detector", NAMES)
+@pytest.mark.parametrize("dwell_s", [0.0, 0.3, 0.6])
+def test_phases_and_dwell_make_up_the_whole(detector: str, dwell_s: float) -> None:
+    reach = the_reach(msgspec.structs.replace(REACH, dwell_s=dwell_s), detector=detector)
+    assert reach.out_s + reach.dwell_s + reach.back_s == pytest.approx(reach.reach_time_s)
+    assert reach.onset_s < reach.turn_s < reach.end_s
+
+
+def test_smoothness_is_of_each_phase_alone() -> None:
+    smooth, halting = the_reach(REACH), the_reach(ReachShape(out_s=2, back_s=2, submovements=6, seed=2))
+    for reach in (smooth, halting):
+        assert None not in (reach.sparc_out, reach.sparc_back, reach.ldlj_out, reach.ldlj_back)
+    assert smooth.sparc_out == pytest.approx(-1.4, abs=0.03)
+    assert smooth.sparc_back == pytest.approx(-1.4, abs=0.03)
+    assert halting.sparc_out is not None
+    assert halting.sparc_out < -1.5
+    assert halting.movement_units_out > 1
+    assert halting.movement_units_back > 1
+
+
+def test_a_tremor_shows_in_its_index() -> None:
+    calm, shaking = the_reach(REACH), the_reach(REACH, Profile(tremor_rad_s=0.3))
+    assert calm.tremor_index is not None
+    assert shaking.tremor_index is not None
+    assert shaking.tremor_index > calm.tremor_index + 0.01
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_extension_is_positive_and_return_negative_for_either_hand(hand: Literal["right", "left"]) -> None:
+    made = simulate([REACH], Profile(axis=(0.0, 0.0, -1.0)))
+    for detector in NAMES:
+        (reach,) = detect(made.recording, detector, hand=hand)
+        assert reach.peak_extension_rad_s == pytest.approx(2.0, rel=0.03)
+        assert reach.peak_return_rad_s == pytest.approx(-2.4, rel=0.03)
+        assert ("reversed" in reach.flags) == (hand == "right")
+
+
+def test_peaks_of_a_tilted_sensor_are_about_the_reach_s_own_axis() -> None:
+    reach = the_reach(REACH, PROFILES["tilted"])
+    assert reach.peak_extension_rad_s == pytest.approx(2.0, rel=0.03)
+    assert reach.peak_return_rad_s == pytest.approx(-2.4, rel=0.03)
+
+
+def test_what_is_wrong_with_the_recording_is_said_of_its_reaches() -> None:
+    assert "saturated" in the_reach(REACH, Profile(saturation_rad_s=2.2)).flags
+    elsewhere = msgspec.structs.replace(simulate([REACH]).recording, flags=("gap",))
+    assert detect(elsewhere)[0].flags == ()
+
+
+@pytest.mark.parametrize("detector", NAMES)
+def test_a_movement_without_a_return_is_measured_as_far_as_it_goes(detector: str) -> None:
+    recording = simulate([ReachShape(out_s=0.6, back_s=0.5, peak_back=-1e-9)]).recording
+    for reach in detect(recording, detector):
+        assert reach.peak_return_rad_s == pytest.approx(0.0, abs=1e-6)
+        assert reach.sparc_back is None
+        assert reach.turn_s == reach.end_s
+        assert reach.movement_units_back == 0
+
+
+@pytest.mark.parametrize("detector", NAMES)
+def test_of_nothing_there_is_no_reach(detector: str) -> None:
+    assert detect(Recording(np.empty(0), np.empty((0, 3))), detector) == ()
+    assert detect(Recording(np.arange(500) / 250, np.full((500, 3), math.nan)), detector) == ()
+
+
+@pytest.mark.parametrize("detector", NAMES)
+@given(seed=st.integers(0, 10_000), count=st.integers(2, 900), size=st.sampled_from([0.02, 0.3, 4.0]))
+@settings(max_examples=60, deadline=None)
+def test_of_any_wandering_rate_every_measure_is_a_number_in_its_place(
+    detector: str, seed: int, count: int, size: float
+) -> None:
+    generator = np.random.default_rng(seed)
+    rate = size * np.cumsum(generator.standard_normal((count, 3)), axis=0) / 10
+    time = np.arange(count) / 250
+    kept = generator.random(count) > 0.05
+    rate[generator.random(count) > 0.98] = np.nan
+    if kept.sum() < 2:
+        return
+    for reach in detect(Recording(time[kept], rate[kept]), detector):
+        assert 0 <= reach.onset_s <= reach.turn_s <= reach.end_s <= time[-1] + 1e-9
+        assert min(reach.out_s, reach.dwell_s, reach.back_s) >= -1e-9
+        assert reach.peak_return_rad_s <= 0 <= reach.peak_extension_rad_s
+        measured = msgspec.structs.asdict(reach)
+        assert all(math.isfinite(value) for value in measured.values() if isinstance(value, float))
+
+
+def test_each_detector_tells_its_version_and_takes_its_own_parameters() -> None:
+    assert {name: detector.parameters for name, detector in DETECTORS.items()} == {
+        "robust": RobustParameters,
+        "thesis": ThesisParameters,
+    }
+    assert all(detector.version for detector in DETECTORS.values())
+    recording = simulate([REACH]).recording
+    assert detect(recording, "thesis", ThesisParameters(threshold_rad_s=3.0)) == ()
+    assert detect(recording, "robust", RobustParameters(least_rad=2.0)) == ()
+    with pytest.raises(ValueError, match="takes RobustParameters, not ThesisParameters"):
+        detect(recording, "robust", ThesisParameters())
+
+
+def test_an_unknown_detector_is_refused_with_those_there_are() -> None:
+    with pytest.raises(ValueError, match="no detector named 'best'; there are: robust, thesis"):
+        detect(simulate([REACH]).recording, "best")

@@ -1,0 +1,130 @@
+"""Smoothness and tremor: against known values, against monalysa, and where there is nothing to measure."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from monalysa.quality import smoothness as monalysa
+
+from sar_tui.motion.samples import Floats
+from sar_tui.motion.smoothness import ldlj, movement_units, sparc, tremor_index
+
+
+def minimum_jerk(duration_s: float, rate_hz: float) -> Floats:
+    """The speed of Flash & Hogan (1985) over a unit of way, without its last sample (which is 0)."""
+    share = np.arange(0, duration_s, 1 / rate_hz) / duration_s
+    return 30 * share**2 * (1 - share) ** 2 / duration_s
+
+
+def random_profiles(count: int) -> list[Floats]:
+    chance = np.random.default_rng(20)
+    return [np.abs(np.cumsum(chance.normal(size=chance.integers(40, 600)))) for _ in range(count)]
+
+
+def about_one_axis(speed: Floats) -> Floats:
+    return np.column_stack([0.3 * speed, np.zeros_like(speed), speed])
+
+
+def measured(value: float | None) -> float:
+    assert value is not None
+    return value
+
+
+def test_a_minimum_jerk_movement_has_its_known_smoothness() -> None:
+    speed = minimum_jerk(1.0, 100)
+    assert sparc(speed, 100) == pytest.approx(-1.4058293244, abs=1e-6)
+    assert ldlj(speed, 100) == pytest.approx(-5.2241390675, abs=1e-6)
+
+
+def test_a_gaussian_movement_has_its_known_smoothness() -> None:
+    speed = np.exp(-5 * np.arange(-1, 1, 0.01) ** 2)
+    assert sparc(speed, 100) == pytest.approx(-1.41403, abs=5e-6)
+    assert ldlj(speed, 100) == pytest.approx(-5.81636, abs=5e-6)
+
+
+def test_any_profile_is_as_smooth_as_monalysa_says() -> None:
+    for number, speed in enumerate(random_profiles(50)):
+        rate_hz = 50.0 + 4 * number
+        assert sparc(speed, rate_hz) == pytest.approx(monalysa.sparc(speed, rate_hz)[0], abs=1e-6)
+        assert ldlj(speed, 100.0) == pytest.approx(monalysa.log_dimensionless_jerk(speed, 100.0), abs=1e-6)
+
+
+@pytest.mark.parametrize("rate_hz", [50.0, 125.0, 249.97, 250.0, 1000.0])
+def test_smoothness_hardly_depends_on_the_sampling_rate(rate_hz: float) -> None:
+    speed = np.exp(-5 * np.arange(-1, 1, 1 / rate_hz) ** 2)
+    assert sparc(speed, rate_hz) == pytest.approx(-1.414, abs=0.01)
+    assert ldlj(speed, rate_hz) == pytest.approx(-5.816, abs=0.02)
+
+
+def test_smoothness_depends_neither_on_size_nor_on_speed() -> None:
+    assert sparc(300 * minimum_jerk(1.0, 100), 100) == pytest.approx(sparc(minimum_jerk(1.0, 100), 100))
+    assert ldlj(300 * minimum_jerk(1.0, 100), 100) == pytest.approx(ldlj(minimum_jerk(1.0, 100), 100))
+    assert ldlj(minimum_jerk(2.0, 100), 100) == pytest.approx(ldlj(minimum_jerk(1.0, 100), 100), abs=0.1)
+
+
+def test_a_correction_makes_a_movement_less_smooth_and_adds_a_unit() -> None:
+    smooth = minimum_jerk(1.0, 100)
+    corrected = np.concatenate([smooth, 0.4 * minimum_jerk(0.4, 100)])
+    assert measured(sparc(corrected, 100)) < measured(sparc(smooth, 100))
+    assert measured(ldlj(corrected, 100)) < measured(ldlj(smooth, 100))
+    assert (movement_units(smooth, 100), movement_units(corrected, 100)) == (1, 2)
+
+
+def test_a_wobble_below_a_tenth_of_the_peak_is_no_movement_unit() -> None:
+    time_s = np.arange(0, 1, 0.01)
+    wobbling = minimum_jerk(1.0, 100) + 0.05 * (1 + np.sin(2 * np.pi * 5 * time_s))
+    assert movement_units(wobbling, 100) == 1
+
+
+def test_two_peaks_within_150_ms_are_one_movement_unit() -> None:
+    near = np.concatenate([minimum_jerk(0.1, 200), minimum_jerk(0.1, 200)])
+    apart = np.concatenate([minimum_jerk(0.2, 200), minimum_jerk(0.2, 200)])
+    assert (movement_units(near, 200), movement_units(apart, 200)) == (1, 2)
+
+
+def test_a_movement_that_only_slows_down_has_no_movement_unit() -> None:
+    assert movement_units(np.linspace(1, 0, 100), 100) == 0
+
+
+def test_the_stronger_the_tremor_the_larger_its_share() -> None:
+    reach = np.concatenate([minimum_jerk(1.2, 250), -minimum_jerk(1.2, 250)])
+    tremor = np.sin(2 * np.pi * 5 * np.arange(len(reach)) / 250)
+    shares = [measured(tremor_index(about_one_axis(reach + size * tremor), 250)) for size in (0.0, 0.1, 0.5, 50.0)]
+    assert shares == sorted(shares)
+    assert shares[0] < 0.01
+    assert shares[-1] > 0.99
+
+
+def test_the_bias_of_a_gyroscope_is_no_movement() -> None:
+    reach = about_one_axis(np.concatenate([minimum_jerk(1.2, 250), -minimum_jerk(1.2, 250)]))
+    assert tremor_index(reach + np.array([0.1, -0.2, 0.3]), 250) == pytest.approx(tremor_index(reach, 250))
+
+
+@pytest.mark.parametrize(
+    "speed",
+    [np.array([]), np.ones(4), np.zeros(200), np.full(200, np.nan), np.append(np.ones(200), np.inf)],
+    ids=["empty", "short", "still", "nan", "infinite"],
+)
+def test_where_nothing_can_be_measured_there_is_no_number(speed: Floats) -> None:
+    assert sparc(speed, 250) is None
+    assert ldlj(speed, 250) is None
+    assert movement_units(speed, 250) == 0
+    assert tremor_index(about_one_axis(speed), 250) is None
+
+
+def test_a_steady_speed_has_no_jerk_to_measure() -> None:
+    assert ldlj(np.ones(200), 250) is None
+    assert tremor_index(np.ones((300, 3)), 250) is None
+
+
+@given(
+    st.lists(st.floats(0, 1e300), max_size=80),
+    st.sampled_from([0.0, 10.0, 50.0, 100.0, 250.0]),
+)
+def test_whatever_is_measured_is_a_finite_number(values: list[float], rate_hz: float) -> None:
+    speed = np.array(values)
+    for value in (sparc(speed, rate_hz), ldlj(speed, rate_hz), tremor_index(about_one_axis(speed), rate_hz)):
+        assert value is None or math.isfinite(value)
+    assert movement_units(speed, rate_hz) >= 0
