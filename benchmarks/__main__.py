@@ -13,7 +13,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
-from benchmarks import paint, report, response, scale
+from benchmarks import paint, report, response, scale, sensor
 
 RESULTS = Path(__file__).parent / "results"
 
@@ -45,14 +45,16 @@ def main() -> int:
         pressed = progress("reaction times", trials * len(response.PROGRAMS))
         started = progress("first paint", 2 * (starts + 1))
         simulated = progress("simulated attempts", attempts)
+        streamed = progress("seconds of a sensor's stream", sensor.total_seconds(given.quick))
         results["response"] = response.measure(trials, place, lambda name: pressed())
         results["paint"] = paint.measure(starts, place, started)
         results["scale"] = scale.measure(attempts, place, simulated)
+        results["sensor"] = sensor.measure(given.quick, place, streamed)
     for title, rows in report.tables(results).items():
         console.print(report.drawn(title, rows))
     if not given.quick:
         console.print(f"Kept in benchmarks/results/{_keep(results, now)}.")
-    return 0 if all(results["response"]["checks"].values()) else 1
+    return 0 if all((results["response"]["checks"] | results["sensor"]["checks"]).values()) else 1
 
 
 def _keep(results: report.Results, now: datetime) -> str:

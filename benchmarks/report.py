@@ -50,7 +50,8 @@ def _processor() -> str:
 
 def tables(results: Results) -> dict[str, Rows]:
     """Each table by its title; the first row is its head."""
-    response, paint, scale = results["response"], results["paint"], results["scale"]
+    response, paint, scale, sensor = (results[name] for name in ("response", "paint", "scale", "sensor"))
+    checks = response["checks"] | sensor["checks"]
     return {
         "Recorded minus true reaction time (ms)": [
             ["program", *_FIGURES.values()],
@@ -68,7 +69,22 @@ def tables(results: Results) -> dict[str, Rows]:
             ["trials per second", "ms per trial", "ms per bare commit", "ratio"],
             [f"{scale[name]:.2f}" for name in ("trials_per_s", "trial_ms", "commit_ms", "ratio")],
         ],
-        "Checks": [["check", "result"], *([name, "pass" if ok else "FAIL"] for name, ok in response["checks"].items())],
+        "A motion sensor's stream, with the session on the screen": [
+            ["samples per second", "seconds", "kept", "lost", "CPU", "of it the sensor's own thread", "µs per sample"],
+            *(
+                [
+                    f"{run['rate_hz']}",
+                    f"{run['seconds']:.0f}",
+                    f"{run['samples']}",
+                    f"{run['lost']}",
+                    f"{run['cpu_share']:.1%}",
+                    f"{run['pacing_share']:.1%}",
+                    f"{run['per_sample_us']:.1f}",
+                ]
+                for run in sensor["runs"]
+            ),
+        ],
+        "Checks": [["check", "result"], *([name, "pass" if ok else "FAIL"] for name, ok in checks.items())],
     }
 
 

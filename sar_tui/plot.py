@@ -17,7 +17,7 @@ def attempts_figure(
     metrics: Sequence[float | None],
     *,
     metric: str,
-    threshold: float,
+    goals: Sequence[float],
     width: int,
     height: int,
     color: bool = True,
@@ -29,7 +29,7 @@ def attempts_figure(
         levels: of each attempt.
         metrics: of each attempt; None where there was nothing to average.
         metric: its name and unit, as the heading of the left axis.
-        threshold: the goal.
+        goals: of each attempt; it may be another at each level.
         width, height: in characters, the heading and the axes included.
         color: with ANSI colours; the markers tell the same without.
         outcomes: ``success`` or ``failure`` of each attempt; without them all have the same marker.
@@ -44,12 +44,12 @@ def attempts_figure(
     width, height = max(width, _SMALLEST[0]), max(height, _SMALLEST[1])
     plotext.clear_figure()
     try:
-        body = _body(plotext, levels, metrics, threshold, (width, height - 1), outcomes)
+        body = _body(plotext, levels, metrics, goals, (width, height - 1), outcomes)
     finally:
         plotext.clear_figure()
     lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
     lines[-1] = "attempt" + lines[-1][_MARGIN:]
-    text = "\n".join([_heading(metric, threshold, metrics, outcomes, width), *lines])
+    text = "\n".join([_heading(metric, goals, metrics, outcomes, width), *lines])
     return text if color else plotext.uncolorize(text)
 
 
@@ -57,7 +57,7 @@ def _body(
     plt: Any,
     levels: Sequence[int],
     metrics: Sequence[float | None],
-    threshold: float,
+    goals: Sequence[float],
     size: tuple[int, int],
     outcomes: Sequence[str],
 ) -> str:
@@ -69,14 +69,16 @@ def _body(
     plt.plotsize(*size)
     plt.xaxes(True, False)
     plt.xlim(0.5, count + 0.5)
-    low, high = _limits([*(m for m in metrics if m is not None), threshold])
+    low, high = _limits([*(m for m in metrics if m is not None), *goals])
     plt.ylim(low, high, yside="left")
     highest = max(1, *levels)
     rise = rows // highest or rows / highest
     plt.ylim(1 / rise, rows / rise, yside="right")
 
     plt.bar(attempts, levels, width=1, minimum=1 / rise, marker=LEVEL, color="blue", yside="right")
-    plt.plot([0.5, count + 0.5], [threshold] * 2, marker=GOAL)
+    for goal, run in groupby(enumerate(goals, start=1), key=lambda item: item[1]):
+        same = [attempt for attempt, _ in run]
+        plt.plot([same[0] - 0.5, same[-1] + 0.5], [goal] * 2, marker=GOAL)
     for run in _runs(metrics):
         plt.plot([attempt for attempt, _ in run], [value for _, value in run], marker="braille")
     marks = _marks(metrics, outcomes)
@@ -105,13 +107,13 @@ def _marks(metrics: Sequence[float | None], outcomes: Sequence[str]) -> list[str
 
 
 def _heading(
-    metric: str, threshold: float, metrics: Sequence[float | None], outcomes: Sequence[str], width: int
+    metric: str, goals: Sequence[float], metrics: Sequence[float | None], outcomes: Sequence[str], width: int
 ) -> str:
     """The names of the axes at both ends, and between them as much of the legend as there is room for."""
     used = set(_marks(metrics, outcomes))
     legend = [f"{REACHED} reached", f"{MISSED} missed"] if outcomes else []
     legend += [f"{EMPTY} no result"] if EMPTY in used else []
-    legend += [f"{GOAL} goal {threshold:g}"]
+    legend += [f"{GOAL} goal {goals[0]:g}" if len(set(goals)) == 1 else f"{GOAL} goal"]
     right = f"{LEVEL} level"
     left = metric[: width - len(right) - 2]
     while legend and len("  ".join([left, *legend, right])) > width:

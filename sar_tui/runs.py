@@ -18,12 +18,13 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ATTEMPT_ENDED
 from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.imu import ImuSource, SourceError
+from sar_tui.inputs.recorded import RecordedSource
 from sar_tui.inputs.sensor import Imu
 from sar_tui.inputs.sources import open_source
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.simulation.participant import SimulatedMover, SimulatedParticipant
 from sar_tui.simulation.person import PEOPLE, Person
-from sar_tui.store import locks, participants, sessions
+from sar_tui.store import imu, locks, participants, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.provenance import machine, measured_timing, software
 from sar_tui.store.recorder import Recorder
@@ -231,18 +232,41 @@ def _enter(
     return Run(session_id, number, session, recorder, database, held)
 
 
-def sensor(parameters: TaskParameters, seed: int, clock: Clock) -> ImuFeed:
+def sensor(parameters: TaskParameters, seed: int, clock: Clock, folder: Path) -> ImuFeed:
     """The motion sensor that a task's ``imu`` parameter names, not started yet.
+
+    As `inputs.sources.open_source` knows them; and ``session:ID``, what was measured in an earlier session.
 
     Raises:
         ParameterError: there is no such sensor.
+        StoreError: there is no such session, or it cannot be read.
     """
     virtual = clock if isinstance(clock, VirtualClock) else None
+    kind, _, name = str(getattr(parameters, "imu", "phidget")).partition(":")
     try:
-        source = open_source(getattr(parameters, "imu", "phidget"), seed=seed, clock=virtual)
+        if kind == "session":
+            source: ImuSource = _stored(name, folder, virtual)
+        else:
+            source = open_source(f"{kind}:{name}" if name else kind, seed=seed, clock=virtual)
     except SourceError as error:
         raise ParameterError({"imu": str(error)}) from error
     return ImuFeed(source, clock.now)
+
+
+def _stored(name: str, folder: Path, clock: Clock | None) -> RecordedSource:
+    """The samples of a stored session, one run after the other, in real time or (``ID?speed=fast``) at once."""
+    name, _, how = name.partition("?")
+    database = connect(folder)
+    try:
+        session = sessions.find(database, folder, name)["id"]
+        samples = imu.samples(database, session)
+    finally:
+        database.conn.close()
+    if not len(samples):
+        raise SourceError(f"The session {session} holds no samples of a sensor.")
+    return RecordedSource(
+        samples, "fast" if how == "speed=fast" else "real time", clock=clock, name=f"session {session}"
+    )
 
 
 def sensing(task: Task, seed: int, feed: ImuFeed) -> list[Node]:

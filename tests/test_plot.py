@@ -10,8 +10,10 @@ OUTCOMES = ["success", "success", "success", "failure", "success", "success", "f
 
 
 def figure(**changes: object) -> str:
-    told = {"metric": "reaction time (ms)", "threshold": 1000, "width": 76, "height": 12, "color": False} | changes
-    return attempts_figure(told.pop("levels", LEVELS), told.pop("metrics", METRICS), **told)  # type: ignore[arg-type]
+    told = {"metric": "reaction time (ms)", "width": 76, "height": 12, "color": False} | changes
+    levels = told.pop("levels", LEVELS)
+    told.setdefault("goals", [1000] * len(levels))  # type: ignore[arg-type]
+    return attempts_figure(levels, told.pop("metrics", METRICS), **told)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("size", [(76, 12), (100, 18), (50, 9), (30, 7)])
@@ -27,6 +29,15 @@ def test_it_names_both_axes_the_goal_and_the_markers() -> None:
         assert part in heading
     assert last.startswith("attempt ")
     assert last.split()[1:] == ["1", "2", "3", "4", "5", "6", "7", "8"]
+
+
+def test_a_goal_that_changes_with_the_level_is_drawn_at_each_attempts_height() -> None:
+    lines = figure(levels=[1, 2], metrics=[700.0, 700.0], goals=[500.0, 900.0]).split("\n")
+    assert "╌ goal " in lines[0]
+    assert "goal 500" not in lines[0]
+    rows = [line for line in lines[1:] if "╌" in line]
+    assert len(rows) == 2
+    assert rows[0].index("╌") > rows[1].rindex("╌") - 1
 
 
 def test_success_failure_and_no_result_have_markers_of_their_own() -> None:

@@ -59,7 +59,7 @@ class LiveSession:
         if not task.sensors:
             return [self.keyboard, self.screen]
         seed = secrets.randbelow(2**31)
-        feed = self._feed or sensor(task.parameters, seed, self.clock)
+        feed = self._feed or sensor(task.parameters, seed, self.clock, self._folder)
         return [self.keyboard, *sensing(task, seed, feed), self.screen]
 
     def begin(self, app: "App[int]", broken: Callable[[str], None]) -> None:

@@ -87,7 +87,7 @@ def show(
     _print_facts(out, found)
     if attempts:
         out.print(attempts_table(attempts, metric), end="\n\n")
-        _print_figure(out, attempts, metric, found["parameters"]["threshold"])
+        _print_figure(out, attempts, metric)
     out.print(summary(attempts, metric), soft_wrap=True, end="\n\n")
     _print_timing(out, found["machine"], trials)
 
@@ -107,7 +107,7 @@ def _print_facts(out: "Console", row: Row) -> None:
     out.print()
 
 
-def _print_figure(out: "Console", attempts: Sequence[Row], metric: "Metric", threshold: float) -> None:
+def _print_figure(out: "Console", attempts: Sequence[Row], metric: "Metric") -> None:
     """The thesis' Figure 4.4."""
     from rich.text import Text
 
@@ -120,7 +120,7 @@ def _print_figure(out: "Console", attempts: Sequence[Row], metric: "Metric", thr
         [row["level"] for row in scored],
         [row["metric"] for row in scored],
         metric=metric.label,
-        threshold=threshold,
+        goals=[row["goal"] for row in scored],
         width=min(out.width, _FIGURE[0]),
         height=_FIGURE[1],
         color=out.is_terminal and not out.no_color,

@@ -175,8 +175,8 @@ class ReachPerceived(Percept, frozen=True, kw_only=True):
     ``onset``, ``turn``, ``end`` in ns. ``closed``: what told that it was over: ``key``, ``stillness``, ``timeout``.
     ``details``: what was measured of it. ``flags``: what to beware of. ``invalid``: why nothing can be said of it,
     so that it has to be done again; empty where something can. ``trace``: how fast the hand turned about the reach's
-    axis, rad/s, out is positive; ``trace_hz`` values a second, the first at ``trace_from`` (ns): to be drawn, not
-    to be analysed.
+    axis, rad/s, out is positive, ``trace_hz`` values a second: to be drawn, not to be analysed. ``trace_marks``: where
+    in it, in s, the hand left, arrived at the target, left that, and was back.
     """
 
     onset: int | None = None
@@ -188,7 +188,7 @@ class ReachPerceived(Percept, frozen=True, kw_only=True):
     invalid: str = ""
     trace: tuple[float, ...] = ()
     trace_hz: float = 0.0
-    trace_from: int = 0
+    trace_marks: tuple[float, float, float, float] | None = None
 
 
 class Waiting(Message, frozen=True, kw_only=True):

@@ -105,7 +105,13 @@ def blocks(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
         yield Record(before, at, IMU, ImuBlock(samples=data))
 
 
-def samples(db: sqlite_utils.Database, session: str, from_ns: int, to_ns: int, run: int | None = None) -> Samples:
+def samples(
+    db: sqlite_utils.Database,
+    session: str,
+    from_ns: int = -(2**63),
+    to_ns: int = 2**63 - 1,
+    run: int | None = None,
+) -> Samples:
     """A session's samples measured in [from_ns, to_ns), of one run of the program where stamps may recur.
 
     Raises:

@@ -122,6 +122,10 @@ def version_2(db: sqlite_utils.Database) -> None:
     """Motion sensors and their samples; the goal and the qualities of an attempt."""
     db["attempts"].add_column("goal", float)  # type: ignore[union-attr]
     db["attempts"].add_column("qualities", str)  # type: ignore[union-attr]
+    db.execute(
+        "UPDATE attempts SET qualities='{}',"
+        " goal=(SELECT json_extract(parameters, '$.threshold') FROM sessions WHERE id=attempts.session)"
+    )
     db.create_table(
         "imu_streams",
         {

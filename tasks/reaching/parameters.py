@@ -17,7 +17,9 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
     ] = 1
     imu: Annotated[
         str,
-        meta("Motion sensor", help="phidget, phidget://host:port, simulated, or recorded:FILE.", min_length=1),
+        meta(
+            "Motion sensor", help="phidget, phidget://host:port, simulated, recorded:FILE, or session:ID.", min_length=1
+        ),
     ] = "phidget"
     hand: Annotated[Literal["right", "left"], meta("Hand", help="The hand that reaches, with the sensor on it.")] = (
         "right"

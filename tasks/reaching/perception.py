@@ -20,6 +20,7 @@ from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, TIME
 from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
 from sar_tui.motion.samples import SAMPLE, Samples, unpack
 from sar_tui.motion.segmenter import Segmenter
+from sar_tui.motion.trace import trace_of
 
 REST = 3 * SECOND
 """So much before a reach is kept, to know the hand at rest."""
@@ -141,7 +142,11 @@ class ReachPerception(TimedNode):
         window = Window(
             from_ns=self._started - REST, started_ns=self._started, to_ns=until + 1, flags=tuple(self._flags)
         )
-        found = analyse(self._samples(), window, self._analysis)
+        samples = self._samples()
+        found = analyse(samples, window, self._analysis)
+        trace = None
+        if found.onset_ns is not None and found.end_ns is not None:
+            trace = trace_of(samples, found.onset_ns, found.end_ns, found.details)
         self.emit(
             REACH,
             ReachPerceived(
@@ -155,6 +160,9 @@ class ReachPerception(TimedNode):
                 details=found.details,
                 flags=found.flags,
                 invalid=found.invalid,
+                trace=tuple(trace.rate) if trace else (),
+                trace_hz=trace.rate_hz if trace else 0.0,
+                trace_marks=(trace.onset_s, trace.arrival_s, trace.departure_s, trace.end_s) if trace else None,
             ),
         )
         self._clear()

@@ -129,8 +129,8 @@ class ReachingTask(Task):
 
     def notice(self, level: int, before: int) -> str:
         if not before:
-            return f"Reach to {self._marker(level)}"
-        return f"Now reach to {self._marker(level)}"
+            return ""
+        return f"Now marker {level}: a little {'farther' if level > before else 'nearer'}"
 
     def start(self, level: int) -> str:
         first = "When you see GO, reach" if self.parameters.go_signal else "Then reach"

@@ -185,13 +185,14 @@ def test_a_database_of_the_first_version_keeps_its_attempts_and_can_take_a_senso
     data.mkdir()
     first = sqlite_utils.Database(sqlite3.connect(data / FILE))
     migrations.apply(first, stop_before="version_2")
+    first["sessions"].insert({"id": "s", "parameters": '{"threshold": 900.0}'})
     first["attempts"].insert({"session": "s", "attempt": 1, "seat": "A", "metric": 700.0})
     first.execute("PRAGMA user_version=1")
     first.conn.close()
     opened = connect(data)
     assert pragma(opened, "user_version") == VERSION
     (attempt,) = opened["attempts"].rows
-    assert (attempt["metric"], attempt["goal"]) == (700.0, None)
+    assert (attempt["metric"], attempt["goal"]) == (700.0, 900.0)
     assert {"imu_streams", "imu_chunks"} <= set(opened.table_names())
 
 

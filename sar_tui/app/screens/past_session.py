@@ -28,7 +28,7 @@ class PastSessionScreen(Screen[None]):
         row = self._row
         began = sessions.local_time(row["started_at"])
         yield Static(f"{row['participant']} · {row['task']} · {began} · {row['status']}", id="top", markup=False)
-        yield Summary(provenance.metric(row["software"]), row["parameters"]["threshold"], id="summary")
+        yield Summary(provenance.metric(row["software"]), id="summary")
         yield Footer()
 
     def on_mount(self) -> None:
@@ -42,6 +42,7 @@ class PastSessionScreen(Screen[None]):
                 accuracy=row["accuracy"],
                 correct=row["correct"],
                 trials=row["trials"],
+                goal=row["goal"],
                 outcome=row["outcome"],
                 feedback=row["feedback"],
                 started=row["started_ns"],

@@ -33,9 +33,11 @@ from sar_tui.framework.messages import (
 )
 from sar_tui.framework.task import Mark
 from sar_tui.framework.topics import RECALL
+from sar_tui.motion.trace import Trace
 from sar_tui.widgets.agent import Agent
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.progress_line import ProgressLine
+from sar_tui.widgets.speed_trace import SpeedTrace
 
 _LOOK_AFTER = 0.03
 """Seconds until the stamp of a prompt is looked at: work before then would delay the prompt's way to the eye."""
@@ -61,7 +63,8 @@ class SessionScreen(Screen[None]):
         self._waiting: Waiting | None = None
         self._last_key = ("", 0.0)
         self._shown = "message"
-        self._traces: deque[ReachPerceived] = deque(maxlen=3)
+        self._traces: deque[Trace] = deque(maxlen=3)
+        self._reaches = 0
 
     @property
     def help_text(self) -> str:
@@ -81,10 +84,11 @@ class SessionScreen(Screen[None]):
             with Vertical(id="message"):
                 yield Static("", id="headline", markup=False)
                 yield Static("", id="text", markup=False)
+                yield SpeedTrace(id="reaches")
                 yield Static("", id="enter", markup=False)
             yield BigPrompt(id="prompt")
             yield PauseMenu(id="menu")
-            yield Summary(session.task.metric, session.task.parameters.threshold, id="summary")
+            yield Summary(session.task.metric, id="summary")
         yield Agent(session.theme.faces, id="agent")
         with Horizontal(id="progress"):
             yield ProgressLine(id="trials")
@@ -196,7 +200,12 @@ class SessionScreen(Screen[None]):
         self.query_one(Agent).say("", "listening")
 
     def reached(self, reach: ReachPerceived) -> None:
-        self._traces.append(reach)
+        if reach.trace_marks:
+            onset, arrival, departure, end = reach.trace_marks
+            marks = {"onset_s": onset, "arrival_s": arrival, "departure_s": departure, "end_s": end}
+            label = f"reach {self._reaches + 1}"
+            self._traces.append(Trace(rate=list(reach.trace), rate_hz=reach.trace_hz, label=label, **marks))
+        self._reaches += 1
 
     def progress(self, done: int) -> None:
         self._count(done)
@@ -255,6 +264,10 @@ class SessionScreen(Screen[None]):
             self.query_one(Agent).say("", "listening")
         for name, text in (("#headline", said.headline), ("#text", said.text), ("#enter", said.press)):
             self.query_one(name, Static).update(text)
+        reaches = self.query_one(SpeedTrace)
+        reaches.display = bool(self._traces) and waiting.stage in ("attempt", "review")
+        if reaches.display:
+            reaches.show(self._traces)
         self._stage("message")
 
     def _stage(self, name: str) -> None:

@@ -14,10 +14,9 @@ from sar_tui.framework.task import Metric
 class Summary(Vertical):
     """What was done, for the participant and the therapist beside them."""
 
-    def __init__(self, metric: Metric, threshold: float, id: str | None = None) -> None:
+    def __init__(self, metric: Metric, id: str | None = None) -> None:
         super().__init__(id=id)
         self._metric = metric
-        self._threshold = threshold
         self._attempts: Sequence[AttemptEnded] = ()
 
     def compose(self) -> ComposeResult:
@@ -56,7 +55,7 @@ class Summary(Vertical):
             [a.level for a in self._attempts],
             [a.metric for a in self._attempts],
             metric=self._metric.label,
-            threshold=self._threshold,
+            goals=[a.goal or 0.0 for a in self._attempts],
             width=plot.size.width,
             height=plot.size.height,
             color=False,

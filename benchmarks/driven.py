@@ -1,0 +1,113 @@
+"""sar-tui's reaching task with a sensor that is driven: Phidget22's own channel, called back from a thread.
+
+Used as ``python -m benchmarks.driven RATE_HZ SECONDS DATA_FOLDER RESULT_FILE`` in a terminal. The seconds begin when
+an attempt has.
+"""
+
+import ctypes
+import json
+import math
+import sqlite3
+import sys
+import threading
+import time
+from collections.abc import Callable
+from contextlib import closing, suppress
+from pathlib import Path
+from typing import Any
+
+from sar_tui.app.app import run_app
+from sar_tui.framework.parameters import build
+from sar_tui.inputs import sources
+from sar_tui.inputs.phidget import PhidgetSource, _spatial
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan
+from sar_tui.store.database import FILE
+
+Axes = ctypes.c_double * 3
+
+
+def channel(rate_hz: int) -> Any:
+    """A real ``Spatial``, but for what it would have to ask a device."""
+    real = _spatial()
+    facts: dict[str, Any] = {
+        "getDeviceName": "PhidgetSpatial Precision 3/3/3",
+        "getDeviceSKU": "1044_1B",
+        "getDeviceSerialNumber": 1,
+        "getDeviceVersion": 100,
+        "getMinDataInterval": 1000 // rate_hz,
+        "getDataInterval": 1000 // rate_hz,
+        "getMaxAngularRate": [2000.0] * 3,
+        "getMaxAcceleration": [8.0] * 3,
+        "getMaxMagneticField": [50.0] * 3,
+    }
+    for name, value in facts.items():
+        setattr(real, name, lambda value=value: value)
+    real.setDataInterval = lambda _: None
+    return real
+
+
+def pace(rate_hz: int, seconds: float, do: Callable[[int], None], first: int = 0) -> float:
+    """Do something so many times a second, numbered from ``first``; returns the CPU seconds this thread took."""
+    cpu, start = time.thread_time(), time.perf_counter()
+    for index in range(round(seconds * rate_hz)):
+        due = start + index / rate_hz
+        while (left := due - time.perf_counter()) > 0:
+            time.sleep(left)
+        do(first + index)
+    return time.thread_time() - cpu
+
+
+def _has_begun(folder: Path) -> bool:
+    """Whether an attempt is under way: from then on every sample counts."""
+    asked = "SELECT count(*) FROM events WHERE topic='event_handler/attempt_started'"
+    with suppress(sqlite3.Error), closing(sqlite3.connect(f"file:{folder / FILE}?mode=ro", uri=True)) as database:
+        return bool(database.execute(asked).fetchone()[0])
+    return False
+
+
+def _drive(spatial: Any, rate_hz: int, seconds: float, folder: Path) -> dict[str, float]:
+    """Attach; send samples until an attempt is under way, and then for so long; detach. Returns what it took."""
+
+    def made(index: int) -> tuple[Any, ...]:
+        turning = 90 * math.sin(index / rate_hz)
+        return Axes(0.0, 0.0, 1.0), Axes(0.0, 0.0, turning), Axes(0.1, 0.2, 0.3), index * 1000.0 / rate_hz
+
+    def send(index: int) -> None:
+        spatial._onSpatialData(None, None, *made(index))
+
+    time.sleep(1)
+    pacing_s = min(5.0, seconds)
+    pacing = pace(rate_hz, pacing_s, made) / pacing_s
+    spatial._onAttach(None, None)
+    sent = 0
+    while not _has_begun(folder):
+        pace(rate_hz, 0.2, send, sent)
+        sent += round(0.2 * rate_hz)
+    before = time.process_time()
+    pace(rate_hz, seconds, send, sent)
+    cpu = time.process_time() - before
+    sent += round(seconds * rate_hz)
+    spatial._onDetach(None, None)
+    return {"last_ms": (sent - 1) * 1000.0 / rate_hz, "cpu_share": cpu / seconds, "pacing_share": pacing}
+
+
+def main() -> int:
+    """Run the app; drive the sensor beside it."""
+    rate_hz, seconds, folder, result = int(sys.argv[1]), float(sys.argv[2]), Path(sys.argv[3]), Path(sys.argv[4])
+    spatial = channel(rate_hz)
+    sources._SHIPPED["phidget"] = lambda text, seed, clock: PhidgetSource(make=lambda: spatial, denied=lambda: False)
+
+    def work() -> None:
+        found = json.dumps(_drive(spatial, rate_hz, seconds, folder))
+        result.with_suffix(".part").write_text(found)
+        result.with_suffix(".part").replace(result)
+
+    threading.Thread(target=work, daemon=True).start()
+    catalogue = Catalogue()
+    task = catalogue.task("reaching")
+    return run_app(folder, catalogue, plan=Plan(task, build(task.Parameters, {}), "calm", "BENCH", 1))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

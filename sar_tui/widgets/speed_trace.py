@@ -1,0 +1,184 @@
+"""Reaches as curves: how fast the hand turned, out and back, over time."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+from rich.text import Text
+from textual.widget import Widget
+
+from sar_tui.motion.trace import Trace
+
+SMALLEST = (40, 6)
+"""Columns and rows that a plot needs."""
+
+_MARGIN = 6
+_LEGEND_FROM = 9
+_ROOM = 1.08
+_FLATTEST = 0.5
+_DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
+_BLANK = 0x2800
+_STEPS = [round(m * 10.0**power, 3) for power in range(-2, 4) for m in (1, 2, 5)]
+
+
+class SpeedTrace(Widget):
+    """Shows a few reaches, the newest as a full line, those before as dots. It is still unless told to change."""
+
+    DEFAULT_CSS = "SpeedTrace { height: 1fr; min-height: 6; }"
+
+    def __init__(self, id: str | None = None) -> None:
+        super().__init__(id=id)
+        self._traces: tuple[Trace, ...] = ()
+
+    def show(self, traces: Sequence[Trace]) -> None:
+        """Draw these reaches, the newest last; none, to clear."""
+        self._traces = tuple(traces)
+        self.refresh()
+
+    def render(self) -> Text:
+        width, height = self.content_size
+        if not self._traces or not width or not height:
+            return Text("")
+        colors = self.app.theme_variables
+        muted = colors["text-muted"]
+        styles = {
+            "out": f"bold {colors['accent']}",
+            "dwell": f"bold {muted}",
+            "back": f"bold {colors['foreground']}",
+            "rest": muted,
+            "earlier": muted,
+            "axis": muted,
+        }
+        return draw_traces(self._traces, width, height, styles)
+
+
+def draw_traces(traces: Sequence[Trace], width: int, height: int, styles: Mapping[str, str] | None = None) -> Text:
+    """Reaches as text, all beginning at 0 s: the phases of the newest by name, the curves, a line at rest, the time.
+
+    Args:
+        traces: the newest last, at least one.
+        width, height: in characters, at least 40 by 6; from 9 rows on, several reaches have a legend.
+        styles: how ``out``, ``dwell``, ``back``, ``rest``, ``earlier`` and ``axis`` look; the text tells the same.
+    """
+    width, height = max(width, SMALLEST[0]), max(height, SMALLEST[1])
+    styles = styles or {}
+    told = height >= _LEGEND_FROM and len(traces) > 1
+    legend = [_legend(traces, width, styles.get("axis", ""))] if told else []
+    plot = _Plot(traces, width - _MARGIN, height - 2 - len(legend))
+    lines = [plot.phase_names(styles), *plot.body(styles), plot.time_axis(styles), *legend]
+    return Text("\n", no_wrap=True, end="").join(lines)
+
+
+def _legend(traces: Sequence[Trace], width: int, style: str) -> Text:
+    *earlier, newest = (trace.label or f"reach {number}" for number, trace in enumerate(traces, start=1))
+    return Text(f"{' ' * _MARGIN}⠒⠒ {newest}   ⠂⠂ {', '.join(earlier)}"[:width].ljust(width), style)
+
+
+class _Plot:
+    """The scales of a plot, and what they make of its curves: ``columns`` by ``rows`` cells of 2 by 4 dots."""
+
+    def __init__(self, traces: Sequence[Trace], columns: int, rows: int) -> None:
+        self.traces, self.newest = traces, traces[-1]
+        self.columns, self.rows = columns, rows
+        self.from_s = min(-trace.onset_s for trace in traces)
+        self.to_s = max((len(trace.rate) - 1) / trace.rate_hz - trace.onset_s for trace in traces)
+        self.to_s = max(self.to_s, self.from_s + 0.1)
+        high = _ROOM * max(_FLATTEST / 2, *(max(trace.rate, default=0.0) for trace in traces))
+        low = _ROOM * min(-_FLATTEST / 2, *(min(trace.rate, default=0.0) for trace in traces))
+        self.zero_row = min(rows - 1, round(high / (high - low) * rows - 0.5))
+        self._zero_dot = 4 * self.zero_row + 2
+        self._unit = max(high / max(1, self._zero_dot), -low / max(1, 4 * rows - 1 - self._zero_dot))
+        newest = self.newest
+        times = [t - newest.onset_s for t in (newest.onset_s, newest.arrival_s, newest.departure_s, newest.end_s)]
+        self.bounds = [self._column(t) for t in times]
+
+    def phase_names(self, styles: Mapping[str, str]) -> Text:
+        """The newest reach's phases, each between brackets as wide as it lasts."""
+        onset, arrival, departure, end = self.bounds
+        line = Text("rad/s".ljust(_MARGIN) + " " * onset, styles.get("axis", ""))
+        for name, first, last in (("out", onset, arrival), ("dwell", arrival, departure), ("back", departure, end)):
+            line.append(_bracket(name, last - first), styles.get(name, ""))
+        line.pad_right(max(0, self.columns + _MARGIN - len(line)))
+        return line
+
+    def body(self, styles: Mapping[str, str]) -> list[Text]:
+        """The rows between the phases' names and the time."""
+        strong = self._dots([self.newest])
+        faint = self._dots(self.traces[:-1], every=2)
+        labels = self._labels()
+        lines = []
+        for row in range(self.rows):
+            axis = "┼" if row == self.zero_row else "┤" if row in labels else "│"
+            line = Text(labels.get(row, "").rjust(_MARGIN - 1) + axis, styles.get("axis", ""))
+            for column in range(self.columns):
+                if dots := int(strong[row, column]):
+                    line.append(chr(_BLANK + dots), styles.get(self._phase(column), ""))
+                elif dots := int(faint[row, column]):
+                    line.append(chr(_BLANK + dots), styles.get("earlier", ""))
+                else:
+                    empty = "┊" if column in self.bounds else "─" if row == self.zero_row else " "
+                    line.append(empty, styles.get("axis", ""))
+            lines.append(line)
+        return lines
+
+    def time_axis(self, styles: Mapping[str, str]) -> Text:
+        """Seconds since the onset."""
+        per_cell = (self.to_s - self.from_s) / self.columns
+        step = next(step for step in _STEPS if step >= 9 * per_cell)
+        cells = [" "] * (self.columns + _MARGIN)
+        for count in range(int(self.to_s / step) + 1):
+            label = f"{count * step:g} s"
+            first = _MARGIN + self._column(count * step) - len(label) // 2
+            if first + len(label) <= len(cells):
+                cells[first : first + len(label)] = label
+        return Text("".join(cells), styles.get("axis", ""))
+
+    def _column(self, time_s: float) -> int:
+        share = (time_s - self.from_s) / (self.to_s - self.from_s)
+        return min(self.columns - 1, max(0, int(share * self.columns)))
+
+    def _phase(self, column: int) -> str:
+        onset, arrival, departure, end = self.bounds
+        if not onset <= column <= end:
+            return "rest"
+        return "out" if column < arrival else "dwell" if column < departure else "back"
+
+    def _dots(self, traces: Sequence[Trace], every: int = 1) -> npt.NDArray[np.uint8]:
+        """The Braille dots of curves, shape (rows, columns); only of every so many columns of dots."""
+        cells = np.zeros((self.rows, self.columns), dtype=np.uint8)
+        time = self.from_s + (np.arange(2 * self.columns) + 0.5) / (2 * self.columns) * (self.to_s - self.from_s)
+        for trace in traces:
+            own = np.arange(len(trace.rate)) / trace.rate_hz - trace.onset_s
+            heights = np.interp(time, own, trace.rate, left=np.nan, right=np.nan) if len(own) else time * np.nan
+            before = None
+            for column, height in enumerate(heights.tolist()):
+                if math.isnan(height):  # the curve has not begun, or is over
+                    before = None
+                    continue
+                dot = min(4 * self.rows - 1, max(0, self._zero_dot - round(height / self._unit)))
+                if column % every == 0:
+                    step = 0 if before is None else (before < dot) - (before > dot)
+                    for y in range(dot if before is None or not step else before + step, dot + (step or 1), step or 1):
+                        cells[y // 4, column // 2] |= _DOTS[y % 4][column % 2]
+                before = dot
+        return cells
+
+    def _labels(self) -> dict[int, str]:
+        """Round numbers for the rows they belong to."""
+        step = next(step for step in _STEPS if step >= 4 * self._unit)
+        labels = {}
+        for count in range(-self.rows, self.rows + 1):
+            dot = self._zero_dot - round(count * step / self._unit)
+            if 0 <= dot < 4 * self.rows:
+                labels[dot // 4] = f"{count * step:g}".replace("-", "−")
+        return labels
+
+
+def _bracket(name: str, width: int) -> str:
+    """A name between brackets; as much of both as there is room for."""
+    if width >= len(name) + 4:
+        return "├" + f" {name} ".center(width - 2, "─") + "┤"
+    if width >= len(name):
+        return name.center(width)
+    return "·" * width
