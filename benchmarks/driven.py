@@ -4,7 +4,6 @@ Used as ``python -m benchmarks.driven RATE_HZ SECONDS DATA_FOLDER RESULT_FILE`` 
 an attempt has.
 """
 
-import ctypes
 import json
 import math
 import sqlite3
@@ -14,40 +13,18 @@ import time
 from collections.abc import Callable
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import Any
 
 from sar_tui.app.app import run_app
 from sar_tui.framework.parameters import build
 from sar_tui.inputs import sources
-from sar_tui.inputs.phidget import PhidgetSource, _spatial
+from sar_tui.inputs.phidget import PhidgetSource, new_channel
 from sar_tui.plugins import Catalogue
 from sar_tui.runs import Plan
+from sar_tui.simulation.driven import DrivenSpatial
 from sar_tui.store.database import FILE
 
-Axes = ctypes.c_double * 3
 
-
-def channel(rate_hz: int) -> Any:
-    """A real ``Spatial``, but for what it would have to ask a device."""
-    real = _spatial()
-    facts: dict[str, Any] = {
-        "getDeviceName": "PhidgetSpatial Precision 3/3/3",
-        "getDeviceSKU": "1044_1B",
-        "getDeviceSerialNumber": 1,
-        "getDeviceVersion": 100,
-        "getMinDataInterval": 1000 // rate_hz,
-        "getDataInterval": 1000 // rate_hz,
-        "getMaxAngularRate": [2000.0] * 3,
-        "getMaxAcceleration": [8.0] * 3,
-        "getMaxMagneticField": [50.0] * 3,
-    }
-    for name, value in facts.items():
-        setattr(real, name, lambda value=value: value)
-    real.setDataInterval = lambda _: None
-    return real
-
-
-def pace(rate_hz: int, seconds: float, do: Callable[[int], None], first: int = 0) -> float:
+def pace(rate_hz: int, seconds: float, do: Callable[[int], object], first: int = 0) -> float:
     """Do something so many times a second, numbered from ``first``; returns the CPU seconds this thread took."""
     cpu, start = time.thread_time(), time.perf_counter()
     for index in range(round(seconds * rate_hz)):
@@ -66,20 +43,16 @@ def _has_begun(folder: Path) -> bool:
     return False
 
 
-def _drive(spatial: Any, rate_hz: int, seconds: float, folder: Path) -> dict[str, float]:
+def _drive(driven: DrivenSpatial, rate_hz: int, seconds: float, folder: Path) -> dict[str, float]:
     """Attach; send samples until an attempt is under way, and then for so long; detach. Returns what it took."""
 
-    def made(index: int) -> tuple[Any, ...]:
-        turning = 90 * math.sin(index / rate_hz)
-        return Axes(0.0, 0.0, 1.0), Axes(0.0, 0.0, turning), Axes(0.1, 0.2, 0.3), index * 1000.0 / rate_hz
-
     def send(index: int) -> None:
-        spatial._onSpatialData(None, None, *made(index))
+        driven.send(index, (0.0, 0.0, 90 * math.sin(index / rate_hz)))
 
     time.sleep(1)
     pacing_s = min(5.0, seconds)
-    pacing = pace(rate_hz, pacing_s, made) / pacing_s
-    spatial._onAttach(None, None)
+    pacing = pace(rate_hz, pacing_s, math.sin) / pacing_s
+    driven.attach()
     sent = 0
     while not _has_begun(folder):
         pace(rate_hz, 0.2, send, sent)
@@ -88,18 +61,20 @@ def _drive(spatial: Any, rate_hz: int, seconds: float, folder: Path) -> dict[str
     pace(rate_hz, seconds, send, sent)
     cpu = time.process_time() - before
     sent += round(seconds * rate_hz)
-    spatial._onDetach(None, None)
+    driven.detach()
     return {"last_ms": (sent - 1) * 1000.0 / rate_hz, "cpu_share": cpu / seconds, "pacing_share": pacing}
 
 
 def main() -> int:
     """Run the app; drive the sensor beside it."""
     rate_hz, seconds, folder, result = int(sys.argv[1]), float(sys.argv[2]), Path(sys.argv[3]), Path(sys.argv[4])
-    spatial = channel(rate_hz)
-    sources._SHIPPED["phidget"] = lambda text, seed, clock: PhidgetSource(make=lambda: spatial, denied=lambda: False)
+    driven = DrivenSpatial(new_channel(), 1000 // rate_hz)
+    sources._SHIPPED["phidget"] = lambda text, seed, clock: PhidgetSource(
+        make=lambda: driven.spatial, denied=lambda: False
+    )
 
     def work() -> None:
-        found = json.dumps(_drive(spatial, rate_hz, seconds, folder))
+        found = json.dumps(_drive(driven, rate_hz, seconds, folder))
         result.with_suffix(".part").write_text(found)
         result.with_suffix(".part").replace(result)
 

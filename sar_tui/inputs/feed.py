@@ -107,11 +107,16 @@ class ImuFeed:
         self.source.stop()
 
     def drain(self) -> Drained:
-        """All that came since the last time. Call every 10 ms or so, always from the same thread."""
+        """All that came since the last time, up to where the sensor was attached anew: that comes the next time.
+
+        Call every 10 ms or so, always from the same thread.
+        """
         now, queue = self._now(), self._queue
         rows: list[_Row] = []
         statuses: list[Status] = []
         for _ in range(len(queue)):
+            if rows and isinstance(queue[0], Status) and queue[0].state == "attached":
+                break
             item = queue.popleft()
             if isinstance(item, Sample):
                 self._sample(item, rows, statuses)
@@ -199,7 +204,7 @@ class ImuFeed:
         if self._heard:
             self._last_heard = now
             if self._stalled:
-                statuses.append(Status(state="flowing", at=now))
+                statuses.insert(0, Status(state="flowing", at=now))
             self._heard = self._stalled = False
         elif self._attached and not self._stalled and now - self._last_heard >= STALL:
             self._stalled = True

@@ -93,7 +93,7 @@ class PhidgetSource:
     ) -> None:
         self.info: Info | None = None
         self._address = _parsed(address)
-        self._make = make or _spatial
+        self._make = make or new_channel
         self._denied = denied or usb_denied
         self._channel: Any = None
         self._stopped = threading.Event()
@@ -266,7 +266,7 @@ def usb_denied(devices: Path = Path("/sys/bus/usb/devices"), nodes: Path = Path(
     return False
 
 
-def _spatial() -> Any:
+def new_channel() -> Any:
     """Phidget22's channel. Raises ImportError without the package, OSError without its native libraries."""
     if sys.platform == "linux":
         with suppress(ImportError, OSError):

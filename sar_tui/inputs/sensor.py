@@ -59,14 +59,13 @@ class Imu(Node):
         if self._stopped:
             return
         samples, statuses = self.feed.drain()
-        for status in statuses:
-            if status.state in _BEFORE_SAMPLES:
-                self._tell(status)
+        before = max((n for n, status in enumerate(statuses, 1) if status.state in _BEFORE_SAMPLES), default=0)
+        for status in statuses[:before]:
+            self._tell(status)
         if len(samples):
             self.emit(IMU, ImuBlock(samples=pack(samples)))
-        for status in statuses:
-            if status.state not in _BEFORE_SAMPLES:
-                self._tell(status)
+        for status in statuses[before:]:
+            self._tell(status)
         self._next = self.bus.clock.call_at(self.bus.clock.now() + DRAIN, self._drain)
 
     def _tell(self, status: Status) -> None:

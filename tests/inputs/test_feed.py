@@ -234,9 +234,13 @@ def test_a_sensor_that_is_plugged_in_again_begins_its_clock_anew_and_leaves_no_g
     bench.source.on_status(Status(state="detached", at=60_010 * MS))
     bench.attach()
     bench.source.sink(Sample(70_000 * MS, 0.0, STILL, STILL))
-    samples, statuses = bench.feed.drain()
-    assert [status.state for status in statuses] == ["attached", "detached", "attached"]
-    assert samples["at"].tolist() == [60_000 * MS, 60_004 * MS, 70_000 * MS]
+    before, after = bench.feed.drain(), bench.feed.drain()
+    assert [[status.state for status in drained.statuses] for drained in (before, after)] == [
+        ["attached", "detached"],
+        ["attached"],
+    ]
+    assert before.samples["at"].tolist() == [60_000 * MS, 60_004 * MS]
+    assert after.samples["at"].tolist() == [70_000 * MS]
 
 
 def test_a_clock_that_begins_anew_untold_is_a_gap_of_unknown_size(bench: Bench) -> None:

@@ -1,63 +1,38 @@
 """Given Phidget22's own channel, when its callback is called from another thread, then every sample arrives."""
 
-import ctypes
 import math
 import queue
 import threading
-from typing import Any
 
 import numpy as np
 import pytest
 
 from sar_tui.framework.clock import host_now
 from sar_tui.inputs.feed import Drained, ImuFeed
-from sar_tui.inputs.phidget import PhidgetSource, _spatial
+from sar_tui.inputs.phidget import PhidgetSource, new_channel
+from sar_tui.simulation.driven import DrivenSpatial
 
 WAIT_S = 20.0
 """How long to wait for another thread before a test fails."""
-Axes = ctypes.c_double * 3
-
-
-def channel(interval_ms: int) -> Any:
-    """A real ``Spatial``, but for what it would have to ask a device."""
-    real = _spatial()
-    real.getDeviceName = lambda: "PhidgetSpatial Precision 3/3/3"
-    real.getDeviceSKU = lambda: "1044_1B"
-    real.getDeviceSerialNumber = lambda: 1
-    real.getDeviceVersion = lambda: 100
-    real.getMinDataInterval = real.getDataInterval = lambda: interval_ms
-    real.setDataInterval = lambda _: None
-    real.getMaxAngularRate = lambda: [2000.0] * 3
-    real.getMaxAcceleration = lambda: [8.0] * 3
-    real.getMaxMagneticField = lambda: [50.0] * 3
-    return real
 
 
 @pytest.mark.parametrize("interval_ms", [4, 1])
 def test_five_seconds_of_samples_arrive_whole_in_order_and_in_our_units(interval_ms: int) -> None:
     count = 5000 // interval_ms
-    spatial = channel(interval_ms)
-    feed = ImuFeed(PhidgetSource(make=lambda: spatial, denied=lambda: False), host_now)
+    driven = DrivenSpatial(new_channel(), interval_ms)
+    feed = ImuFeed(PhidgetSource(make=lambda: driven.spatial, denied=lambda: False), host_now)
     feed.start()
 
     sent: queue.Queue[bool] = queue.Queue()
 
     def send() -> None:
-        spatial._onAttach(None, None)
+        driven.attach()
         for index in range(count):
-            number = float(index)
-            spatial._onSpatialData(
-                None,
-                None,
-                Axes(1.0, 0.0, -1.0),
-                Axes(90.0, 0.0, -0.01 * number),
-                Axes(0.1, 0.2, 0.3),
-                number * interval_ms,
-            )
+            driven.send(index, (90.0, 0.0, -0.01 * index), (1.0, 0.0, -1.0))
             if index % 10 == 9:
                 sent.put(True)
-        spatial._onError(None, None, 4105, b"Gyroscope Saturation Detected.")
-        spatial._onDetach(None, None)
+        driven.saturate()
+        driven.detach()
         sent.put(False)
 
     driver = threading.Thread(target=send)

@@ -1,0 +1,112 @@
+"""Given a Phidget's own channel, when it is driven from a thread, then every sample is in the database, in order."""
+
+import asyncio
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sar_tui.framework.clock import LiveClock
+from sar_tui.framework.messages import ImuBlock, SensorChanged
+from sar_tui.framework.parameters import build
+from sar_tui.framework.topics import IMU, SENSOR
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.phidget import PhidgetSource, new_channel
+from sar_tui.inputs.sensor import Imu
+from sar_tui.motion.samples import unpack
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, Run, start
+from sar_tui.simulation.driven import DrivenSpatial
+from sar_tui.store import imu, sessions
+from sar_tui.store.database import connect
+
+PATIENCE_S = 60.0
+
+
+async def streamed(run: Run, driven: DrivenSpatial, plugged: tuple[int, ...]) -> list[str]:
+    """Plug the sensor in as often as told, each time for so many samples; returns what the session heard of it."""
+    states: list[str] = []
+    heard = 0
+    all_heard = asyncio.Event()
+    quiet = threading.Semaphore(0)
+
+    def count(block: ImuBlock) -> None:
+        nonlocal heard
+        heard += len(unpack(block.samples))
+        if heard in (plugged[0], sum(plugged)):
+            quiet.release()
+
+    def note(sensor: SensorChanged) -> None:
+        states.append(sensor.state)
+        if len(states) == 1:
+            quiet.release()
+        if states.count("detached") == len(plugged) + 1 and heard == sum(plugged):
+            all_heard.set()
+
+    run.session.bus.subscribe(IMU, count)
+    run.session.bus.subscribe(SENSOR, note)
+
+    def drive() -> None:
+        quiet.acquire(timeout=PATIENCE_S)
+        for samples in plugged:
+            driven.attach()
+            for index in range(samples):
+                driven.send(index, (0.0, 0.0, index % 90))
+            quiet.acquire(timeout=PATIENCE_S)
+            driven.detach()
+
+    assert isinstance(run.session.clock, LiveClock)
+    loop = asyncio.create_task(run.session.clock.run())
+    run.session.clock.call_soon(run.begin)
+    driver = threading.Thread(target=drive)
+    driver.start()
+    try:
+        await asyncio.wait_for(all_heard.wait(), PATIENCE_S)
+    finally:
+        driver.join()
+        loop.cancel()
+    return states
+
+
+@pytest.mark.parametrize("interval_ms", [4, 1])
+def test_five_seconds_of_samples_are_all_kept_and_a_sensor_that_is_plugged_in_again_is_a_new_stream(
+    tmp_path: Path, interval_ms: int
+) -> None:
+    count = 5000 // interval_ms
+    driven = DrivenSpatial(new_channel(), interval_ms)
+    catalogue = Catalogue()
+    task = catalogue.task("reaching")
+    plan = Plan(task, build(task.Parameters, {}), "calm", "P01", seed=1)
+
+    async def session() -> tuple[str, list[str]]:
+        clock = LiveClock(asyncio.get_running_loop())
+        feed = ImuFeed(PhidgetSource(make=lambda: driven.spatial, denied=lambda: False), clock.now)
+        run = start(plan, tmp_path, catalogue, clock, lambda task: [Imu(feed)])
+        stop = threading.Event()
+        writer = threading.Thread(target=run.recorder.run, args=(stop.is_set,))
+        writer.start()
+        try:
+            states = await streamed(run, driven, (count, count // 2))
+        finally:
+            stop.set()
+            run.recorder.stop()
+            writer.join()
+            run.close()
+        return run.id, states
+
+    session_id, states = asyncio.run(session())
+    database = connect(tmp_path)
+    streams = sessions.rows(database, "imu_streams", session_id)
+    kept = imu.samples(database, session_id)
+    chunks = list(database.query("SELECT stream, seq, n FROM imu_chunks ORDER BY stream, seq"))
+    database.conn.close()
+    assert states == ["detached", "attached", "detached", "attached", "detached"]
+    assert [(row["stream"], row["rate_hz"]) for row in streams] == [(1, 1000 / interval_ms), (2, 1000 / interval_ms)]
+    assert "1044_1B" in streams[0]["model"]
+    sent = [*range(count), *range(count // 2)]
+    assert kept["device_ms"].tolist() == [float(index * interval_ms) for index in sent]
+    assert np.allclose(np.degrees(kept["rate"][:, 2]), [index % 90 for index in sent], atol=1e-4)
+    assert [chunk["seq"] for chunk in chunks if chunk["stream"] == 2] == [
+        *range(1, 1 + sum(chunk["stream"] == 2 for chunk in chunks))
+    ]
