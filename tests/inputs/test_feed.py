@@ -203,7 +203,7 @@ def test_a_sensor_that_falls_silent_is_stalled_once_and_flows_again(bench: Bench
     bench.clock.advance(2 * SECOND)
     assert bench.told() == []
     bench.send(2500.0)
-    assert [status.state for status in bench.told()] == ["gap", "flowing"]
+    assert [status.state for status in bench.told()] == ["flowing", "gap"]
 
 
 def test_a_sensor_that_never_says_a_thing_is_stalled(bench: Bench) -> None:
