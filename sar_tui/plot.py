@@ -76,8 +76,8 @@ def _body(
     plt.ylim(1 / rise, rows / rise, yside="right")
 
     plt.bar(attempts, levels, width=1, minimum=1 / rise, marker=LEVEL, color="blue", yside="right")
-    for goal, run in groupby(enumerate(goals, start=1), key=lambda item: item[1]):
-        same = [attempt for attempt, _ in run]
+    for goal, alike in groupby(enumerate(goals, start=1), key=lambda item: item[1]):
+        same = [attempt for attempt, _ in alike]
         plt.plot([same[0] - 0.5, same[-1] + 0.5], [goal] * 2, marker=GOAL)
     for run in _runs(metrics):
         plt.plot([attempt for attempt, _ in run], [value for _, value in run], marker="braille")

@@ -23,10 +23,11 @@ from sar_tui.app.driver import OnsetWatch, stamp_keys_as_read, watched
 from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.too_small import TooSmallScreen, is_too_small
 from sar_tui.app.themes import textual_theme
-from sar_tui.framework.clock import Clock
+from sar_tui.framework.clock import Clock, LiveClock
 from sar_tui.framework.parameters import ParameterError
+from sar_tui.inputs.feed import ImuFeed
 from sar_tui.plugins import Catalogue, PluginError
-from sar_tui.runs import Failed, Plan
+from sar_tui.runs import Failed, Plan, sensor
 from sar_tui.store.database import StoreError, connect, default_folder, explain
 
 INTERRUPTED = 130
@@ -62,6 +63,7 @@ class SarTui(App[int]):
         self.catalogue = catalogue
         self.database = connect(folder)
         self.live: LiveSession | None = None
+        self.feed: ImuFeed | None = None
         self.failure = ""
         self._begin = begin
         self._session_clock = clock
@@ -94,10 +96,52 @@ class SarTui(App[int]):
         self._check_room(self.size)
 
     def begin_session(self, what: Plan | str) -> None:
-        """Open a new or an interrupted session on a screen of its own; say so if that cannot be."""
+        """Open a new or an interrupted session; say so if that cannot be. A new one's sensor is looked at first."""
+        if isinstance(what, Plan) and what.task.sensors:
+            self._check_sensor(what)
+        else:
+            self._enter_session(what)
+
+    def _check_sensor(self, plan: Plan) -> None:
+        """Start the sensor of a session, show what comes from it, and hand it over."""
+        from sar_tui.app.screens.sensor_check import SensorCheckScreen
+
+        clock = self._session_clock or LiveClock(asyncio.get_running_loop())
+        try:
+            theme = self.catalogue.theme(plan.theme).name
+            feed = sensor(plan.parameters, plan.seed, clock, self.folder)
+        except (PluginError, ParameterError) as error:
+            self._cannot_begin(str(error))
+            return
+        self.feed = feed
+        feed.start()
+        self.clear_notifications()
+        self.use_theme(theme)
+        screen = SensorCheckScreen(plan, feed, clock)
+
+        def checked(begins: bool | None) -> None:
+            if begins:
+                if screen.sensor.state == "ended":  # a recording that the session plays from its beginning
+                    feed.stop()
+                self._enter_session(plan, feed)
+            else:
+                self._stop_feed()
+                if self.begins_at_once:
+                    self.exit(return_code=0)
+
+        self.push_screen(screen, checked)
+
+    def _stop_feed(self) -> None:
+        """Let go of a sensor that no session has taken over."""
+        if self.feed:
+            self.feed.stop()
+            self.feed = None
+
+    def _enter_session(self, what: Plan | str, feed: ImuFeed | None = None) -> None:
+        """Open a session on a screen of its own."""
         from sar_tui.app.screens.session import SessionScreen
 
-        live = LiveSession(self.folder, self.catalogue, self._session_clock)
+        live = LiveSession(self.folder, self.catalogue, self._session_clock, feed)
         screen = SessionScreen(live)
         try:
             live.open(screen, what)
@@ -107,12 +151,13 @@ class SarTui(App[int]):
         except sqlite3.Error as error:
             self._cannot_begin(str(explain(error)))
             return
-        self.live = live
+        self.live, self.feed = live, None
         self.clear_notifications()
         self.use_theme(live.run.session.theme.name)
         self.push_screen(screen, self._session_left)
 
     def _cannot_begin(self, why: str) -> None:
+        self._stop_feed()
         if self._begin is None:
             self.notify(why, severity="warning", timeout=15)
         else:
@@ -128,7 +173,8 @@ class SarTui(App[int]):
             self.notify(f"{_UNSAVED} Free some space before the next session.", severity="error", timeout=30)
 
     def close_session(self) -> None:
-        """End the live session's workers, if there is one, and let go of it."""
+        """Let go of a sensor that is looked at, and of the live session, if there is one; end its workers."""
+        self._stop_feed()
         if self.live:
             self.live.close(self)
 

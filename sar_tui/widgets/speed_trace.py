@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
+from rich.style import Style
 from rich.text import Text
 from textual.widget import Widget
 
@@ -12,6 +14,10 @@ from sar_tui.motion.trace import Trace
 
 SMALLEST = (40, 6)
 """Columns and rows that a plot needs."""
+
+PARTS = ("out", "dwell", "back", "rest", "earlier", "axis")
+"""What of a plot may have a style of its own: the phases of the newest reach, its rest, reaches before, all else."""
+Styles = Mapping[str, str | Style]
 
 _MARGIN = 6
 _LEGEND_FROM = 9
@@ -25,7 +31,16 @@ _STEPS = [round(m * 10.0**power, 3) for power in range(-2, 4) for m in (1, 2, 5)
 class SpeedTrace(Widget):
     """Shows a few reaches, the newest as a full line, those before as dots. It is still unless told to change."""
 
-    DEFAULT_CSS = "SpeedTrace { height: 1fr; min-height: 6; }"
+    COMPONENT_CLASSES: ClassVar[set[str]] = {f"speed-trace--{part}" for part in PARTS}
+    DEFAULT_CSS = """
+    SpeedTrace { height: 1fr; min-height: 6; }
+    SpeedTrace > .speed-trace--out { color: $accent; text-style: bold; }
+    SpeedTrace > .speed-trace--dwell { color: $text-muted; text-style: bold; }
+    SpeedTrace > .speed-trace--back { color: $foreground; text-style: bold; }
+    SpeedTrace > .speed-trace--rest { color: $text-muted; }
+    SpeedTrace > .speed-trace--earlier { color: $text-muted; }
+    SpeedTrace > .speed-trace--axis { color: $text-muted; }
+    """
 
     def __init__(self, id: str | None = None) -> None:
         super().__init__(id=id)
@@ -40,26 +55,17 @@ class SpeedTrace(Widget):
         width, height = self.content_size
         if not self._traces or not width or not height:
             return Text("")
-        colors = self.app.theme_variables
-        muted = colors["text-muted"]
-        styles = {
-            "out": f"bold {colors['accent']}",
-            "dwell": f"bold {muted}",
-            "back": f"bold {colors['foreground']}",
-            "rest": muted,
-            "earlier": muted,
-            "axis": muted,
-        }
+        styles = {part: self.get_component_rich_style(f"speed-trace--{part}", partial=True) for part in PARTS}
         return draw_traces(self._traces, width, height, styles)
 
 
-def draw_traces(traces: Sequence[Trace], width: int, height: int, styles: Mapping[str, str] | None = None) -> Text:
+def draw_traces(traces: Sequence[Trace], width: int, height: int, styles: Styles | None = None) -> Text:
     """Reaches as text, all beginning at 0 s: the phases of the newest by name, the curves, a line at rest, the time.
 
     Args:
         traces: the newest last, at least one.
         width, height: in characters, at least 40 by 6; from 9 rows on, several reaches have a legend.
-        styles: how ``out``, ``dwell``, ``back``, ``rest``, ``earlier`` and ``axis`` look; the text tells the same.
+        styles: how ``PARTS`` look; the text tells the same without.
     """
     width, height = max(width, SMALLEST[0]), max(height, SMALLEST[1])
     styles = styles or {}
@@ -70,7 +76,7 @@ def draw_traces(traces: Sequence[Trace], width: int, height: int, styles: Mappin
     return Text("\n", no_wrap=True, end="").join(lines)
 
 
-def _legend(traces: Sequence[Trace], width: int, style: str) -> Text:
+def _legend(traces: Sequence[Trace], width: int, style: str | Style) -> Text:
     *earlier, newest = (trace.label or f"reach {number}" for number, trace in enumerate(traces, start=1))
     return Text(f"{' ' * _MARGIN}⠒⠒ {newest}   ⠂⠂ {', '.join(earlier)}"[:width].ljust(width), style)
 
@@ -93,7 +99,7 @@ class _Plot:
         times = [t - newest.onset_s for t in (newest.onset_s, newest.arrival_s, newest.departure_s, newest.end_s)]
         self.bounds = [self._column(t) for t in times]
 
-    def phase_names(self, styles: Mapping[str, str]) -> Text:
+    def phase_names(self, styles: Styles) -> Text:
         """The newest reach's phases, each between brackets as wide as it lasts."""
         onset, arrival, departure, end = self.bounds
         line = Text("rad/s".ljust(_MARGIN) + " " * onset, styles.get("axis", ""))
@@ -102,7 +108,7 @@ class _Plot:
         line.pad_right(max(0, self.columns + _MARGIN - len(line)))
         return line
 
-    def body(self, styles: Mapping[str, str]) -> list[Text]:
+    def body(self, styles: Styles) -> list[Text]:
         """The rows between the phases' names and the time."""
         strong = self._dots([self.newest])
         faint = self._dots(self.traces[:-1], every=2)
@@ -122,7 +128,7 @@ class _Plot:
             lines.append(line)
         return lines
 
-    def time_axis(self, styles: Mapping[str, str]) -> Text:
+    def time_axis(self, styles: Styles) -> Text:
         """Seconds since the onset."""
         per_cell = (self.to_s - self.from_s) / self.columns
         step = next(step for step in _STEPS if step >= 9 * per_cell)

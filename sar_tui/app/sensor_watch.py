@@ -1,0 +1,263 @@
+"""What can be seen of a motion sensor before a session: is it there, does it lie still, does it see a reach."""
+
+import math
+from collections import deque
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu import Status, Vector
+from sar_tui.motion.analysis import AnalysisParameters, Finding, Hand, Window, analyse
+from sar_tui.motion.samples import SAMPLE, Samples
+from sar_tui.motion.segmenter import Segmenter
+from sar_tui.motion.synthesis import TABLE_4_1
+from sar_tui.motion.trace import Trace, trace_of
+
+SETTLED_S = 1.0
+"""A hand that has not moved for so long rests."""
+OVER_S = 2.5
+"""A hand that has moved, and rested for so long since, makes no more of that reach."""
+REST = 3 * SECOND
+"""So much before a reach is kept, to know the hand at rest."""
+REST_PATIENCE = 8 * SECOND
+"""A test reach waits no longer than this for rest; then it goes on without."""
+REACH_PATIENCE = 15 * SECOND
+"""A test reach is over after this, whatever was seen."""
+State = Literal["none", "attached", "unplugged", "failed", "ended"]
+RECENT = 5 * SECOND
+"""Trouble is told for so long."""
+
+_SIMULATED_REACTION = 700 * MS
+_SIMULATED_REACH = TABLE_4_1[2].shape
+_LATEST_S, _UP_S, _BIAS_S = 0.1, 0.5, 1.0
+
+
+class ReachTest:
+    """A reach to try the sensor with: first rest, then out and back, then what was found.
+
+    ``step``: ``rest`` (waits until the hand rests), ``reach`` (waits until it has been out and back, and rests),
+    ``done`` (``finding`` is there, and ``trace``, if there was a reach), ``lost`` (the sensor is gone).
+    """
+
+    def __init__(self, now: int) -> None:
+        self.step: Literal["rest", "reach", "done", "lost"] = "rest"
+        self.since = now
+        self.flags: list[str] = []
+        self.finding: Finding | None = None
+        self.trace: Trace | None = None
+
+    @property
+    def is_running(self) -> bool:
+        """Whether it waits for the hand."""
+        return self.step in ("rest", "reach")
+
+
+class SensorWatch:
+    """Drains a feed that was started, and knows what a person wants to know of its sensor. It times nothing.
+
+    Args:
+        feed: of the sensor.
+        now: the present, in ns of the feed's clock.
+        hand: the hand that wears the sensor.
+
+    Attributes:
+        state: ``none`` (no sensor yet), ``attached``, ``unplugged``, ``failed`` (the source told why there is none),
+            ``ended`` (a recording is over).
+        since: when that began.
+        told: what the source said of it.
+        stalled: whether nothing comes from a sensor that is attached.
+        too_slow: whether it gives too few samples a second to see a reach.
+        saturated: how many samples were beyond its range; ``unmeasured``: those of them that never came.
+        test: the test reach, once there was one.
+    """
+
+    def __init__(self, feed: ImuFeed, now: Callable[[], int], hand: Hand) -> None:
+        self.feed = feed
+        self.hand: Hand = hand
+        self.state: State = "none"
+        self.since = now()
+        self.told = ""
+        self.stalled = self.too_slow = False
+        self.saturated = self.unmeasured = 0
+        self.test: ReachTest | None = None
+        self._now = now
+        self._trouble: tuple[int, str] | None = None
+        self._blocks: deque[Samples] = deque()
+        self._segmenter: Segmenter | None = None
+
+    def look(self) -> None:
+        """Take in what has come since the last look."""
+        samples, statuses = self.feed.drain()
+        for status in statuses:
+            self._hear(status)
+        if len(samples) and self.attached:
+            self._blocks.append(samples)
+            if self._segmenter:
+                self._segmenter.push(samples["at"] / 1e9, samples["rate"].astype(float))
+        self._forget()
+        if self.test and self.test.is_running:
+            self._go_on(self.test)
+
+    # --- what is known ------------------------------------------------------------------------------------
+
+    @property
+    def attached(self) -> bool:
+        """Whether there is a sensor."""
+        return self.state == "attached"
+
+    @property
+    def waited(self) -> int:
+        """For how long it has been in its state, in ns."""
+        return self._now() - self.since
+
+    @property
+    def trouble(self) -> str:
+        """What the attached sensor told of lately that is wrong; empty for nothing."""
+        at, words = self._trouble or (0, "")
+        return words if self._now() - at < RECENT else ""
+
+    @property
+    def still_s(self) -> float | None:
+        """For how long the hand has rested, in s, 0 while it moves; None where that cannot be seen."""
+        return self._segmenter.still_for_s if self._segmenter and self._measures else None
+
+    @property
+    def rate(self) -> Vector | None:
+        """How the hand turns just now, rad/s; None where nothing is measured."""
+        return self._mean("rate", _LATEST_S)
+
+    @property
+    def bias(self) -> Vector | None:
+        """What the sensor shows while the hand rests, rad/s; None while it does not."""
+        return self._mean("rate", _BIAS_S) if (self.still_s or 0.0) >= SETTLED_S else None
+
+    @property
+    def up(self) -> Vector | None:
+        """The acceleration of late, m/s²: at rest it points up. None where it is not measured."""
+        return self._mean("acceleration", _UP_S)
+
+    @property
+    def _measures(self) -> bool:
+        return self.attached and not self.stalled and bool(self._blocks)
+
+    def _mean(self, what: str, latest_s: float) -> Vector | None:
+        if not self._measures:
+            return None
+        samples = self._samples(round(latest_s * SECOND))
+        x, y, z = samples[what].astype(float).mean(axis=0).tolist()
+        return (x, y, z) if math.isfinite(x + y + z) else None
+
+    def _samples(self, latest: int) -> Samples:
+        """Those of the last so many ns."""
+        newest = int(self._blocks[-1]["at"][-1])
+        blocks = []
+        for block in reversed(self._blocks):
+            blocks.append(block)
+            if block["at"][0] <= newest - latest:
+                break
+        samples = np.concatenate(blocks[::-1])
+        return samples[samples["at"] > newest - latest]
+
+    def _forget(self) -> None:
+        """Keep the last seconds, and all of a test reach."""
+        oldest = int(self._blocks[-1]["at"][-1]) - REST if self._blocks else 0
+        if self.test and self.test.step == "reach":
+            oldest = self.test.since - REST
+        while self._blocks and self._blocks[0]["at"][-1] < oldest:
+            self._blocks.popleft()
+
+    # --- the sensor ---------------------------------------------------------------------------------------
+
+    def _hear(self, status: Status) -> None:
+        match status.state:
+            case "attached":
+                self._enter("attached", "")
+                self._attach()
+            case "detached":
+                self._enter("none" if self.state == "none" else "unplugged", status.detail)
+            case "ended":
+                self._enter("ended", status.detail)
+            case "stalled" | "flowing":
+                self.stalled = status.state == "stalled"
+            case "saturated":
+                self.saturated += status.count
+                self.unmeasured += status.count if status.duration_ms else 0
+                self._trouble = (self._now(), "The hand was faster than the sensor can measure.")
+                self._flag("saturated")
+            case "error" if self.attached:
+                self._trouble = (self._now(), status.detail)
+                self._flag("error")
+            case "error":
+                self._enter("failed", status.detail)
+
+    def _enter(self, state: State, told: str) -> None:
+        """What was measured before is another story."""
+        if state != self.state:
+            self.since = self._now()
+        self.state, self.told = state, told
+        self.stalled = self.too_slow = False
+        self._trouble = self._segmenter = None
+        self._blocks.clear()
+        if self.test and self.test.is_running:
+            self.test.step = "lost"
+
+    def _attach(self) -> None:
+        info = self.feed.info
+        try:
+            self._segmenter = Segmenter(info.rate_hz if info else 0.0)
+        except ValueError:
+            self.too_slow = True
+
+    def _flag(self, flag: str) -> None:
+        if self.test and self.test.step == "reach" and flag not in self.test.flags:
+            self.test.flags.append(flag)
+
+    # --- the test reach -----------------------------------------------------------------------------------
+
+    def zero(self) -> None:
+        """Ask the sensor to take its present rate for rest."""
+        self.feed.source.zero()
+
+    def begin_test(self) -> None:
+        """Begin a test reach, anew if there is one. Harmless without a sensor: it is lost at once."""
+        self.test = ReachTest(self._now())
+        if not self.attached:
+            self.test.step = "lost"
+
+    def _go_on(self, test: ReachTest) -> None:
+        waited, rested = self.waited_in(test), (self.still_s or 0.0) >= SETTLED_S
+        if test.step == "rest":
+            if rested or waited >= REST_PATIENCE:
+                test.step, test.since = "reach", self._now()
+                self._move_simulated(test.since + _SIMULATED_REACTION)
+            return
+        if waited >= REACH_PATIENCE or (self._segmenter and self._is_over(self._segmenter, test.since / 1e9)):
+            self._close(test)
+
+    def _is_over(self, segmenter: Segmenter, since_s: float) -> bool:
+        """Whether the hand has been out and back, or did something else, and rests."""
+        if segmenter.has_reached(since_s):
+            return segmenter.still_for_s >= SETTLED_S
+        return (segmenter.began_s or 0.0) > since_s and segmenter.still_for_s >= OVER_S
+
+    def waited_in(self, test: ReachTest) -> int:
+        """How long a test reach has been in its step, in ns."""
+        return self._now() - test.since
+
+    def _move_simulated(self, at: int) -> None:
+        """A simulated hand makes the reach by itself."""
+        if move := getattr(self.feed.source, "move", None):
+            move(at, _SIMULATED_REACH)
+
+    def _close(self, test: ReachTest) -> None:
+        samples = np.concatenate(self._blocks) if self._blocks else np.empty(0, SAMPLE)
+        window = Window(
+            from_ns=test.since - REST, started_ns=test.since, to_ns=self._now() + 1, flags=tuple(test.flags)
+        )
+        test.finding = found = analyse(samples, window, AnalysisParameters(hand=self.hand))
+        if found.onset_ns is not None and found.end_ns is not None:
+            test.trace = trace_of(samples, found.onset_ns, found.end_ns, found.details, "test reach")
+        test.step = "done"

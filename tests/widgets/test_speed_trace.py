@@ -1,0 +1,204 @@
+"""Given reaches as curves, when they are drawn, then phases, speed and time can be read, without colour too."""
+
+import math
+import re
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from textual.app import App, ComposeResult
+
+from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
+from sar_tui.motion.samples import SAMPLE, Samples
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, SimulatedHand
+from sar_tui.motion.trace import MOST_POINTS, Trace, trace_of
+from sar_tui.widgets.speed_trace import SpeedTrace, draw_traces
+
+SECOND = 1_000_000_000
+ONSET = 3 * SECOND
+DWELLING = ReachShape(out_s=0.8, dwell_s=0.6, back_s=0.6, peak_out=1.8, peak_back=-2.4)
+FAST = TABLE_4_1[6].shape
+STYLES = {"out": "cyan", "dwell": "white", "back": "magenta", "rest": "dim", "earlier": "dim", "axis": "dim"}
+
+
+def found(shape: ReachShape, profile: str = "noisy") -> tuple[Samples, Finding]:
+    """A reach after three seconds of rest, and what the analysis makes of it."""
+    hand = SimulatedHand(PROFILES[profile], seed=4)
+    hand.move(ONSET, shape)
+    until = ONSET + round((shape.duration_s + 2) * SECOND)
+    samples = hand.samples(0, until)
+    window = Window(from_ns=0, started_ns=ONSET - SECOND // 2, to_ns=until)
+    return samples, analyse(samples, window, AnalysisParameters())
+
+
+def trace(shape: ReachShape, profile: str = "noisy", label: str = "") -> Trace:
+    samples, finding = found(shape, profile)
+    assert finding.onset_ns is not None
+    assert finding.end_ns is not None
+    made = trace_of(samples, finding.onset_ns, finding.end_ns, finding.details, label)
+    assert made
+    return made
+
+
+def drawn(*traces: Trace, width: int = 76, height: int = 12) -> list[str]:
+    return draw_traces(traces, width, height).plain.split("\n")
+
+
+def steady(rate: float, label: str) -> Trace:
+    return Trace(rate=[rate] * 50, rate_hz=50.0, onset_s=0.1, arrival_s=0.4, departure_s=0.5, end_s=0.9, label=label)
+
+
+def dots(mark: str) -> bool:
+    return "⠀" < mark <= "⣿"
+
+
+def has_dots(line: str) -> bool:
+    return any(map(dots, line))
+
+
+# --- the curve of a reach ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("profile", ["clean", "noisy", "biased", "drifting", "tilted", "lossy", "patient"])
+def test_however_the_sensor_is_worn_out_is_positive_and_rest_is_zero(profile: str) -> None:
+    made = trace(FAST, profile)
+    onset = round(made.onset_s * made.rate_hz)
+    assert max(made.rate) == pytest.approx(FAST.peak_out, abs=0.35)
+    assert min(made.rate) == pytest.approx(FAST.peak_back, abs=0.35)
+    assert made.rate.index(max(made.rate)) < made.rate.index(min(made.rate))
+    assert np.mean(made.rate[: onset - 3]) == pytest.approx(0, abs=0.08)
+
+
+def test_a_sensor_that_is_turned_over_shows_the_same_curve() -> None:
+    samples, finding = found(FAST, "clean")
+    assert finding.onset_ns is not None
+    assert finding.end_ns is not None
+    turned = samples.copy()
+    turned["rate"] *= -1
+    curves = [trace_of(some, finding.onset_ns, finding.end_ns, finding.details) for some in (samples, turned)]
+    assert curves[0] == curves[1]
+
+
+def test_phases_last_as_long_as_the_analysis_says_and_come_in_their_order() -> None:
+    _, finding = found(DWELLING)
+    made = trace(DWELLING)
+    lasted = [made.arrival_s - made.onset_s, made.departure_s - made.arrival_s, made.end_s - made.departure_s]
+    told = [finding.details[f"{name}_ms"] for name in ("out", "dwell", "back")]
+    assert [1000 * each for each in lasted] == pytest.approx(told, abs=0.01)
+    assert made.onset_s == pytest.approx(0.3, abs=0.01)
+    assert (len(made.rate) - 1) / made.rate_hz > made.end_s + 0.4
+
+
+@pytest.mark.parametrize("seconds", [0.4, 2.0, 7.0])
+def test_a_curve_of_any_length_has_few_points_and_keeps_its_peak(seconds: float) -> None:
+    made = trace(ReachShape(out_s=seconds, back_s=seconds, peak_out=2.0, peak_back=-2.0), "clean")
+    assert len(made.rate) <= MOST_POINTS
+    assert max(made.rate) == pytest.approx(2.0, rel=0.04)
+    assert all(map(math.isfinite, made.rate))
+
+
+def test_of_a_reach_without_samples_there_is_no_curve() -> None:
+    _, finding = found(FAST)
+    empty = np.empty(0, SAMPLE)
+    assert trace_of(empty, ONSET, ONSET + SECOND, finding.details) is None
+    samples, _ = found(FAST)
+    assert trace_of(samples[:200], ONSET, ONSET + SECOND, finding.details) is None
+
+
+# --- the drawing -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [(40, 6), (76, 6), (76, 9), (120, 30)])
+@pytest.mark.parametrize("count", [1, 3])
+def test_it_fills_the_room_it_is_given(size: tuple[int, int], count: int) -> None:
+    lines = drawn(*[trace(DWELLING)] * count, width=size[0], height=size[1])
+    assert len(lines) == size[1]
+    assert {len(line) for line in lines} == {size[0]}
+
+
+def test_less_room_than_it_needs_is_not_filled_with_less() -> None:
+    assert drawn(trace(FAST), width=10, height=2) == drawn(trace(FAST), width=40, height=6)
+
+
+@pytest.mark.parametrize("width", [40, 76, 120])
+def test_the_phases_stand_above_the_curve_by_name_in_their_order(width: int) -> None:
+    names, *body = drawn(trace(DWELLING), width=width)
+    places = [names.index(name) for name in ("out", "dwell", "back")]
+    assert places == sorted(places)
+    rows = [number for number, line in enumerate(body) if dots(line[places[0]])]
+    assert rows[0] < next(number for number, line in enumerate(body) if dots(line[places[2]]))
+    bounds = [index for index, mark in enumerate(body[0]) if mark == "┊"]
+    assert len(bounds) == 4
+    for (first, last), place in zip(pairwise(bounds), places, strict=True):
+        assert first <= place < last
+
+
+def test_a_reach_without_a_rest_at_the_target_has_no_such_phase() -> None:
+    names = drawn(trace(FAST))[0]
+    assert "├" in names
+    assert "dwell" not in names
+    assert names.index("out") < names.index("back")
+
+
+def test_rest_is_a_line_labelled_zero_and_out_is_above_it() -> None:
+    lines = drawn(trace(FAST), height=14)
+    (zero,) = [number for number, line in enumerate(lines) if line[5] == "┼"]
+    assert lines[zero].startswith("    0┼⠤⠤")
+    assert "─" in lines[zero]
+    labels = [line[:5].strip() for line in lines[1:-1] if line[5] == "┤"]
+    assert "2" in labels
+    assert "−4" in labels
+    assert lines[0].startswith("rad/s")
+
+
+def test_time_is_in_seconds_since_the_onset() -> None:
+    lines = drawn(trace(DWELLING))
+    labels = re.findall(r"\S+ s", lines[-1])
+    assert labels[:4] == ["0 s", "0.5 s", "1 s", "1.5 s"]
+    assert abs(lines[-1].index("0 s") + 1 - lines[1].index("┊")) <= 1
+
+
+def test_the_newest_is_a_full_line_and_those_before_are_dots() -> None:
+    above, below = steady(1.0, "before"), steady(-1.0, "this reach")
+    lines = drawn(above, below)
+    fullest = [
+        max((ord(mark) - 0x2800).bit_count() for mark in line if dots(mark)) for line in lines[:-1] if has_dots(line)
+    ]
+    assert fullest == [1, 2]
+
+
+def test_several_reaches_have_a_legend_where_there_is_room_for_one() -> None:
+    before, newest = steady(1.0, "reach 1"), steady(-1.0, "this reach")
+    assert drawn(before, newest, height=9)[-1].split() == ["⠒⠒", "this", "reach", "⠂⠂", "reach", "1"]
+    assert "this reach" not in "".join(drawn(before, newest, height=8) + drawn(newest, height=9)[:-1])
+
+
+def test_colour_changes_nothing_but_colour() -> None:
+    made = trace(DWELLING)
+    coloured = draw_traces([made], 76, 10, STYLES)
+    assert coloured.plain == draw_traces([made], 76, 10).plain
+    assert {"cyan", "white", "magenta"} <= {str(span.style) for span in coloured.spans}
+
+
+@pytest.mark.parametrize("rate", [[], [0.0], [0.0] * 50, [5.0] * 50, [-5.0] * 50])
+def test_whatever_was_measured_can_be_drawn(rate: list[float]) -> None:
+    odd = Trace(rate=rate, rate_hz=50.0, onset_s=0.0, arrival_s=0.0, departure_s=0.0, end_s=0.0)
+    assert len(drawn(odd)) == 12
+
+
+class Board(App[None]):
+    def compose(self) -> ComposeResult:
+        yield SpeedTrace()
+
+
+async def test_the_widget_draws_what_it_is_shown_and_nothing_else() -> None:
+    app = Board()
+    async with app.run_test(size=(60, 10)) as pilot:
+        widget = app.query_one(SpeedTrace)
+        assert widget.render().plain == ""
+        widget.show([trace(DWELLING)])
+        await pilot.pause()
+        assert widget.render().plain.split("\n") == drawn(trace(DWELLING), width=60, height=10)
+        widget.show([])
+        assert widget.render().plain == ""
