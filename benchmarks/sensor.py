@@ -39,12 +39,10 @@ def _run(rate_hz: int, seconds: float, folder: Path, on_second: Callable[[], Non
     result = folder / "result.json"
     command = [sys.executable, "-m", "benchmarks.driven", str(rate_hz), str(seconds), str(folder), str(result)]
     with Terminal(command) as terminal:
-        terminal.wait_for("1044_1B")
-        terminal.press("enter")
-        terminal.wait_for("Press Enter to go on")
-        terminal.press("enter")
-        terminal.wait_for("Press Enter to begin")
-        terminal.press("enter")
+        for text in ("1044_1B", "Press Enter to go on", "Press Enter to begin"):
+            terminal.wait_for(text)
+            terminal.settle()
+            terminal.press("enter")
         terminal.wait_for("Press Space to start")
         deadline = time.monotonic() + seconds + PATIENCE_S
         ticks = 0

@@ -254,12 +254,13 @@ def sensor(parameters: TaskParameters, seed: int, clock: Clock, folder: Path) ->
 
 
 def _stored(name: str, folder: Path, clock: Clock | None) -> RecordedSource:
-    """The samples of a stored session, one run after the other, in real time or (``ID?speed=fast``) at once."""
+    """The samples of a stored session's last run that has any, in real time or (``ID?speed=fast``) at once."""
     name, _, how = name.partition("?")
     database = connect(folder)
     try:
         session = sessions.find(database, folder, name)["id"]
-        samples = imu.samples(database, session)
+        runs = [stream["run"] for stream in sessions.rows(database, "imu_streams", session)]
+        samples = imu.samples(database, session, run=max(runs, default=0))
     finally:
         database.conn.close()
     if not len(samples):

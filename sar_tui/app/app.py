@@ -110,7 +110,7 @@ class SarTui(App[int]):
         try:
             theme = self.catalogue.theme(plan.theme).name
             feed = sensor(plan.parameters, plan.seed, clock, self.folder)
-        except (PluginError, ParameterError) as error:
+        except (StoreError, PluginError, ParameterError) as error:
             self._cannot_begin(str(error))
             return
         self.feed = feed

@@ -13,6 +13,7 @@ from sar_tui.framework.messages import (
     SessionEnded,
     Shown,
     TrialEnded,
+    TrialMarked,
     Waiting,
 )
 from sar_tui.framework.node import Node, on
@@ -20,6 +21,7 @@ from sar_tui.framework.topics import (
     ACTION,
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
+    MARKED,
     PROMPT,
     REACH,
     REPORT,
@@ -45,6 +47,9 @@ class Stage(Protocol):
 
     def reached(self, reach: ReachPerceived) -> None:
         """A reach was seen; it may be shown when the attempt is over."""
+
+    def marked(self, marked: TrialMarked) -> None:
+        """A therapist marked a trial."""
 
     def progress(self, done: int) -> None:
         """So many trials of the attempt are done."""
@@ -84,6 +89,10 @@ class ScreenOutput(Node):
     @on(REACH)
     def reach_perceived(self, reach: ReachPerceived) -> None:
         self._stage.reached(reach)
+
+    @on(MARKED)
+    def trial_marked(self, marked: TrialMarked) -> None:
+        self._stage.marked(marked)
 
     @on(TRIAL)
     def trial_ended(self, trial: TrialEnded) -> None:

@@ -7,14 +7,17 @@ import typer
 
 from sar_tui import __version__
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, need_terminal
+from sar_tui.cli.detect import detect
 from sar_tui.cli.doctor import doctor
 from sar_tui.cli.errors import INTERRUPTED, Commands
 from sar_tui.cli.graph import graph
 from sar_tui.cli.live import resume, run
+from sar_tui.cli.reanalyse import reanalyse
 from sar_tui.cli.sessions import sessions, show
 from sar_tui.cli.simulate import simulate
 from sar_tui.cli.tasks import app as tasks_app
 from sar_tui.cli.themes import themes
+from sar_tui.cli.validate import validate
 
 app = typer.Typer(
     name="sar-tui",
@@ -68,7 +71,7 @@ def measure_timing(
     raise typer.Exit(timing.run(Home.of(context, data, tasks).folder, trials, as_json))
 
 
-for command in (run, resume, simulate, sessions, show, graph, themes, doctor):
+for command in (run, resume, simulate, sessions, show, detect, reanalyse, validate, graph, themes, doctor):
     app.command()(command)
 app.command("timing")(measure_timing)
 app.add_typer(tasks_app, name="tasks")

@@ -1,12 +1,16 @@
 """``sar-tui run`` and ``sar-tui resume``: straight into a session."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from sar_tui.cli.common import Data, Home, Pairs, Seed, Tasks, need_terminal, new_seed
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.setting import pairs, parameters
+
+if TYPE_CHECKING:
+    from sar_tui.framework.task import Task
+    from sar_tui.runs import Plan
 
 
 def run(
@@ -18,6 +22,15 @@ def run(
         str, typer.Option("-p", "--participant", metavar="CODE", show_default=False, help="Who: a code, never a name.")
     ],
     settings: Pairs = None,
+    imu: Annotated[
+        str | None,
+        typer.Option(
+            "--imu",
+            metavar="NAME",
+            show_default=False,
+            help="The motion sensor: phidget, simulated, recorded:FILE, session:ID; the same as --set imu=NAME.",
+        ),
+    ] = None,
     theme: Annotated[
         str | None,
         typer.Option(metavar="NAME", show_default=False, help="How the agent looks and speaks; else as saved."),
@@ -28,12 +41,15 @@ def run(
 ) -> None:
     """Go straight into a session.
 
-    It starts from the participant's saved settings; --set and --theme hold for this session alone.
+    It starts from the participant's saved settings; --set, --imu and --theme hold for this session alone.
     """
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
     given = pairs(settings)
+    if imu is not None:
+        _refuse_without_sensor(kind)
+        given["imu"] = imu
     parameters(kind, given)
 
     from sar_tui.runs import Plan
@@ -49,10 +65,27 @@ def run(
         participant=code,
         seed=new_seed() if seed is None else seed,
     )
+    if kind.sensors:
+        _refuse_unknown_sensor(plan, home)
     need_terminal()
     from sar_tui.app.app import run_app
 
     raise typer.Exit(run_app(home.folder, catalogue, plan=plan))
+
+
+def _refuse_without_sensor(kind: "type[Task]") -> None:
+    from sar_tui.framework.parameters import fields
+
+    if not any(field.name == "imu" for field in fields(kind.Parameters)):
+        raise Refused(f"The task {kind.name} uses no motion sensor: leave out --imu.")
+
+
+def _refuse_unknown_sensor(plan: "Plan", home: Home) -> None:
+    """A sensor that cannot be is told of before the screen changes; one that is not plugged in is waited for there."""
+    from sar_tui.framework.clock import VirtualClock
+    from sar_tui.runs import sensor
+
+    sensor(plan.parameters, plan.seed, VirtualClock(), home.folder)
 
 
 def resume(

@@ -159,26 +159,27 @@ class Course:
     @property
     def amendable(self) -> tuple[int, int] | None:
         """The attempt and number of the last trial, while it can be amended."""
-        if self.results:
-            return self.last_trial
-        return (self._ended.attempt, len(self._ended.results)) if self._ended else None
+        if self._ended:
+            return (self._ended.attempt, len(self._ended.results))
+        return self.last_trial if self.results and not self.is_attempt_done else None
 
     def amend(self, result: Result) -> Scored | None:
         """Put another result in the place of the last, and score its attempt once more if it has ended.
 
         That can be done until the next attempt begins, or the level is set by hand. What was said of it stands.
         """
-        if self.results or self._ended is None:
+        if self._ended is None:
             self.results[-1:] = [result]
             return None
         level, was = self.level, self._ended
         self.attempt, self.level, self._overridden, self._difficulty = was[:4]
         self._started = was.scored.started
         self.results = [*was.results[:-1], result]
-        again = self.score(was.scored.ended).ended
+        again = msgspec.structs.replace(self.score(was.scored.ended).ended, feedback=was.scored.feedback)
+        self._ended = self._ended._replace(scored=again)
         self.advance()
         changed = LevelChanged(previous=level, level=self.level, reason="mark") if level != self.level else None
-        return Scored(msgspec.structs.replace(again, feedback=was.scored.feedback), changed, None)
+        return Scored(again, changed, None)
 
     def advance(self) -> bool:
         """Go on to the next attempt; False if that was the last."""

@@ -297,7 +297,7 @@ class TrialEnded(Message, frozen=True, kw_only=True):
 
 
 class TrialMarked(Message, frozen=True, kw_only=True):
-    """A therapist marked a trial: ``mark`` by its name, and whether the trial is correct with it."""
+    """A therapist marked a trial: ``mark`` by its name, and whether the trial is, or can still be, correct with it."""
 
     attempt: int
     trial: int
@@ -329,7 +329,7 @@ class AttemptEnded(Message, frozen=True, kw_only=True):
 
 
 class LevelChanged(Message, frozen=True, kw_only=True):
-    """The difficulty for the next attempt. ``reason``: ``success``, ``failure`` or ``operator``."""
+    """The difficulty for the next attempt. ``reason``: ``success``, ``failure``, ``operator``, ``mark`` (of a trial)."""
 
     previous: int
     level: int

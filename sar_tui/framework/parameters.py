@@ -168,6 +168,7 @@ class Field(msgspec.Struct, frozen=True):
     ge: float | None = None
     le: float | None = None
     choices: tuple[str, ...] = ()
+    items: Literal["words", "numbers"] = "words"
 
     @property
     def bounds(self) -> str:
@@ -176,7 +177,7 @@ class Field(msgspec.Struct, frozen=True):
             return ", ".join(self.choices)
         if self.ge is not None and self.le is not None:
             return f"{self.ge:g} to {self.le:g}" if self.le < 1e5 else f"{self.ge:g} or more"
-        return {"bool": "yes or no", "list": "words, a space between"}.get(self.kind, "")
+        return {"bool": "yes or no", "list": f"{self.items}, a space between"}.get(self.kind, "")
 
     def problem(self, value: object) -> str:
         """Why ``value`` cannot be, in one sentence."""
@@ -219,7 +220,8 @@ def _field(field: inspect.Field) -> Field:
         case inspect.LiteralType(values=values):
             return Field(**declared, kind="choice", choices=_in_order(field, tuple(map(str, values))))
         case inspect.VarTupleType() | inspect.ListType():
-            return Field(**declared, kind="list")
+            numbers = isinstance(kind.item_type, inspect.IntType | inspect.FloatType)
+            return Field(**declared, kind="list", items="numbers" if numbers else "words")
         case _:
             return Field(**declared, kind="text")
 

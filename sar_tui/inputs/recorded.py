@@ -97,7 +97,9 @@ class RecordedSource:
             self._round_ns += self._elapsed[-1] + self._step_ns
             self._next = 0
             return self._due_ns
-        self._on_status(Status(state="ended", at=self._begun_ns + self._elapsed[-1]))
+        self._on_status(
+            Status(state="ended", at=self._begun_ns + self._elapsed[-1], detail="The recording is at its end.")
+        )
         return None
 
     @property

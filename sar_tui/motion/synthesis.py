@@ -47,6 +47,7 @@ TILTED: Vector = (0.8, math.sqrt(1 - 0.8**2 - 0.1**2), 0.1)
 
 PROFILES: dict[str, Profile] = {
     "clean": Profile(),
+    "steady": Profile(noise_rad_s=math.radians(0.3), bias_rad_s=(0.005, -0.005, 0.01)),
     "noisy": Profile(noise_rad_s=math.radians(2)),
     "biased": Profile(bias_rad_s=(math.radians(6), math.radians(-6), math.radians(6))),
     "drifting": Profile(noise_rad_s=math.radians(0.2), drift_rad_s_per_s=math.radians(0.1)),

@@ -45,7 +45,7 @@ class Person(msgspec.Struct, frozen=True):
     pace: float = 1.0
     pace_sd: float = 0.05
     unsteadiness: float = 0.0
-    hand: str = "drifting"
+    hand: str = "steady"
 
     def perform(self, choices: int, attempt: int, chance: Chance) -> Performance:
         """How one prompt among ``choices`` is done in an attempt (1, 2, …)."""
@@ -108,7 +108,6 @@ PEOPLE = {
             pace=1.16,
             pace_sd=0.08,
             unsteadiness=0.2,
-            hand="noisy",
         ),
         Person("competent", 310, 137, 70, 100, errors=0.02, misses=0.001, pace=0.9, pace_sd=0.05),
     )

@@ -18,6 +18,7 @@ from sar_tui.framework.messages import (
 from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
 from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
+from sar_tui.motion.filters import LEAST_RATE_HZ
 from sar_tui.motion.samples import SAMPLE, Samples, unpack
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.trace import trace_of
@@ -86,16 +87,25 @@ class ReachPerception(TimedNode):
         rested, reached = self._watch(samples)
         if self._ended is not None:
             if newest >= self._ended + TAIL or (newest >= self._ended and rested >= SETTLED_S):
-                self._tell("key", newest)
+                self._tell("key")
         elif reached and rested >= self._still_s:
-            self._tell("stillness", newest)
+            self._tell("stillness")
 
     def _forget_before(self, stamp: int) -> None:
+        """To the sample, whatever the blocks they came in: a replay joins blocks that nothing lies between."""
         while self._blocks and self._blocks[0]["at"][-1] < stamp:
             self._blocks.popleft()
+        if self._blocks:
+            oldest = self._blocks[0]
+            self._blocks[0] = oldest[oldest["at"] >= stamp]
 
     def _watch(self, samples: Samples) -> tuple[float, bool]:
-        """How long the hand has rested, in s, and whether it has been out and back since the start."""
+        """How long the hand has rested, in s, and whether it has been out and back since the start.
+
+        A sensor too slow for that is found out when the reach is over.
+        """
+        if self._rate_hz < LEAST_RATE_HZ:
+            return 0.0, False
         if self._segmenter is None:
             self._segmenter = Segmenter(self._rate_hz, self._analysis.robust)
             samples = self._samples()
@@ -134,15 +144,20 @@ class ReachPerception(TimedNode):
         self._clear()
 
     def timer(self, name: str, late: int) -> None:
-        self._tell("key" if name == "tail" else "timeout", self.now)
+        self._tell("timeout" if self._ended is None else "key")
 
-    def _tell(self, closed: Literal["key", "stillness", "timeout"], until: int) -> None:
-        """Say what was seen, up to and with ``until``."""
+    def _tell(self, closed: Literal["key", "stillness", "timeout"]) -> None:
+        """Say what was seen, in all the samples that there are."""
         assert self._prompt
-        window = Window(
-            from_ns=self._started - REST, started_ns=self._started, to_ns=until + 1, flags=tuple(self._flags)
-        )
         samples = self._samples()
+        first, last = (samples["at"][[0, -1]].tolist()) if len(samples) else (self._started, self._started)
+        window = Window(
+            from_ns=max(first, self._started - REST),
+            started_ns=self._started,
+            to_ns=last + 1,
+            flags=tuple(self._flags),
+        )
+        at = self.now if self._ended is None else self._ended
         found = analyse(samples, window, self._analysis)
         trace = None
         if found.onset_ns is not None and found.end_ns is not None:
@@ -151,8 +166,8 @@ class ReachPerception(TimedNode):
             REACH,
             ReachPerceived(
                 seat=self._prompt.seat,
-                at=self.now if self._ended is None else self._ended,
-                delay=self.now - until,
+                at=at,
+                delay=self.now - at,
                 onset=found.onset_ns,
                 turn=found.turn_ns,
                 end=found.end_ns,

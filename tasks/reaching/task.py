@@ -178,7 +178,7 @@ class ReachingTask(Task):
         )
 
     def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
-        """The hand makes a reach, and space is pressed when it is back. A slip is a flick of the wrist, or no key.
+        """The hand makes a reach, and space is pressed when it is back. A slip is to forget the key.
 
         A healthy adult's reach out and back takes 0.85 s to 15 cm, and longer with the distance to the power 0.8:
         effort limits it less than a goal that grows with the square root.

@@ -3,16 +3,49 @@
 import json
 import sys
 from collections import namedtuple
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from sar_tui.cli import findings
+from sar_tui.inputs import phidget
+from sar_tui.inputs.imu import Info, Sample, Status
 from tests.cli.conftest import Call, Called
 
 
 def finding(called: Called, name: str) -> dict[str, Any]:
     return next(row for row in called.json["checks"] if row["name"] == name)
+
+
+class Plugged:
+    """In place of a PhidgetSpatial: tells at once what it has to tell."""
+
+    told: tuple[Status, ...] = ()
+    info: Info | None = None
+    stopped = 0
+
+    def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
+        for status in self.told:
+            on_status(status)
+
+    def stop(self) -> None:
+        type(self).stopped += 1
+
+
+@pytest.fixture(autouse=True)
+def plugged(monkeypatch: pytest.MonkeyPatch) -> type[Plugged]:
+    """No sensor is plugged in, and none is waited for; a test may change that."""
+
+    class Socket(Plugged):
+        pass
+
+    monkeypatch.setattr(phidget, "PhidgetSource", Socket)
+    monkeypatch.setattr(phidget, "new_channel", lambda: None)
+    monkeypatch.setattr(phidget, "usb_denied", lambda: False)
+    monkeypatch.setattr(findings, "_SENSOR_S", 0.001)
+    return Socket
 
 
 @pytest.fixture(autouse=True)
@@ -142,3 +175,83 @@ def test_a_textual_without_the_file_we_watch_is_noticed(call: Call, monkeypatch:
 
     monkeypatch.setattr(LinuxDriver, "__init__", lambda self: None)
     assert finding(call("doctor", "--json"), "Onset stamps")["state"] == "care"
+
+
+def test_no_motion_sensor_is_no_fault(call: Call, plugged: type[Plugged]) -> None:
+    plugged.told = (Status(state="detached", at=0, detail="Waiting"),)
+    called = call("doctor", "--json")
+    found = finding(called, "Motion sensor")
+    assert (called.code, found["state"], plugged.stopped) == (0, "ok", 1)
+    assert found["found"].startswith("none plugged in")
+
+
+def test_a_motion_sensor_is_named(call: Call, plugged: type[Plugged]) -> None:
+    plugged.info = Info(source="USB", model="PhidgetSpatial 3/3/3 (1044_1B)", serial="629001", rate_hz=250.0)
+    plugged.told = (Status(state="detached", at=0), Status(state="attached", at=1))
+    found = finding(call("doctor", "--json"), "Motion sensor")
+    assert (found["state"], plugged.stopped) == ("ok", 1)
+    assert found["found"] == "PhidgetSpatial 3/3/3 (1044_1B), serial 629001, 250 samples a second"
+
+
+def test_a_motion_sensor_of_no_use_is_told_of(call: Call, plugged: type[Plugged]) -> None:
+    plugged.told = (Status(state="error", at=0, detail="It has no gyroscope."),)
+    called = call("doctor", "--json")
+    found = finding(called, "Motion sensor")
+    assert (called.code, found["state"], found["found"]) == (0, "care", "It has no gyroscope.")
+
+
+def test_a_motion_sensor_that_may_not_be_used_is_1_and_says_what_to_write_where(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(phidget, "usb_denied", lambda: True)
+    called = call("doctor", "--json")
+    found = finding(called, "Motion sensor")
+    assert (called.code, found["state"]) == (1, "bad")
+    assert 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"' in found["mend"]
+    assert "/etc/udev/rules.d/70-phidget.rules" in found["mend"]
+
+
+@pytest.mark.parametrize(
+    ("system", "rule", "says"),
+    [("linux", False, "To be allowed to use one, write the line"), ("linux", True, ""), ("win32", False, "")],
+)
+def test_who_has_no_sensor_yet_is_told_what_one_needs(
+    call: Call, monkeypatch: pytest.MonkeyPatch, system: str, rule: bool, says: str
+) -> None:
+    monkeypatch.setattr(findings.os, "geteuid", lambda: 1000)
+    monkeypatch.setattr(findings, "_has_udev_rule", lambda: rule)
+    if system != "linux":
+        monkeypatch.setattr(findings.sys, "platform", system)
+    found = findings._motion_sensor()
+    assert (found.state, bool(found.mend)) == ("ok", bool(says))
+    assert found.mend.startswith(says)
+    assert ("No permission is needed" in found.found) == (system == "win32")
+
+
+def test_a_udev_rule_is_known_by_its_vendor(tmp_path: Path) -> None:
+    (tmp_path / "50-other.rules").write_text('ATTRS{idVendor}=="1234"')
+    assert not findings._has_udev_rule((tmp_path, tmp_path / "none"))
+    (tmp_path / "99-lab.rules").write_text('SUBSYSTEM=="usb", ATTRS{idVendor}=="06C2", MODE="0666"')
+    assert findings._has_udev_rule((tmp_path,))
+
+
+@pytest.mark.parametrize(
+    ("error", "found", "mend"),
+    [
+        (ImportError("Phidget22"), "The Python package Phidget22 is missing", "Install it with: pip install phidget22"),
+        (OSError("libusb-1.0.so.0: none"), "libusb-1.0.so.0: none", "pip install phidget22 libusb-package"),
+    ],
+    ids=["package", "library"],
+)
+def test_a_missing_driver_is_told_with_its_cure(
+    call: Call, monkeypatch: pytest.MonkeyPatch, error: Exception, found: str, mend: str
+) -> None:
+    def fail() -> None:
+        raise error
+
+    monkeypatch.setattr(phidget, "new_channel", fail)
+    called = call("doctor", "--json")
+    row = finding(called, "Sensor driver")
+    assert (called.code, row["state"]) == (0, "care")
+    assert found in row["found"]
+    assert mend in row["mend"]

@@ -64,6 +64,39 @@ def test_run_starts_from_the_participants_settings(call: Call, opened: list[dict
     assert (plan.parameters.attempts, plan.parameters.prompts_per_attempt, plan.theme) == (2, 8, "high-contrast")
 
 
+def test_a_motion_sensor_can_be_named(call: Call, opened: list[dict[str, Any]], tmp_path: Path) -> None:
+    database = connect(tmp_path / "data")
+    participants.save_settings(database, "P01", "reaching", participants.Settings({"imu": "phidget:1", "attempts": 3}))
+    database.conn.close()
+    assert call("run", "reaching", "-p", "P01", "--imu", "simulated:tremor").code == 7
+    assert call("run", "reaching", "-p", "P01", "--set", "imu=simulated:tremor").code == 7
+    assert call("run", "reaching", "-p", "P01").code == 7
+    parameters = [how["plan"].parameters for how in opened]
+    assert [p.imu for p in parameters] == ["simulated:tremor", "simulated:tremor", "phidget:1"]
+    assert {p.attempts for p in parameters} == {3}
+
+
+@pytest.mark.parametrize(
+    ("task", "imu", "says"),
+    [
+        ("keyboard", "simulated", "The task keyboard uses no motion sensor: leave out --imu.\n"),
+        ("reaching", "simulatd", 'There is no sensor "simulatd".'),
+        ("reaching", "simulated:nobody", 'There is no simulated hand "nobody".'),
+        ("reaching", "recorded:none.csv", "There is no file none.csv.\n"),
+        ("reaching", "session:zzz", "There is no session zzz."),
+        ("reaching", "", "Motion sensor"),
+    ],
+)
+def test_a_sensor_that_cannot_be_never_opens_the_app(
+    call: Call, opened: list[dict[str, Any]], task: str, imu: str, says: str
+) -> None:
+    called = call("run", task, "-p", "P01", "--imu", imu)
+    assert called.code == 2
+    assert says in called.err
+    assert called.err.count("\n") == 1
+    assert opened == []
+
+
 def test_seeds_are_drawn_anew(call: Call, opened: list[dict[str, Any]]) -> None:
     for _ in range(2):
         call("run", "keyboard", "-p", "P01")

@@ -25,7 +25,7 @@ COMMANDS = (
     ["themes"],
     ["graph"],
     ["timing"],
-    ["doctor"],
+    ["doctor"], ["detect"], ["reanalyse"], ["validate"],
 )
 
 

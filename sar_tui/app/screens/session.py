@@ -29,9 +29,9 @@ from sar_tui.framework.messages import (
     Recall,
     SessionEnded,
     Shown,
+    TrialMarked,
     Waiting,
 )
-from sar_tui.framework.task import Mark
 from sar_tui.framework.topics import RECALL
 from sar_tui.motion.trace import Trace
 from sar_tui.widgets.agent import Agent
@@ -65,6 +65,7 @@ class SessionScreen(Screen[None]):
         self._shown = "message"
         self._traces: deque[Trace] = deque(maxlen=3)
         self._reaches = 0
+        self._mark = ""
 
     @property
     def help_text(self) -> str:
@@ -123,14 +124,9 @@ class SessionScreen(Screen[None]):
             event.prevent_default()
         for mark in self._live.run.session.task.marks:
             if event.key == mark.key:
-                self._mark(mark)
+                self._live.operate(Operator(command="mark", actor="therapist", reason=mark.name))
                 return
         self._live.keyboard.pressed(event.key, event.character, self._live.stamp(event.time), self._quiet.lag)
-
-    def _mark(self, mark: Mark) -> None:
-        """The therapist says something of the trial under way, or of the last."""
-        self._live.operate(Operator(command="mark", actor="therapist", reason=mark.name))
-        self.query_one("#where", Static).update(f"Marked: {mark.title.lower()}")
 
     def _is_repeat(self, event: events.Key) -> bool:
         """Whether a key is held or bounces, as perception judges it; the Enter before the summary must not close it."""
@@ -144,8 +140,11 @@ class SessionScreen(Screen[None]):
         self._live.keyboard.pasted(len(event.text), self._live.stamp(event.time))
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
-        """A pause is offered where there is something to pause."""
-        return action != "pause" or (self._waiting is not None and self._waiting.stage not in ("paused", "ended"))
+        """A pause is offered where there is something to pause; its menu, while a sensor is waited for."""
+        waiting = self._waiting
+        if action != "pause" or waiting is None:
+            return action != "pause"
+        return waiting.what == "sensor" or waiting.stage not in ("paused", "ended")
 
     def action_pause(self) -> None:
         """At once and unconfirmed."""
@@ -197,6 +196,7 @@ class SessionScreen(Screen[None]):
 
     def begin_attempt(self, started: AttemptStarted) -> None:
         self._quiet.begin_attempt()
+        self._mark = ""
         self.query_one(Agent).say("", "listening")
 
     def reached(self, reach: ReachPerceived) -> None:
@@ -206,6 +206,11 @@ class SessionScreen(Screen[None]):
             label = f"reach {self._reaches + 1}"
             self._traces.append(Trace(rate=list(reach.trace), rate_hz=reach.trace_hz, label=label, **marks))
         self._reaches += 1
+
+    def marked(self, marked: TrialMarked) -> None:
+        self._mark = next(mark.title for mark in self._live.run.session.task.marks if mark.name == marked.mark)
+        if self._waiting:
+            self._where(self._waiting)
 
     def progress(self, done: int) -> None:
         self._count(done)
@@ -284,7 +289,8 @@ class SessionScreen(Screen[None]):
         if waiting.trial > waiting.trials:  # after the last attempt; the level is that of one which will not come
             self._count_attempts(waiting.attempt)
             return
-        self.query_one("#where", Static).update(f"{waiting.attempt_name.capitalize()} · level {waiting.level}")
+        marked = f"Marked: {self._mark.lower()} · " if self._mark else ""
+        self.query_one("#where", Static).update(f"{marked}{waiting.attempt_name.capitalize()} · level {waiting.level}")
         self._count_attempts(waiting.attempt - 1)
 
     def _count_attempts(self, done: int) -> None:

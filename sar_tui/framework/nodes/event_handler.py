@@ -45,6 +45,8 @@ STALLED = 250 * MS
 """A program that comes so late to a time-out stood still: the trial is repeated, not missed."""
 HELD = 3 * SECOND
 """After this long without quiet the participant is asked to let go of the keys."""
+_WITHOUT_SENSOR = (Phase.INSTRUCTIONS, Phase.REVIEW)
+"""Where no movement is about to be made, and so no sensor is needed."""
 
 
 class EventHandler(TimedNode):
@@ -101,7 +103,7 @@ class EventHandler(TimedNode):
         self.cancel_timers()
         self._stored = self._last_trial
         self._obstacles.begin_run()
-        was_menu = self._phase is Phase.PAUSED and self._pause_reason not in ENTER_GOES_ON
+        was_menu = self._phase is Phase.PAUSED and self._pause_reason not in PAUSES
         if self._phase is Phase.CLOSING:
             self._end()
         elif session.run == 1 or was_menu or self._phase in (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED):
@@ -158,10 +160,12 @@ class EventHandler(TimedNode):
             return
         lost = self._obstacles.sensor_lost
         waits_for_sensor = self._phase is Phase.PAUSED and self._pause_reason == "sensor"
-        if lost and self._phase not in (Phase.INSTRUCTIONS, Phase.PAUSED):
+        if lost and self._phase not in (Phase.PAUSED, *_WITHOUT_SENSOR):
             self._pause("sensor")
         elif lost and waits_for_sensor:
             self._wait(Phase.PAUSED)
+        elif waits_for_sensor and self._obstacles.disk_refuses:
+            self._pause("restored")
         elif waits_for_sensor:
             self._resume()
 
@@ -181,7 +185,7 @@ class EventHandler(TimedNode):
         self._wait(Phase.PAUSED)
 
     def _resume(self) -> None:
-        if self._obstacles.sensor_lost and self._paused_from is not Phase.INSTRUCTIONS:
+        if self._obstacles.sensor_lost and self._paused_from not in _WITHOUT_SENSOR:
             self._pause("sensor")
         elif self._is_under_way:
             self._last_key = self.now
@@ -238,10 +242,13 @@ class EventHandler(TimedNode):
         if self.task.start_key:
             self._wait(Phase.START)
         else:
-            self._await_quiet()
+            self._lead_up()
 
     def _start_trial(self, at: int) -> None:
         self._trial.started = at
+        self._lead_up()
+
+    def _lead_up(self) -> None:
         if self.task.has_foreperiod:
             self._await_quiet()
         else:
@@ -390,9 +397,12 @@ class EventHandler(TimedNode):
 
     def _mark(self, mark: Mark) -> None:
         """Mark the trial under way, or the last one, which is then scored once more."""
+        if self._phase in IN_TRIAL and self._phase is not Phase.START:
+            self._trial.mark = mark
+            attempt, trial = self._course.attempt, self._course.trial
+            self.emit(MARKED, m.TrialMarked(attempt=attempt, trial=trial, mark=mark.name, correct=mark.counts))
+            return
         if self._phase not in MARKABLE:
-            if self._phase in IN_TRIAL:
-                self._trial.mark = mark
             return
         if (last := self._course.amendable) is None:
             return

@@ -1,0 +1,142 @@
+"""``sar-tui detect``: the reaches in a recording of a motion sensor."""
+
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from statistics import median
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Tasks, console, print_json
+from sar_tui.cli.errors import Refused
+
+if TYPE_CHECKING:
+    from sar_tui.motion.reach import Reach
+    from sar_tui.motion.samples import Recording
+
+_MOST_MISSING = 10
+"""A recording with more time in its holes than so many times what was measured is no recording of reaches."""
+
+
+class Detector(StrEnum):
+    """The names in `motion.detection.DETECTORS`, which is not imported for ``--help``."""
+
+    robust = "robust"
+    thesis = "thesis"
+
+
+class Hand(StrEnum):
+    """The hand that wears the sensor."""
+
+    right = "right"
+    left = "left"
+
+
+class Rate(StrEnum):
+    """Units of the angular rate, as `inputs.recording_file.Units` has them."""
+
+    radians = "rad/s"
+    degrees = "deg/s"
+
+
+class Acceleration(StrEnum):
+    """Units of the acceleration, as `inputs.recording_file.Units` has them."""
+
+    metres = "m/s2"
+    g = "g"
+
+
+def detect(
+    file: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", help="FILE.csv or FILE.npz: t, wx,wy,wz, ax,ay,az.", show_default=False),
+    ],
+    detector: Annotated[Detector, typer.Option(help="How to find them: ours, or the thesis' own.")] = Detector.robust,
+    hand: Annotated[Hand, typer.Option(help="The hand that wears the sensor.")] = Hand.right,
+    rate: Annotated[Rate, typer.Option(help="What the file's angular rates are in.")] = Rate.radians,
+    acceleration: Annotated[Acceleration, typer.Option(help="And its accelerations.")] = Acceleration.metres,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Find the reaches in a recording, and measure them.
+
+    Times are in seconds, as the file counts them.
+    """
+    import msgspec
+
+    from sar_tui.inputs.imu import SourceError
+    from sar_tui.inputs.recording_file import Units, read_recording
+    from sar_tui.motion import detection, samples
+
+    units = msgspec.convert({"rate": rate.value, "acceleration": acceleration.value}, Units)
+    try:
+        measured = read_recording(file, units)
+        begin_ns = int(measured["at"][0])
+        recording = samples.recording(measured, begin_ns)  # from 0: large times would cost precision
+        _refuse_mostly_missing(file, recording)
+        found = detection.detect(recording, detector.value, hand=hand.value)
+    except (SourceError, ValueError) as error:
+        raise Refused(str(error)) from error
+    reaches = [_later(reach, begin_ns / 1e9) for reach in found]
+    if as_json:
+        print_json({"detector": detector.value, "rate_hz": round(recording.rate_hz, 3), "reaches": reaches})
+    else:
+        _print(recording, reaches, detector.value)
+
+
+def _refuse_mostly_missing(file: Path, recording: "Recording") -> None:
+    time_s = recording.time_s
+    lasts_s, measured_s = float(time_s[-1] - time_s[0]), len(time_s) / recording.rate_hz
+    if lasts_s > (_MOST_MISSING + 1) * measured_s:
+        raise Refused(
+            f"{file} lasts {lasts_s:.4g} s, but holds samples for {measured_s:.4g} s of it: "
+            "see that t is in seconds, or cut it where samples are missing."
+        )
+
+
+def _later(reach: "Reach", by_s: float) -> "Reach":
+    import msgspec
+
+    times = {name: getattr(reach, name) + by_s for name in ("onset_s", "turn_s", "end_s")}
+    return msgspec.structs.replace(reach, **times)
+
+
+def _print(recording: "Recording", reaches: "Sequence[Reach]", detector: str) -> None:
+    from sar_tui.cli.flag_words import words
+    from sar_tui.cli.tables import add, table
+
+    out = console()
+    if reaches:
+        times = ("onset\ns", "turn\ns", "end\ns", "time\ns")
+        numbers = ("reach", *times, "out\nrad/s", "back\nrad/s", "SPARC\nout", "SPARC\nback")
+        made = table(*numbers, "flags", right=numbers, whole=numbers)
+        made.padding = (0, 1, 0, 0)
+        for number, reach in enumerate(reaches, 1):
+            seconds = (reach.onset_s, reach.turn_s, reach.end_s, reach.reach_time_s)
+            peaks = (reach.peak_extension_rad_s, reach.peak_return_rad_s)
+            smoothness = (reach.sparc_out, reach.sparc_back)
+            add(
+                made,
+                number,
+                *(f"{value:.3f}" for value in seconds),
+                *(f"{value:.2f}" for value in peaks),
+                *(None if value is None else f"{value:.2f}" for value in smoothness),
+                ", ".join(reach.flags),
+            )
+        out.print(made)
+        for line in words(flag for reach in reaches for flag in reach.flags):
+            out.print(line, markup=False, soft_wrap=True)
+    out.print(_sentence(recording, reaches, detector), markup=False, soft_wrap=True)
+
+
+def _sentence(recording: "Recording", reaches: "Sequence[Reach]", detector: str) -> str:
+    lasts_s = float(recording.time_s[-1] - recording.time_s[0])
+    where = f"in {lasts_s:.1f} s at {recording.rate_hz:.4g} samples a second, by the {detector} detector"
+    if not reaches:
+        return f"No reach {where}."
+    times = [reach.reach_time_s for reach in reaches]
+    if len(times) == 1:
+        return f"One reach {where}: {times[0]:.3f} s."
+    return f"{len(times)} reaches {where}: {min(times):.3f} to {max(times):.3f} s, median {median(times):.3f} s."

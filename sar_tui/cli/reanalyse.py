@@ -1,0 +1,230 @@
+"""``sar-tui reanalyse``: the reaches of a recorded session, found again in the samples that were kept."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.detect import Detector
+from sar_tui.cli.errors import Refused
+
+if TYPE_CHECKING:
+    import sqlite_utils
+
+    from sar_tui.motion.analysis import AnalysisParameters, Window
+    from sar_tui.motion.samples import Samples
+
+Row = dict[str, Any]
+_WINDOW = ("window_from_ns", "window_started_ns", "window_to_ns", "detector", "detector_parameters", "hand")
+
+
+class _Measured(NamedTuple):
+    """The samples of a session, and when they came: told by the numbers of the events around them.
+
+    ``blocks``: the event that each came before, and its samples. ``attached``: the events of a sensor that was
+    attached. ``ended``: the event that ended each attempt's trial.
+    """
+
+    blocks: "list[tuple[int, Samples]]"
+    attached: list[int]
+    ended: dict[tuple[int, int], int]
+
+    @classmethod
+    def of(cls, database: "sqlite_utils.Database", session: str) -> "_Measured":
+        """Read them. Raises StoreError where samples are damaged."""
+        from sar_tui.framework.messages import ImuBlock
+        from sar_tui.framework.topics import SENSOR, TRIAL
+        from sar_tui.motion.samples import unpack
+        from sar_tui.store import imu
+
+        blocks = [
+            (record.seq, unpack(record.message.samples))
+            for record in imu.blocks(database, session)
+            if isinstance(record.message, ImuBlock)
+        ]
+        attached = [seq for seq, message in _events(database, session, SENSOR.name) if message["state"] == "attached"]
+        trials = _events(database, session, TRIAL.name)
+        return cls(blocks, attached, {(message["attempt"], message["trial"]): seq for seq, message in trials})
+
+    def before(self, row: Row, window: "Window") -> "Samples":
+        """What the perception of a trial had of its window: of the sensor attached last, until the trial ended.
+
+        Older samples may have been let go before the reach began, so the newest are taken, as many as there were.
+        """
+        import numpy as np
+
+        from sar_tui.motion.samples import SAMPLE
+
+        ended = self.ended.get((row["attempt"], row["trial"]), 0)
+        attached = max((seq for seq in self.attached if seq < ended), default=-1)
+        parts = [np.empty(0, SAMPLE)]
+        for seq, samples in self.blocks:
+            if attached < seq <= ended and samples["at"][-1] >= window.from_ns and samples["at"][0] < window.to_ns:
+                parts.append(samples[(samples["at"] >= window.from_ns) & (samples["at"] < window.to_ns)])
+        whole = np.concatenate(parts)
+        seen = row["details"].get("samples") or 0
+        newest: Samples = whole[max(0, len(whole) - seen) :]
+        return newest
+
+
+def _events(database: "sqlite_utils.Database", session: str, topic: str) -> Iterator[tuple[int, Row]]:
+    import msgspec
+
+    for seq, message in database.execute(
+        "SELECT seq, message FROM events WHERE session=? AND topic=? ORDER BY seq", (session, topic)
+    ):
+        yield seq, msgspec.json.decode(message)
+
+
+class _Trial(NamedTuple):
+    """A trial as it was recorded, and what is to be done with it."""
+
+    row: Row
+    window: "Window"
+    parameters: "AnalysisParameters"
+
+
+def reanalyse(
+    context: typer.Context,
+    session: Annotated[
+        str, typer.Argument(metavar="SESSION|last", help="Its id, or the beginning of it.", show_default=False)
+    ],
+    detector: Annotated[
+        Detector | None,
+        typer.Option(show_default=False, help="By this one, as it comes; else as each reach was found."),
+    ] = None,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Find the reaches of a session again, in its recorded samples.
+
+    Nothing that was recorded is changed.
+    """
+    from sar_tui.store import sessions as store
+
+    home = Home.of(context, data, tasks)
+    with home.database() as database:
+        found = store.find(database, home.folder, session)
+        kept = [row for row in store.rows(database, "trials", found["id"]) if _has_window(row)]
+        if not kept:
+            raise Refused(
+                f"The session {found['id']} ({found['task']}) holds no reach that could be found again: "
+                "no trial of it kept samples of a motion sensor."
+            )
+        measured = _Measured.of(database, found["id"])
+    rows = [_again(measured, _trial(row, detector)) for row in kept]
+    if as_json:
+        names = dict.fromkeys(row["details"]["detector"] for row in rows)
+        print_json({"session": found["id"], "detector": ", ".join(names), "trials": rows})
+    else:
+        _print(rows, [row["details"] for row in kept])
+
+
+def _has_window(row: Row) -> bool:
+    return all(row["details"].get(name) is not None for name in _WINDOW)
+
+
+def _trial(row: Row, detector: Detector | None) -> _Trial:
+    """How a trial is analysed: as it was, or by the detector that is asked for. Raises Refused."""
+    import msgspec
+
+    from sar_tui.motion.analysis import AnalysisParameters, Window
+
+    details = row["details"]
+    name = detector.value if detector else details["detector"]
+    asked = {"detector": name, "hand": details["hand"]}
+    try:
+        if not detector:
+            asked[name] = msgspec.json.decode(details["detector_parameters"])
+        parameters = msgspec.convert(asked, AnalysisParameters)
+    except msgspec.MsgspecError as error:
+        raise Refused(
+            f"Attempt {row['attempt']}, trial {row['trial']} was found by the detector {name} in a way that this "
+            f"version of sar-tui does not know ({error}). Name one with --detector."
+        ) from error
+    known = tuple(flag for flag in row["timing"]["flags"] if flag in ("saturated", "error"))
+    window = Window(
+        from_ns=details["window_from_ns"],
+        started_ns=details["window_started_ns"],
+        to_ns=details["window_to_ns"],
+        flags=known,
+    )
+    return _Trial(row, window, parameters)
+
+
+def _again(measured: _Measured, trial: _Trial) -> Row:
+    """The reach of a trial, as it is found now."""
+    from sar_tui.motion.analysis import analyse
+
+    row, window, parameters = trial
+    samples = measured.before(row, window)
+    finding = analyse(samples, window, parameters)
+    recorded, now = row["details"].get("reach_time_ms"), finding.details.get("reach_time_ms")
+    was = (row["onset_ns"], row["response_ns"], recorded)
+    other = "thesis" if parameters.detector == "robust" else "robust"
+    return {
+        "attempt": row["attempt"],
+        "trial": row["trial"],
+        "recorded_ms": recorded,
+        "reach_time_ms": now,
+        "difference_ms": None if recorded is None or now is None else round(now - recorded, 3),
+        "equal": recorded is now is None or was == (finding.onset_ns, finding.end_ns, now),
+        "missing_samples": max(0, (row["details"].get("samples") or 0) - len(samples)),
+        "details": {name: value for name, value in finding.details.items() if name != f"{other}_reach_time_ms"},
+        "flags": list(dict.fromkeys(filter(None, (*finding.flags, finding.invalid)))),
+    }
+
+
+def _print(rows: Sequence[Row], recorded: Sequence[Row]) -> None:
+    from sar_tui.cli.flag_words import words
+    from sar_tui.cli.tables import add, table
+
+    numbers = ("attempt", "trial", "recorded, ms", "now, ms", "difference, ms")
+    made = table(*numbers, "flags", right=numbers)
+    for row in rows:
+        times = (row["recorded_ms"], row["reach_time_ms"])
+        shown = [None if value is None else f"{value:.1f}" for value in times]
+        change = row["difference_ms"]
+        add(
+            made,
+            row["attempt"],
+            row["trial"],
+            *shown,
+            None
+            if change is None
+            else "0"
+            if change == 0
+            else f"{change:+.3g}"
+            if abs(change) < 1
+            else f"{change:+.1f}",
+            ", ".join(row["flags"]),
+        )
+    out = console()
+    out.print(made)
+    for line in words(flag for row in rows for flag in row["flags"]):
+        out.print(line, markup=False, soft_wrap=True)
+    for row in rows:
+        if row["missing_samples"]:
+            out.print(
+                f"Attempt {row['attempt']}, trial {row['trial']}: {row['missing_samples']} of the samples that it was "
+                "found in were never stored.",
+                soft_wrap=True,
+            )
+    out.print(_sentence(rows, recorded), markup=False, soft_wrap=True)
+
+
+def _sentence(rows: Sequence[Row], recorded: Sequence[Row]) -> str:
+    equal = sum(row["equal"] for row in rows)
+    then, now = _versions(recorded), _versions(row["details"] for row in rows)
+    gone = sum(row["recorded_ms"] is not None and row["reach_time_ms"] is None for row in rows)
+    return (
+        f"{equal} of {len(rows)} {'trial is' if len(rows) == 1 else 'trials are'} exactly as recorded"
+        f"{f', and in {gone} there is no reach now' if gone else ''}. "
+        f"Recorded: {then} detector. Now: {now} detector."
+    )
+
+
+def _versions(details: Iterable[Row]) -> str:
+    return ", ".join(dict.fromkeys(f"{d['detector']} (version {d.get('detector_version')})" for d in details))

@@ -1,0 +1,105 @@
+"""``sar-tui validate``: the thesis' validation, and our own claims."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.errors import FAILED, Refused
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from sar_tui.validation.report import Report
+
+Progress = Callable[[str, int, int], None]
+
+
+def validate(
+    context: typer.Context,
+    only: Annotated[
+        str | None,
+        typer.Option(metavar="NAME,NAME", show_default=False, help="table-4.1, reach, modularity; else all of them."),
+    ] = None,
+    reaches: Annotated[
+        int, typer.Option(metavar="N", min=1, max=100_000, help="How many reaches each difficulty is tried with.")
+    ] = 200,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Try out what the thesis claims, and what we do.
+
+    Ends with 1 if a claim does not hold.
+    """
+    from sar_tui.validation.registry import VALIDATIONS
+    from sar_tui.validation.report import Conditions
+
+    catalogue = Home.of(context, data, tasks).catalogue()
+    names = _names(only, list(VALIDATIONS))
+    reports = {}
+    with _progress() as progress:
+        for name in names:
+            reports[name] = VALIDATIONS[name].run(Conditions(catalogue, reaches, progress))
+    if as_json:
+        print_json({name: report.rows for name, report in reports.items()})
+    else:
+        for name, report in reports.items():
+            _print(console(), VALIDATIONS[name].title, report)
+    against = [claim for report in reports.values() for claim in report.claims if not claim.holds]
+    if against:
+        if as_json:
+            for claim in against:
+                console(error=True).print(_told(claim.sentence, claim.against), markup=False, soft_wrap=True)
+        raise typer.Exit(FAILED)
+
+
+def _names(only: str | None, known: Sequence[str]) -> list[str]:
+    """The validations that were asked for, in their own order. Raises Refused."""
+    if only is None:
+        return list(known)
+    asked = [name.strip() for name in only.split(",") if name.strip()]
+    for name in asked:
+        if name not in known:
+            raise Refused(f"There is no validation {name}. There is: {', '.join(known)}.")
+    if not asked:
+        raise Refused(f"Say which validation: --only {','.join(known)}.")
+    return [name for name in known if name in asked]
+
+
+def _print(out: "Console", title: str, report: "Report") -> None:
+    from sar_tui.cli.tables import add, table
+
+    out.print(f"{title}\n", markup=False)
+    for columns in report.tables:
+        made = table()
+        made.padding = (0, 1, 0, 0)
+        for column in columns:
+            made.add_column(column.head, justify="right" if column.is_number else "left", overflow="fold")
+        for row in report.rows:
+            add(made, *(column.show(row) for column in columns))
+        out.print(made)
+        out.print()
+    for claim in report.claims:
+        out.print(_told(claim.sentence, claim.against), markup=False, soft_wrap=True)
+    out.print()
+
+
+def _told(sentence: str, against: str) -> str:
+    return f"✗ {sentence} But {against}." if against else f"✓ {sentence}"
+
+
+@contextmanager
+def _progress() -> Iterator[Progress]:
+    """A bar on stderr, if a person is there to see it."""
+    error = console(error=True)
+    if not error.is_terminal:
+        yield lambda what, done, of: None
+        return
+    from rich.progress import Progress as Bar
+
+    with Bar(console=error, transient=True) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda what, done, of: bar.update(task, description=what, completed=done, total=of)

@@ -1,0 +1,1 @@
+"""What the thesis claims, and what we do, tried out: each file one claim's experiment, listed in ``registry``."""

@@ -1,0 +1,102 @@
+"""The thesis' Table 4.1: its eight reaches are simulated, and measured by both detectors."""
+
+from sar_tui.motion.detection import detect
+from sar_tui.motion.reach import Reach
+from sar_tui.motion.synthesis import TABLE_4_1, Simulation, TableRow, table_4_1_recording
+from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
+
+RATE_HZ = 250.0
+"""What the thesis' PhidgetSpatial gives."""
+TIME_MS = {"thesis": 130.0, "robust": 40.0}
+"""A reach time is off by no more than this. The thesis' threshold cuts the slow beginning and end of every reach."""
+PEAK_PERCENT = 3.0
+PEAKS = ("peak_extension", "peak_return")
+
+
+def run(_: Conditions) -> Report:
+    """A row a reach: what the table says of it, and what each detector finds."""
+    simulation = table_4_1_recording(RATE_HZ)
+    found = {name: detect(simulation.recording, name) for name in TIME_MS}
+    matched = {name: _matched(simulation, reaches) for name, reaches in found.items()}
+    rows = [
+        _row(line, {name: reaches[index] for name, reaches in matched.items()}) for index, line in enumerate(TABLE_4_1)
+    ]
+    claims = [
+        *(_finds_all(name, len(reaches), rows) for name, reaches in found.items()),
+        *(_times(name, rows) for name in TIME_MS),
+        *(_peaks(name, rows) for name in TIME_MS),
+    ]
+    return Report(rows, [_times_table(), _peaks_table()], claims)
+
+
+def _matched(simulation: Simulation, reaches: tuple[Reach, ...]) -> list[Reach | None]:
+    """For each reach that was made, the first that was found where it was."""
+    return [
+        next((reach for reach in reaches if reach.onset_s < end and reach.end_s > onset), None)
+        for onset, end in simulation.truth
+    ]
+
+
+def _row(line: TableRow, found: dict[str, Reach | None]) -> Row:
+    row: Row = {
+        "type": line.type,
+        "table_reach_time_s": line.reach_time_s,
+        "table_peak_extension_rad_s": line.peak_extension_rad_s,
+        "table_peak_return_rad_s": line.peak_return_rad_s,
+    }
+    for name, reach in found.items():
+        time_s = None if reach is None else reach.reach_time_s
+        row[f"{name}_reach_time_s"] = time_s
+        row[f"{name}_difference_ms"] = None if time_s is None else (time_s - line.reach_time_s) * 1000
+        for peak in PEAKS:
+            value, table = getattr(reach, f"{peak}_rad_s", None), getattr(line, f"{peak}_rad_s")
+            row[f"{name}_{peak}_rad_s"] = value
+            row[f"{name}_{peak}_difference_percent"] = None if value is None else (value / table - 1) * 100
+    return row
+
+
+def _finds_all(name: str, count: int, rows: list[Row]) -> Claim:
+    missed = [str(number) for number, row in enumerate(rows, 1) if row[f"{name}_reach_time_s"] is None]
+    against = f"it finds {count}" if count != len(rows) else f"it misses {', '.join(missed)}" if missed else ""
+    return Claim(f"The {name} detector finds eight reaches.", against)
+
+
+def _times(name: str, rows: list[Row]) -> Claim:
+    sentence = f"The {name} detector's reach times are within {TIME_MS[name]:g} ms of the table's."
+    return Claim(sentence, _beyond(rows, f"{name}_difference_ms", TIME_MS[name], "ms"))
+
+
+def _peaks(name: str, rows: list[Row]) -> Claim:
+    against = [_beyond(rows, f"{name}_{peak}_difference_percent", PEAK_PERCENT, "%") for peak in PEAKS]
+    sentence = f"The {name} detector's peaks are within {PEAK_PERCENT:g} % of the table's."
+    return Claim(sentence, ", ".join(filter(None, against)))
+
+
+def _beyond(rows: list[Row], name: str, limit: float, unit: str) -> str:
+    wrong = [(number, row[name]) for number, row in enumerate(rows, 1) if row[name] is None or abs(row[name]) > limit]
+    return ", ".join(f"reach {n}: {'none' if value is None else f'{value:+.1f} {unit}'}" for n, value in wrong)
+
+
+def _column(head: str, name: str, form: str) -> Column:
+    return Column(head, lambda row: None if row[name] is None else format(row[name], form))
+
+
+_TYPE = Column("type", lambda row: str(row["type"]), is_number=False)
+
+
+def _times_table() -> list[Column]:
+    columns = [_TYPE, _column("time, s", "table_reach_time_s", ".4f")]
+    for name in TIME_MS:
+        columns += [
+            _column(f"{name}, s", f"{name}_reach_time_s", ".4f"),
+            _column("ms", f"{name}_difference_ms", "+.0f"),
+        ]
+    return columns
+
+
+def _peaks_table() -> list[Column]:
+    columns = [_TYPE]
+    for peak, head in zip(PEAKS, ("out, rad/s", "back, rad/s"), strict=True):
+        columns.append(_column(head, f"table_{peak}_rad_s", ".4f"))
+        columns += [_column(f"{name}, %", f"{name}_{peak}_difference_percent", "+.2f") for name in TIME_MS]
+    return columns

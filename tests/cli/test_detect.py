@@ -1,0 +1,182 @@
+"""``sar-tui detect``: the reaches in a file, for people and programs; and every bad file in a sentence."""
+
+import csv
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+import sar_tui
+from sar_tui.cli.detect import Acceleration, Detector, Hand, Rate
+from sar_tui.cli.flag_words import words
+from sar_tui.inputs.recording_file import Units
+from sar_tui.motion.analysis import AnalysisParameters
+from sar_tui.motion.detection import DETECTORS
+from sar_tui.motion.reach import Reach
+from sar_tui.motion.synthesis import TABLE_4_1
+from tests.cli.conftest import Call
+
+SAMPLE = Path(sar_tui.__file__).parent.parent / "data" / "table-4.1.csv"
+Row = dict[str, float]
+Write = Callable[..., Path]
+
+
+@pytest.fixture(scope="module")
+def recorded() -> list[Row]:
+    """The rows of the recording that ships."""
+    with SAMPLE.open(newline="") as file:
+        return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    """Writes rows to a file, and says where."""
+
+    def write(rows: list[Row], name: str = "some.csv") -> Path:
+        path = tmp_path / name
+        with path.open("w", newline="") as file:
+            out = csv.DictWriter(file, list(rows[0]))
+            out.writeheader()
+            out.writerows(rows)
+        return path
+
+    return write
+
+
+def test_the_recording_that_ships_holds_the_eight_reaches_of_table_4_1(call: Call) -> None:
+    printed = call("detect", SAMPLE, "--json").json
+    assert set(printed) == {"detector", "rate_hz", "reaches"}
+    assert (printed["detector"], printed["rate_hz"], len(printed["reaches"])) == ("robust", 125.0, 8)
+    for reach, line in zip(printed["reaches"], TABLE_4_1, strict=True):
+        assert set(reach) == {field.name for field in msgspec.structs.fields(Reach)}
+        assert reach["reach_time_s"] == pytest.approx(line.reach_time_s, abs=0.04)
+        assert reach["peak_extension_rad_s"] == pytest.approx(line.peak_extension_rad_s, rel=0.03)
+        assert reach["peak_return_rad_s"] == pytest.approx(line.peak_return_rad_s, rel=0.03)
+        assert reach["flags"] == []
+
+
+def test_it_can_be_found_as_the_thesis_did(call: Call) -> None:
+    printed = call("detect", SAMPLE, "--detector", "thesis", "--json").json
+    assert (printed["detector"], len(printed["reaches"])) == ("thesis", 8)
+    for reach, line in zip(printed["reaches"], TABLE_4_1, strict=True):
+        assert reach["reach_time_s"] < line.reach_time_s
+
+
+def test_people_read_a_table_the_flags_in_words_and_a_sentence(call: Call, write: Write, recorded: list[Row]) -> None:
+    called = call("detect", write([row for row in recorded if 1.7 < row["t"] < 8]))
+    assert (called.code, called.err) == (0, "")
+    assert "SPARC" in called.out
+    assert "no_rest: the hand was not still before it, so the sensor's bias is a guess\n" in called.out
+    assert called.out.endswith(
+        "2 reaches in 6.3 s at 125 samples a second, by the robust detector: 1.362 to 1.424 s, median 1.393 s.\n"
+    )
+
+
+def test_every_flag_can_be_told_even_one_that_is_new() -> None:
+    assert list(words(["gap", "new", "gap"])) == ["gap: samples are missing in it", "new"]
+
+
+def test_a_recording_without_a_reach_is_no_error(call: Call, write: Write, recorded: list[Row]) -> None:
+    path = write(recorded[:150])
+    assert call("detect", path, "--json").json["reaches"] == []
+    assert call("detect", path).out == "No reach in 1.2 s at 125 samples a second, by the robust detector.\n"
+
+
+@pytest.mark.parametrize("begin", [5, -20, 1_700_000_000])
+def test_times_are_those_of_the_file(call: Call, write: Write, recorded: list[Row], begin: float) -> None:
+    late = write([row | {"t": row["t"] + begin} for row in recorded])
+    for now, then in zip(
+        call("detect", late, "--json").json["reaches"], call("detect", SAMPLE, "--json").json["reaches"], strict=True
+    ):
+        for name in ("onset_s", "turn_s", "end_s"):
+            assert now[name] == pytest.approx(then[name] + begin, rel=0, abs=1e-4)
+
+
+def test_a_recording_that_begins_without_a_still_second_is_analysed_and_flagged(
+    call: Call, write: Write, recorded: list[Row]
+) -> None:
+    first, *others = call("detect", write([row for row in recorded if row["t"] > 1.7]), "--json").json["reaches"]
+    assert "no_rest" in first["flags"]
+    assert len(others) == 7
+    assert all(reach["flags"] == [] for reach in others)
+
+
+def test_missing_samples_are_flagged(call: Call, write: Write, recorded: list[Row]) -> None:
+    first, *_ = call("detect", write([*recorded[:300], *recorded[340:]]), "--json").json["reaches"]
+    assert first["flags"] == ["gap"]
+
+
+def test_the_units_of_a_file_can_be_named(call: Call, write: Write, recorded: list[Row]) -> None:
+    other = [
+        {name: math.degrees(v) if name[0] == "w" else v / 9.80665 if name[0] == "a" else v for name, v in row.items()}
+        for row in recorded
+    ]
+    printed = call("detect", write(other), "--rate", "deg/s", "--acceleration", "g", "--json").json
+    for now, then in zip(printed["reaches"], call("detect", SAMPLE, "--json").json["reaches"], strict=True):
+        assert now["reach_time_s"] == pytest.approx(then["reach_time_s"], abs=1e-6)
+
+
+def test_on_the_left_hand_out_is_the_other_way(call: Call) -> None:
+    right, left = (call("detect", SAMPLE, "--hand", hand, "--json").json["reaches"] for hand in ("right", "left"))
+    assert all("reversed" in reach["flags"] for reach in left)
+    assert not any("reversed" in reach["flags"] for reach in right)
+
+
+def test_npz_files_are_read_too(call: Call, tmp_path: Path, recorded: list[Row]) -> None:
+    path = tmp_path / "some.npz"
+    np.savez(path, **{name: np.array([row[name] for row in recorded]) for name in recorded[0]})
+    assert call("detect", path, "--json").out == call("detect", SAMPLE, "--json").out
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "is empty."),
+        ("t,wx,wy,wz\n", "holds 0 samples; at least 20 are needed."),
+        ("t,wx,wy\n0,1,2\n", "the columns wz are missing."),
+        ("t;wx;wy;wz\n0;1;2;3\n", "Columns are told apart by commas"),
+        ("t,wx,wy,wz\n0,1,2\n", "line 2: 3 values for 4 columns"),
+        ("t,wx,wy,wz\n0,1,2,three\n", '"three" in the column wz is not a number.'),
+        ("t,wx,wy,wz\n0,1,2,nan\n", "nan in the column wz is no measurement"),
+        ("t,wx,wy,wz\n" + "".join(f"{n % 5},0,0,0\n" for n in range(30)), "it has to be later."),
+        ("t,wx,wy,wz\n" + "".join(f"{n},0,0,0\n" for n in range(30)), "1 samples a second"),
+        (
+            "t,wx,wy,wz\n" + "".join(f"{n / 100 + (n > 20) * 1e8},0,0,0\n" for n in range(40)),
+            "see that t is in seconds, or cut it where samples are missing.",
+        ),
+    ],
+    ids=["empty", "header", "column", "semicolons", "short line", "word", "nan", "back", "slow", "hole"],
+)
+def test_a_bad_file_is_2_and_one_sentence(call: Call, tmp_path: Path, text: str, says: str) -> None:
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    called = call("detect", path)
+    assert (called.code, called.out) == (2, "")
+    assert says in called.err
+    assert str(path) in called.err
+    assert called.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("data", [b"\xff\xfe\x00\x01", b"PK\x03\x04 no archive"], ids=["csv", "npz"])
+def test_what_is_no_recording_at_all_is_2(call: Call, tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / f"bad.{'npz' if data.startswith(b'PK') else 'csv'}"
+    path.write_bytes(data)
+    assert call("detect", path).code == 2
+
+
+def test_a_file_that_is_not_there_is_2(call: Call, tmp_path: Path) -> None:
+    called = call("detect", tmp_path / "none.csv")
+    assert (called.code, called.err) == (2, f"There is no file {tmp_path / 'none.csv'}.\n")
+    assert call("detect", tmp_path).code == 2
+
+
+def test_what_can_be_named_is_what_there_is() -> None:
+    assert {detector.value for detector in Detector} == set(DETECTORS)
+    for name, choices in (("rate", Rate), ("acceleration", Acceleration)):
+        for choice in choices:
+            assert getattr(msgspec.convert({name: choice.value}, Units), name) == choice.value
+    for hand in Hand:
+        assert msgspec.convert({"hand": hand.value}, AnalysisParameters).hand == hand.value

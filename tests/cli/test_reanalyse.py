@@ -1,0 +1,140 @@
+"""``sar-tui reanalyse``: the reaches of a session, found again in the samples that it kept."""
+
+import json
+import sqlite3
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.cli.conftest import Call
+
+
+def change(folder: Path, statement: str, *values: object) -> None:
+    with sqlite3.connect(folder / "data" / "sar-tui.db") as connection:
+        connection.execute(statement, values)
+
+
+def kept(folder: Path) -> list[str]:
+    with sqlite3.connect(folder / "data" / "sar-tui.db") as connection:
+        return list(connection.iterdump())
+
+
+@pytest.fixture
+def reached(call: Call) -> str:
+    """A short simulated session of the reaching task; its id."""
+    return str(call("simulate", "reaching", "--user", "poor", "--seed", 3, "--attempts", 3, "--json").json["session"])
+
+
+def recorded(call: Call, session: str) -> list[dict[str, Any]]:
+    trials: list[dict[str, Any]] = call("show", session, "--json").json["trials"]
+    return trials
+
+
+def test_the_same_detector_gives_exactly_what_was_recorded(call: Call, reached: str) -> None:
+    printed = call("reanalyse", reached, "--json").json
+    assert set(printed) == {"session", "detector", "trials"}
+    assert (printed["session"], printed["detector"]) == (reached, "robust")
+    trials = recorded(call, reached)
+    assert [(row["attempt"], row["trial"]) for row in printed["trials"]] == [(1, 1), (2, 1), (3, 1)]
+    for row, trial in zip(printed["trials"], trials, strict=True):
+        assert row["recorded_ms"] == row["reach_time_ms"] == trial["details"]["reach_time_ms"]
+        assert (row["difference_ms"], row["equal"], row["missing_samples"]) == (0.0, True, 0)
+        assert row["details"].items() <= trial["details"].items()
+        assert set(row["flags"]) <= set(trial["timing"]["flags"])
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ("detector=thesis", "thesis_threshold_rad_s=0.3"),
+        ("go_signal=yes", "reaches_per_attempt=2"),
+        ("hand=left",),
+        ("response_timeout_ms=1500",),
+    ],
+    ids=["thesis", "go signal", "left", "time-out"],
+)
+def test_so_it_does_however_the_session_was_set(call: Call, settings: tuple[str, ...]) -> None:
+    options = [word for setting in settings for word in ("--set", setting)]
+    call("simulate", "reaching", "--user", "average", "--seed", 5, "--attempts", 4, *options)
+    trials = call("reanalyse", "last", "--json").json["trials"]
+    assert all(row["equal"] for row in trials)
+    assert any(row["reach_time_ms"] for row in trials)
+
+
+def test_another_detector_can_be_asked_for(call: Call) -> None:
+    call("simulate", "reaching", "--user", "average", "--seed", 5, "--attempts", 2)
+    printed = call("reanalyse", "last", "--detector", "thesis", "--json").json
+    assert printed["detector"] == "thesis"
+    trials = recorded(call, "last")
+    assert [row["reach_time_ms"] for row in printed["trials"]] == [
+        trial["details"]["thesis_reach_time_ms"] for trial in trials
+    ]
+    first, _ = printed["trials"]
+    assert first["difference_ms"] == pytest.approx(first["reach_time_ms"] - first["recorded_ms"], abs=1e-3)
+    assert (first["details"]["detector"], first["equal"]) == ("thesis", False)
+
+
+def test_people_read_a_table_and_a_sentence(call: Call, reached: str) -> None:
+    called = call("reanalyse", "last")
+    assert (called.code, called.err) == (0, "")
+    assert "difference, ms" in called.out
+    assert called.out.endswith(
+        "3 of 3 trials are exactly as recorded. "
+        "Recorded: robust (version 1) detector. Now: robust (version 1) detector.\n"
+    )
+
+
+def test_nothing_that_was_recorded_changes(call: Call, tmp_path: Path, reached: str) -> None:
+    before = kept(tmp_path)
+    call("reanalyse", reached)
+    call("reanalyse", reached, "--detector", "thesis", "--json")
+    assert kept(tmp_path) == before
+
+
+def test_samples_that_were_never_stored_are_told(call: Call, tmp_path: Path, reached: str) -> None:
+    change(tmp_path, "DELETE FROM imu_chunks")
+    called = call("reanalyse", reached)
+    assert called.code == 0
+    assert "Attempt 1, trial 1: 1515 of the samples that it was found in were never stored." in called.out
+    assert "0 of 3 trials are exactly as recorded, and in 3 there is no reach now." in called.out
+    first, *_ = call("reanalyse", reached, "--json").json["trials"]
+    assert (first["reach_time_ms"], first["difference_ms"]) == (None, None)
+    assert "samples" in first["flags"]
+
+
+def test_what_a_sensor_told_before_it_was_attached_anew_is_not_taken(call: Call, tmp_path: Path, reached: str) -> None:
+    change(
+        tmp_path,
+        """UPDATE events SET topic='input/sensor', message='{"state": "attached"}' WHERE seq=
+        (SELECT min(seq) FROM events WHERE topic='event_handler/prompt')""",
+    )
+    first, second, _ = call("reanalyse", reached, "--json").json["trials"]
+    assert first["missing_samples"] > 500
+    assert second["equal"]
+
+
+def test_damaged_samples_are_a_failure_in_words(call: Call, tmp_path: Path, reached: str) -> None:
+    change(tmp_path, "UPDATE imu_chunks SET crc32=crc32+1 WHERE seq=3")
+    called = call("reanalyse", reached)
+    assert (called.code, called.out) == (1, "")
+    assert called.err == f"Block 3 of sensor stream 1 of session {reached} is damaged.\n"
+
+
+def test_a_session_without_reaches_is_bad_input(call: Call, simulated: str) -> None:
+    called = call("reanalyse", simulated)
+    assert called.code == 2
+    assert called.err.startswith(f"The session {simulated} (keyboard) holds no reach that could be found again")
+
+
+def test_a_detector_that_is_not_known_any_more_is_bad_input(call: Call, tmp_path: Path, reached: str) -> None:
+    details = recorded(call, reached)[0]["details"] | {"detector": "clairvoyant"}
+    change(tmp_path, "UPDATE trials SET details=? WHERE attempt=1", json.dumps(details))
+    called = call("reanalyse", reached)
+    assert called.code == 2
+    assert "Attempt 1, trial 1 was found by the detector clairvoyant" in called.err
+    assert call("reanalyse", reached, "--detector", "robust").code == 0
+
+
+def test_a_session_that_is_not_there_is_bad_input(call: Call) -> None:
+    assert call("reanalyse", "zzz").code == 2

@@ -1,0 +1,111 @@
+"""``sar-tui validate``: figures and claims, for people and programs."""
+
+import pytest
+
+from sar_tui.validation import reach, table_4_1
+from sar_tui.validation.registry import VALIDATIONS
+from tests.cli.conftest import Call
+
+
+def test_table_4_1_is_printed_beside_what_is_found(call: Call) -> None:
+    printed = call("validate", "--only", "table-4.1", "--json").json
+    assert set(printed) == {"table-4.1"}
+    rows = printed["table-4.1"]
+    assert [row["type"] for row in rows] == [
+        f"{how} {where}" for where in ("near", "far") for how in ("slow",) * 2 + ("fast",) * 2
+    ]
+    assert (rows[0]["table_reach_time_s"], rows[7]["table_peak_return_rad_s"]) == (1.3385, -4.4508)
+    for row in rows:
+        assert abs(row["robust_difference_ms"]) <= 40
+        assert abs(row["thesis_difference_ms"]) <= 130
+        for detector in ("robust", "thesis"):
+            assert row[f"{detector}_reach_time_s"] == pytest.approx(
+                row["table_reach_time_s"] + row[f"{detector}_difference_ms"] / 1000
+            )
+            assert abs(row[f"{detector}_peak_extension_difference_percent"]) <= 3
+            assert abs(row[f"{detector}_peak_return_difference_percent"]) <= 3
+
+
+def test_people_read_tables_and_claims(call: Call) -> None:
+    called = call("validate", "--only", "table-4.1")
+    assert (called.code, called.err) == (0, "")
+    assert "slow near" in called.out
+    assert "✓ The thesis detector finds eight reaches." in called.out
+    assert "✗" not in called.out
+
+
+def test_reaches_are_tried_under_each_difficulty(call: Call) -> None:
+    called = call("validate", "--only", "reach", "--reaches", 3, "--json")
+    assert called.code == 0
+    rows = {row["scenario"]: row for row in called.json["reach"]}
+    assert {"clean", "tilted", "twitch", "all combined", "slow, submovements"} <= set(rows)
+    for row in rows.values():
+        assert row["reaches"] == 3
+        assert (row["robust_exactly_one_percent"], row["robust_endless_percent"]) == (100.0, 0.0)
+    assert rows["clean"]["thesis_exactly_one_percent"] == 100.0
+    assert rows["all combined"]["thesis_exactly_one_percent"] == 0.0
+    assert rows["all combined"]["thesis_error_median_ms"] is None
+
+
+def test_modularity_is_counted_for_each_task(call: Call) -> None:
+    called = call("validate", "--only", "modularity", "--json")
+    assert called.code == 0
+    rows = {row["task"]: row for row in called.json["modularity"]}
+    assert set(rows) == {"keyboard", "reaching"}
+    for row in rows.values():
+        assert row["shared"] == row["framework_lines"] / (row["framework_lines"] + row["own_lines"])
+        assert row["shared"] >= 0.75
+        assert row["strict_shared"] <= row["shared"]
+    assert rows["reaching"]["framework_lines"] > rows["keyboard"]["framework_lines"], "a sensor and movement science"
+    assert rows["reaching"]["strict_shared"] < rows["keyboard"]["strict_shared"]
+
+
+def test_several_can_be_asked_for_in_any_order(call: Call) -> None:
+    printed = call("validate", "--only", "reach, table-4.1", "--reaches", 1, "--json").json
+    assert list(printed) == ["table-4.1", "reach"]
+
+
+@pytest.mark.parametrize(
+    ("only", "says"),
+    [
+        ("figure-9.9", "There is no validation figure-9.9. There is: "),
+        ("table-4.1,x", "no validation x."),
+        (",", "Say"),
+    ],
+)
+def test_an_unknown_name_lists_what_there_is(call: Call, only: str, says: str) -> None:
+    called = call("validate", "--only", only)
+    assert (called.code, called.out) == (2, "")
+    assert says in called.err
+    assert all(name in called.err for name in VALIDATIONS)
+
+
+def test_a_claim_that_does_not_hold_is_1_and_told(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(table_4_1.TIME_MS, "thesis", 100.0)
+    called = call("validate", "--only", "table-4.1")
+    assert called.code == 1
+    assert "✗ The thesis detector's reach times are within 100 ms of the table's. But reach 1: -110.5 ms," in called.out
+    as_json = call("validate", "--only", "table-4.1", "--json")
+    assert as_json.code == 1
+    assert len(as_json.json["table-4.1"]) == 8
+    assert as_json.err.startswith("✗ The thesis detector's reach times")
+
+
+def test_a_difficulty_that_a_claim_fails_in_is_named(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reach, "MEDIAN_MS", 10.0)
+    called = call("validate", "--only", "reach", "--reaches", 2)
+    assert called.code == 1
+    assert "✗ The median error of its durations is within 10 ms. But " in called.out
+    assert "tremor 0.1 rad/s: +11" in called.out
+
+
+def test_a_detector_that_finds_too_few_fails_its_claim(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(table_4_1, "detect", lambda recording, name: ())
+    called = call("validate", "--only", "table-4.1")
+    assert called.code == 1
+    assert "✗ The robust detector finds eight reaches. But it finds 0." in called.out
+    assert "reach 8: none" in called.out
+
+
+def test_help_names_every_validation(call: Call) -> None:
+    assert all(name in call("validate", "--help").out for name in VALIDATIONS)

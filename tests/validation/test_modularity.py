@@ -1,0 +1,89 @@
+"""What a task's session loads, and whose it is."""
+
+from pathlib import Path
+
+import pytest
+
+from sar_tui.plugins import Catalogue
+from sar_tui.validation import modularity
+from sar_tui.validation.modularity import Loaded, NotLoaded, code, load
+from sar_tui.validation.report import Conditions
+
+
+def file(folder: Path, name: str, lines: int) -> str:
+    path = folder / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("x = 1\n" * lines)
+    return str(path)
+
+
+def test_a_session_of_the_keyboard_task_loads_no_movement_science(catalogue: Catalogue) -> None:
+    loaded = set(load("keyboard", catalogue).modules)
+    assert {"sar_tui.framework.bus", "sar_tui.framework.nodes.event_handler", "sar_tui.inputs.keyboard"} <= loaded
+    assert not {name for name in loaded if name.startswith(("sar_tui.motion", "sar_tui.simulation", "sar_tui.store"))}
+
+
+def test_a_session_of_the_reaching_task_loads_the_sensor_and_not_the_simulated_hand(catalogue: Catalogue) -> None:
+    loaded = set(load("reaching", catalogue).modules)
+    assert {"sar_tui.inputs.phidget", "sar_tui.inputs.feed", "sar_tui.motion.robust"} <= loaded
+    assert not {"sar_tui.inputs.simulated", "sar_tui.motion.synthesis", "sar_tui.simulation.participant"} & loaded
+
+
+def test_all_that_lies_in_a_tasks_folder_is_its_own_and_the_app_is_nobodys(tmp_path: Path) -> None:
+    loaded = Loaded(
+        modules={
+            "sar_tui.framework.bus": file(tmp_path, "bus.py", 10),
+            "sar_tui.app.app": file(tmp_path, "app.py", 100),
+            "sar_tui_tasks.mine.task": file(tmp_path / "mine", "task.py", 3),
+        },
+        package="sar_tui_tasks.mine",
+        folder=str(tmp_path / "mine"),
+    )
+    file(tmp_path / "mine", "view.py", 2)
+    counted = code(loaded)
+    assert counted.shared == {"sar_tui.framework.bus": 10}
+    assert counted.own == {"task.py": 3, "view.py": 2}
+
+
+def test_of_a_task_from_elsewhere_its_loaded_modules_are_its_own(tmp_path: Path) -> None:
+    modules = {"lab": file(tmp_path, "lab.py", 4), "laboratory": file(tmp_path, "laboratory.py", 9)}
+    assert code(Loaded(modules=modules, package="lab", folder=str(tmp_path))).own == {"lab": 4}
+
+
+def test_strictly_what_one_task_alone_uses_is_that_tasks_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
+) -> None:
+    both = {"sar_tui.framework.bus": file(tmp_path, "bus.py", 60)}
+    one = both | {"sar_tui.motion.robust": file(tmp_path, "robust.py", 20)}
+
+    def loaded(name: str, _: Catalogue) -> Loaded:
+        own = {f"{name}.task": file(tmp_path / name, "task.py", 20)}
+        return Loaded((one if name == "reaching" else both) | own, name, str(tmp_path / name))
+
+    monkeypatch.setattr(modularity, "load", loaded)
+    report = modularity.run(Conditions(catalogue))
+    rows = {row["task"]: row for row in report.rows}
+    assert (rows["keyboard"]["shared"], rows["keyboard"]["strict_shared"]) == (0.75, 0.75)
+    assert (rows["reaching"]["shared"], rows["reaching"]["strict_shared"]) == (0.8, 0.6)
+    assert all(claim.holds for claim in report.claims)
+
+
+def test_a_task_that_shares_too_little_or_does_not_run_fails_the_claim(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
+) -> None:
+    def loaded(name: str, _: Catalogue) -> Loaded:
+        if name == "keyboard":
+            raise NotLoaded("its session does not end")
+        modules = {"sar_tui.framework.bus": file(tmp_path, "bus.py", 60), f"{name}.task": file(tmp_path, "task.py", 40)}
+        return Loaded(modules, name, str(tmp_path / "none"))
+
+    monkeypatch.setattr(modularity, "load", loaded)
+    (claim,) = modularity.run(Conditions(catalogue)).claims
+    assert claim.against == "reaching 60%, keyboard cannot be counted: its session does not end"
+
+
+def test_a_task_that_cannot_be_loaded_is_told_of(tmp_path: Path) -> None:
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "task.py").write_text("this is no Python")
+    with pytest.raises(NotLoaded, match="The task broken cannot be loaded: line 1 of"):
+        load("broken", Catalogue((tmp_path,)))
