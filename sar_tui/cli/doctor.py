@@ -8,7 +8,7 @@ from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
 from sar_tui.cli.errors import FAILED
 
 if TYPE_CHECKING:
-    from sar_tui.cli.findings import Finding
+    from sar_tui.cli.finding import Finding
 
 _MARKS = {"ok": "✓", "care": "!", "bad": "✗"}
 

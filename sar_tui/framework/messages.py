@@ -329,7 +329,7 @@ class AttemptEnded(Message, frozen=True, kw_only=True):
 
 
 class LevelChanged(Message, frozen=True, kw_only=True):
-    """The difficulty for the next attempt. ``reason``: ``success``, ``failure``, ``operator``, ``mark`` (of a trial)."""
+    """The difficulty for the next attempt. ``reason``: ``success``, ``failure``, ``operator``, ``mark`` (of one)."""
 
     previous: int
     level: int

@@ -177,7 +177,7 @@ class Field(msgspec.Struct, frozen=True):
             return ", ".join(self.choices)
         if self.ge is not None and self.le is not None:
             return f"{self.ge:g} to {self.le:g}" if self.le < 1e5 else f"{self.ge:g} or more"
-        return {"bool": "yes or no", "list": f"{self.items}, a space between"}.get(self.kind, "")
+        return {"bool": "yes or no", "list": f"{self.items}, spaced"}.get(self.kind, "")
 
     def problem(self, value: object) -> str:
         """Why ``value`` cannot be, in one sentence."""
@@ -248,7 +248,7 @@ def show(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):
-        return " ".join(map(str, value))
+        return " ".join(map(show, value))
     if isinstance(value, float) and value.is_integer():
         return str(int(value))
     return str(value)

@@ -57,7 +57,8 @@ class Quality(msgspec.Struct, frozen=True):
     """Something about *how* a trial was done (knowledge of performance), kept in its details.
 
     Args:
-        field: the field of ``Details``; its mean over an attempt's correct trials is compared.
+        field: the field of ``Details``; its mean over an attempt's correct trials is compared, from one attempt to the
+            next at whatever level, so it should not depend on that.
         better: which way is better.
         improved: what is said of one that is better than before: "smoother".
         aim: what is asked for otherwise: "as smoothly as you can".

@@ -88,6 +88,16 @@ class ImuFeed:
         return self.source.info
 
     @property
+    def is_attached(self) -> bool:
+        """Whether there is a sensor, as far as has been drained."""
+        return self._attached
+
+    @property
+    def is_stalled(self) -> bool:
+        """Whether there is one from which nothing comes."""
+        return self._stalled
+
+    @property
     def rate_hz(self) -> float:
         """Good samples a second over the last two seconds of draining; 0 where there is no telling yet."""
         if len(self._counts) < 2:

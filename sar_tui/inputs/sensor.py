@@ -49,8 +49,9 @@ class Imu(Node):
             return
         if self.feed.is_running:
             self.feed.drain()
-            if self.feed.info:
-                self._tell(Status(state="attached", at=self.bus.clock.now()))
+            for state, holds in (("attached", self.feed.is_attached), ("stalled", self.feed.is_stalled)):
+                if holds:
+                    self._tell(Status(state=state, at=self.bus.clock.now()))  # type: ignore[arg-type]
         else:
             self.feed.start()
         self._drain()

@@ -17,6 +17,7 @@ Measured = dict[str, str | int | float | bool | None]
 NS = 1e9
 EARLY_NS = 500_000_000
 """A reach may have begun this much before the participant said so."""
+_TIMES = {"reach_time_ms", "out_ms", "back_ms", "dwell_ms", "turn_after_ms"}
 FEWEST = 10
 """From fewer samples nothing can be told."""
 
@@ -45,8 +46,8 @@ class Window(msgspec.Struct, frozen=True, kw_only=True):
 class Finding(msgspec.Struct, frozen=True, kw_only=True):
     """What was found, by the detector that scores. Without ``onset_ns`` there was no reach.
 
-    ``invalid``: why nothing can be said: ``samples`` (too few came), ``gap`` (too many are missing in the reach),
-    ``rate`` (too few a second); empty where something can.
+    ``invalid``: why nothing can be said: ``samples`` (too few came), ``gap`` (too many are missing in the reach, and
+    not for its speed), ``rate`` (too few a second); empty where something can.
     """
 
     onset_ns: int | None = None
@@ -60,8 +61,8 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
 def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) -> Finding:
     """Find the one reach of a window, by both detectors, and measure it.
 
-    Where there are several, the largest is meant, and ``several`` is flagged. A peak that the sensor could not
-    measure is None.
+    Where there are several, the largest is meant, and ``several`` is flagged. What the sensor could not measure is
+    None.
 
     Args:
         samples: dtype SAMPLE, at least those of the window.
@@ -105,22 +106,22 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         end_ns=_stamp(reach.end_s, window),
         details=known | measures(reach),
         flags=flags,
-        invalid="gap" if "gap" in flags else "",
+        invalid="gap" if "gap" in flags and "saturated" not in flags else "",
     )
 
 
 def measures(reach: Reach) -> Measured:
-    """A reach as flat fields, times in ms. The peaks of a sensor that was beyond its range are None."""
-    saturated = "saturated" in reach.flags
-    return {
+    """A reach as flat fields, times in ms. Of a sensor that was beyond its range only the times can be believed."""
+    measured: Measured = {
         "reach_time_ms": round(reach.reach_time_s * 1000, 3),
         "out_ms": round(reach.out_s * 1000, 3),
         "back_ms": round(reach.back_s * 1000, 3),
         "dwell_ms": round(reach.dwell_s * 1000, 3),
         "turn_after_ms": round((reach.turn_s - reach.onset_s) * 1000, 3),
-        "peak_extension_rad_s": None if saturated else reach.peak_extension_rad_s,
-        "peak_return_rad_s": None if saturated else reach.peak_return_rad_s,
-        "time_to_peak_ms": None if saturated else round(reach.time_to_peak_s * 1000, 3),
+        "peak_extension_rad_s": reach.peak_extension_rad_s,
+        "peak_return_rad_s": reach.peak_return_rad_s,
+        "time_to_peak_ms": round(reach.time_to_peak_s * 1000, 3),
+        "time_to_peak_share": round(reach.time_to_peak_s / reach.out_s, 4) if reach.out_s else None,
         "movement_units_out": reach.movement_units_out,
         "movement_units_back": reach.movement_units_back,
         "movement_units": reach.movement_units_out + reach.movement_units_back,
@@ -131,6 +132,9 @@ def measures(reach: Reach) -> Measured:
         "ldlj_back": reach.ldlj_back,
         "tremor_index": reach.tremor_index,
     }
+    if "saturated" in reach.flags:
+        measured |= dict.fromkeys(measured.keys() - _TIMES)
+    return measured
 
 
 def _largest(reaches: tuple[Reach, ...]) -> Reach | None:

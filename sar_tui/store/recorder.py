@@ -175,6 +175,8 @@ def _rows(session: str, run: int, records: list[Record]) -> Rows:
         rows["events"].append((session, record.seq, run, record.at, record.topic.name, _text(record.message)))
         match record.message:
             case m.TrialEnded() as t:
+                here = (session, t.attempt, t.trial, t.seat)  # marks given before are in the row already
+                rows["marks"] = [mark for mark in rows["marks"] if mark[2:] != here]
                 rows["trials"].append(
                     (session, t.attempt, t.trial, t.seat, run, t.stimulus, t.response, t.correct, t.onset,
                      t.response_at, t.reaction_time_ms, _text(t.timing), _text(t.details))

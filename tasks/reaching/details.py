@@ -35,6 +35,7 @@ class ReachDetails(Details, frozen=True):
     peak_extension_rad_s: Annotated[float | None, msgspec.Meta(description="Fastest turning on the way out.")] = None
     peak_return_rad_s: Annotated[float | None, msgspec.Meta(description="On the way back; negative.")] = None
     time_to_peak_ms: Annotated[float | None, msgspec.Meta(description="From onset to the peak of the way out.")] = None
+    time_to_peak_share: Annotated[float | None, msgspec.Meta(description="The same as a share of the way out.")] = None
     movement_units_out: Annotated[int | None, msgspec.Meta(description="Speed peaks on the way out.")] = None
     movement_units_back: Annotated[int | None, msgspec.Meta(description="Speed peaks on the way back.")] = None
     movement_units: Annotated[int | None, msgspec.Meta(description="Both.")] = None

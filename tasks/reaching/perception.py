@@ -167,7 +167,7 @@ class ReachPerception(TimedNode):
             ReachPerceived(
                 seat=self._prompt.seat,
                 at=at,
-                delay=self.now - at,
+                delay=self.now - last,
                 onset=found.onset_ns,
                 turn=found.turn_ns,
                 end=found.end_ns,

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from textual.widgets import Button
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.sensor_check import SensorCheckScreen
@@ -175,6 +176,7 @@ async def test_escape_leads_back_home_and_the_check_can_be_opened_anew(data: Pat
     participants.save_settings(database, "P01", "reaching", kept)
     database.conn.close()
     async with sit_down(data, catalogue) as chair:
+        chair.app.screen.query_one("#start", Button).active_effect_duration = 0  # it takes no second press meanwhile
         for keys in (("right", "down", "right", "right", "enter"), ("enter",)):
             await chair.press(*keys)
             assert chair.screen_name == "SensorCheckScreen"

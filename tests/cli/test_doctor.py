@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.cli import findings
+from sar_tui.cli import sensor_findings
 from sar_tui.inputs import phidget
 from sar_tui.inputs.imu import Info, Sample, Status
 from tests.cli.conftest import Call, Called
@@ -44,7 +44,7 @@ def plugged(monkeypatch: pytest.MonkeyPatch) -> type[Plugged]:
     monkeypatch.setattr(phidget, "PhidgetSource", Socket)
     monkeypatch.setattr(phidget, "new_channel", lambda: None)
     monkeypatch.setattr(phidget, "usb_denied", lambda: False)
-    monkeypatch.setattr(findings, "_SENSOR_S", 0.001)
+    monkeypatch.setattr(sensor_findings, "_SENSOR_S", 0.001)
     return Socket
 
 
@@ -218,11 +218,11 @@ def test_a_motion_sensor_that_may_not_be_used_is_1_and_says_what_to_write_where(
 def test_who_has_no_sensor_yet_is_told_what_one_needs(
     call: Call, monkeypatch: pytest.MonkeyPatch, system: str, rule: bool, says: str
 ) -> None:
-    monkeypatch.setattr(findings.os, "geteuid", lambda: 1000)
-    monkeypatch.setattr(findings, "_has_udev_rule", lambda: rule)
+    monkeypatch.setattr(sensor_findings.os, "geteuid", lambda: 1000)
+    monkeypatch.setattr(sensor_findings, "_has_udev_rule", lambda: rule)
     if system != "linux":
-        monkeypatch.setattr(findings.sys, "platform", system)
-    found = findings._motion_sensor()
+        monkeypatch.setattr(sensor_findings.sys, "platform", system)
+    found = sensor_findings.motion_sensor()
     assert (found.state, bool(found.mend)) == ("ok", bool(says))
     assert found.mend.startswith(says)
     assert ("No permission is needed" in found.found) == (system == "win32")
@@ -230,9 +230,9 @@ def test_who_has_no_sensor_yet_is_told_what_one_needs(
 
 def test_a_udev_rule_is_known_by_its_vendor(tmp_path: Path) -> None:
     (tmp_path / "50-other.rules").write_text('ATTRS{idVendor}=="1234"')
-    assert not findings._has_udev_rule((tmp_path, tmp_path / "none"))
+    assert not sensor_findings._has_udev_rule((tmp_path, tmp_path / "none"))
     (tmp_path / "99-lab.rules").write_text('SUBSYSTEM=="usb", ATTRS{idVendor}=="06C2", MODE="0666"')
-    assert findings._has_udev_rule((tmp_path,))
+    assert sensor_findings._has_udev_rule((tmp_path,))
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,10 @@ COMMANDS = (
     ["themes"],
     ["graph"],
     ["timing"],
-    ["doctor"], ["detect"], ["reanalyse"], ["validate"],
+    ["doctor"],
+    ["detect"],
+    ["reanalyse"],
+    ["validate"],
 )
 
 

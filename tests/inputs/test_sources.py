@@ -114,7 +114,7 @@ def test_an_option_that_is_none_is_told_with_those_there_are(walk: Path, query: 
         ("recorded", "Say which recording"),
         ("recorded:", "Say which recording"),
         ("recorded:none.csv", "There is no file none.csv"),
-        ("simulated:wild", 'There is no simulated hand "wild". There is: clean, noisy'),
+        ("simulated:wild", 'There is no simulated hand "wild". There is: clean, steady, noisy'),
         ("phidget:first", "phidget:SERIAL"),
         ("telepathy", 'There is no sensor "telepathy". There is: '),
         ("", 'There is no sensor "". There is: '),

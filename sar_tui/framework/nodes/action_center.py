@@ -62,7 +62,7 @@ class ActionCenter(Node):
             return self._word(f"{situation}_figures", correct=str(feedback.correct), trials=str(feedback.trials))
         metric = self._task.metric
         value, goal = metric.show(feedback.metric), metric.show(feedback.goal)
-        before = self._last_at_level(feedback)
+        before = self._last(feedback, feedback.level)
         if before is None or before.metric is None:
             return self._word(f"{feedback.valence}_first", value=value, goal=goal)
         difference = metric.show(abs(feedback.metric - before.metric))
@@ -78,14 +78,14 @@ class ActionCenter(Node):
         )
 
     def _performance(self, feedback: Feedback) -> str:
-        """What was better about *how* it was done than the last time at that level, else what to heed next.
+        """What was better about *how* it was done than the last time, at whatever level; else what to heed next.
 
         Empty where nothing was measured.
         """
         measured = [quality for quality in self._task.qualities if quality.field in feedback.qualities]
         if not measured:
             return ""
-        before = self._last_at_level(feedback)
+        before = self._last(feedback, None)
         changes = [
             (quality.change(feedback.qualities[quality.field], before.qualities[quality.field]), quality)
             for quality in measured
@@ -100,8 +100,9 @@ class ActionCenter(Node):
             return self._word("performance_worsened", aim=worst[1].aim)
         return self._word("performance_same", aim=measured[0].aim)
 
-    def _last_at_level(self, feedback: Feedback) -> AttemptEnded | None:
-        recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level)).attempts
+    def _last(self, feedback: Feedback, level: int | None) -> AttemptEnded | None:
+        """The last attempt before, at a level or at any, that has a result."""
+        recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=level)).attempts
         return next((a for a in reversed(recalled) if a.attempt < feedback.attempt and a.metric is not None), None)
 
     def _word(self, situation: str, **slots: str) -> str:

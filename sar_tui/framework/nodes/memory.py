@@ -12,18 +12,19 @@ class Memory(Node):
 
     def __init__(self) -> None:
         super().__init__()
-        self._attempts: list[AttemptEnded] = []
+        self._attempts: dict[tuple[str, int], AttemptEnded] = {}
 
     @on(ATTEMPT_ENDED)
     def attempt_ended(self, attempt: AttemptEnded) -> None:
-        self._attempts.append(attempt)
+        """An attempt that is scored once more takes its own place."""
+        self._attempts[attempt.seat, attempt.attempt] = attempt
 
     @serves(RECALL)
     def recall(self, request: Recall) -> Attempts:
         return Attempts(
             attempts=tuple(
                 attempt
-                for attempt in self._attempts
+                for attempt in self._attempts.values()
                 if attempt.seat == request.seat and not attempt.practice and request.level in (None, attempt.level)
             )
         )

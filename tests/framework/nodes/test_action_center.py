@@ -20,6 +20,7 @@ from sar_tui.framework.task import Score, Task
 from sar_tui.framework.theme import QUALITATIVE, QUANTITATIVE, Theme, holds_number
 from sar_tui.framework.topics import ATTEMPT_ENDED, FEEDBACK, PROPOSED
 from sar_tui.plugins import Catalogue
+from tests.lifting import Lift
 
 THEMES = ("calm", "high-contrast")
 FORMS = ("qualitative", "quantitative", "both")
@@ -39,6 +40,7 @@ class Done(Message, frozen=True, kw_only=True):
     correct: int = 20
     trials: int = 20
     practice: bool = False
+    qualities: dict[str, float] = {}
 
 
 DONE = Topic("test/done", Done, origin="input")
@@ -60,7 +62,7 @@ class Judge(Node):
         score = Score(done.metric, accuracy, done.correct, done.trials)
         verdict = feedback.judge(score, self.task.metric, self.task.target(done.level), 0.8)
         facts = {"attempt": done.attempt, "level": done.level, "metric": done.metric, "accuracy": accuracy}
-        counts = {"correct": done.correct, "trials": done.trials}
+        counts = {"correct": done.correct, "trials": done.trials, "qualities": done.qualities}
         self.emit(
             ATTEMPT_ENDED,
             AttemptEnded(
@@ -80,8 +82,10 @@ class Judge(Node):
 class Agent:
     """Memory and action center, told of attempts one after the other."""
 
-    def __init__(self, task: type[Task], theme: Theme, form: str = "quantitative", seed: int = 1) -> None:
-        built = task(build(task.Parameters, {"feedback_form": form}))
+    def __init__(
+        self, task: type[Task], theme: Theme, form: str = "quantitative", seed: int = 1, **parameters: object
+    ) -> None:
+        built = task(build(task.Parameters, {"feedback_form": form, **parameters}))
         self.bus = Bus(VirtualClock())
         self.count = 0
         self.said: list[Proposal] = []
@@ -89,9 +93,17 @@ class Agent:
             node.attach(self.bus)
         self.bus.subscribe(PROPOSED, self.said.append)
 
-    def hears_of(self, metric: float | None, level: int = 1, correct: int = 20, practice: bool = False) -> str:
+    def hears_of(
+        self,
+        metric: float | None,
+        level: int = 1,
+        correct: int = 20,
+        practice: bool = False,
+        **qualities: float,
+    ) -> str:
         self.count += 1
-        self.bus.publish(DONE, Done(attempt=self.count, level=level, metric=metric, correct=correct, practice=practice))
+        told = {"level": level, "metric": metric, "correct": correct, "practice": practice, "qualities": qualities}
+        self.bus.publish(DONE, Done(attempt=self.count, **told))
         return self.said[-1].text
 
 
@@ -273,3 +285,108 @@ def test_the_face_goes_with_the_valence(agent: Agent) -> None:
         ("neutral", "neutral"),
         ("negative", "encouraging"),
     ]
+
+
+# --- knowledge of performance: how it was done ---------------------------------------------------------------
+
+
+def watcher(theme: Theme, form: str = "both", about: str = "performance", seed: int = 1) -> Agent:
+    """An agent that answers how a weight was lifted: its sway matters in steps of 2, its grip in steps of 5."""
+    return Agent(Lift, theme, form, seed, about=about)
+
+
+def spoken(theme: Theme, situation: str, words: str) -> set[str]:
+    return {wording.format(aim=words, change=words) for wording in theme.phrases[situation]}
+
+
+def ends_with_one_of(said: str, wordings: set[str]) -> bool:
+    return any(said.endswith(wording) for wording in wordings)
+
+
+def test_the_first_time_the_agent_says_what_to_heed(calm: Theme) -> None:
+    said = watcher(calm).hears_of(900, sway=10.0, grip=50.0)
+    assert ends_with_one_of(said, spoken(calm, "performance_first", "with a steady arm"))
+
+
+@pytest.mark.parametrize(
+    ("sway", "grip", "situation", "words"),
+    [
+        (8.0, 50.0, "performance_improved", "steadier"),
+        (8.1, 50.0, "performance_same", "with a steady arm"),
+        (10.0, 55.0, "performance_improved", "firmer"),
+        (12.0, 55.0, "performance_improved", "firmer"),
+        (7.0, 56.0, "performance_improved", "steadier"),
+        (7.0, 60.0, "performance_improved", "firmer"),
+        (12.0, 50.0, "performance_worsened", "with a steady arm"),
+        (10.0, 45.0, "performance_worsened", "with a firm grip"),
+        (12.0, 40.0, "performance_worsened", "with a firm grip"),
+        (11.9, 45.1, "performance_same", "with a steady arm"),
+        (10.0, 50.0, "performance_same", "with a steady arm"),
+    ],
+)
+def test_what_got_better_most_is_told_else_what_got_worse_most(
+    calm: Theme, sway: float, grip: float, situation: str, words: str
+) -> None:
+    agent = watcher(calm)
+    agent.hears_of(900, sway=10.0, grip=50.0)
+    assert ends_with_one_of(agent.hears_of(900, sway=sway, grip=grip), spoken(calm, situation, words))
+
+
+def test_how_it_was_done_is_compared_with_the_last_time_at_that_level(calm: Theme) -> None:
+    agent = watcher(calm)
+    agent.hears_of(900, sway=10.0)
+    first_there = agent.hears_of(900, level=2, sway=30.0)
+    assert ends_with_one_of(first_there, spoken(calm, "performance_first", "with a steady arm"))
+    assert ends_with_one_of(agent.hears_of(900, sway=7.0), spoken(calm, "performance_improved", "steadier"))
+    assert ends_with_one_of(
+        agent.hears_of(900, level=2, sway=40.0), spoken(calm, "performance_worsened", "with a steady arm")
+    )
+
+
+def test_how_practice_was_done_is_not_compared_with(calm: Theme) -> None:
+    agent = watcher(calm)
+    agent.hears_of(900, practice=True, sway=30.0)
+    assert ends_with_one_of(agent.hears_of(900, sway=10.0), spoken(calm, "performance_first", "with a steady arm"))
+
+
+def test_only_what_was_measured_both_times_is_compared(calm: Theme) -> None:
+    agent = watcher(calm)
+    agent.hears_of(900, sway=10.0)
+    said = agent.hears_of(900, sway=10.5, grip=99.0)
+    assert ends_with_one_of(said, spoken(calm, "performance_same", "with a steady arm"))
+    assert ends_with_one_of(agent.hears_of(900, grip=50.0), spoken(calm, "performance_worsened", "with a firm grip"))
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_where_nothing_of_how_was_measured_the_result_is_told(calm: Theme, form: str) -> None:
+    assert watcher(calm, form).hears_of(900) == watcher(calm, form, about="results").hears_of(900)
+
+
+def test_what_is_told_is_what_the_task_asks_for(calm: Theme) -> None:
+    """In figures where the result is told, and none where only the movement is."""
+    said = {about: watcher(calm, "quantitative", about).hears_of(900, sway=1.0) for about in ("results", "both")}
+    how = spoken(calm, "performance_first", "with a steady arm")
+    assert "900 ms" in said["results"]
+    assert not ends_with_one_of(said["results"], how)
+    assert "900 ms" in said["both"]
+    assert ends_with_one_of(said["both"], how)
+    assert watcher(calm, "quantitative").hears_of(900, sway=1.0) in how
+
+
+@pytest.mark.parametrize("about", ["performance", "both"])
+def test_words_on_how_come_after_words_on_how_well(calm: Theme, about: str) -> None:
+    said = watcher(calm, "both", about).hears_of(900, sway=1.0)
+    assert any(said.startswith(wording) for wording in calm.phrases["positive"])
+    assert ends_with_one_of(said, spoken(calm, "performance_first", "with a steady arm"))
+    assert ("900 ms" in said) == (about == "both")
+
+
+@given(st.lists(st.tuples(st.floats(0, 50), st.floats(0, 99)), min_size=1, max_size=10), st.sampled_from(THEMES))
+def test_words_on_how_hold_no_number_and_no_empty_slot(
+    catalogue: Catalogue, lifts: list[tuple[float, float]], theme: str
+) -> None:
+    agent = watcher(catalogue.theme(theme), "qualitative")
+    for sway, grip in lifts:
+        said = agent.hears_of(900, sway=sway, grip=grip)
+        assert not holds_number(said)
+        assert not re.search(r"[{}]", said)

@@ -1,0 +1,170 @@
+"""Reaches at a real pseudo-terminal, hand and sensor simulated in the program itself; also when it is killed."""
+
+import json
+import time
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.parameters import build
+from sar_tui.motion.analysis import Window, analyse
+from sar_tui.plugins import Catalogue
+from sar_tui.simulation.terminal import Terminal
+from sar_tui.store import imu
+from sar_tui.store.database import connect
+from tests.end_to_end.seat import command, only_session, rows, see_the_summary
+
+KILLS = 3
+REACHED = 2200 * MS
+"""So long after the prompt the simulated hand is back."""
+Row = dict[str, Any]
+
+
+def run_command(data: Path, **parameters: object) -> list[str]:
+    settings = [f"--set={name}={value}" for name, value in parameters.items()]
+    place = ["-p", "P01", "--data", str(data), "--seed", "7"]
+    return command("run", "reaching", *place, "--imu", "simulated", *settings)
+
+
+def press(terminal: Terminal, key: str) -> int:
+    """Press a key when the screen has come to rest; returns how much was on it before."""
+    terminal.settle(silence_ms=100, seconds=0.6)
+    seen = len(terminal.output)
+    terminal.press(key)
+    return seen
+
+
+def begin(terminal: Terminal) -> int:
+    """From the start of the program to where the first reach can be started."""
+    terminal.wait_for("Check the sensor")
+    terminal.wait_for("Simulated hand")
+    seen = press(terminal, "enter")
+    terminal.wait_for("Press Enter to go on.", since=seen)
+    return begin_attempt(terminal, press(terminal, "enter"))
+
+
+def begin_attempt(terminal: Terminal, seen: int) -> int:
+    """From where an attempt is offered to where its first reach can be started."""
+    terminal.wait_for("Press Enter to begin", since=seen)
+    return to_start(terminal, press(terminal, "enter"))
+
+
+def to_start(terminal: Terminal, seen: int) -> int:
+    return terminal.wait_for("Press Space to start.", since=seen)
+
+
+def start(terminal: Terminal) -> int:
+    """Start the reach that waits; returns how much was on the screen when the prompt was."""
+    return terminal.wait_for("Reach: ", since=press(terminal, "space"))
+
+
+def rest(terminal: Terminal, duration: int) -> None:
+    """Let time pass, and read meanwhile."""
+    until = time.monotonic_ns() + duration
+    while time.monotonic_ns() < until and not terminal.ended:
+        terminal.read(until)
+
+
+def reach(terminal: Terminal) -> int:
+    """Space, out and back by itself, space; returns how much was on the screen before it was over."""
+    rest(terminal, 300 * MS)
+    seen = start(terminal)
+    rest(terminal, REACHED)
+    terminal.press("space")
+    return seen
+
+
+def trials(data: Path) -> list[Row]:
+    """What is kept of each reach."""
+    names = ("attempt", "trial", "run", "correct", "onset_ns", "response_ns", "reaction_time_ms", "details")
+    query = f"SELECT {', '.join(names)} FROM trials ORDER BY attempt, trial"
+    found = [dict(zip(names, row, strict=True)) for row in rows(data, query)]
+    return [row | {"details": json.loads(row["details"])} for row in found]
+
+
+def analysed_again(data: Path, trial: Row) -> Any:
+    """A reach, analysed from the samples that were kept, in the window that its row names."""
+    kind = Catalogue().task("reaching")
+    task: Any = kind(build(kind.Parameters, {}))
+    details = trial["details"]
+    window = Window(
+        from_ns=details["window_from_ns"], started_ns=details["window_started_ns"], to_ns=details["window_to_ns"]
+    )
+    database = connect(data)
+    with closing(database.conn):
+        measured = imu.samples(database, only_session(data), window.from_ns, window.to_ns, trial["run"])
+    return analyse(measured, window, task.analysis())
+
+
+def check_reaches(data: Path) -> None:
+    """Every row is what its samples say."""
+    for trial in trials(data):
+        found = analysed_again(data, trial)
+        assert found.details.items() <= trial["details"].items()
+        assert found.details["samples"] > 500
+        if trial["correct"]:
+            assert (found.onset_ns, found.end_ns) == (trial["onset_ns"], trial["response_ns"])
+            assert 500 < trial["details"]["reach_time_ms"] < 3000
+
+
+def test_reaches_and_their_samples_are_in_the_database_and_say_the_same(data: Path) -> None:
+    with Terminal(run_command(data, attempts=2)) as terminal:
+        begin(terminal)
+        begin_attempt(terminal, reach(terminal))
+        reach(terminal)
+        see_the_summary(terminal)
+        terminal.press("enter")
+        assert terminal.wait() == 0
+
+    assert rows(data, "SELECT status FROM sessions") == [("completed",)]
+    assert [(trial["attempt"], trial["trial"]) for trial in trials(data)] == [(1, 1), (2, 1)]
+    assert {trial["reaction_time_ms"] for trial in trials(data)} == {None}
+    assert any(trial["correct"] for trial in trials(data)), "a simulated hand hardly ever stays where it is"
+    check_reaches(data)
+    ((stream, run, source, rate),) = rows(data, "SELECT stream, run, source, rate_hz FROM imu_streams")
+    assert (stream, run, source, rate) == (1, 1, "simulated", 250.0)
+    (seqs,) = rows(data, "SELECT min(seq), max(seq), count(*) FROM imu_chunks")
+    assert seqs[0] == 1
+    assert seqs[1] == seqs[2]
+
+
+def test_a_kill_in_mid_reach_loses_a_moment_of_samples_and_the_session_goes_on(data: Path) -> None:
+    lost = []
+    for kill in range(KILLS):
+        words = (
+            run_command(data, attempts=1) if kill == 0 else command("resume", only_session(data), "--data", str(data))
+        )
+        with Terminal(words) as terminal:
+            if kill == 0:
+                begin(terminal)
+            else:
+                terminal.wait_for("Welcome back")
+                to_start(terminal, press(terminal, "enter"))
+            start(terminal)
+            rest(terminal, round((0.3 + 1.2 * Chance("kill", kill).uniform("moment")) * SECOND))
+            killed = time.monotonic_ns()
+            terminal.kill()
+            terminal.wait()
+        assert rows(data, "PRAGMA integrity_check") == [("ok",)]
+        assert rows(data, "SELECT count(*) FROM trials") == [(0,)], "it was in mid-reach"
+        ((measured, came),) = rows(data, "SELECT t1_ns, at_ns FROM imu_chunks ORDER BY stream DESC, seq DESC LIMIT 1")
+        lost.append(max(killed - measured, killed - came) / MS)
+    assert sorted(lost)[KILLS // 2] <= 250, f"{lost} ms; of three, one may have met a machine that stood still"
+
+    with Terminal(command("resume", only_session(data), "--data", str(data))) as terminal:
+        terminal.wait_for("Welcome back")
+        to_start(terminal, press(terminal, "enter"))
+        reach(terminal)
+        see_the_summary(terminal)
+        terminal.press("enter")
+        assert terminal.wait() == 0
+
+    assert rows(data, "SELECT status FROM sessions") == [("completed",)]
+    assert [(trial["attempt"], trial["trial"], trial["run"]) for trial in trials(data)] == [(1, 1, KILLS + 1)]
+    check_reaches(data)
+    streams = rows(data, "SELECT stream, run FROM imu_streams ORDER BY stream")
+    assert streams == [(run, run) for run in range(1, KILLS + 2)]
+    seqs = [seq for (seq,) in rows(data, "SELECT seq FROM events ORDER BY seq")]
+    assert seqs == list(range(1, len(seqs) + 1))

@@ -1,0 +1,242 @@
+"""Given a sensor on somebody's arm, when it comes loose and back, then the session waits, and goes on by itself."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from sar_tui.framework.messages import SensorChanged, SensorState
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import PROMPT, SENSOR, SESSION_ENDED, TRIAL, VOIDED, WAITING
+from tests.lifting import Bench, Lift, SensedLift
+
+Sit = Callable[..., Bench]
+
+
+@pytest.fixture
+def sit(calm: Theme) -> Sit:
+    """Sit down to two attempts of two lifts each, with a sensor that nothing is known of yet."""
+
+    def at(task: type[Lift] = SensedLift, **settings: Any) -> Bench:
+        return Bench(task, calm, **{"attempts": 2, **settings})
+
+    return at
+
+
+@pytest.fixture
+def lifting(sit: Sit) -> Bench:
+    """Ready to start the first lift, the sensor in place."""
+    desk = sit()
+    sensor(desk, "attached")
+    desk.begin_lifts()
+    return desk
+
+
+def sensor(desk: Bench, state: SensorState, detail: str = "") -> None:
+    desk.session.bus.publish(SENSOR, SensorChanged(state=state, at=desk.clock.now(), detail=detail))
+
+
+def stands(desk: Bench) -> tuple[str, str, str]:
+    return desk.waiting.what, desk.waiting.stage, desk.waiting.reason
+
+
+LOST = ("sensor", "paused", "sensor")
+AT_START = ("start", "trial", "")
+
+
+def test_the_instructions_can_be_read_while_the_sensor_is_sought_and_no_longer(sit: Sit) -> None:
+    desk = sit()
+    assert stands(desk) == ("enter", "instructions", "")
+    desk.enter()
+    assert stands(desk) == LOST
+    desk.press("enter")
+    desk.wait(60_000)
+    assert stands(desk) == LOST
+    sensor(desk, "attached")
+    assert stands(desk) == ("enter", "attempt", "")
+
+
+def test_a_sensor_that_is_there_is_never_spoken_of(lifting: Bench) -> None:
+    lifting.lift()
+    assert all(waiting.reason != "sensor" for waiting in lifting.all(WAITING))
+
+
+def test_a_task_without_sensors_does_not_care(sit: Sit) -> None:
+    desk = sit(Lift)
+    desk.begin_lifts()
+    sensor(desk, "detached")
+    assert stands(desk) == AT_START
+    desk.operate("pause")
+    desk.operate("resume")
+    assert stands(desk) == AT_START
+
+
+@pytest.mark.parametrize(("loss", "cure"), [("detached", "attached"), ("stalled", "flowing"), ("ended", "attached")])
+def test_a_sensor_from_which_nothing_comes_stops_a_trial_which_is_started_again(
+    lifting: Bench, loss: SensorState, cure: SensorState
+) -> None:
+    lifting.press("space")
+    lifting.to_prompt()
+    lifting.press("k")
+    sensor(lifting, loss, "It is loose.")
+    assert stands(lifting) == LOST
+    assert lifting.waiting.detail == "It is loose."
+    assert (lifting.last(VOIDED).trial, lifting.last(VOIDED).reason) == (1, "sensor")
+    lifting.wait(60_000)
+    lifting.press("enter")
+    lifting.press("space")
+    assert stands(lifting) == LOST
+    sensor(lifting, cure)
+    assert stands(lifting) == AT_START
+    assert lifting.waiting.detail == ""
+    lifting.wait(1000)
+    lifting.lift()
+    assert [(trial.trial, trial.correct) for trial in lifting.all(TRIAL)] == [(1, True)]
+    assert lifting.last(TRIAL).timing.presentation == 2
+
+
+def test_what_it_is_that_stands_in_the_way_is_told_anew_when_it_is_something_else(lifting: Bench) -> None:
+    sensor(lifting, "stalled", "Nothing comes.")
+    sensor(lifting, "error", "The cable is broken.")
+    assert (stands(lifting), lifting.waiting.detail) == (LOST, "The cable is broken.")
+
+
+@pytest.mark.parametrize("state", ["gap", "saturated", "error"])
+def test_a_sensor_that_errs_and_goes_on_stops_nothing(lifting: Bench, state: SensorState) -> None:
+    lifting.press("space")
+    lifting.to_prompt()
+    said = len(lifting.all(WAITING))
+    sensor(lifting, state, "something")
+    assert len(lifting.all(WAITING)) == said
+    assert lifting.all(VOIDED) == []
+
+
+def test_between_attempts_too_the_session_waits_for_the_sensor(lifting: Bench) -> None:
+    lifting.lift()
+    lifting.lift()
+    sensor(lifting, "detached")
+    assert stands(lifting) == LOST
+    lifting.press("enter")
+    assert stands(lifting) == LOST
+    sensor(lifting, "attached")
+    assert (stands(lifting), lifting.waiting.attempt) == (("enter", "attempt", ""), 2)
+    assert lifting.all(VOIDED) == []
+
+
+def test_once_all_is_done_the_sensor_may_be_taken_off(sit: Sit) -> None:
+    desk = sit(attempts=1, lifts=1)
+    sensor(desk, "attached")
+    desk.begin_lifts()
+    desk.lift()
+    sensor(desk, "detached")
+    assert stands(desk) == ("enter", "review", "")
+    desk.operate("pause")
+    desk.operate("resume")
+    assert stands(desk) == ("enter", "review", "")
+    desk.press("enter")
+    assert [ended.status for ended in desk.all(SESSION_ENDED)] == ["completed"]
+
+
+def test_a_sensor_lost_in_the_instructions_is_asked_for_after_them(sit: Sit) -> None:
+    desk = sit()
+    sensor(desk, "attached")
+    sensor(desk, "detached", "Gone.")
+    assert stands(desk) == ("enter", "instructions", "")
+    desk.enter()
+    assert (stands(desk), desk.waiting.detail) == (LOST, "Gone.")
+
+
+def test_a_pause_that_a_person_made_is_theirs_to_end_whatever_the_sensor_does(lifting: Bench) -> None:
+    lifting.operate("pause", reason="tired")
+    paused = stands(lifting)
+    sensor(lifting, "detached")
+    assert stands(lifting) == paused
+    sensor(lifting, "attached")
+    assert stands(lifting) == paused
+    lifting.operate("resume")
+    assert stands(lifting) == AT_START
+
+
+def test_a_pause_that_ends_while_the_sensor_is_lost_becomes_one_for_the_sensor(lifting: Bench) -> None:
+    lifting.operate("pause")
+    sensor(lifting, "stalled", "Nothing comes.")
+    lifting.operate("resume")
+    assert (stands(lifting), lifting.waiting.detail) == (LOST, "Nothing comes.")
+    sensor(lifting, "flowing")
+    assert stands(lifting) == AT_START
+    assert [voided.reason for voided in lifting.all(VOIDED)] == ["pause"]
+
+
+def test_a_person_who_pauses_while_the_sensor_is_lost_is_not_hurried_by_its_return(lifting: Bench) -> None:
+    sensor(lifting, "detached")
+    lifting.operate("pause", reason="pain")
+    assert stands(lifting) == ("resume", "paused", "pain")
+    sensor(lifting, "attached")
+    assert stands(lifting) == ("resume", "paused", "pain")
+
+
+def test_a_session_that_waits_for_its_sensor_can_be_ended(lifting: Bench) -> None:
+    sensor(lifting, "detached")
+    lifting.operate("end")
+    assert [ended.status for ended in lifting.all(SESSION_ENDED)] == ["aborted"]
+    sensor(lifting, "attached")
+    assert lifting.waiting.stage == "ended"
+
+
+def test_a_sensor_that_comes_back_to_a_full_disk_starts_nothing(lifting: Bench) -> None:
+    sensor(lifting, "detached")
+    lifting.disk(False)
+    assert lifting.waiting.reason == "storage"
+    sensor(lifting, "attached")
+    assert (lifting.waiting.stage, lifting.waiting.reason) == ("paused", "storage")
+    lifting.disk(True)
+    assert stands(lifting) == ("enter", "paused", "restored")
+    lifting.press("enter")
+    assert stands(lifting) == AT_START
+
+
+def test_a_disk_that_comes_back_before_the_sensor_leaves_the_session_waiting_for_that(lifting: Bench) -> None:
+    sensor(lifting, "detached")
+    lifting.disk(False)
+    sensor(lifting, "stalled")
+    lifting.disk(True)
+    assert stands(lifting) == LOST
+    sensor(lifting, "attached")
+    assert stands(lifting) == AT_START
+
+
+def test_a_sensor_lost_while_the_disk_is_full_is_asked_for_when_it_can_be_written_again(lifting: Bench) -> None:
+    lifting.disk(False)
+    sensor(lifting, "detached")
+    assert lifting.waiting.reason == "storage"
+    lifting.disk(True)
+    assert stands(lifting) == ("enter", "paused", "restored")
+    lifting.press("enter")
+    assert stands(lifting) == LOST
+
+
+@pytest.mark.parametrize("lost", [False, True])
+def test_a_session_that_is_gone_on_with_waits_for_enter_first_and_then_for_its_sensor(
+    lifting: Bench, calm: Theme, lost: bool
+) -> None:
+    lifting.lift()
+    if lost:
+        sensor(lifting, "detached")
+    resumed = Bench(SensedLift, calm, attempts=2, history=lifting.records)
+    assert stands(resumed) == ("enter", "paused", "interrupted")
+    resumed.press("enter")
+    assert stands(resumed) == LOST, "of the sensor of this run nothing is known yet"
+    sensor(resumed, "attached")
+    assert (stands(resumed), resumed.waiting.trial) == (AT_START, 2)
+    assert resumed.all(PROMPT) == []
+
+
+def test_a_sensor_that_is_there_again_before_the_participant_is_keeps_nobody_waiting(
+    lifting: Bench, calm: Theme
+) -> None:
+    sensor(lifting, "detached")
+    resumed = Bench(SensedLift, calm, attempts=2, history=lifting.records)
+    sensor(resumed, "attached")
+    assert stands(resumed) == ("enter", "paused", "interrupted")
+    resumed.press("enter")
+    assert stands(resumed) == AT_START

@@ -1,0 +1,218 @@
+"""Given a motion sensor's feed, when it is on the bus, then its samples and what befalls it come in their order."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sar_tui.framework.bus import Bus, Record
+from sar_tui.framework.clock import MS, VirtualClock
+from sar_tui.framework.messages import ImuBlock, SensorChanged
+from sar_tui.framework.topics import IMU, SENSOR
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu import Info, Sample, Status
+from sar_tui.inputs.sensor import DRAIN, Imu
+from sar_tui.motion.samples import unpack
+from tests.inputs.test_feed import INFO, ByHand
+
+
+class Bench:
+    """A sensor that sends what it is told to, and a bus that listens."""
+
+    def __init__(self, *, looked_at: bool = False) -> None:
+        self.clock = VirtualClock(1000 * MS)
+        self.source = ByHand()
+        self.feed = ImuFeed(self.source, self.clock.now)
+        self.bus = Bus(self.clock)
+        self.records: list[Record] = []
+        self.bus.tap(self.records.extend)
+        if looked_at:
+            self.feed.start()
+            self.tell("attached")
+        self.node = Imu(self.feed)
+
+    def begin(self) -> None:
+        """The session begins."""
+        self.node.attach(self.bus)
+        self.wait(0)
+
+    def tell(self, state: Any, info: Info = INFO, **facts: Any) -> None:
+        if state == "attached":
+            self.source.info = info
+        elif state == "detached":
+            self.source.info = None
+        self.source.on_status(Status(state=state, at=self.clock.now(), **facts))
+
+    def send(self, *device_ms: float) -> None:
+        for stamp in device_ms:
+            self.source.sink(Sample(self.clock.now(), stamp, (0.0, 0.0, 9.8), (0.1, 0.2, 0.3)))
+
+    def wait(self, ms: float) -> None:
+        self.clock.advance(round(ms * MS))
+
+    @property
+    def heard(self) -> list[str | list[float]]:
+        """In their order: what was told of the sensor, and the sensor's own stamps of each block."""
+        return [
+            unpack(message.samples)["device_ms"].tolist() if isinstance(message, ImuBlock) else message.state
+            for record in self.records
+            if isinstance(message := record.message, ImuBlock | SensorChanged)
+        ]
+
+
+@pytest.fixture
+def bench() -> Bench:
+    made = Bench()
+    made.begin()
+    made.tell("attached")
+    made.wait(10)
+    return made
+
+
+def test_a_sensor_is_started_when_the_session_begins_and_not_before() -> None:
+    bench = Bench()
+    assert not bench.feed.is_running
+    bench.node.attach(bench.bus)
+    assert not bench.feed.is_running, "the session has not begun; nobody would hear of it"
+    bench.wait(0)
+    assert bench.feed.is_running
+
+
+def test_all_that_came_is_one_block_every_ten_milliseconds(bench: Bench) -> None:
+    assert DRAIN == 10 * MS
+    bench.send(0, 4)
+    bench.wait(9)
+    assert bench.heard == ["attached"]
+    bench.send(8)
+    bench.wait(1)
+    assert bench.heard == ["attached", [0, 4, 8]]
+    bench.wait(10)
+    assert bench.heard == ["attached", [0, 4, 8]], "nothing came, so nothing is told"
+    bench.send(12)
+    bench.wait(10)
+    assert bench.heard[2:] == [[12]]
+
+
+def test_a_block_holds_the_samples_as_the_feed_made_them(bench: Bench) -> None:
+    bench.send(0)
+    bench.wait(10)
+    (message,) = [record.message for record in bench.records if record.topic is IMU]
+    (sample,) = unpack(message.samples)
+    assert (sample["at"], sample["host"], sample["device_ms"]) == (1010 * MS, 1010 * MS, 0.0)
+    assert np.allclose(sample["rate"], [0.1, 0.2, 0.3])
+    assert np.isnan(sample["field"]).all()
+
+
+def test_an_attached_sensor_says_what_it_is(bench: Bench) -> None:
+    (told,) = [record.message for record in bench.records if record.topic is SENSOR]
+    assert told == SensorChanged(
+        state="attached",
+        at=1000 * MS,
+        source="test",
+        model="By hand",
+        rate_hz=250.0,
+        rate_range_rad_s=5.0,
+        acceleration_range_m_s2=80.0,
+    )
+
+
+def test_what_else_befalls_it_is_told_in_its_own_words(bench: Bench) -> None:
+    bench.tell("error", detail="The cable is broken.")
+    bench.wait(10)
+    assert bench.records[-1].message == SensorChanged(state="error", at=1010 * MS, detail="The cable is broken.")
+
+
+def test_a_sensor_is_attached_before_its_samples_and_they_come_before_what_goes_wrong_after_them() -> None:
+    bench = Bench()
+    bench.begin()
+    bench.tell("attached")
+    bench.send(0, 4)
+    bench.tell("detached")
+    bench.wait(10)
+    assert bench.heard == ["attached", [0, 4], "detached"]
+
+
+def test_a_gap_is_told_after_the_samples_that_it_lies_between(bench: Bench) -> None:
+    bench.send(0, 4, 40)
+    bench.wait(10)
+    assert bench.heard == ["attached", [0, 4, 40], "gap"]
+    gap = bench.records[-1].message
+    assert isinstance(gap, SensorChanged)
+    assert (gap.count, gap.duration_ms) == (8, 36.0)
+
+
+def test_a_sensor_that_falls_silent_and_speaks_again_is_told_of_before_its_samples(bench: Bench) -> None:
+    bench.send(0)
+    bench.wait(600)
+    assert bench.heard[-1] == "stalled"
+    bench.send(604)
+    bench.wait(10)
+    assert bench.heard[3:] == ["flowing", [604], "gap"]
+
+
+def test_a_detached_node_is_silent_and_lets_go_of_the_sensor(bench: Bench) -> None:
+    bench.node.detach()
+    assert (bench.source.stopped, bench.feed.is_running) == (1, False)
+    bench.send(0)
+    bench.wait(1000)
+    assert bench.heard == ["attached"]
+    bench.node.detach()
+    assert not bench.feed.is_running
+
+
+def test_a_session_that_ends_before_it_has_begun_starts_no_sensor() -> None:
+    bench = Bench()
+    bench.node.attach(bench.bus)
+    bench.node.detach()
+    bench.wait(1000)
+    assert not bench.feed.is_running
+    assert bench.records == []
+
+
+# --- a sensor that has been looked at before -----------------------------------------------------------------------
+
+
+def test_a_sensor_that_runs_already_is_taken_over_without_being_started_anew() -> None:
+    bench = Bench(looked_at=True)
+    bench.send(0, 4)
+    received = bench.feed.drain().samples
+    assert len(received) == 2
+    bench.begin()
+    assert bench.feed.received == 2, "its counts go on"
+    assert bench.heard == ["attached"]
+    told = bench.records[0].message
+    assert isinstance(told, SensorChanged)
+    assert (told.model, told.rate_hz, told.at) == ("By hand", 250.0, bench.clock.now())
+    bench.send(8)
+    bench.wait(10)
+    assert bench.heard == ["attached", [8]]
+
+
+def test_what_it_sent_before_the_session_is_no_part_of_it() -> None:
+    bench = Bench(looked_at=True)
+    bench.send(0, 4)
+    bench.begin()
+    bench.send(8)
+    bench.wait(10)
+    assert bench.heard == ["attached", [8]]
+
+
+def test_a_sensor_that_is_sought_still_is_told_of_when_it_is_found() -> None:
+    bench = Bench()
+    bench.feed.start()
+    bench.begin()
+    assert bench.heard == []
+    bench.tell("attached")
+    bench.send(0)
+    bench.wait(10)
+    assert bench.heard == ["attached", [0]]
+
+
+def test_a_sensor_that_came_loose_while_it_was_looked_at_is_not_called_attached() -> None:
+    bench = Bench(looked_at=True)
+    bench.tell("detached")
+    bench.begin()
+    assert bench.heard == []
+    bench.tell("attached")
+    bench.wait(10)
+    assert bench.heard == ["attached"]

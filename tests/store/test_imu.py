@@ -1,0 +1,333 @@
+"""Given a sensor's samples among a session's messages, when they are kept, then each is there, in its place, whole."""
+
+import json
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sar_tui.framework.bus import Record
+from sar_tui.framework.clock import MS, VirtualClock
+from sar_tui.framework.messages import ImuBlock, KeyPressed, SensorChanged
+from sar_tui.framework.session import Session
+from sar_tui.framework.topics import IMU, KEY, REACH, SENSOR, STORAGE, TRIAL
+from sar_tui.motion.samples import SAMPLE, Samples, pack, unpack
+from sar_tui.store import imu, sessions
+from sar_tui.store.database import StoreError, connect
+from sar_tui.store.recorder import Recorder
+from tests.tasks.reaching.table import Table, merged
+
+NAMES = ("session", "stream", "seq", "n", "t0_ns", "t1_ns", "before_event", "at_ns", "crc32", "data")
+
+
+# --- from messages to rows ------------------------------------------------------------------------------------
+
+
+def block(before: int, *stamps: int, at: int = 0) -> Record:
+    """Samples that passed before the message of that number."""
+    samples = np.zeros(len(stamps), SAMPLE)
+    samples["at"] = stamps
+    return Record(before, at or stamps[-1], IMU, ImuBlock(samples=pack(samples)))
+
+
+def key(seq: int) -> Record:
+    return Record(seq, seq, KEY, KeyPressed(key="x", at=seq))
+
+
+def attached(seq: int, **facts: Any) -> Record:
+    return Record(seq, seq, SENSOR, SensorChanged(state="attached", at=seq, **facts))
+
+
+def chunks(*records: Record, streams: imu.Streams | None = None) -> list[dict[str, Any]]:
+    rows = (streams or imu.Streams("s", 1)).rows(records)[1]
+    return [dict(zip(NAMES, row, strict=True)) for row in rows]
+
+
+def test_samples_that_nothing_lies_between_are_one_chunk() -> None:
+    (chunk,) = chunks(attached(1), block(2, 10, 20), block(2, 30, at=35), key(2))
+    assert (chunk["n"], chunk["t0_ns"], chunk["t1_ns"]) == (3, 10, 30)
+    assert (chunk["before_event"], chunk["at_ns"]) == (2, 35)
+    assert unpack(chunk["data"])["at"].tolist() == [10, 20, 30]
+    assert chunk["crc32"] == zlib.crc32(chunk["data"])
+
+
+def test_a_message_between_samples_divides_them() -> None:
+    first, second = chunks(attached(1), block(2, 10), key(2), block(3, 20), block(3, 30))
+    assert [(c["stream"], c["seq"], c["before_event"], c["n"]) for c in (first, second)] == [(1, 1, 2, 1), (1, 2, 3, 2)]
+
+
+def test_samples_that_a_message_followed_from_come_before_it() -> None:
+    """A block is an input: what is derived of it has its number."""
+    first, second = chunks(attached(1), block(2, 10), block(2, 20), key(2), key(3), block(4, 30))
+    assert [(c["before_event"], c["t1_ns"]) for c in (first, second)] == [(2, 20), (4, 30)]
+
+
+def test_each_time_a_sensor_is_attached_a_stream_begins_and_its_chunks_are_counted_anew() -> None:
+    facts = {"source": "test", "model": "By hand", "serial": "7", "rate_hz": 250.0, "rate_range_rad_s": 5.0}
+    records = [attached(1), block(2, 10), key(2), block(3, 20), attached(3, **facts), block(4, 30)]
+    streams, rows, _ = imu.Streams("s", 4).rows(records)
+    assert [(row[1], row[2]) for row in rows] == [(1, 1), (1, 2), (2, 1)]
+    assert [row[:4] for row in streams] == [("s", 1, "A", 4), ("s", 2, "A", 4)]
+    assert streams[1][4:] == ("test", "By hand", "7", 250.0, 5.0, 0.0, imu.LAYOUT, 3)
+
+
+@pytest.mark.parametrize("state", ["detached", "gap", "saturated", "stalled", "flowing", "error", "ended"])
+def test_nothing_else_that_befalls_a_sensor_begins_a_stream(state: Any) -> None:
+    other = Record(3, 3, SENSOR, SensorChanged(state=state, at=3))
+    streams, rows, _ = imu.Streams("s", 1).rows([attached(1), block(2, 10), key(2), other, block(4, 20)])
+    assert (len(streams), [(row[1], row[2]) for row in rows]) == (1, [(1, 1), (1, 2)])
+
+
+def test_counting_goes_on_from_batch_to_batch_and_only_once_a_batch_is_kept() -> None:
+    streams = imu.Streams("s", 1)
+    batch = [attached(1), block(2, 10)]
+    first, again = streams.rows(batch), streams.rows(batch)
+    assert first[:2] == again[:2], "a batch that was refused is made once more as it was"
+    (next_chunk,) = chunks(block(2, 20), streams=first[2])
+    assert (next_chunk["stream"], next_chunk["seq"]) == (1, 2)
+
+
+def test_the_layout_says_how_to_read_the_bytes_without_this_program() -> None:
+    layout = [(name, kind, tuple(*shape)) for name, kind, *shape in json.loads(imu.LAYOUT)]
+    assert np.dtype(layout) == SAMPLE
+
+
+# --- a session in the database ---------------------------------------------------------------------------------
+
+
+class Kept:
+    """A table whose session is recorded: inline, or by a thread that a test runs by hand."""
+
+    def __init__(self, data: Path, *, inline: bool = True, of: "Kept | None" = None, **parameters: Any) -> None:
+        self.data = data
+        self.database = connect(data)
+        history = None
+        if of is None:
+            self.id = sessions.new_id()
+            made = {"task": "reaching", "theme": "calm", "participant": "P01", "seed": 1, "mode": "live"}
+            sessions.create(self.database, self.id, parameters={}, software={}, machine={}, **made)  # type: ignore[arg-type]
+        else:
+            self.id = of.id
+            history = list(sessions.history(self.database, self.id))
+        run = sessions.begin_run(self.database, self.id, software={}, machine={})
+        self.table = Table(begin=False, history=history, **parameters)
+        self.table.screen.stores = False
+        self.recorder = Recorder(self.database, self.id, run, self.table.session.bus, inline=inline)
+        self.table.session.begin(run)
+        self.eyes = connect(data)
+
+    def do(self, reaches: int) -> "Kept":
+        """From the instructions through so many reaches, one an attempt."""
+        self.table.sit_down(rest_ms=2000)
+        self.table.reach()
+        for _ in range(reaches - 1):
+            self.table.wait(300)
+            self.table.begin()
+            self.table.reach()
+        return self
+
+    def write(self) -> None:
+        """A turn of the recorder's thread; what it tells is heard."""
+        self.recorder.try_write()
+        self.table.wait(0)
+
+    @property
+    def history(self) -> list[Record]:
+        return list(sessions.history(self.eyes, self.id))
+
+    def chunks(self) -> list[dict[str, Any]]:
+        return list(self.eyes.query("SELECT * FROM imu_chunks WHERE session=? ORDER BY stream, seq", [self.id]))
+
+    def samples(self, from_ns: int = 0, to_ns: int = 2**62, run: int | None = None) -> Samples:
+        return imu.samples(self.eyes, self.id, from_ns, to_ns, run)
+
+
+def test_every_sample_of_a_session_is_kept_as_it_was_measured(data: Path) -> None:
+    kept = Kept(data).do(2)
+    kept.recorder.write()
+    assert len(kept.table.samples) > 1500
+    assert kept.samples().tobytes() == kept.table.samples.tobytes()
+    (stream,) = sessions.rows(kept.eyes, "imu_streams", kept.id)
+    assert (stream["stream"], stream["run"], stream["source"], stream["rate_hz"]) == (1, 1, "simulated", 250.0)
+    assert [chunk["seq"] for chunk in kept.chunks()] == list(range(1, len(kept.chunks()) + 1))
+    assert sum(chunk["n"] for chunk in kept.chunks()) == len(kept.table.samples)
+
+
+def test_the_history_holds_messages_and_samples_in_the_order_in_which_they_passed(data: Path) -> None:
+    kept = Kept(data).do(2)
+    kept.recorder.write()
+    assert merged(kept.history) == merged(kept.table.records)
+    assert len(kept.chunks()) < len([r for r in kept.table.records if r.topic is IMU]) / 4, "few rows, not one a block"
+
+
+def test_a_trial_is_not_acknowledged_before_the_samples_it_was_made_of_are_there(data: Path) -> None:
+    kept = Kept(data).do(1)
+    details = kept.table.last(TRIAL).details
+    inside = kept.samples(int(details["window_from_ns"] or 0), int(details["window_to_ns"] or 0))
+    assert len(inside) == details["samples"]
+
+
+def test_samples_are_found_by_when_they_were_measured(data: Path) -> None:
+    kept = Kept(data).do(1)
+    kept.recorder.write()
+    stamps = kept.table.samples["at"]
+    for first, last in [(0, 1), (100, 100), (249, 900), (0, len(stamps) - 1)]:
+        found = kept.samples(int(stamps[first]), int(stamps[last]))
+        assert found["at"].tolist() == stamps[first:last].tolist()
+    assert len(kept.samples(int(stamps[-1]))) == 1
+    assert len(kept.samples(0, int(stamps[0]))) == 0
+    assert len(kept.samples(run=2)) == 0
+    assert len(imu.samples(kept.eyes, "another", 0, 2**62)) == 0
+
+
+@pytest.mark.parametrize("change", ["a byte", "cut short", "another block's"])
+def test_a_damaged_block_is_told_by_its_number_and_never_taken_for_samples(data: Path, change: str) -> None:
+    kept = Kept(data).do(1)
+    kept.recorder.write()
+    number = len(kept.chunks()) // 2
+    whole = kept.chunks()[number - 1]["data"]
+    damaged = {
+        "a byte": bytes([whole[0] ^ 1]) + whole[1:],
+        "cut short": whole[: -SAMPLE.itemsize],
+        "another block's": kept.chunks()[number]["data"],
+    }[change]
+    with kept.eyes.conn:
+        kept.eyes.execute("UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", (damaged, kept.id, number))
+    words = f"Block {number} of sensor stream 1 of session {kept.id} is damaged"
+    with pytest.raises(StoreError, match=words):
+        kept.samples()
+    with pytest.raises(StoreError, match=words):
+        list(kept.history)
+    before = kept.chunks()[number - 1]["t0_ns"]
+    assert len(kept.samples(0, before)), "what is not damaged can still be read"
+
+
+# --- gone on with ------------------------------------------------------------------------------------------------
+
+
+def replayed(history: list[Record], table: Table) -> list[Record]:
+    """What the nodes derive from a history."""
+    again = Session(table.session.task, table.session.theme, VirtualClock(), 1)
+    derived: list[Record] = []
+    again.bus.tap(derived.extend)
+    again.replay(history)
+    return [record for record in derived if record.topic is not IMU]
+
+
+@pytest.mark.parametrize("parameters", [{}, {"go_signal": True}, {"sensor": "patient"}, {"detector": "thesis"}])
+def test_a_session_with_a_sensor_is_derived_again_from_the_database(data: Path, parameters: dict[str, Any]) -> None:
+    kept = Kept(data, **parameters).do(2)
+    kept.recorder.write()
+    assert len(kept.table.all(REACH)) >= 2
+    assert replayed(kept.history, kept.table) == [r for r in kept.table.records if r.topic is not IMU]
+
+
+@settings(max_examples=15)
+@given(st.data())
+def test_it_is_so_wherever_it_was_cut_off_and_in_whatever_batches_it_was_written(
+    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    """Samples that were written together come back as one block; with a signal to go, so does the long wait for it."""
+    kept = Kept(tmp_path_factory.mktemp("kept"), inline=False, go_signal=data.draw(st.booleans()), attempts=1)
+    table, pauses = kept.table, st.integers(20, 900)
+    table.sit_down(rest_ms=1000)
+    table.start()
+    table.move(200)
+    for _ in range(data.draw(st.integers(0, 8))):
+        table.wait(data.draw(pauses))
+        kept.write()
+    if data.draw(st.booleans()):
+        table.press("space")
+    for _ in range(data.draw(st.integers(0, 4))):
+        table.wait(data.draw(pauses))
+        kept.write()
+    events = [record for record in kept.history if record.topic is not IMU]
+    assert replayed(kept.history, table) == events
+    resumed = Kept(kept.data, of=kept, go_signal=table.session.task.has_foreperiod, attempts=1)
+    assert resumed.table.session.faults == []
+
+
+def test_a_second_run_is_a_stream_of_its_own_numbered_on(data: Path) -> None:
+    first = Kept(data, inline=False).do(1)
+    first.write()
+    first.table.wait(300)
+    first.table.begin()
+    first.table.start()
+    first.table.move(100)
+    first.table.wait(600)
+    first.write()
+    before, cut = first.chunks(), first.history
+
+    second = Kept(data, of=first)
+    second.table.wait(100)
+    assert second.table.waiting.reason == "interrupted"
+    second.table.enter()
+    second.table.wait(2000)
+    assert second.table.reach().correct
+    second.recorder.write()
+    streams = sessions.rows(second.eyes, "imu_streams", second.id)
+    assert [(stream["stream"], stream["run"]) for stream in streams] == [(1, 1), (2, 2)]
+    later = [chunk for chunk in second.chunks() if chunk["stream"] == 2]
+    assert second.chunks()[: len(before)] == before
+    assert [chunk["seq"] for chunk in later] == list(range(1, len(later) + 1))
+    assert second.samples(run=2).tobytes() == second.table.samples.tobytes()
+    assert second.samples(run=1).tobytes() == first.table.samples.tobytes()
+    seqs = [record.seq for record in second.history if record.topic is not IMU]
+    assert seqs == list(range(1, len(seqs) + 1))
+    assert merged(second.history) == merged([*cut, *second.table.records])
+    assert replayed(second.history, second.table) == [r for r in second.history if r.topic is not IMU]
+
+
+# --- a disk that refuses ---------------------------------------------------------------------------------------------
+
+
+def test_while_the_disk_refuses_samples_wait_in_order_and_none_is_lost_or_doubled(data: Path) -> None:
+    kept = Kept(data, inline=False)
+    kept.table.sit_down(rest_ms=500)
+    kept.write()
+    there = kept.chunks()
+    kept.database.execute("PRAGMA query_only=1")
+    kept.table.wait(1000)
+    for _ in range(3):
+        kept.write()
+        kept.table.wait(700)
+    assert [storage.working for storage in kept.table.all(STORAGE)] == [False]
+    assert (kept.table.waiting.stage, kept.table.waiting.reason) == ("paused", "storage")
+    assert kept.chunks() == there
+
+    kept.database.execute("PRAGMA query_only=0")
+    kept.write()
+    assert kept.table.waiting.reason == "restored"
+    kept.table.enter()
+    kept.table.wait(2000)
+    kept.table.start()
+    kept.table.move(200)
+    kept.table.wait(2000)
+    kept.table.press("space")
+    kept.table.to_row()
+    kept.write()
+    kept.write()
+    assert kept.samples().tobytes() == kept.table.samples.tobytes()
+    assert merged(kept.history) == merged(kept.table.records)
+    assert [chunk["seq"] for chunk in kept.chunks()] == list(range(1, len(kept.chunks()) + 1))
+    assert replayed(kept.history, kept.table) == [r for r in kept.table.records if r.topic is not IMU]
+
+
+def test_a_sensor_that_comes_loose_and_back_is_two_streams_of_one_run(data: Path) -> None:
+    kept = Kept(data).do(1)
+    table = kept.table
+    for state in ("detached", "attached"):
+        table.wait(100)
+        table.session.bus.publish(SENSOR, SensorChanged(state=state, at=table.clock.now(), rate_hz=250.0))  # type: ignore[arg-type]
+    table.wait(500)
+    kept.recorder.write()
+    streams = sessions.rows(kept.eyes, "imu_streams", kept.id)
+    assert [(stream["stream"], stream["run"]) for stream in streams] == [(1, 1), (2, 1)]
+    second = [chunk for chunk in kept.chunks() if chunk["stream"] == 2]
+    assert sum(chunk["n"] for chunk in second) == pytest.approx(0.5 * 250, abs=3)
+    assert second[0]["t0_ns"] >= streams[1]["attached_ns"] - 10 * MS
+    assert kept.samples().tobytes() == table.samples.tobytes()

@@ -1,0 +1,111 @@
+"""Given settings of the reaching task, when they cannot be, then the person who set them is told why."""
+
+from itertools import pairwise
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.parameters import ParameterError, build, fields
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+
+
+def make(**parameters: object) -> Task:
+    kind = Catalogue().task("reaching")
+    return kind(build(kind.Parameters, parameters))
+
+
+@pytest.mark.parametrize(
+    ("parameters", "name", "part"),
+    [
+        ({"marker_distances_cm": []}, "marker_distances_cm", "1 to 200 cm away; name one or more"),
+        ({"marker_distances_cm": [0.5, 20]}, "marker_distances_cm", "1 to 200 cm"),
+        ({"marker_distances_cm": [20, 201]}, "marker_distances_cm", "1 to 200 cm"),
+        ({"marker_distances_cm": [20, float("nan")]}, "marker_distances_cm", "1 to 200 cm"),
+        ({"marker_distances_cm": [20, 15]}, "marker_distances_cm", "from the nearest to the farthest"),
+        ({"marker_distances_cm": [15, 15]}, "marker_distances_cm", "from the nearest to the farthest"),
+        ({"goal_times_ms": [900]}, "goal_times_ms", "6 markers, and 1 goals"),
+        ({"marker_distances_cm": [15, 20], "goal_times_ms": [900, 99]}, "goal_times_ms", "between 100 and 60000 ms"),
+        ({"marker_distances_cm": [15], "goal_times_ms": [60_001]}, "goal_times_ms", "between 100 and 60000 ms"),
+        ({"marker_distances_cm": [15, 20], "start_level": 3}, "start_level", "2 markers, so there is no level 3"),
+        (
+            {"marker_distances_cm": [15, 20], "min_level": 3, "start_level": 3},
+            "min_level",
+            "2 markers, so there is no level 3",
+        ),
+        ({"start_level": 4, "max_level": 3}, "start_level", "3"),
+        ({"reaches_per_attempt": 0}, "reaches_per_attempt", "1 to 50"),
+        ({"still_ms": 999}, "still_ms", "1000 to 60000"),
+        ({"threshold": 99}, "threshold", "100 to 60000"),
+        ({"hand": "both"}, "hand", "right, left"),
+        ({"detector": "best"}, "detector", "robust, thesis"),
+        ({"feedback_on": "nothing"}, "feedback_on", "results"),
+        ({"imu": ""}, "imu", ""),
+        ({"markers": [15]}, "markers", "no parameter markers"),
+    ],
+)
+def test_settings_that_cannot_be_are_told(parameters: dict[str, object], name: str, part: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        make(**parameters)
+    assert part in caught.value.problems[name]
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"marker_distances_cm": [1, 200]},
+        {"marker_distances_cm": [30]},
+        {"marker_distances_cm": "15 20", "goal_times_ms": "900 1000", "start_level": "2"},
+        {"goal_times_ms": [900, 900, 900, 900, 900, 900]},
+        {"imu": "recorded:reaches.csv?speed=fast"},
+    ],
+)
+def test_settings_that_can_be_are_taken(parameters: dict[str, object]) -> None:
+    assert make(**parameters).levels >= 1
+
+
+@pytest.mark.parametrize("field", fields(Catalogue().task("reaching").Parameters), ids=lambda field: field.name)
+def test_every_parameter_is_described_for_the_people_who_set_it(field: Any) -> None:
+    assert field.title
+    assert field.help.endswith(".")
+    assert field.kind in ("bool", "list", "text") or field.bounds
+
+
+def test_there_are_as_many_levels_as_markers() -> None:
+    assert make().levels == 6
+    assert make(marker_distances_cm=[10, 20, 30]).levels == 3
+
+
+# --- a goal for each marker ------------------------------------------------------------------------------------------
+
+
+def test_the_goal_to_the_nearest_marker_is_the_one_that_was_set_and_to_others_more() -> None:
+    task = make(threshold=1200)
+    goals = [task.target(level).threshold for level in range(1, 7)]
+    assert goals == [1200, 1386, 1549, 1697, 1833, 1960]
+
+
+def test_a_marker_four_times_as_far_is_given_twice_the_time() -> None:
+    task = make(marker_distances_cm=[10, 40], threshold=1000)
+    assert task.target(2).threshold == 2 * task.target(1).threshold
+
+
+@given(st.lists(st.floats(1, 200), min_size=2, max_size=8, unique=True).map(sorted), st.floats(300, 5000))
+def test_a_farther_marker_is_never_given_less_time(markers: list[float], threshold: float) -> None:
+    task = make(marker_distances_cm=markers, threshold=threshold)
+    goals = [task.target(level).threshold for level in range(1, task.levels + 1)]
+    assert all(near <= far for near, far in pairwise(goals))
+    assert goals[0] == pytest.approx(threshold, abs=0.5)
+
+
+def test_goals_of_ones_own_are_used_as_given() -> None:
+    task = make(marker_distances_cm=[10, 20], goal_times_ms=[900, 800], threshold=5000)
+    assert [task.target(level).threshold for level in (1, 2)] == [900, 800]
+
+
+def test_the_neutral_band_is_a_share_of_each_goal() -> None:
+    task = make(neutral_band=5, goal_times_ms=[1000, 2000], marker_distances_cm=[10, 20])
+    assert [task.target(level).neutral_band for level in (1, 2)] == [50, 100]
+    assert make(neutral_band=0).target(3).neutral_band == 0

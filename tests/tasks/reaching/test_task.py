@@ -1,0 +1,219 @@
+"""Given the reaching task, when it speaks, judges and rehearses, then in plain words and by what was seen."""
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.clock import SECOND
+from sar_tui.framework.messages import KeyPerceived, ReachPerceived
+from sar_tui.framework.task import Again, Performance, Result, Situation, Task, Trial
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.plugins import Catalogue
+from tests.tasks.reaching.test_parameters import make
+
+JARGON = (
+    r"\b(imu|gyro\w*|acceler\w*|angular|rad|detect\w*|threshold|onset|latency|stimul\w*|parameter\w*|trial\w*|metric"
+    r"|percept\w*|sampl\w*|signal-to|saturat\w*|gap|level|null|none|nan|feedback|kinematic\w*|smoothness|sparc|ldlj)\b"
+)
+SETTINGS: list[dict[str, object]] = [{}, {"go_signal": True}, {"marker_distances_cm": [22.5]}]
+
+
+def words_of(task: Task) -> Iterator[str]:
+    """All that a participant is told by the task."""
+    yield task.instructions()
+    for level in range(1, task.levels + 1):
+        yield task.goal(level)
+        yield task.start(level)
+        stimulus = task.stimulus(situation(level=level))
+        yield f"{stimulus.text} {stimulus.glyph} {stimulus.hint}"
+        for before in range(task.levels + 1):
+            yield task.notice(level, before)
+    for reason in ("samples", "gap", "rate"):
+        again = judged(task, percept(invalid=reason))
+        assert isinstance(again, Again)
+        yield again.words
+
+
+def situation(level: int = 1) -> Situation:
+    return Situation(1, 1, level, Chance(1, 1, 1), Chance(1))
+
+
+def percept(**facts: Any) -> ReachPerceived:
+    return ReachPerceived(**{"at": 9 * SECOND, "closed": "key", **facts})
+
+
+def judged(task: Task, what: Any, level: int = 1) -> Result | Again | None:
+    trial = Trial(situation(level), task.stimulus(situation(level)), onset=5 * SECOND, started=5 * SECOND)
+    return task.perceived(trial, what)
+
+
+# --- words ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("settings", SETTINGS, ids=str)
+def test_a_participant_is_told_nothing_in_jargon(settings: dict[str, object]) -> None:
+    for words in words_of(make(**settings)):
+        assert not re.search(JARGON, words, re.IGNORECASE), words
+        assert "_" not in words
+
+
+def test_the_instructions_name_every_step_in_its_order() -> None:
+    words = make().instructions()
+    steps = ["Rest your hand", "press Space", "Reach out", "touch the marker", "come back", "press Space again", "rest"]
+    places = [words.index(step) for step in steps]
+    assert places == sorted(places)
+    assert "Escape" in words
+
+
+def test_who_has_to_wait_for_a_signal_is_told_so_and_nobody_else() -> None:
+    with_signal, without = make(go_signal=True), make()
+    assert "Wait for the signal" in with_signal.instructions()
+    assert "GO" in with_signal.start(1)
+    assert with_signal.stimulus(situation()).glyph == "GO"
+    assert "signal" not in without.instructions()
+    assert "GO" not in without.start(1)
+    assert without.stimulus(situation()).glyph != "GO"
+
+
+def test_every_level_is_told_by_its_marker_and_its_goal() -> None:
+    task = make()
+    for level, (far, seconds) in enumerate([("15 cm", "1.20"), ("20 cm", "1.39"), ("25 cm", "1.55")], 1):
+        assert f"marker {level} ({far})" in task.goal(level)
+        assert f"less than {seconds} seconds" in task.goal(level)
+        assert f"marker {level} ({far})" in task.start(level)
+        assert task.stimulus(situation(level)).text == f"Reach: {far}"
+
+
+def test_a_lone_marker_has_no_number() -> None:
+    task = make(marker_distances_cm=[22.5])
+    assert "the marker (22.5 cm)" in task.goal(1)
+    assert "marker 1" not in task.goal(1) + task.start(1)
+
+
+def test_a_level_that_changes_says_which_marker_is_next_and_which_way_it_lies() -> None:
+    task = make()
+    assert "marker 3" in task.notice(3, 2)
+    assert task.notice(3, 2) != task.notice(3, 4)
+
+
+def test_the_time_is_asked_for_in_seconds_and_kept_in_milliseconds() -> None:
+    task = make()
+    assert "ms" not in task.goal(1)
+    assert task.metric.label == "reach time (ms)"
+
+
+# --- judging -------------------------------------------------------------------------------------------------
+
+
+def test_a_reach_is_timed_from_its_own_onset_to_its_own_end() -> None:
+    seen = percept(
+        onset=6 * SECOND, turn=6 * SECOND + 1, end=7 * SECOND, details={"reach_time_ms": 1000.0, "hand": "right"}
+    )
+    result = judged(make(), seen, level=2)
+    assert isinstance(result, Result)
+    assert (result.correct, result.response, result.value) == (True, "reach", 1000.0)
+    assert (result.onset_at, result.response_at) == (6 * SECOND, 7 * SECOND)
+    assert result.details == {
+        "reach_time_ms": 1000.0,
+        "hand": "right",
+        "marker_cm": 20.0,
+        "closed": "key",
+        "turn_ns": 6 * SECOND + 1,
+    }
+
+
+def test_where_no_reach_was_seen_there_is_no_response_and_it_is_said() -> None:
+    result = judged(make(), percept(closed="timeout", details={"samples": 500}, flags=("saturated",)))
+    assert isinstance(result, Result)
+    assert (result.correct, result.response, result.response_at, result.value) == (False, None, None, None)
+    assert result.flags == ("saturated", "no_reach")
+    assert (result.details["samples"], result.details["closed"]) == (500, "timeout")
+
+
+@pytest.mark.parametrize("reason", ["samples", "gap", "rate"])
+def test_a_reach_that_the_sensor_missed_is_done_again_with_a_word_that_blames_the_sensor(reason: str) -> None:
+    again = judged(make(), percept(invalid=reason, onset=6 * SECOND, end=7 * SECOND))
+    assert isinstance(again, Again)
+    assert again.reason == reason
+    assert "sensor" in again.words
+    assert again.words.endswith(".")
+
+
+@pytest.mark.parametrize("key", ["space", "enter", "x"])
+def test_a_key_alone_is_no_reach(key: str) -> None:
+    assert judged(make(), KeyPerceived(key=key, at=6 * SECOND)) is None
+
+
+def test_only_a_signal_gives_reaction_times_and_a_random_wait() -> None:
+    for signal in (True, False):
+        task = make(go_signal=signal)
+        assert task.stimulus(situation()).signals is task.has_foreperiod is signal
+        assert task.start_key == "space"
+
+
+def test_a_therapist_can_say_what_the_sensor_cannot_see() -> None:
+    marks = {mark.name: mark.counts for mark in make().marks}
+    assert marks == {"missed": False, "compensated": True, "assisted": False}
+    assert len({mark.key for mark in make().marks}) == 3
+
+
+# --- rehearsing ------------------------------------------------------------------------------------------------
+
+PERFORMANCES = st.builds(
+    Performance, reaction_ms=st.floats(120, 2000), pace=st.floats(0.5, 3), unsteadiness=st.floats(0, 1)
+)
+
+
+@given(PERFORMANCES, st.integers(1, 6), st.integers(0, 500))
+def test_a_rehearsed_reach_goes_out_and_back_before_the_key_is_pressed(
+    performance: Performance, level: int, seed: int
+) -> None:
+    task = make()
+    (at, shape), (press, key) = task.rehearse(task.stimulus(situation(level)), performance, Chance(seed))
+    assert isinstance(shape, ReachShape)
+    assert (at, key) == (performance.reaction_ms, "space")
+    assert press > at + shape.duration_s * 1000
+    assert shape.peak_out > 0 > shape.peak_back
+
+
+def test_who_slips_forgets_the_key() -> None:
+    task = make()
+    acts = task.rehearse(task.stimulus(situation()), Performance(300.0, slips=True), Chance(1))
+    assert [type(act) for _, act in acts] == [ReachShape]
+
+
+def test_a_rehearsed_reach_to_a_farther_marker_takes_longer_and_at_a_slower_pace_too() -> None:
+    task = make()
+
+    def takes(level: int, pace: float = 1.0) -> float:
+        shape = task.rehearse(task.stimulus(situation(level)), Performance(300.0, pace=pace), Chance(1))[0][1]
+        return float(shape.duration_s)
+
+    times = [takes(level) for level in range(1, 7)]
+    assert times == sorted(set(times))
+    assert takes(1, pace=1.5) == pytest.approx(1.5 * takes(1))
+
+
+def test_the_same_chance_rehearses_the_same() -> None:
+    task, performance = make(), Performance(300.0, unsteadiness=0.7)
+    stimulus = task.stimulus(situation(3))
+    assert task.rehearse(stimulus, performance, Chance(4)) == task.rehearse(stimulus, performance, Chance(4))
+    assert task.rehearse(stimulus, performance, Chance(4)) != task.rehearse(stimulus, performance, Chance(5))
+
+
+def test_the_tasks_own_sensor_is_known_by_what_it_declares() -> None:
+    task = make()
+    assert task.sensors == ("imu",)
+    (node,) = task.nodes()
+    assert task.nodes()[0] is not node, "a node belongs to one session"
+    assert node.name == "reach_perception"
+
+
+def test_the_default_is_the_thesis_session() -> None:
+    parameters = Catalogue().task("reaching").Parameters()
+    assert (parameters.attempts, parameters.thesis_threshold_rad_s, parameters.thesis_still_ms) == (20, 0.1, 800)
