@@ -46,6 +46,7 @@ async def _draw() -> None:
                 if "Press:" in app.export_screenshot().replace("&#160;", " "):
                     break
             _save(app, "prompt")
+        await _draw_reaching(data, catalogue)
         past = SarTui(data, catalogue)
         async with past.run_test(size=(80, 24)) as pilot:
             await pilot.pause()
@@ -57,6 +58,28 @@ async def _draw() -> None:
             await pilot.pause()
             await pilot.pause()
             _save(past, "summary")
+
+
+async def _draw_reaching(data: Path, catalogue: Catalogue) -> None:
+    """The sensor check with a test reach, and the screen after a reach."""
+    reaching = catalogue.task("reaching")
+    parameters = build(reaching.Parameters, {"imu": "simulated:steady"})
+    clock = VirtualClock(SECOND)
+    app = SarTui(data, catalogue, Plan(reaching, parameters, "calm", "P02", 3), clock)
+    async with app.run_test(size=(80, 24)) as pilot:
+
+        async def do(key: str, wait_ms: int) -> None:
+            await pilot.press(key)
+            for _ in range(wait_ms // 50):
+                clock.advance(50 * MS)
+                await pilot.pause()
+
+        await _settle(pilot, clock)
+        await do("t", 6000)
+        _save(app, "sensor-check")
+        for key, wait_ms in (("enter", 500), ("enter", 500), ("enter", 500), ("space", 3000), ("space", 2000)):
+            await do(key, wait_ms)
+        _save(app, "reaching")
 
 
 async def _settle(pilot: object, clock: VirtualClock) -> None:

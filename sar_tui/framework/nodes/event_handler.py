@@ -12,7 +12,7 @@ from sar_tui.framework.course import Course
 from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.obstacles import Obstacles
-from sar_tui.framework.phase import BEFORE_PROMPT, ENTER_GOES_ON, IN_TRIAL, MARKABLE, OVER, PAUSES, WAITS, Phase
+from sar_tui.framework.phase import BEFORE_PROMPT, ENTER_GOES_ON, IN_TRIAL, MARKABLE, OVER, PAUSES, Phase
 from sar_tui.framework.task import Again, Mark, Result, Task
 from sar_tui.framework.topics import (
     ATTEMPT_ENDED,
@@ -38,6 +38,7 @@ from sar_tui.framework.topics import (
     WAITING,
 )
 from sar_tui.framework.trial import OpenTrial
+from sar_tui.framework.waiting import waiting
 
 GRACE = 50 * MS
 """A response stamped in time may be handled this much after the time-out was, however late that itself came."""
@@ -434,32 +435,10 @@ class EventHandler(TimedNode):
     def _wait(self, phase: Phase, reason: str = "") -> None:
         """Enter a phase, and say what the session waits for."""
         self._phase = phase
-        if phase is Phase.PAUSED:
-            what, stage = PAUSES.get(self._reason, "resume"), "paused"
-        else:
-            what, stage = WAITS[phase]
-        self.emit(
-            WAITING,
-            m.Waiting(
-                what=what,  # type: ignore[arg-type]
-                stage=stage,  # type: ignore[arg-type]
-                attempt=self._course.attempt,
-                trial=self._course.trial,
-                level=self._course.level,
-                attempt_name=self._course.name,
-                trials=self.task.trials_per_attempt,
-                goal=self._goal(stage),
-                notice=self._notice_for(phase),
-                reason=reason or self._reason,
-                detail=self._obstacles.says(self._reason),
-            ),
-        )
-
-    def _goal(self, stage: str) -> str:
-        """What is aimed at; in a trial that the participant starts, how to start it."""
-        if stage != "trial":
-            return self.task.goal(self._course.level)
-        return self.task.start(self._course.level) if self._phase is Phase.START else ""
+        why = reason or self._reason
+        notice = self._notice_for(phase)
+        detail = self._obstacles.says(why)
+        self.emit(WAITING, waiting(phase, self._course, self.task, notice=notice, reason=why, detail=detail))
 
     def _notice_for(self, phase: Phase) -> str:
         """What has to be known first: that a trial is done again, or that the level is another."""

@@ -1,0 +1,33 @@
+"""What a session says while it waits: for whom or what, where it stands, and what is aimed at there."""
+
+from sar_tui.framework.course import Course
+from sar_tui.framework.messages import Waiting
+from sar_tui.framework.phase import PAUSES, WAITS, Phase
+from sar_tui.framework.task import Task
+
+
+def waiting(phase: Phase, course: Course, task: Task, *, notice: str, reason: str, detail: str) -> Waiting:
+    """The message for a phase.
+
+    Args:
+        phase: where the session stands.
+        course: how far it has come.
+        task: whose words are said.
+        notice: what the participant has to know first.
+        reason, detail: as in `messages.Waiting`.
+    """
+    what, stage = (PAUSES.get(reason, "resume"), "paused") if phase is Phase.PAUSED else WAITS[phase]
+    goal = "" if stage == "trial" else task.goal(course.level)
+    return Waiting(
+        what=what,  # type: ignore[arg-type]
+        stage=stage,  # type: ignore[arg-type]
+        attempt=course.attempt,
+        trial=course.trial,
+        level=course.level,
+        attempt_name=course.name,
+        trials=task.trials_per_attempt,
+        goal=task.start(course.level) if phase is Phase.START else goal,
+        notice=notice,
+        reason=reason,
+        detail=detail,
+    )
