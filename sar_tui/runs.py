@@ -259,14 +259,14 @@ def _stored(name: str, folder: Path, clock: Clock | None) -> RecordedSource:
     database = connect(folder)
     try:
         session = sessions.find(database, folder, name)["id"]
-        runs = [stream["run"] for stream in sessions.rows(database, "imu_streams", session)]
-        samples = imu.samples(database, session, run=max(runs, default=0))
+        runs = sorted({stream["run"] for stream in sessions.rows(database, "imu_streams", session)}, reverse=True)
+        measured = [samples for run in runs if len(samples := imu.samples(database, session, run=run))]
     finally:
         database.conn.close()
-    if not len(samples):
+    if not measured:
         raise SourceError(f"The session {session} holds no samples of a sensor.")
     return RecordedSource(
-        samples, "fast" if how == "speed=fast" else "real time", clock=clock, name=f"session {session}"
+        measured[0], "fast" if how == "speed=fast" else "real time", clock=clock, name=f"session {session}"
     )
 
 

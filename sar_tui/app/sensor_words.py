@@ -6,7 +6,8 @@ from typing import Literal, NamedTuple
 from sar_tui.app.sensor_watch import ReachTest, SensorWatch
 from sar_tui.framework.clock import SECOND
 from sar_tui.inputs.imu import Vector
-from sar_tui.motion.analysis import Finding, Hand
+from sar_tui.motion.analysis import Finding
+from sar_tui.motion.bounds import Hand
 
 Mark = Literal["right", "wait", "wrong"]
 MARKS: dict[Mark, str] = {"right": "✓", "wait": "…", "wrong": "!"}

@@ -67,12 +67,13 @@ def detect(
     import msgspec
 
     from sar_tui.inputs.imu import SourceError
-    from sar_tui.inputs.recording_file import Units, read_recording
+    from sar_tui.inputs.recording_file import Units, read_recording, refuse_degrees
     from sar_tui.motion import detection, samples
 
     units = msgspec.convert({"rate": rate.value, "acceleration": acceleration.value}, Units)
     try:
         measured = read_recording(file, units)
+        refuse_degrees(file, measured)
         begin_ns = int(measured["at"][0])
         recording = samples.recording(measured, begin_ns)  # from 0: large times would cost precision
         _refuse_mostly_missing(file, recording)

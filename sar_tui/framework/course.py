@@ -137,6 +137,7 @@ class Course:
             correct=score.correct,
             trials=score.trials,
             qualities=qualities,
+            remark=next((result.remark for result in reversed(self.results) if result.remark), ""),
         )
         self._ended = _Ended(self.attempt, level, self._overridden, self._difficulty, self.results, ended)
         changed = None

@@ -297,7 +297,7 @@ class TrialEnded(Message, frozen=True, kw_only=True):
 
 
 class TrialMarked(Message, frozen=True, kw_only=True):
-    """A therapist marked a trial: ``mark`` by its name, and whether the trial is, or can still be, correct with it."""
+    """A therapist marked a trial: ``mark`` by its name (empty: taken back), and whether it can be correct so."""
 
     attempt: int
     trial: int
@@ -340,7 +340,7 @@ class Feedback(Message, frozen=True, kw_only=True):
     """The agent owes the participant an answer to an attempt.
 
     ``reason``: ``goal`` (reached), ``missed``, ``band`` (about the goal), ``accuracy`` (too low), ``empty``
-    (no response could be timed).
+    (no response could be timed); ``remark``: what the task has to say of the last two.
     """
 
     attempt: int
@@ -353,6 +353,7 @@ class Feedback(Message, frozen=True, kw_only=True):
     correct: int
     trials: int
     qualities: dict[str, float] = {}
+    remark: str = ""
 
 
 class Proposal(Message, frozen=True, kw_only=True):

@@ -1,9 +1,12 @@
 """What keeps a session from going on that nobody in it can help: a disk that refuses, a sensor that is loose."""
 
+from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import SensorChanged, StorageChanged
 
 _LOST = ("detached", "stalled", "ended")
 _BACK = ("attached", "flowing")
+_RECENT = 5 * SECOND
+"""An error so short a time before a sensor falls silent is the reason for it."""
 
 
 class Obstacles:
@@ -19,6 +22,7 @@ class Obstacles:
         self.sensor_lost = needs_sensor
         self._disk_says = ""
         self._sensor_says = ""
+        self._error: SensorChanged | None = None
 
     def begin_run(self) -> None:
         """A run of the program begins: nothing is known yet."""
@@ -37,10 +41,15 @@ class Obstacles:
         if sensor.state in _BACK:
             self.sensor_lost, self._sensor_says = False, ""
             return True
+        if sensor.state == "error":
+            self._error = sensor
         if sensor.state in _LOST or (sensor.state == "error" and self.sensor_lost):
-            self.sensor_lost, self._sensor_says = True, sensor.detail
+            self.sensor_lost, self._sensor_says = True, sensor.detail or self._reason(sensor.at)
             return True
         return False
+
+    def _reason(self, at: int) -> str:
+        return self._error.detail if self._error and at - self._error.at < _RECENT else ""
 
     def says(self, reason: str) -> str:
         """The words of what stands in the way, for the experimenter."""

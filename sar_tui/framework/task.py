@@ -57,8 +57,8 @@ class Quality(msgspec.Struct, frozen=True):
     """Something about *how* a trial was done (knowledge of performance), kept in its details.
 
     Args:
-        field: the field of ``Details``; its mean over an attempt's correct trials is compared, from one attempt to the
-            next at whatever level, so it should not depend on that.
+        field: the field of ``Details``; its mean over an attempt's correct trials is compared with that of the last
+            attempt alike.
         better: which way is better.
         improved: what is said of one that is better than before: "smoother".
         aim: what is asked for otherwise: "as smoothly as you can".
@@ -138,6 +138,8 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         value: what the trial adds to the attempt's metric; None where it adds nothing.
         details: more to keep with the trial, as the task's ``Details`` declare.
         flags: marks for ``trials.timing``; the framework adds ``anticipation``.
+        remark: what the participant should hear of it, where an attempt failed for want of right trials: a sentence
+            without numbers, instead of the theme's.
     """
 
     correct: bool
@@ -147,6 +149,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     value: float | None = None
     details: Json = {}
     flags: tuple[str, ...] = ()
+    remark: str = ""
 
     @property
     def counts(self) -> bool:
@@ -155,17 +158,24 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Mark(msgspec.Struct, frozen=True):
-    """What a therapist can say of a trial with one key; ``counts``: whether it can be correct all the same."""
+    """What a therapist can say of a trial with one key.
+
+    ``counts``: whether it can be correct all the same; ``remark``: what the participant hears where it cannot.
+    """
 
     name: str
     key: str
     title: str
     counts: bool
+    remark: str = ""
 
     def applied(self, result: Result) -> Result:
         """A result with this mark."""
         return msgspec.structs.replace(
-            result, correct=result.correct and self.counts, details={**result.details, "mark": self.name}
+            result,
+            correct=result.correct and self.counts,
+            details={**result.details, "mark": self.name},
+            remark=result.remark if self.counts else self.remark,
         )
 
 

@@ -1,7 +1,9 @@
 """A sensor's clock, mapped to this computer's."""
 
 DRIFT_PPM = 100
-"""How much faster than the sensor's clock the computer's may run and still be followed; a quartz keeps within 50."""
+"""How much faster than the sensor's clock the computer's may run and be followed evenly; a quartz keeps within 50."""
+WINDOW_NS = 2_000_000_000
+"""Where it runs faster still, the map catches up so often."""
 
 
 class ClockMap:
@@ -9,7 +11,8 @@ class ClockMap:
 
     A sample comes late by what the bus and the scheduler make of it, never early. So the smallest of
     (host - device) is the best guess of how the two clocks lie to each other, and the jitter of single samples goes.
-    The minimum leaks upwards by ``DRIFT_PPM``, so that it follows clocks that drift apart. What cannot be seen from
+    The minimum leaks upwards by ``DRIFT_PPM``, so that it follows clocks that drift apart; what is left of a faster
+    drift is made up for every two seconds. What cannot be seen from
     here stays in: the shortest time that a sample is ever under way.
     """
 
@@ -17,6 +20,8 @@ class ClockMap:
         self._offset: int | None = None
         self._device = 0
         self._last: int | None = None
+        self._window = 0
+        self._excess = 0
 
     def restart(self) -> None:
         """The sensor's clock begins anew. What is mapped from here on still comes after what was mapped before."""
@@ -36,8 +41,13 @@ class ClockMap:
         step = device - self._device
         if self._offset is None or step < 0:
             self._offset, step = host_ns - device, 0
+            self._window, self._excess = device, WINDOW_NS
         else:
             self._offset = min(self._offset + step * DRIFT_PPM // 1_000_000, host_ns - device)
+        self._excess = min(self._excess, host_ns - device - self._offset)
+        if device - self._window >= WINDOW_NS:
+            self._offset += self._excess
+            self._window, self._excess = device, WINDOW_NS
         self._device = device
         at = device + self._offset
         if self._last is not None:

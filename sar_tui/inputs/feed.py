@@ -26,6 +26,7 @@ _TOO_LATE_MS = 1e12
 
 _NOT_RISING = "The sensor's time stamps do not rise; such samples are left out."
 _NO_NUMBER = "The sensor tells of an angular rate that is not a number; such samples are left out."
+_NO_SAMPLE = "The sensor sends what is no sample: three numbers for each of its axes; such samples are left out."
 _RESTARTED = "The sensor's clock began anew; how many samples are missing is not known."
 _BEYOND = "Faster or harder than the sensor can measure."
 
@@ -68,6 +69,7 @@ class ImuFeed:
         self._queue: deque[Sample | Status] = deque()
         self.received = self.lost = self.dropped = 0
         self._attached = self._heard = self._stalled = False
+        self._words = ""
         self._last_heard = 0
         self._interval_ms = self._rate_range = self._acceleration_range = inf
         self._counts: deque[tuple[int, int]] = deque()
@@ -86,6 +88,11 @@ class ImuFeed:
     def info(self) -> Info | None:
         """What the sensor is; None until it is attached."""
         return self.source.info
+
+    @property
+    def words(self) -> str:
+        """What was last told of a sensor that is not there, for the experimenter."""
+        return self._words
 
     @property
     def is_attached(self) -> bool:
@@ -140,8 +147,10 @@ class ImuFeed:
             return Drained(np.array(rows, dtype=SAMPLE), statuses)
 
     def _sample(self, sample: Sample, rows: list[_Row], statuses: list[Status]) -> None:
-        self._heard = True
         host_ns, device_ms, acceleration, rate, field = sample
+        if not (len(acceleration) == len(rate) == len(field) == 3):
+            self._drop(_NO_SAMPLE, host_ns, statuses)
+            return
         known = abs(device_ms) < _TOO_LATE_MS
         step = device_ms - self._last_ms
         if known and step < -RESTART_MS:
@@ -162,6 +171,7 @@ class ImuFeed:
         if _reaches(rate, self._rate_range) or _reaches(acceleration, self._acceleration_range):
             self._beyond.append(at)
         self._last_ms, self._dropping, self._dropped_since = device_ms, "", 0
+        self._heard = True
         self.received += 1
         rows.append((at, host_ns, device_ms, acceleration, rate, field))
 
@@ -207,6 +217,8 @@ class ImuFeed:
             self._interval_ms = 1000 / info.rate_hz if info and info.rate_hz > 0 else inf
             self._rate_range = (info.rate_range_rad_s if info else 0) or inf
             self._acceleration_range = (info.acceleration_range_m_s2 if info else 0) or inf
+        if status.state in ("attached", "detached", "error", "ended"):
+            self._words = status.detail
         statuses.append(status)
 
     def _watch(self, now: int, statuses: list[Status]) -> None:

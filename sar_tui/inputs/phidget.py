@@ -213,7 +213,10 @@ class PhidgetSource:
         if code == _SATURATED:
             self._tell("saturated", description, count=1)
         elif code != _CLEARED:
-            self._tell("error", f"The sensor reports: {description.rstrip('.')}.{_ADVICE.get(code, '')}")
+            what = f"The sensor reports: {description.rstrip('.')}.{_ADVICE.get(code, '')}"
+            if what != self._told:
+                self._told = what
+                self._tell("error", what)
 
     def _measured(self, _channel: Any, acceleration: Any, rate: Any, field: Any, timestamp: float) -> None:
         self._sink(Sample(host_now(), timestamp, _in(G, acceleration), _in(DEGREE, rate), _in(1.0, field)))

@@ -29,6 +29,8 @@ NAMES = ("t", *(name for vector in VECTORS.values() for name in vector))
 
 _LATEST_S = 9e9
 _TOO_LARGE = 1e30
+FASTEST_RAD_S = 50.0
+"""Beyond what motion sensors measure (2000 deg/s are 35 rad/s)."""
 _RATE = {"rad/s": 1.0, "deg/s": math.pi / 180}
 _ACCELERATION = {"m/s2": 1.0, "g": 9.80665}
 
@@ -74,6 +76,16 @@ def read_recording(path: Path, units: Units = SI) -> Samples:
         raise SourceError(f"{path} is empty.")
     table = _npz(path, data) if path.suffix.lower() == ".npz" else _csv(path, data)
     return _samples(table, units)
+
+
+def refuse_degrees(path: Path, samples: Samples) -> None:
+    """Refuse samples that turn faster than any sensor measures. Raises SourceError: they are in deg/s, most likely."""
+    fastest = float(np.abs(samples["rate"]).max(initial=0.0))
+    if fastest > FASTEST_RAD_S:
+        raise SourceError(
+            f"{path} turns at up to {fastest:.0f} rad/s, faster than any hand: it must be in deg/s. Say so "
+            "(--rate deg/s, or recorded:FILE?rate=deg/s)."
+        )
 
 
 def write_recording(path: Path, samples: Samples) -> None:

@@ -49,9 +49,13 @@ class Imu(Node):
             return
         if self.feed.is_running:
             self.feed.drain()
-            for state, holds in (("attached", self.feed.is_attached), ("stalled", self.feed.is_stalled)):
-                if holds:
-                    self._tell(Status(state=state, at=self.bus.clock.now()))  # type: ignore[arg-type]
+            now = self.bus.clock.now()
+            if self.feed.is_attached:
+                self._tell(Status(state="attached", at=now))
+            else:
+                self._tell(Status(state="detached", at=now, detail=self.feed.words))
+            if self.feed.is_stalled:
+                self._tell(Status(state="stalled", at=now, detail=self.feed.words))
         else:
             self.feed.start()
         self._drain()

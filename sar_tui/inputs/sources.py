@@ -76,7 +76,7 @@ def _simulated(profile: str, seed: int, clock: Clock | None) -> ImuSource:
 
 def _recorded(text: str, _seed: int, clock: Clock | None) -> ImuSource:
     from sar_tui.inputs.recorded import RecordedSource
-    from sar_tui.inputs.recording_file import Units, read_recording
+    from sar_tui.inputs.recording_file import Units, read_recording, refuse_degrees
 
     file, _, query = text.partition("?")
     if not file:
@@ -91,6 +91,7 @@ def _recorded(text: str, _seed: int, clock: Clock | None) -> ImuSource:
         ) from error
     path = Path(file)
     samples = read_recording(path, Units(acceleration=playing.acceleration, rate=playing.rate))
+    refuse_degrees(path, samples)
     return RecordedSource(samples, playing.speed, playing.loop == "yes", clock=clock, name=path.name)
 
 

@@ -3,7 +3,10 @@
 from typing import Literal
 
 import msgspec
+import numpy as np
+import numpy.typing as npt
 
+from sar_tui.motion.bounds import Hand
 from sar_tui.motion.detection import DETECTORS, detect
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.robust import RobustParameters
@@ -11,12 +14,17 @@ from sar_tui.motion.samples import Samples, recording
 from sar_tui.motion.thesis import ThesisParameters
 
 Name = Literal["robust", "thesis"]
-Hand = Literal["right", "left"]
 Measured = dict[str, str | int | float | bool | None]
 
 NS = 1e9
 EARLY_NS = 500_000_000
 """A reach may have begun this much before the participant said so."""
+HOLE_NS = 100_000_000
+"""So long without a sample is a hole."""
+BESIDE_NS = 200_000_000
+"""A hole so near to a reach may have swallowed a part of it."""
+SATURATED_NS = 300_000_000
+"""A hole no longer than this is what a sensor leaves that was beyond its range, where it told so."""
 _TIMES = {"reach_time_ms", "out_ms", "back_ms", "dwell_ms", "turn_after_ms"}
 FEWEST = 10
 """From fewer samples nothing can be told."""
@@ -46,8 +54,8 @@ class Window(msgspec.Struct, frozen=True, kw_only=True):
 class Finding(msgspec.Struct, frozen=True, kw_only=True):
     """What was found, by the detector that scores. Without ``onset_ns`` there was no reach.
 
-    ``invalid``: why nothing can be said: ``samples`` (too few came), ``gap`` (too many are missing in the reach, and
-    not for its speed), ``rate`` (too few a second); empty where something can.
+    ``invalid``: why nothing can be said: ``samples`` (too few came), ``gap`` (samples are missing in the reach or
+    beside it, and not for its speed), ``rate`` (too few a second); empty where something can.
     """
 
     onset_ns: int | None = None
@@ -97,16 +105,19 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         known[f"{name}_reach_time_ms"] = round(largest.reach_time_s * 1000, 3) if largest else None
     reach = _largest(found[parameters.detector])
     known["reaches"] = len(found[parameters.detector])
+    holes = _holes(inside["at"], window)
     if reach is None:
-        return Finding(details=known, flags=window.flags)
+        return Finding(details=known, flags=window.flags, invalid="gap" if holes else "")
     flags = tuple(dict.fromkeys((*window.flags, *reach.flags, *(["several"] if known["reaches"] != 1 else []))))
+    onset_ns, end_ns = _stamp(reach.onset_s, window), _stamp(reach.end_s, window)
+    hurt = any(first < end_ns + BESIDE_NS and last > onset_ns - BESIDE_NS for first, last in holes)
     return Finding(
-        onset_ns=_stamp(reach.onset_s, window),
+        onset_ns=onset_ns,
         turn_ns=_stamp(reach.turn_s, window),
-        end_ns=_stamp(reach.end_s, window),
+        end_ns=end_ns,
         details=known | measures(reach),
         flags=flags,
-        invalid="gap" if "gap" in flags and "saturated" not in flags else "",
+        invalid="gap" if hurt else "",
     )
 
 
@@ -139,6 +150,13 @@ def measures(reach: Reach) -> Measured:
 
 def _largest(reaches: tuple[Reach, ...]) -> Reach | None:
     return max(reaches, key=lambda reach: reach.peak_extension_rad_s - reach.peak_return_rad_s, default=None)
+
+
+def _holes(stamps: npt.NDArray[np.int64], window: Window) -> list[tuple[int, int]]:
+    """Where samples are missing since the reach was started, but for what saturation left out."""
+    after = stamps[stamps >= window.started_ns - EARLY_NS]
+    least = SATURATED_NS if "saturated" in window.flags else HOLE_NS
+    return [(int(after[n]), int(after[n + 1])) for n in np.flatnonzero(np.diff(after) > least)]
 
 
 def _stamp(seconds: float, window: Window) -> int:

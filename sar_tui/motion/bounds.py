@@ -33,9 +33,11 @@ class Detected(NamedTuple):
     """What a detector made of a recording: the angular rate it went by, and the reaches in it.
 
     ``time_s``: shape (n,), evenly spaced. ``rate``: shape (n, 3), rad/s, without the bias if the detector removes it.
+    ``tremor_hz``: the tremor's frequency at rest, None for no tremor or where the detector does not look for it.
     """
 
     time_s: Floats
     rate: Floats
     rate_hz: float
     reaches: tuple[Bounds, ...]
+    tremor_hz: float | None = None

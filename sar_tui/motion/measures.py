@@ -15,22 +15,27 @@ def measure(found: Detected, flags: tuple[str, ...] = ()) -> tuple[Reach, ...]:
     """Measure every reach that was found. ``flags`` of the recording are added to each reach's own.
 
     Peaks and smoothness are of the rate about the reach's axis, smoothed lightly (15 Hz, zero phase: a fast reach's
-    peak loses less than 1 %).
+    peak loses less than 1 %). Movement units are counted without the tremor that was found at rest.
     """
     if not found.reaches:
         return ()
     light = smooth(found.rate, found.rate_hz, min(PEAKS_HZ, found.rate_hz / 4))
-    return tuple(_measured(found, light @ np.asarray(bounds.axis), bounds, flags) for bounds in found.reaches)
+    calm = smooth(found.rate, found.rate_hz, min(PEAKS_HZ, found.rate_hz / 4), found.tremor_hz)
+    return tuple(
+        _measured(found, light @ np.asarray(bounds.axis), calm @ np.asarray(bounds.axis), bounds, flags)
+        for bounds in found.reaches
+    )
 
 
-def _measured(found: Detected, turning: Floats, bounds: Bounds, flags: tuple[str, ...]) -> Reach:
+def _measured(found: Detected, turning: Floats, calm: Floats, bounds: Bounds, flags: tuple[str, ...]) -> Reach:
     time, rate_hz = found.time_s, found.rate_hz
     turn_s = _turn(time, turning, bounds)
     arrival_s, departure_s = min(bounds.arrival_s, turn_s), max(bounds.departure_s, turn_s)
     out = turning[(time >= bounds.onset_s) & (time <= turn_s)]
     back = turning[(time > turn_s) & (time <= bounds.end_s)]
-    way_out = np.maximum(turning[(time >= bounds.onset_s) & (time <= arrival_s)], 0.0)
-    way_back = np.maximum(-turning[(time >= departure_s) & (time <= bounds.end_s)], 0.0)
+    leaves = (time >= bounds.onset_s) & (time <= arrival_s)
+    returns = (time >= departure_s) & (time <= bounds.end_s)
+    way_out, way_back = np.maximum(turning[leaves], 0.0), np.maximum(-turning[returns], 0.0)
     whole = (time >= bounds.onset_s) & (time <= bounds.end_s)
     return Reach(
         onset_s=bounds.onset_s,
@@ -43,8 +48,8 @@ def _measured(found: Detected, turning: Floats, bounds: Bounds, flags: tuple[str
         peak_extension_rad_s=max(0.0, float(out.max(initial=0.0))),
         peak_return_rad_s=min(0.0, float(back.min(initial=0.0))),
         time_to_peak_s=float(out.argmax()) / rate_hz if len(out) else 0.0,
-        movement_units_out=movement_units(way_out, rate_hz),
-        movement_units_back=movement_units(way_back, rate_hz),
+        movement_units_out=movement_units(np.maximum(calm[leaves], 0.0), rate_hz),
+        movement_units_back=movement_units(np.maximum(-calm[returns], 0.0), rate_hz),
         sparc_out=sparc(way_out, rate_hz),
         sparc_back=sparc(way_back, rate_hz),
         ldlj_out=ldlj(way_out, rate_hz),

@@ -42,7 +42,7 @@ class RobustParameters(msgspec.Struct, frozen=True, kw_only=True):
     begin_rad_s: float = 0.1
     end_rad_s: float = 0.05
     least_rad: float = 0.1
-    shortest_s: float = 0.12
+    shortest_s: float = 0.2
     pause_s: float = 0.5
     dwell_s: float = 2.0
     longest_s: float = 15.0
@@ -97,7 +97,7 @@ def find(recording: Recording, parameters: RobustParameters | None = None, hand:
         for group in _groups(speed > motion.begin, parameters.dwell_s * grid.rate_hz)
         for reach in _reaches(motion, group, parameters, hand)
     )
-    return Detected(grid.time_s, rate, grid.rate_hz, reaches)
+    return Detected(grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz)
 
 
 def _groups(moving: npt.NDArray[np.bool_], longest: float) -> Iterator[slice]:
@@ -133,6 +133,8 @@ def _reaches(motion: _Motion, group: slice, parameters: RobustParameters, hand: 
         sign = math.copysign(1.0, out.angle)
         onset, arrival = edges(time, sign * light, sign * calm, out.first, out.last, margin, floor)
         departure, end = edges(time, -sign * light, -sign * calm, back.first, back.last, margin, floor)
+        if min(arrival - onset, end - departure) < parameters.shortest_s:
+            continue
         x, y, z = (sign * axis).tolist()
         bounds = Bounds(
             onset_s=max(onset, float(time[0])),

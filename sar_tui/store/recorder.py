@@ -182,7 +182,7 @@ def _rows(session: str, run: int, records: list[Record]) -> Rows:
                      t.response_at, t.reaction_time_ms, _text(t.timing), _text(t.details))
                 )  # fmt: skip
             case m.TrialMarked() as k:
-                rows["marks"].append((k.correct, k.mark, session, k.attempt, k.trial, k.seat))
+                rows["marks"].append((k.correct, k.mark or None, session, k.attempt, k.trial, k.seat))
             case m.AttemptEnded() as a:
                 rows["attempts"].append(
                     (session, a.attempt, a.seat, run, a.practice, a.level, a.metric, a.metric_unit, a.accuracy,

@@ -4,6 +4,7 @@ from itertools import pairwise
 from typing import Annotated, Literal
 
 from sar_tui.framework.parameters import TaskParameters, meta
+from sar_tui.motion.bounds import Hand
 
 _FEW_CM, _MOST_CM = 1.0, 200.0
 
@@ -21,9 +22,7 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
             "Motion sensor", help="phidget, phidget://host:port, simulated, recorded:FILE, or session:ID.", min_length=1
         ),
     ] = "phidget"
-    hand: Annotated[Literal["right", "left"], meta("Hand", help="The hand that reaches, with the sensor on it.")] = (
-        "right"
-    )
+    hand: Annotated[Hand, meta("Hand", help="The hand that reaches, with the sensor on it.")] = "right"
     marker_distances_cm: Annotated[
         tuple[float, ...],
         meta("Markers", "cm", "How far each marker is from the start, nearest first. A level is a marker."),
@@ -57,6 +56,10 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         meta("Rest that ends a reach", "ms", "A reach followed by so much rest needs no second press.",
              ge=1000, le=60_000),
     ] = 2500  # fmt: skip
+    least_turn_deg: Annotated[
+        float,
+        meta("Least turn", "deg", "The hand turns at least so far on the way out, and on the way back.", ge=1, le=60),
+    ] = 7.0
     thesis_threshold_rad_s: Annotated[
         float, meta("Thesis: threshold", "rad/s", "Turning faster than this about z is motion.", ge=0.01, le=5)
     ] = 0.1
@@ -84,6 +87,8 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
             problems["goal_times_ms"] = f"There are {len(markers)} markers, and {len(goals)} goals."
         elif any(not 100 <= goal <= 60_000 for goal in goals):
             problems["goal_times_ms"] = "Each goal lies between 100 and 60000 ms."
+        if self.still_ms < self.thesis_still_ms + 200:
+            problems["still_ms"] = "Rest that ends a reach has to last 200 ms longer than the thesis' stillness."
         for name in ("start_level", "min_level"):
             if markers and getattr(self, name) > len(markers):
                 problems[name] = f"There are {len(markers)} markers, so there is no level {getattr(self, name)}."

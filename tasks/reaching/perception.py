@@ -15,9 +15,9 @@ from sar_tui.framework.messages import (
     SensorChanged,
     TrialEnded,
 )
-from sar_tui.framework.node import TimedNode, on
+from sar_tui.framework.node import STALLED, TimedNode, on
 from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
-from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
+from sar_tui.motion.analysis import EARLY_NS, AnalysisParameters, Window, analyse
 from sar_tui.motion.filters import LEAST_RATE_HZ
 from sar_tui.motion.samples import SAMPLE, Samples, unpack
 from sar_tui.motion.segmenter import Segmenter
@@ -25,14 +25,17 @@ from sar_tui.motion.trace import trace_of
 
 REST = 3 * SECOND
 """So much before a reach is kept, to know the hand at rest."""
-TAIL = 1 * SECOND
-"""So much after the key that ends a reach is waited for at most: a hand is felt to be back before it rests."""
+TAIL = 4 * SECOND
+"""A hand that still moves so long after the key that ends a reach is waited for no longer."""
 SETTLED_S = 0.85
-"""A hand that has rested for so long has come to rest, even by the thesis' rule of 800 ms."""
+"""A hand that has rested for so long has come to rest; or for longer, where the thesis' rule says so."""
+MARGIN_S = 0.05
 PATIENCE = 300 * MS
 """Samples that have not come this much after the tail will not."""
-TOO_SOON = 250 * MS
-"""Sooner after the start no reach can be over: the key was pressed twice."""
+HELD = 700 * MS
+"""A key so soon after another is held, or was pressed twice: keyboards repeat first after 250 to 660 ms."""
+UNMOVED = 1500 * MS
+"""A hand that has not moved is waited for so long: until then the key was pressed by mistake."""
 
 
 class ReachPerception(TimedNode):
@@ -53,6 +56,7 @@ class ReachPerception(TimedNode):
         super().__init__()
         self._analysis = analysis
         self._still_s = still_ms / 1000
+        self._settled_s = max(SETTLED_S, analysis.thesis.still_ms / 1000 + MARGIN_S)
         self._blocks: deque[Samples] = deque()
         self._rate_hz = 0.0
         self._clear()
@@ -86,7 +90,10 @@ class ReachPerception(TimedNode):
             return
         rested, reached = self._watch(samples)
         if self._ended is not None:
-            if newest >= self._ended + TAIL or (newest >= self._ended and rested >= SETTLED_S):
+            if newest >= self._ended and rested >= self._settled_s:
+                self._tell("key")
+            elif newest >= self._ended + TAIL:
+                self._flags.append("moving")
                 self._tell("key")
         elif reached and rested >= self._still_s:
             self._tell("stillness")
@@ -131,9 +138,16 @@ class ReachPerception(TimedNode):
         prompt = self._prompt
         if prompt is None or self._ended is not None or press.repeat or press.key != prompt.expected:
             return
-        if press.at >= self._started + TOO_SOON:
+        if press.gap is not None and press.gap < HELD:
+            return
+        if self._has_moved or press.at >= self._started + UNMOVED:
             self._ended = press.at
             self.set_timer("tail", press.at + TAIL + PATIENCE)
+
+    @property
+    def _has_moved(self) -> bool:
+        began = self._segmenter.began_s if self._segmenter else None
+        return began is not None and began * SECOND >= self._started - EARLY_NS
 
     @on(VOIDED)
     def voided(self, _: PromptVoided) -> None:
@@ -144,6 +158,9 @@ class ReachPerception(TimedNode):
         self._clear()
 
     def timer(self, name: str, late: int) -> None:
+        """Leave a time-out to which the program itself comes late to the event handler, which repeats the trial."""
+        if name == "timeout" and late > STALLED:
+            return
         self._tell("timeout" if self._ended is None else "key")
 
     def _tell(self, closed: Literal["key", "stillness", "timeout"]) -> None:
@@ -157,8 +174,8 @@ class ReachPerception(TimedNode):
             to_ns=last + 1,
             flags=tuple(self._flags),
         )
-        at = self.now if self._ended is None else self._ended
         found = analyse(samples, window, self._analysis)
+        at = next(stamp for stamp in (found.end_ns, self._ended, self.now) if stamp is not None)
         trace = None
         if found.onset_ns is not None and found.end_ns is not None:
             trace = trace_of(samples, found.onset_ns, found.end_ns, found.details)

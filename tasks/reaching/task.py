@@ -32,8 +32,15 @@ from .perception import ReachPerception
 _AGAIN = {
     "samples": "The sensor told us nothing of that reach. Please do it once more.",
     "gap": "The sensor missed a part of that reach. Please do it once more.",
+    "unfinished": "Your hand was still moving. Come all the way back, let it rest, and then press Space.",
     "rate": "The sensor is too slow to see a reach. Please fetch the experimenter.",
 }
+
+LONGEST_DWELL_S = 5.0
+"""A rest at the marker so long is part of the reach: there is one in each trial, so none can be joined to another."""
+_UNFINISHED = {"cut", "endless", "timed_out"}
+"""Flags of a reach that has no end, and so no time."""
+_NO_REACH = "I saw no whole reach. Rest your hand, then reach out and come back before you press Space again."
 
 
 class ReachingTask(Task):
@@ -54,9 +61,9 @@ class ReachingTask(Task):
         Quality("movement_units", "lower", "made with fewer corrections", "in one go", 1.0),
     )
     marks = (
-        Mark("missed", "f7", "Marker missed", counts=False),
+        Mark("missed", "f7", "Marker missed", counts=False, remark="Try to touch the marker before you come back."),
         Mark("compensated", "f8", "Compensated", counts=True),
-        Mark("assisted", "f9", "Assisted", counts=False),
+        Mark("assisted", "f9", "Assisted", counts=False, remark="You had some help. Try the next by yourself."),
     )
     parameters: ReachingParameters
 
@@ -85,7 +92,11 @@ class ReachingTask(Task):
         return AnalysisParameters(
             detector=self.parameters.detector,
             hand=self.parameters.hand,
-            robust=RobustParameters(),
+            robust=RobustParameters(
+                least_rad=math.radians(self.parameters.least_turn_deg),
+                dwell_s=LONGEST_DWELL_S,
+                longest_s=self.parameters.response_timeout_ms / 1000,
+            ),
             thesis=ThesisParameters(
                 threshold_rad_s=self.parameters.thesis_threshold_rad_s, still_ms=self.parameters.thesis_still_ms
             ),
@@ -156,8 +167,9 @@ class ReachingTask(Task):
     def perceived(self, trial: Trial, percept: Any) -> Result | Again | None:
         if not isinstance(percept, ReachPerceived):
             return None
-        if percept.invalid:
-            return Again(percept.invalid, _AGAIN[percept.invalid])
+        unfinished = _UNFINISHED.intersection(percept.flags) or (percept.onset is None and "moving" in percept.flags)
+        if why := percept.invalid or ("unfinished" if unfinished else ""):
+            return Again(why, _AGAIN[why])
         details = {
             **percept.details,
             "marker_cm": self.marker_cm(trial.situation.level),
@@ -165,7 +177,7 @@ class ReachingTask(Task):
             "turn_ns": percept.turn,
         }
         if percept.onset is None:
-            return Result(correct=False, details=details, flags=(*percept.flags, "no_reach"))
+            return Result(correct=False, details=details, flags=(*percept.flags, "no_reach"), remark=_NO_REACH)
         value = percept.details["reach_time_ms"]
         return Result(
             correct=True,

@@ -208,7 +208,8 @@ class SessionScreen(Screen[None]):
         self._reaches += 1
 
     def marked(self, marked: TrialMarked) -> None:
-        self._mark = next(mark.title for mark in self._live.run.session.task.marks if mark.name == marked.mark)
+        titles = {mark.name: mark.title for mark in self._live.run.session.task.marks}
+        self._mark = titles.get(marked.mark, "")
         if self._waiting:
             self._where(self._waiting)
 
@@ -287,6 +288,8 @@ class SessionScreen(Screen[None]):
     def _where(self, waiting: Waiting) -> None:
         """Say in the corner and at the foot how far the session has come."""
         if waiting.trial > waiting.trials:  # after the last attempt; the level is that of one which will not come
+            if self._mark:
+                self.query_one("#where", Static).update(f"Marked: {self._mark.lower()}")
             self._count_attempts(waiting.attempt)
             return
         marked = f"Marked: {self._mark.lower()} · " if self._mark else ""

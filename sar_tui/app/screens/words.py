@@ -55,7 +55,7 @@ def _paused(waiting: Waiting) -> Words | None:
                 "Please wait",
                 "The sensor on your hand is not heard just now. Nothing is lost.\n\n"
                 f"For the experimenter: {waiting.detail or 'The sensor sends nothing. Check its cable.'}\n"
-                "The session goes on by itself when it is heard again. Escape opens the menu.",
+                "The session goes on by itself if it is heard again. To end it: Escape.",
                 "",
             )
     return None

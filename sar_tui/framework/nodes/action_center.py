@@ -1,5 +1,7 @@
 """The Action Center: decides how the agent says what is due (thesis 3.2.4)."""
 
+import math
+
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.messages import (
     AttemptEnded,
@@ -14,6 +16,9 @@ from sar_tui.framework.node import Node, on
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme, face_for
 from sar_tui.framework.topics import FEEDBACK, PROPOSED, RECALL, SESSION, SESSION_ENDED
+
+ALIKE = 0.2
+"""Results that differ by no more than this share are near enough for the ways they came about to be compared."""
 
 
 class ActionCenter(Node):
@@ -43,12 +48,14 @@ class ActionCenter(Node):
     def answer(self, feedback: Feedback) -> None:
         form, about = self._task.parameters.feedback_form, self._task.feedback_on
         performance = self._performance(feedback) if about != "results" else ""
+        failed = feedback.reason in ("accuracy", "empty")
         words = []
-        if form != "quantitative":
-            words.append(self._qualitative(feedback))
-        if form != "qualitative" and not (performance and about == "performance"):
-            words.append(self._quantitative(feedback))
-        words += [performance] if performance else []
+        if failed and feedback.remark:
+            words.append(feedback.remark)
+        elif not (performance and about == "performance"):
+            words += [self._qualitative(feedback)] if form != "quantitative" else []
+            words += [self._quantitative(feedback)] if form != "qualitative" else []
+        words += [performance] if performance and not failed else []
         self._propose("feedback", " ".join(words), feedback.valence, feedback.attempt)
 
     def _qualitative(self, feedback: Feedback) -> str:
@@ -62,7 +69,7 @@ class ActionCenter(Node):
             return self._word(f"{situation}_figures", correct=str(feedback.correct), trials=str(feedback.trials))
         metric = self._task.metric
         value, goal = metric.show(feedback.metric), metric.show(feedback.goal)
-        before = self._last(feedback, feedback.level)
+        before = self._last(feedback)
         if before is None or before.metric is None:
             return self._word(f"{feedback.valence}_first", value=value, goal=goal)
         difference = metric.show(abs(feedback.metric - before.metric))
@@ -78,32 +85,44 @@ class ActionCenter(Node):
         )
 
     def _performance(self, feedback: Feedback) -> str:
-        """What was better about *how* it was done than the last time, at whatever level; else what to heed next.
+        """What was better about *how* it was done than the last time it was done alike; else what to heed next.
 
-        Empty where nothing was measured.
+        Alike is at the same level, and with nearly the same result: a slower movement has more of everything. Empty
+        where nothing was measured.
         """
         measured = [quality for quality in self._task.qualities if quality.field in feedback.qualities]
         if not measured:
             return ""
-        before = self._last(feedback, None)
+        before = self._last(feedback, alike=True)
         changes = [
             (quality.change(feedback.qualities[quality.field], before.qualities[quality.field]), quality)
             for quality in measured
             if before and quality.field in before.qualities
         ]
+        aim = self._chance.choice([quality.aim for quality in measured], "aim", self._count)
         if not changes:
-            return self._word("performance_first", aim=measured[0].aim)
+            return self._word("performance_first", aim=aim)
         best, worst = max(changes, key=lambda change: change[0]), min(changes, key=lambda change: change[0])
         if best[0] >= 1:
             return self._word("performance_improved", change=best[1].improved)
         if worst[0] <= -1:
             return self._word("performance_worsened", aim=worst[1].aim)
-        return self._word("performance_same", aim=measured[0].aim)
+        return self._word("performance_same", aim=aim)
 
-    def _last(self, feedback: Feedback, level: int | None) -> AttemptEnded | None:
-        """The last attempt before, at a level or at any, that has a result."""
-        recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=level)).attempts
-        return next((a for a in reversed(recalled) if a.attempt < feedback.attempt and a.metric is not None), None)
+    def _last(self, feedback: Feedback, *, alike: bool = False) -> AttemptEnded | None:
+        """The last attempt before at that level that has a result; one alike, if asked for."""
+        recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level)).attempts
+        reach = math.inf if not alike or feedback.metric is None else ALIKE * abs(feedback.metric)
+        return next(
+            (
+                attempt
+                for attempt in reversed(recalled)
+                if attempt.attempt < feedback.attempt
+                and attempt.metric is not None
+                and (feedback.metric is None or abs(attempt.metric - feedback.metric) <= reach)
+            ),
+            None,
+        )
 
     def _word(self, situation: str, **slots: str) -> str:
         """A wording for a situation, not the same twice running, its slots filled."""

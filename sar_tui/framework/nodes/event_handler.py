@@ -9,7 +9,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.course import Course
-from sar_tui.framework.node import TimedNode, on
+from sar_tui.framework.node import STALLED, TimedNode, on
 from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.obstacles import Obstacles
 from sar_tui.framework.phase import BEFORE_PROMPT, ENTER_GOES_ON, IN_TRIAL, MARKABLE, OVER, PAUSES, Phase
@@ -42,8 +42,10 @@ from sar_tui.framework.waiting import waiting
 
 GRACE = 50 * MS
 """A response stamped in time may be handled this much after the time-out was, however late that itself came."""
-STALLED = 250 * MS
-"""A program that comes so late to a time-out stood still: the trial is repeated, not missed."""
+MOST_AGAIN = 3
+"""After so many times of which nothing can be said a trial counts as missed: nobody is asked without end."""
+HELD_KEY = 700 * MS
+"""The key that starts a trial, so soon after itself, is held: keyboards repeat first after 250 to 660 ms."""
 HELD = 3 * SECOND
 """After this long without quiet the participant is asked to let go of the keys."""
 _WITHOUT_SENSOR = (Phase.INSTRUCTIONS, Phase.REVIEW)
@@ -85,7 +87,10 @@ class EventHandler(TimedNode):
         self._stored = (0, 0)
         self._last_trial = (0, 0)
         self._unmarked: Result
+        self._marked: Mark | None = None
+        self._agains = 0
         self._last_key: int | None = None
+        self._start_key_at: int | None = None
         self._restless_since = 0
         self._paused_from = Phase.INSTRUCTIONS
         self._pause_reason = ""
@@ -100,6 +105,7 @@ class EventHandler(TimedNode):
     def session_started(self, session: m.SessionStarted) -> None:
         """The first run shows the instructions; a later one goes on where the last was cut off."""
         self._last_key = None
+        self._start_key_at = None
         self._focused = True
         self.cancel_timers()
         self._stored = self._last_trial
@@ -309,6 +315,14 @@ class EventHandler(TimedNode):
     @on(PERCEIVED)
     def perceived(self, percept: m.KeyPerceived) -> None:
         self._last_key = percept.at
+        self._judge_key(percept)
+        if percept.key == self.task.start_key:
+            self._start_key_at = percept.at
+
+    def _is_held(self, at: int) -> bool:
+        return self._start_key_at is not None and at - self._start_key_at < HELD_KEY
+
+    def _judge_key(self, percept: m.KeyPerceived) -> None:
         match self._phase:
             case Phase.INSTRUCTIONS if percept.key == "enter":
                 self._wait(Phase.READY)
@@ -320,7 +334,7 @@ class EventHandler(TimedNode):
                 self._close("completed")
             case Phase.PAUSED if percept.key == "enter" and self._reason in ENTER_GOES_ON:
                 self._resume()
-            case Phase.START if percept.key == self.task.start_key and not percept.repeat:
+            case Phase.START if percept.key == self.task.start_key and not self._is_held(percept.at):
                 self._start_trial(percept.at)
             case phase if phase in BEFORE_PROMPT and self.task.has_foreperiod:
                 self._disturbed()
@@ -373,10 +387,17 @@ class EventHandler(TimedNode):
             self._trial.flag("late_key")
             self._finish(self.task.timed_out(trial))
         elif isinstance(result := self.task.perceived(trial, percept), Again):
-            self._void(result.reason)
-            self._begin_trial(result.words)
+            self._try_again(result)
         elif result is not None:
             self._finish(result)
+
+    def _try_again(self, again: Again) -> None:
+        self._agains += 1
+        if self._agains < MOST_AGAIN:
+            self._void(again.reason)
+            self._begin_trial(again.words)
+        else:
+            self._finish(Result(correct=False, flags=("unmeasured", again.reason), remark=again.words))
 
     def _finish(self, result: Result) -> None:
         """Record the trial, and go on to the next or to the end of the attempt."""
@@ -384,9 +405,11 @@ class EventHandler(TimedNode):
         latency = self._trial.latency_ms(result)
         if latency is not None and latency < self.parameters.min_rt_ms:
             result = msgspec.structs.replace(result, flags=(*result.flags, "anticipation"))
+        self._agains = 0
         self._unmarked = result
-        if self._trial.mark:
-            result = self._trial.mark.applied(result)
+        self._marked = self._trial.mark
+        if self._marked:
+            result = self._marked.applied(result)
         self.emit(TRIAL, self._trial.ended(result))
         self._course.results.append(result)
         self._last_trial = self._course.last_trial
@@ -397,29 +420,37 @@ class EventHandler(TimedNode):
             self._begin_trial()
 
     def _mark(self, mark: Mark) -> None:
-        """Mark the trial under way, or the last one, which is then scored once more."""
+        """Mark the trial under way, or the last one, which is then scored once more; again: take the mark back."""
         if self._phase in IN_TRIAL and self._phase is not Phase.START:
-            self._trial.mark = mark
-            attempt, trial = self._course.attempt, self._course.trial
-            self.emit(MARKED, m.TrialMarked(attempt=attempt, trial=trial, mark=mark.name, correct=mark.counts))
+            self._mark_open(None if self._trial.mark is mark else mark)
             return
         if self._phase not in MARKABLE:
             return
         if (last := self._course.amendable) is None:
             return
         attempt, trial = last
-        marked = mark.applied(self._unmarked)
-        self.emit(MARKED, m.TrialMarked(attempt=attempt, trial=trial, mark=mark.name, correct=marked.correct))
+        self._marked = None if self._marked is mark else mark
+        marked = self._marked.applied(self._unmarked) if self._marked else self._unmarked
+        name = self._marked.name if self._marked else ""
+        self.emit(MARKED, m.TrialMarked(attempt=attempt, trial=trial, mark=name, correct=marked.correct))
         if scored := self._course.amend(marked):
             self.emit(ATTEMPT_ENDED, scored.ended)
             if scored.level:
                 self.emit(LEVEL, scored.level)
             self._wait(self._phase)
 
+    def _mark_open(self, mark: Mark | None) -> None:
+        self._trial.mark = mark
+        attempt, trial = self._course.attempt, self._course.trial
+        name, correct = (mark.name, mark.counts) if mark else ("", True)
+        self.emit(MARKED, m.TrialMarked(attempt=attempt, trial=trial, mark=name, correct=correct))
+
     def _void(self, reason: str) -> None:
         """Break a trial off; it will be repeated."""
         self.cancel_timers()
         if self._phase in IN_TRIAL:
+            if self._trial.mark:
+                self._mark_open(None)
             self.emit(VOIDED, self._trial.voided(reason))
             self._trial = self._trial.anew()
 

@@ -249,7 +249,7 @@ def test_a_session_with_marks_is_derived_again_from_its_inputs(sit: Sit, calm: T
     desk.wait(300)
     desk.press("u")
     mark(desk, "caught")
-    desk.wait(300)
+    desk.wait(700)
     desk.lift()
     mark(desk, "caught")
     desk.press("enter")
@@ -259,3 +259,33 @@ def test_a_session_with_marks_is_derived_again_from_its_inputs(sit: Sit, calm: T
     again.replay(desk.records)
     assert derived == desk.records
     assert marked(desk) == [(1, 1, "leaned", True), (1, 1, "caught", False), (1, 2, "caught", False)]
+
+
+def test_a_mark_given_again_is_taken_back(sit: Sit) -> None:
+    desk = sit()
+    desk.press("space")
+    desk.to_prompt()
+    for _ in range(2):
+        mark(desk, "caught")
+    desk.press("k")
+    desk.wait(300)
+    desk.press("u")
+    (lift,) = desk.all(TRIAL)
+    assert (lift.correct, lift.details.get("mark")) == (True, None)
+    for _ in range(2):
+        mark(desk, "caught")
+    assert marked(desk)[-2:] == [(1, 1, "caught", False), (1, 1, "", True)]
+
+
+def test_a_mark_goes_with_the_trial_that_is_broken_off(sit: Sit) -> None:
+    desk = sit()
+    desk.press("space")
+    desk.to_prompt()
+    mark(desk, "caught")
+    desk.operate("pause")
+    desk.operate("resume")
+    desk.wait(700)
+    desk.lift()
+    (lift,) = desk.all(TRIAL)
+    assert (lift.correct, lift.details.get("mark")) == (True, None)
+    assert marked(desk)[-1] == (1, 1, "", True)

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from sar_tui.framework.clock import MS
+from sar_tui.framework.nodes.event_handler import MOST_AGAIN
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, PROMPT, TRIAL, VOIDED, WAITING
 from tests.lifting import SLIPPED, Bench, Lift
@@ -79,7 +80,10 @@ def test_a_held_start_key_starts_one_trial_and_not_the_next(sit: Sit) -> None:
     desk.operate("skip")
     desk.hold("space", ms=900)
     assert (desk.waiting.what, desk.waiting.trial, len(desk.all(PROMPT))) == ("start", 2, 1)
-    desk.wait(500)
+    desk.wait(600)
+    desk.press("space")
+    assert len(desk.all(PROMPT)) == 1, "so soon after the last it is held still"
+    desk.wait(700)
     desk.press("space")
     assert len(desk.all(PROMPT)) == 2
 
@@ -94,7 +98,7 @@ def test_each_trial_of_an_attempt_is_started_and_a_new_attempt_is_begun_with_ent
     desk.press("space")
     assert desk.waiting.stage == "attempt"
     desk.press("enter")
-    desk.wait(300)
+    desk.wait(700)
     desk.lift()
     desk.lift()
     assert numbers(desk) == [(1, 1), (1, 2), (2, 1), (2, 2)]
@@ -151,6 +155,7 @@ def test_a_pause_in_a_trial_has_it_started_again(sit: Sit) -> None:
     desk.operate("pause")
     desk.operate("resume")
     assert desk.waiting.what == "start"
+    desk.wait(700)
     desk.press("space")
     again = desk.to_prompt()
     assert (again.trial, again.presentation, again.started) == (1, 2, desk.clock.now() - 4 * MS)
@@ -343,16 +348,28 @@ def test_a_trial_may_be_done_over_as_soon_as_its_prompt_is_seen(sit: Sit) -> Non
 def test_however_often_a_trial_is_done_over_its_prompt_is_the_same(sit: Sit) -> None:
     desk = sit(signal=True)
     desk.begin_lifts()
-    for _ in range(4):
+    for _ in range(MOST_AGAIN - 1):
         desk.lift(end="?")
     desk.lift()
     prompts = desk.all(PROMPT)
-    assert [(prompt.trial, prompt.presentation) for prompt in prompts] == [(1, n) for n in range(1, 6)]
+    assert [(prompt.trial, prompt.presentation) for prompt in prompts] == [(1, n) for n in range(1, MOST_AGAIN + 1)]
     assert len({prompt.stimulus for prompt in prompts}) == 1
     shown = [record.at for record in desk.records if record.topic is PROMPT]
     began = [record.at for record in desk.records if record.topic is WAITING and record.message.what == "foreperiod"]
     assert len({end - begin for begin, end in zip(began, shown, strict=True)}) == 1
     assert numbers(desk) == [(1, 1)]
+
+
+def test_a_trial_of_which_nothing_can_be_said_is_not_asked_for_without_end(sit: Sit) -> None:
+    desk = sit()
+    desk.begin_lifts()
+    for _ in range(MOST_AGAIN):
+        desk.lift(end="?")
+    (missed,) = desk.all(TRIAL)
+    assert (missed.correct, missed.timing.flags) == (False, ("unmeasured", "slipped"))
+    assert (desk.waiting.what, desk.waiting.trial, desk.waiting.notice) == ("start", 2, "")
+    desk.lift(end="?")
+    assert len(desk.all(TRIAL)) == 1, "and each trial has as many tries"
 
 
 # --- what has to be known first --------------------------------------------------------------------------------

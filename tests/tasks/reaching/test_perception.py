@@ -67,7 +67,8 @@ def test_one_reach_between_two_presses_is_one_row_timed_by_the_hand_and_not_by_t
     assert trial.value == pytest.approx(1000, abs=20)
     assert trial.value == trial.details["reach_time_ms"] == pytest.approx(ms(trial.response_at - trial.onset), abs=0.01)
     assert trial.details["closed"] == "key"
-    assert table.percept.at == pressed
+    assert (table.percept.at, table.percept.end) == (trial.response_at, trial.response_at)
+    assert trial.response_at < pressed
     assert table.all(VOIDED) == []
     assert len(table.all(REACH)) == 1
 
@@ -82,15 +83,42 @@ def test_a_reach_is_told_as_soon_as_the_hand_is_felt_to_rest_not_when_a_time_is_
     assert ms(table.clock.now() - pressed) <= 20, "it had rested for long"
 
 
-def test_after_the_second_press_it_is_waited_a_second_for_rest_and_no_longer() -> None:
-    table = begun(sensor="tremor")
-    table.move(300)
-    table.wait(1300)
-    table.move(100, SLOW)
+def test_a_second_press_before_the_hand_is_back_shortens_nothing() -> None:
+    table = begun()
+    table.move(300, SLOW)
+    table.wait(300 + SLOW.duration_s * 1000 - 600)
     table.press("space")
     pressed = table.clock.now()
-    table.to_row()
-    assert 1000 <= ms(table.clock.now() - pressed) <= 1020
+    trial = table.to_row()
+    assert trial.value == pytest.approx(SLOW.duration_s * 1000, abs=30)
+    assert trial.response_at > pressed
+    assert (trial.details["closed"], trial.timing.flags) == ("key", ())
+
+
+def test_a_hand_that_moves_on_and_on_after_the_second_press_is_asked_to_do_it_once_more() -> None:
+    table = begun()
+    table.move(300, ReachShape(out_s=5.0, back_s=5.0))
+    table.wait(2000)
+    table.press("space")
+    pressed = table.clock.now()
+    table.to_start()
+    assert 4000 <= ms(table.clock.now() - pressed) <= 4020
+    assert table.all(TRIAL) == []
+    assert (table.last(VOIDED).reason, "still moving" in table.waiting.notice) == ("unfinished", True)
+
+
+@pytest.mark.parametrize("between_ms", [90, 300, 600])
+def test_a_key_that_is_held_ends_nothing_before_the_hand_has_moved(between_ms: float) -> None:
+    table = begun()
+    for _ in range(6):
+        table.wait(between_ms)
+        table.press("space")
+    assert table.all(REACH) == []
+    table.wait(800)
+    table.move()
+    table.wait(1500)
+    table.press("space")
+    assert table.to_row().value == pytest.approx(1000, abs=20)
 
 
 def test_reaches_follow_each_other_each_with_its_own_window() -> None:
@@ -219,11 +247,10 @@ def test_an_end_that_is_pressed_twice_starts_nothing() -> None:
     table.move(300)
     table.wait(1700)
     table.press("space")
-    pressed = table.clock.now()
     table.wait(200)
     table.press("space")
     table.to_row()
-    assert table.percept.at == pressed
+    assert table.percept.closed == "key"
     assert (table.waiting.what, table.waiting.trial) == ("start", 2)
     assert len(table.all(PROMPT)) == 1
 
@@ -395,6 +422,7 @@ def test_a_reach_of_which_a_part_is_missing_is_done_again() -> None:
     assert table.all(TRIAL) == []
     assert (table.last(VOIDED).reason, table.waiting.trial) == ("gap", 1)
     assert "missed a part" in table.waiting.notice
+    table.wait(700)
     assert table.reach().correct
     assert table.last(TRIAL).timing.presentation == 2
 
@@ -418,7 +446,7 @@ def test_a_reach_of_which_nothing_was_measured_is_done_again() -> None:
     sink = table.hand._sink
     table.hand._sink = lambda sample: sink(sample) if sample.device_ms % 400 < 4 else None
     table.start()
-    table.wait(300)
+    table.wait(1600)
     table.press("space")
     table.to_start()
     assert (table.percept.invalid, table.all(TRIAL)) == ("samples", [])
