@@ -27,7 +27,7 @@ _UPRIGHT = math.cos(math.radians(35))
 FLAGS = {
     "reversed": "Wrong way out: the sensor is turned round, or it is not the {hand} hand.",
     "gap": "Samples are missing in it: try another cable or port.",
-    "saturated": "It was faster than the sensor can measure: its peaks are not known.",
+    "saturated": "It was faster than the sensor can measure: only its times are known.",
     "no_rest": "The hand did not rest before it: keep it still for two seconds first.",
     "error": "The sensor told of an error during it.",
     "cut": "It had begun before, or was not over: rest before it and after it.",
