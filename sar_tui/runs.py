@@ -4,7 +4,6 @@ import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import msgspec
 import sqlite_utils
@@ -16,15 +15,10 @@ from sar_tui.framework.parameters import ParameterError, TaskParameters, build
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ATTEMPT_ENDED
-from sar_tui.inputs.feed import ImuFeed
-from sar_tui.inputs.imu import ImuSource, SourceError
-from sar_tui.inputs.recorded import RecordedSource
-from sar_tui.inputs.sensor import Imu
-from sar_tui.inputs.sources import open_source
 from sar_tui.plugins import Catalogue, task_folder
-from sar_tui.simulation.participant import SimulatedMover, SimulatedParticipant
-from sar_tui.simulation.person import PEOPLE, Person
-from sar_tui.store import imu, locks, participants, sessions
+from sar_tui.simulation.participant import SimulatedParticipant
+from sar_tui.simulation.person import Person
+from sar_tui.store import locks, participants, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.provenance import machine, measured_timing, software
 from sar_tui.store.recorder import Recorder
@@ -232,56 +226,6 @@ def _enter(
     return Run(session_id, number, session, recorder, database, held)
 
 
-def sensor(parameters: TaskParameters, seed: int, clock: Clock, folder: Path) -> ImuFeed:
-    """The motion sensor that a task's ``imu`` parameter names, not started yet.
-
-    As `inputs.sources.open_source` knows them; and ``session:ID``, what was measured in an earlier session.
-
-    Raises:
-        ParameterError: there is no such sensor.
-        StoreError: there is no such session, or it cannot be read.
-    """
-    virtual = clock if isinstance(clock, VirtualClock) else None
-    kind, _, name = str(getattr(parameters, "imu", "phidget")).partition(":")
-    try:
-        if kind == "session":
-            source: ImuSource = _stored(name, folder, virtual)
-        else:
-            source = open_source(f"{kind}:{name}" if name else kind, seed=seed, clock=virtual)
-    except SourceError as error:
-        raise ParameterError({"imu": str(error)}) from error
-    return ImuFeed(source, clock.now)
-
-
-def _stored(name: str, folder: Path, clock: Clock | None) -> RecordedSource:
-    """The samples of a stored session's last run that has any, in real time or (``ID?speed=fast``) at once."""
-    name, _, how = name.partition("?")
-    database = connect(folder)
-    try:
-        session = sessions.find(database, folder, name)["id"]
-        runs = sorted({stream["run"] for stream in sessions.rows(database, "imu_streams", session)}, reverse=True)
-        measured = [samples for run in runs if len(samples := imu.samples(database, session, run=run))]
-    finally:
-        database.conn.close()
-    if not measured:
-        raise SourceError(f"The session {session} holds no samples of a sensor.")
-    return RecordedSource(
-        measured[0], "fast" if how == "speed=fast" else "real time", clock=clock, name=f"session {session}"
-    )
-
-
-def sensing(task: Task, seed: int, feed: ImuFeed) -> list[Node]:
-    """The nodes of a live session's motion sensor; a simulated hand moves by itself as an average person's would."""
-    nodes: list[Node] = [Imu(feed)]
-    if move := _movable(feed.source):
-        nodes.append(SimulatedMover(PEOPLE["average"], task, seed, move))
-    return nodes
-
-
-def _movable(source: ImuSource) -> Callable[[int, Any], None] | None:
-    return getattr(source, "move", None)
-
-
 def simulate(
     plan: Plan,
     person: Person,
@@ -300,8 +244,9 @@ def simulate(
     def sit_down(task: Task) -> list[Node]:
         if not task.sensors:
             return [SimulatedParticipant(person, task, plan.seed)]
-        hand = open_source(f"simulated:{person.hand}", seed=plan.seed, clock=clock)
-        return [SimulatedParticipant(person, task, plan.seed, _movable(hand)), Imu(ImuFeed(hand, clock.now))]
+        from sar_tui.sensing import simulated  # loads numpy
+
+        return simulated(person, task, plan.seed, clock)
 
     run = start(plan, folder, catalogue, clock, sit_down)
     try:

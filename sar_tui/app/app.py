@@ -10,7 +10,7 @@ import sqlite3
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import events
 from textual.app import App, SystemCommand
@@ -25,10 +25,12 @@ from sar_tui.app.screens.too_small import TooSmallScreen, is_too_small
 from sar_tui.app.themes import textual_theme
 from sar_tui.framework.clock import Clock, LiveClock
 from sar_tui.framework.parameters import ParameterError
-from sar_tui.inputs.feed import ImuFeed
 from sar_tui.plugins import Catalogue, PluginError
-from sar_tui.runs import Failed, Plan, sensor
+from sar_tui.runs import Failed, Plan
 from sar_tui.store.database import StoreError, connect, default_folder, explain
+
+if TYPE_CHECKING:
+    from sar_tui.inputs.feed import ImuFeed
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
@@ -105,6 +107,7 @@ class SarTui(App[int]):
     def _check_sensor(self, plan: Plan) -> None:
         """Start the sensor of a session, show what comes from it, and hand it over."""
         from sar_tui.app.screens.sensor_check import SensorCheckScreen
+        from sar_tui.sensing import sensor
 
         clock = self._session_clock or LiveClock(asyncio.get_running_loop())
         try:
@@ -137,7 +140,7 @@ class SarTui(App[int]):
             self.feed.stop()
             self.feed = None
 
-    def _enter_session(self, what: Plan | str, feed: ImuFeed | None = None) -> None:
+    def _enter_session(self, what: Plan | str, feed: "ImuFeed | None" = None) -> None:
         """Open a session on a screen of its own."""
         from sar_tui.app.screens.session import SessionScreen
 

@@ -14,14 +14,15 @@ from sar_tui.framework.messages import Fault, Operator
 from sar_tui.framework.node import Node
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import OPERATOR
-from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, Run, resume, sensing, sensor, start
+from sar_tui.runs import Plan, Run, resume, start
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
     from textual.app import App
+
+    from sar_tui.inputs.feed import ImuFeed
 
 _LAST_WRITE_SECONDS = 5.0
 """How long the end of a session waits for the disk."""
@@ -35,7 +36,7 @@ class LiveSession:
     """
 
     def __init__(
-        self, folder: Path, catalogue: Catalogue, clock: Clock | None = None, feed: ImuFeed | None = None
+        self, folder: Path, catalogue: Catalogue, clock: Clock | None = None, feed: "ImuFeed | None" = None
     ) -> None:
         self.clock = clock or LiveClock(asyncio.get_running_loop())
         self._feed = feed
@@ -58,6 +59,8 @@ class LiveSession:
         """Keyboard and screen; and the motion sensor, for a task that needs one."""
         if not task.sensors:
             return [self.keyboard, self.screen]
+        from sar_tui.sensing import sensing, sensor
+
         seed = secrets.randbelow(2**31)
         feed = self._feed or sensor(task.parameters, seed, self.clock, self._folder)
         return [self.keyboard, *sensing(task, seed, feed), self.screen]

@@ -83,7 +83,7 @@ def _refuse_without_sensor(kind: "type[Task]") -> None:
 def _refuse_unknown_sensor(plan: "Plan", home: Home) -> None:
     """A sensor that cannot be is told of before the screen changes; one that is not plugged in is waited for there."""
     from sar_tui.framework.clock import VirtualClock
-    from sar_tui.runs import sensor
+    from sar_tui.sensing import sensor
 
     sensor(plan.parameters, plan.seed, VirtualClock(), home.folder)
 

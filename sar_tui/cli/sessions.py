@@ -89,6 +89,7 @@ def show(
         out.print(attempts_table(attempts, metric), end="\n\n")
         _print_figure(out, attempts, metric)
     out.print(summary(attempts, metric), soft_wrap=True, end="\n\n")
+    _print_marks(out, trials)
     _print_timing(out, found["machine"], trials)
 
 
@@ -127,6 +128,13 @@ def _print_figure(out: "Console", attempts: Sequence[Row], metric: "Metric") -> 
         outcomes=[row["outcome"] for row in scored],
     )
     out.print(Text.from_ansi(figure), soft_wrap=True, end="\n\n")
+
+
+def _print_marks(out: "Console", trials: Sequence[Row]) -> None:
+    """What the therapist said of single trials."""
+    marks = [f"attempt {t['attempt']} {mark}" for t in trials if (mark := (t["details"] or {}).get("mark"))]
+    if marks:
+        out.print(f"Marked by the therapist: {', '.join(marks)}.", soft_wrap=True, end="\n\n")
 
 
 def _print_timing(out: "Console", machine: Row, trials: Sequence[Row]) -> None:

@@ -2,7 +2,7 @@
 
 import zlib
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import sqlite_utils
@@ -10,11 +10,10 @@ import sqlite_utils
 from sar_tui.framework.bus import Record
 from sar_tui.framework.messages import ImuBlock, SensorChanged
 from sar_tui.framework.topics import IMU
-from sar_tui.motion.samples import SAMPLE, Samples, unpack
 from sar_tui.store.database import StoreError
 
-LAYOUT = msgspec.json.encode(SAMPLE.descr).decode()
-"""How a sample lies in ``imu_chunks.data``: names, types and shapes as numpy's ``dtype.descr`` has them."""
+if TYPE_CHECKING:
+    from sar_tui.motion.samples import Samples
 
 INSERT_STREAM = (
     "INSERT INTO imu_streams (session, stream, seat, run, source, model, serial, rate_hz, rate_range_rad_s,"
@@ -24,6 +23,13 @@ INSERT_CHUNK = (
     "INSERT INTO imu_chunks (session, stream, seq, n, t0_ns, t1_ns, before_event, at_ns, crc32, data)"
     " VALUES (?,?,?,?,?,?,?,?,?,?)"
 )
+
+
+def layout() -> str:
+    """How a sample lies in ``imu_chunks.data``: names, types and shapes as numpy's ``dtype.descr`` has them."""
+    from sar_tui.motion.samples import SAMPLE  # loads numpy, which a session without a sensor does not need
+
+    return msgspec.json.encode(SAMPLE.descr).decode()
 
 
 class Streams:
@@ -68,10 +74,12 @@ class Streams:
         self._seq = 0
         return (
             self._session, self._stream, sensor.seat, self._run, sensor.source, sensor.model, sensor.serial,
-            sensor.rate_hz, sensor.rate_range_rad_s, sensor.acceleration_range_m_s2, LAYOUT, sensor.at,
+            sensor.rate_hz, sensor.rate_range_rad_s, sensor.acceleration_range_m_s2, layout(), sensor.at,
         )  # fmt: skip
 
     def _chunk(self, records: Sequence[Record]) -> tuple[Any, ...]:
+        from sar_tui.motion.samples import unpack
+
         self._seq += 1
         data = b"".join(record.message.samples for record in records if isinstance(record.message, ImuBlock))
         stamps = unpack(data)["at"]
@@ -111,12 +119,14 @@ def samples(
     from_ns: int = -(2**63),
     to_ns: int = 2**63 - 1,
     run: int | None = None,
-) -> Samples:
+) -> "Samples":
     """A session's samples measured in [from_ns, to_ns), of one run of the program where stamps may recur.
 
     Raises:
         StoreError: a block is damaged.
     """
+    from sar_tui.motion.samples import unpack
+
     found = []
     for stream, seq, crc, data in db.execute(
         "SELECT imu_chunks.stream, seq, crc32, data FROM imu_chunks JOIN imu_streams USING (session, stream)"

@@ -4,7 +4,6 @@ from itertools import pairwise
 from typing import Annotated, Literal
 
 from sar_tui.framework.parameters import TaskParameters, meta
-from sar_tui.motion.bounds import Hand
 
 _FEW_CM, _MOST_CM = 1.0, 200.0
 
@@ -22,7 +21,9 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
             "Motion sensor", help="phidget, phidget://host:port, simulated, recorded:FILE, or session:ID.", min_length=1
         ),
     ] = "phidget"
-    hand: Annotated[Hand, meta("Hand", help="The hand that reaches, with the sensor on it.")] = "right"
+    hand: Annotated[Literal["right", "left"], meta("Hand", help="The hand that reaches, with the sensor on it.")] = (
+        "right"
+    )
     marker_distances_cm: Annotated[
         tuple[float, ...],
         meta("Markers", "cm", "How far each marker is from the start, nearest first. A level is a marker."),

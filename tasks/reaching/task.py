@@ -1,7 +1,7 @@
 """The reaching task: out to a marker and back, with a motion sensor on the hand (thesis 4.2.2)."""
 
 import math
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.messages import ReachPerceived
@@ -20,14 +20,12 @@ from sar_tui.framework.task import (
     Task,
     Trial,
 )
-from sar_tui.motion.analysis import AnalysisParameters
-from sar_tui.motion.robust import RobustParameters
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.thesis import ThesisParameters
 
 from .details import ReachDetails
 from .parameters import ReachingParameters
-from .perception import ReachPerception
+
+if TYPE_CHECKING:
+    from sar_tui.motion.analysis import AnalysisParameters
 
 _AGAIN = {
     "samples": "The sensor told us nothing of that reach. Please do it once more.",
@@ -87,8 +85,12 @@ class ReachingTask(Task):
     def feedback_on(self) -> Literal["results", "performance", "both"]:
         return self.parameters.feedback_on
 
-    def analysis(self) -> AnalysisParameters:
+    def analysis(self) -> "AnalysisParameters":
         """How reaches are found, as the parameters say."""
+        from sar_tui.motion.analysis import AnalysisParameters  # loads numpy
+        from sar_tui.motion.robust import RobustParameters
+        from sar_tui.motion.thesis import ThesisParameters
+
         return AnalysisParameters(
             detector=self.parameters.detector,
             hand=self.parameters.hand,
@@ -103,6 +105,8 @@ class ReachingTask(Task):
         )
 
     def nodes(self) -> tuple[Node, ...]:
+        from .perception import ReachPerception
+
         return (ReachPerception(self.analysis(), self.parameters.still_ms),)
 
     def marker_cm(self, level: int) -> float:
@@ -195,6 +199,8 @@ class ReachingTask(Task):
         A healthy adult's reach out and back takes 0.85 s to 15 cm, and longer with the distance to the power 0.8:
         effort limits it less than a goal that grows with the square root.
         """
+        from sar_tui.motion.shapes import ReachShape
+
         distance = float(stimulus.name.split()[0])
         pace = 0.85 * (distance / 15.0) ** 0.8 * performance.pace
         begins = performance.reaction_ms / 1000

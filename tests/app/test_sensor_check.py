@@ -107,7 +107,7 @@ def seated(
             source.clock = clock
             return source
 
-        monkeypatch.setattr("sar_tui.runs.open_source", open_source)
+        monkeypatch.setattr("sar_tui.sensing.open_source", open_source)
         async with sit_down(data, catalogue, reaching_plan(reaching, theme, **parameters)) as chair:
             yield chair
 
@@ -508,7 +508,7 @@ async def test_a_persons_own_reach_is_seen_as_soon_as_the_hand_rests_again(seate
     [
         (Profile(axis=(0.0, 0.0, -1.0)), {}, "Wrong way out: the sensor is turned round, or it is not the right hand."),
         (Profile(), {"hand": "left"}, "Wrong way out: the sensor is turned round, or it is not the left hand."),
-        (PROFILES["saturating"], {}, "It was faster than the sensor can measure: its peaks are not known."),
+        (PROFILES["saturating"], {}, "It was faster than the sensor can measure: only its times are known."),
     ],
     ids=["turned round", "other hand", "saturated"],
 )

@@ -72,7 +72,7 @@ def test_each_time_a_sensor_is_attached_a_stream_begins_and_its_chunks_are_count
     streams, rows, _ = imu.Streams("s", 4).rows(records)
     assert [(row[1], row[2]) for row in rows] == [(1, 1), (1, 2), (2, 1)]
     assert [row[:4] for row in streams] == [("s", 1, "A", 4), ("s", 2, "A", 4)]
-    assert streams[1][4:] == ("test", "By hand", "7", 250.0, 5.0, 0.0, imu.LAYOUT, 3)
+    assert streams[1][4:] == ("test", "By hand", "7", 250.0, 5.0, 0.0, imu.layout(), 3)
 
 
 @pytest.mark.parametrize("state", ["detached", "gap", "saturated", "stalled", "flowing", "error", "ended"])
@@ -92,7 +92,7 @@ def test_counting_goes_on_from_batch_to_batch_and_only_once_a_batch_is_kept() ->
 
 
 def test_the_layout_says_how_to_read_the_bytes_without_this_program() -> None:
-    layout = [(name, kind, tuple(*shape)) for name, kind, *shape in json.loads(imu.LAYOUT)]
+    layout = [(name, kind, tuple(*shape)) for name, kind, *shape in json.loads(imu.layout())]
     assert np.dtype(layout) == SAMPLE
 
 

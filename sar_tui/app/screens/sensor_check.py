@@ -46,7 +46,8 @@ class SensorCheckScreen(Screen[bool]):
         "Lay the hand flat and still: z points up, and the bias of each axis is shown.\n\n"
         "Zero takes that bias for zero, where the sensor can. A test shows what a session would see of a reach: "
         "rest, reach out and back, and rest. Nothing of it is kept.\n\n"
-        "The session may begin at any time; without a sensor it waits for one.\n"
+        "The session may begin at any time; without a sensor it waits for one. To try the task without: Escape, then "
+        "F2 on the first screen, and set Motion sensor to simulated.\n"
     )
     AUTO_FOCUS = ""
     BINDINGS: ClassVar[list[BindingType]] = [

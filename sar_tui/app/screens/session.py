@@ -4,7 +4,7 @@ import asyncio
 import functools
 from collections import deque
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import events
 from textual.app import ComposeResult
@@ -33,11 +33,12 @@ from sar_tui.framework.messages import (
     Waiting,
 )
 from sar_tui.framework.topics import RECALL
-from sar_tui.motion.trace import Trace
 from sar_tui.widgets.agent import Agent
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.progress_line import ProgressLine
-from sar_tui.widgets.speed_trace import SpeedTrace
+
+if TYPE_CHECKING:
+    from sar_tui.motion.trace import Trace
 
 _LOOK_AFTER = 0.03
 """Seconds until the stamp of a prompt is looked at: work before then would delay the prompt's way to the eye."""
@@ -66,6 +67,7 @@ class SessionScreen(Screen[None]):
         self._traces: deque[Trace] = deque(maxlen=3)
         self._reaches = 0
         self._mark = ""
+        self._press = ""
 
     @property
     def help_text(self) -> str:
@@ -85,7 +87,10 @@ class SessionScreen(Screen[None]):
             with Vertical(id="message"):
                 yield Static("", id="headline", markup=False)
                 yield Static("", id="text", markup=False)
-                yield SpeedTrace(id="reaches")
+                if session.task.sensors:
+                    from sar_tui.widgets.speed_trace import SpeedTrace  # loads numpy
+
+                    yield SpeedTrace(id="reaches")
                 yield Static("", id="enter", markup=False)
             yield BigPrompt(id="prompt")
             yield PauseMenu(id="menu")
@@ -127,6 +132,14 @@ class SessionScreen(Screen[None]):
                 self._live.operate(Operator(command="mark", actor="therapist", reason=mark.name))
                 return
         self._live.keyboard.pressed(event.key, event.character, self._live.stamp(event.time), self._quiet.lag)
+        self._put_right(event.key, waiting)
+
+    def _put_right(self, key: str, waiting: Waiting) -> None:
+        """Enter where the start key is waited for, or the other way round: say which of the two it is."""
+        start = self._live.run.session.task.start_key
+        wanted = {"enter": "enter", "start": start}.get(waiting.what)
+        if start and wanted and key in ("enter", start) and key != wanted:
+            self.query_one("#enter", Static).update(f"{self._press} ({key.capitalize()} comes later.)")
 
     def _is_repeat(self, event: events.Key) -> bool:
         """Whether a key is held or bounces, as perception judges it; the Enter before the summary must not close it."""
@@ -201,6 +214,8 @@ class SessionScreen(Screen[None]):
 
     def reached(self, reach: ReachPerceived) -> None:
         if reach.trace_marks:
+            from sar_tui.motion.trace import Trace
+
             onset, arrival, departure, end = reach.trace_marks
             marks = {"onset_s": onset, "arrival_s": arrival, "departure_s": departure, "end_s": end}
             label = f"reach {self._reaches + 1}"
@@ -270,10 +285,11 @@ class SessionScreen(Screen[None]):
             self.query_one(Agent).say("", "listening")
         for name, text in (("#headline", said.headline), ("#text", said.text), ("#enter", said.press)):
             self.query_one(name, Static).update(text)
-        reaches = self.query_one(SpeedTrace)
-        reaches.display = bool(self._traces) and waiting.stage in ("attempt", "review")
-        if reaches.display:
-            reaches.show(self._traces)
+        self._press = said.press
+        for reaches in self.query("#reaches").results():
+            reaches.display = bool(self._traces) and waiting.stage in ("attempt", "review")
+            if reaches.display:
+                reaches.show(self._traces)  # type: ignore[attr-defined]
         self._stage("message")
 
     def _stage(self, name: str) -> None:

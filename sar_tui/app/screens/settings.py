@@ -68,7 +68,11 @@ class SettingsScreen(Screen[None]):
 
     def _problems(self) -> dict[str, str]:
         try:
-            build(self._motor_task.Parameters, self._values())
+            parameters = build(self._motor_task.Parameters, self._values())
+            if self._motor_task.sensors:
+                from sar_tui.sensing import check_sensor
+
+                check_sensor(parameters)
         except ParameterError as error:
             return error.problems
         return {}
