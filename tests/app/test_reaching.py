@@ -107,6 +107,20 @@ async def test_a_participant_may_take_their_time_before_each_reach(data: Path, c
         assert chair.stored("SELECT count(*) FROM trials") == [(0,)]
 
 
+async def test_whoever_takes_enter_for_space_is_told_which_it_is(data: Path, catalogue: Catalogue) -> None:
+    async with at_the_table(data, catalogue) as chair:
+        await chair.press("enter")
+        await chair.wait(300)
+        await chair.press("space")
+        assert chair.sees("Press Enter to begin attempt 1 of 2. (Space comes later.)")
+        await chair.press("enter")
+        await chair.wait(3000)
+        assert chair.sees("Press Space to start.")
+        assert not chair.sees("comes later")
+        await chair.press("enter")
+        assert chair.sees("Press Space to start. (Enter comes later.)")
+
+
 async def test_a_sensor_that_comes_loose_is_told_of_and_the_session_goes_on_by_itself(
     data: Path, catalogue: Catalogue
 ) -> None:

@@ -133,6 +133,17 @@ async def test_what_is_wrong_is_not_saved_and_is_gone_to(data: Path, catalogue: 
 
 
 @pytest.mark.usefixtures("a_participant")
+async def test_a_sensor_that_there_is_not_is_told_where_it_is_set(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        chair.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
+        await chair.settle()
+        await fill(chair, "imu", "fidget")
+        assert reads(chair, "imu") == 'There is no sensor "fidget". There is: phidget, recorded, simulated, session.'
+        await fill(chair, "imu", "simulated:steady")
+        assert "There is no" not in reads(chair, "imu")
+
+
+@pytest.mark.usefixtures("a_participant")
 async def test_a_dot_marks_what_differs_from_the_default(data: Path, catalogue: Catalogue) -> None:
     async with sit_down(data, catalogue) as chair:
         await chair.press("f2")

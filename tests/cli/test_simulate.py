@@ -26,6 +26,14 @@ def test_json_is_the_session_and_the_rows_of_its_attempts(call: Call, tmp_path: 
     assert [row["metric"] for row in printed["attempts"]] == [metric for (metric,) in rows]
 
 
+def test_show_lists_what_a_therapist_has_marked(call: Call, tmp_path: Path) -> None:
+    session = call("simulate", "reaching", "--user", "average", "--attempts", 2, "--seed", 1, "--json").json["session"]
+    assert "Marked" not in call("show", session).out
+    with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
+        connection.execute("UPDATE trials SET details=json_set(details, '$.mark', 'assisted') WHERE attempt=2")
+    assert "Marked by the therapist: attempt 2 assisted." in call("show", session).out
+
+
 def test_the_same_seed_gives_the_same_attempts(call: Call) -> None:
     first, second, other = (
         [
