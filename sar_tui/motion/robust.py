@@ -42,7 +42,7 @@ class RobustParameters(msgspec.Struct, frozen=True, kw_only=True):
     begin_rad_s: float = 0.1
     end_rad_s: float = 0.05
     least_rad: float = 0.1
-    shortest_s: float = 0.2
+    shortest_s: float = 0.25
     pause_s: float = 0.5
     dwell_s: float = 2.0
     longest_s: float = 15.0

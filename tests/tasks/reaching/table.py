@@ -21,7 +21,7 @@ from tests.desk import Desk
 
 REACH_OUT = ReachShape(out_s=0.5, back_s=0.5, peak_out=1.5, peak_back=-1.5)
 """A reach of one second."""
-FLICK = ReachShape(out_s=0.08, back_s=0.08, peak_out=0.8, peak_back=-0.8)
+FLICK = ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0)
 """A twitch of the wrist: the hand goes nowhere."""
 PATIENCE_MS = 60_000
 
