@@ -67,6 +67,7 @@ class ReachPerception(TimedNode):
         self._ended: int | None = None
         self._flags: list[str] = []
         self._segmenter: Segmenter | None = None
+        self._dismissed: float | None = None
         self.cancel_timers()
 
     # --- the sensor ----------------------------------------------------------------------------------------
@@ -95,7 +96,7 @@ class ReachPerception(TimedNode):
             elif newest >= self._ended + TAIL:
                 self._flags.append("moving")
                 self._tell("key")
-        elif reached and rested >= self._still_s:
+        elif reached and rested >= self._still_s and self._began_s != self._dismissed:
             self._tell("stillness")
 
     def _forget_before(self, stamp: int) -> None:
@@ -145,9 +146,13 @@ class ReachPerception(TimedNode):
             self.set_timer("tail", press.at + TAIL + PATIENCE)
 
     @property
+    def _began_s(self) -> float | None:
+        """When the present or last movement began."""
+        return self._segmenter.began_s if self._segmenter else None
+
+    @property
     def _has_moved(self) -> bool:
-        began = self._segmenter.began_s if self._segmenter else None
-        return began is not None and began * SECOND >= self._started - EARLY_NS
+        return self._began_s is not None and self._began_s * SECOND >= self._started - EARLY_NS
 
     @on(VOIDED)
     def voided(self, _: PromptVoided) -> None:
@@ -175,6 +180,9 @@ class ReachPerception(TimedNode):
             flags=tuple(self._flags),
         )
         found = analyse(samples, window, self._analysis)
+        if closed == "stillness" and found.onset_ns is None and not found.invalid:
+            self._dismissed = self._began_s  # a flick of the wrist: the reach is still to come
+            return
         at = next(stamp for stamp in (found.end_ns, self._ended, self.now) if stamp is not None)
         trace = None
         if found.onset_ns is not None and found.end_ns is not None:
