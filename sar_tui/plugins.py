@@ -12,14 +12,15 @@ from collections.abc import Iterator
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-import msgspec
 import platformdirs
 
 import sar_tui
 from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme, ThemeError
+from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
+from sar_tui.theme_folder import read_theme
 
 _PACKAGE = "sar_tui_tasks"
+DEFAULT_THEME = "calm"
 
 
 class PluginError(Exception):
@@ -68,9 +69,9 @@ class Catalogue:
                 return path.parent
         raise PluginError(f"There is no theme {name}. There is: {', '.join(self.theme_names())}.")
 
-    def theme(self, name: str) -> Theme:
+    def theme(self, name: str, language: str = ENGLISH) -> Theme:
         """Load a theme by name. Raises PluginError."""
-        return load_theme(self.theme_folder(name))
+        return load_theme(self.theme_folder(name), language)
 
 
 def user_folder() -> Path:
@@ -167,34 +168,15 @@ def _checked(task: type[Task], name: str) -> type[Task]:
     return task
 
 
-class _ThemeFile(msgspec.Struct, forbid_unknown_fields=True):
-    title: str
-    summary: str
-    dark: bool
-    minimum_contrast: float
-    colors: dict[str, str]
-    faces: dict[str, str]
+def load_theme(folder: Path, language: str = ENGLISH) -> Theme:
+    """Load a theme's folder in a language; what is missing or wrong in it is the default theme's (`Theme.repairs`).
 
-
-def load_theme(folder: Path) -> Theme:
-    """Load a theme's folder: ``theme.toml`` and ``phrases.en.toml``. Raises PluginError."""
-    from sar_tui.framework.theme import Colors
-
+    Raises:
+        PluginError: its files cannot be read at all.
+    """
+    default = _shipped("themes") / DEFAULT_THEME
     try:
-        file = msgspec.toml.decode((folder / "theme.toml").read_bytes(), type=_ThemeFile)
-        phrases = msgspec.toml.decode((folder / "phrases.en.toml").read_bytes(), type=dict[str, tuple[str, ...]])
-        theme = Theme(
-            name=folder.name,
-            title=file.title,
-            summary=file.summary,
-            dark=file.dark,
-            minimum_contrast=file.minimum_contrast,
-            colors=msgspec.convert(file.colors, Colors),
-            faces={name: face.strip("\n") for name, face in file.faces.items()},
-            phrases=phrases,
-        )
-    except (OSError, UnicodeDecodeError, msgspec.MsgspecError, ThemeError) as error:
+        base = read_theme(default, language) if folder != default else None
+        return read_theme(folder, language, base)
+    except ThemeError as error:
         raise PluginError(f"The theme {folder.name} cannot be read: {error}") from error
-    if problems := theme.problems():
-        raise PluginError(f"The theme {folder.name} cannot be used: {' '.join(problems)}")
-    return theme

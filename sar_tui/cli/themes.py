@@ -1,32 +1,141 @@
-"""``sar-tui themes``: how the agent can look and speak."""
+"""``sar-tui themes``: how the agent can look and speak, and help for those who write a theme."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.errors import FAILED, Refused
+
+if TYPE_CHECKING:
+    from sar_tui.cli.theme_check import Report
+
+app = typer.Typer(rich_markup_mode=None)
 
 
-def themes(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
-    """List how the agent can look and speak."""
+@app.callback(invoke_without_command=True)
+def list_themes(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
+    """List how the agent can look and speak; begin a new theme, check one."""
+    context.obj = home = Home.of(context, data, tasks)
+    if context.invoked_subcommand is not None:
+        return
     from sar_tui.plugins import PluginError
 
-    catalogue = Home.of(context, data, tasks).catalogue()
-    rows, broken = [], []
+    catalogue = home.catalogue()
+    rows: list[dict[str, Any]] = []
+    broken: list[dict[str, str]] = []
     for name in catalogue.theme_names():
         try:
             theme = catalogue.theme(name)
         except PluginError as error:
             broken.append({"name": name, "error": str(error)})
         else:
-            rows.append({"name": name, "title": theme.title, "summary": theme.summary})
+            facts = {"title": theme.title, "languages": theme.languages, "summary": theme.summary}
+            rows.append({"name": name, **facts, "repairs": theme.repairs})
     if as_json:
         print_json({"themes": [*rows, *broken]})
         return
 
     from sar_tui.cli.tables import add, table
 
-    made = table("name", "title", "summary")
+    made = table("name", "title", "languages", "summary", whole=("name",))
     for row in rows:
-        add(made, *row.values())
-    console().print(made)
-    for row in broken:
-        console().print(f"✗ {row['error']}", markup=False)
+        add(made, row["name"], row["title"], ", ".join(row["languages"]), row["summary"])
+    out = console()
+    out.print(made)
+    for row in rows:
+        if row["repairs"]:
+            words = f"! {row['name']} is not whole, and is filled up from another: sar-tui themes check {row['name']}"
+            out.print(words, markup=False, soft_wrap=True)
+    for problem in broken:
+        out.print(f"✗ {problem['error']}", markup=False, soft_wrap=True)
+
+
+@app.command("new")
+def new_theme(
+    context: typer.Context,
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Its name: small letters, such as evening.", show_default=False)
+    ],
+    model: Annotated[str, typer.Option("--from", metavar="THEME", help="The theme it begins as a copy of.")] = "calm",
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to",
+            metavar="DIR",
+            show_default=False,
+            help="Where its folder is made; else where your themes are found.",
+        ),
+    ] = None,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Begin a new theme as a copy of another."""
+    from sar_tui.cli.theme_scaffold import make
+    from sar_tui.plugins import user_folder
+
+    own = user_folder() / "themes"
+    folder = make(name, model, to or own, Home.of(context, data, tasks).catalogue())
+    found = folder.parent == own.resolve()
+    hint = "" if found else f"\nTo choose it in a session, move it to {own}."
+    console().print(
+        f"Made {folder}: a copy of {model} to make your own. Change its files, then try\n"
+        f"  sar-tui themes check {name if found else folder}{hint}",
+        markup=False,
+        soft_wrap=True,
+    )
+
+
+@app.command("check")
+def check_theme(
+    context: typer.Context,
+    theme: Annotated[str, typer.Argument(metavar="THEME", help="The theme's name, or its folder.", show_default=False)],
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Test a theme: every wording in every language, contrast, faces, gestures."""
+    from sar_tui.cli.theme_check import check
+
+    report = check(_folder(theme, Home.of(context, data, tasks)))
+    if as_json:
+        rows = [{"check": c.check, "ok": c.ok, "problems": c.problems, "found": c.found} for c in report.checks]
+        print_json(
+            {
+                "theme": report.theme,
+                "passed": report.passed,
+                "languages": report.languages,
+                "checks": rows,
+                "contrasts": report.contrasts,
+                "english": report.english,
+            }
+        )
+    else:
+        _print(report)
+    if not report.passed:
+        raise typer.Exit(FAILED)
+
+
+def _folder(theme: str, home: Home) -> Path:
+    """The folder that is meant. Raises Refused."""
+    path = Path(theme).resolve()
+    if (path / "theme.toml").is_file():
+        return path
+    catalogue = home.catalogue()
+    if theme in catalogue.theme_names():
+        return catalogue.theme_folder(theme)
+    if path.is_dir():
+        return path
+    raise Refused(f"There is no theme {theme}, and no such folder. There is: {', '.join(catalogue.theme_names())}.")
+
+
+def _print(report: "Report") -> None:
+    out = console()
+    for check in report.checks:
+        found = f" ({check.found})" if check.found else ""
+        out.print(f"{'✓' if check.ok else '✗'} {check.check}{found}", markup=False, soft_wrap=True)
+        for problem in check.problems:
+            out.print(f"    {problem}", markup=False, soft_wrap=True)
+    if report.passed:
+        out.print(f"{report.theme} keeps the contract.", markup=False)

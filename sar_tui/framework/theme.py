@@ -1,93 +1,23 @@
-"""The Social-Behavioral Base: how the agent looks and what it says, as data in a folder."""
+"""The Social-Behavioral Base: how the agent looks, moves and speaks, as data in a folder."""
 
 import re
-import string
-from typing import Literal
+from typing import Annotated
 
 import msgspec
+from msgspec import Meta
+
+from sar_tui.framework.contrast import contrast, is_color
+from sar_tui.framework.gesture import Gesture
 
 FACES = ("neutral", "listening", "happy", "encouraging", "thinking", "speaking", "sleeping")
 """The expressions every theme draws."""
-
-_FIGURES = {"value", "goal", "difference", "correct", "trials"}
-SITUATIONS: dict[str, set[str]] = {
-    "greeting": set(),
-    "goodbye": set(),
-    "positive": set(),
-    "neutral": set(),
-    "negative": set(),
-    "accuracy": set(),
-    "empty": set(),
-    **{f"{valence}_first": {"value", "goal"} for valence in ("positive", "neutral", "negative")},
-    **{
-        f"{valence}_{change}": {"value", "goal", "difference", "change"}
-        for valence in ("positive", "neutral", "negative")
-        for change in ("improved", "worsened")
-    },
-    **{f"{valence}_same": {"value", "goal"} for valence in ("positive", "neutral", "negative")},
-    "performance_first": {"aim"},
-    "performance_improved": {"change"},
-    "performance_worsened": {"aim"},
-    "performance_same": {"aim"},
-    "accuracy_figures": {"correct", "trials"},
-    "empty_figures": {"correct", "trials"},
-}
-"""What the agent can be asked to say, and the slots its words may use."""
-
-PERFORMANCE = tuple(name for name in SITUATIONS if name.startswith("performance_"))
-QUALITATIVE = ("positive", "neutral", "negative", "accuracy", "empty", *PERFORMANCE)
-QUANTITATIVE = tuple(name for name, slots in SITUATIONS.items() if slots & _FIGURES)
-
-NUMBER_WORDS = frozenset(
-    [
-        "zero",
-        "one",
-        "two",
-        "three",
-        "four",
-        "five",
-        "six",
-        "seven",
-        "eight",
-        "nine",
-        "ten",
-        "eleven",
-        "twelve",
-        "thirteen",
-        "fourteen",
-        "fifteen",
-        "sixteen",
-        "seventeen",
-        "eighteen",
-        "nineteen",
-        "twenty",
-        "thirty",
-        "forty",
-        "fifty",
-        "sixty",
-        "seventy",
-        "eighty",
-        "ninety",
-        "hundred",
-        "thousand",
-        "million",
-        "half",
-        "quarter",
-        "once",
-        "twice",
-        "thrice",
-        "first",
-        "second",
-        "third",
-        "fourth",
-        "fifth",
-        "dozen",
-        "couple",
-        "pair",
-        "double",
-        "percent",
-    ]
-)
+GROUNDS = ("background", "surface")
+"""The colours that text stands on."""
+GAZES = ("ahead", "left", "right", "up", "down")
+TONES = ("go", "success", "end")
+"""Short tones: a prompt is up, praise, an attempt is over."""
+ENGLISH = "en"
+"""The language every theme has, and every phrase falls back to."""
 
 
 class ThemeError(ValueError):
@@ -106,11 +36,81 @@ class Colors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     neutral: str
     negative: str
 
+    def contrasts(self) -> dict[tuple[str, str], float]:
+        """The WCAG ratio of each colour of text with each ground, by their names; those that are none are left out."""
+        colors = {name: value for name, value in msgspec.structs.asdict(self).items() if is_color(value)}
+        return {
+            (name, ground): contrast(colors[name], colors[ground])
+            for name in colors
+            for ground in GROUNDS
+            if name not in GROUNDS and ground in colors
+        }
+
+
+class Voice(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """How the agent speaks: words a minute, loudness from 0 to 1.
+
+    By language: ``rates`` where that differs, ``names`` of the speech engine's voices.
+    """
+
+    rate: Annotated[int, Meta(ge=80, le=400)] = 165
+    volume: Annotated[float, Meta(ge=0, le=1)] = 1.0
+    rates: dict[str, Annotated[int, Meta(ge=80, le=400)]] = {}
+    names: dict[str, str] = {}
+
+    def rate_in(self, language: str) -> int:
+        """Words a minute in a language."""
+        return self.rates.get(language, self.rate)
+
+
+class Manner(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What goes with words: an expression, a gesture, a look, a tone; empty where there is none."""
+
+    face: str = "speaking"
+    gesture: str = ""
+    gaze: str = "ahead"
+    tone: str = ""
+
+
+MANNERS: dict[str, Manner] = {
+    "greeting": Manner("happy", "wave"),
+    "instruction": Manner("speaking", "", "up"),
+    "encouragement": Manner("encouraging", "lean_in"),
+    "rest": Manner("sleeping", "rest"),
+    "goodbye": Manner("happy", "wave"),
+    "positive_slight": Manner("happy", "nod", tone="success"),
+    "positive": Manner("happy", "nod", tone="success"),
+    "positive_strong": Manner("happy", "cheer", tone="success"),
+    "neutral": Manner("neutral", "nod"),
+    "negative_slight": Manner("encouraging"),
+    "negative": Manner("encouraging", "lean_in"),
+    "negative_strong": Manner("encouraging", "lean_in"),
+}
+"""What a theme may set by kind and degree, with what goes for those it does not set."""
+
+
+class Note(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A part of a tone: its frequency (Hz, 0 is silence) and duration (ms)."""
+
+    hz: Annotated[float, Meta(ge=0, le=8000)]
+    ms: Annotated[int, Meta(ge=10, le=1000)]
+
+
+_TONES = {
+    "go": (Note(880, 120),),
+    "success": (Note(660, 110), Note(880, 170)),
+    "end": (Note(520, 160),),
+}
+
 
 class Theme(msgspec.Struct, frozen=True):
-    """A persona: its colours, its drawn faces, its wordings for each situation.
+    """A persona in one language: its colours, faces, voice, manner and gestures, its wordings for each situation.
 
-    ``minimum_contrast`` is the WCAG ratio that all text keeps against the background and the surface.
+    ``minimum_contrast`` is the WCAG ratio that all text keeps against the background and the surface. ``languages``
+    are those the theme's folder has phrases in; a phrase that ``language`` lacks is English. ``mouth_line`` is the
+    line of a face, from 0, that moves when it speaks. ``units`` says how a unit is spoken; ``images`` name files that
+    may stand for faces; ``texts`` are the theme's own words for what the screens say in English. ``repairs`` tells what
+    was missing or wrong in its folder, a sentence each, where another theme's part stands instead.
     """
 
     name: str
@@ -121,77 +121,30 @@ class Theme(msgspec.Struct, frozen=True):
     colors: Colors
     faces: dict[str, str]
     phrases: dict[str, tuple[str, ...]]
+    language: str = ENGLISH
+    languages: tuple[str, ...] = (ENGLISH,)
+    vocabulary: dict[str, str] = {}
+    units: dict[str, str] = {}
+    texts: dict[str, str] = {}
+    mouth_line: int = 2
+    voice: Voice = Voice()
+    manners: dict[str, Manner] = {}
+    gestures: dict[str, Gesture] = {}
+    tones: dict[str, tuple[Note, ...]] = {}
+    images: dict[str, str] = {}
+    repairs: tuple[str, ...] = ()
 
-    def problems(self) -> list[str]:
-        """What is missing or wrong, a sentence each."""
-        found = [f"There is no face for {face}." for face in FACES if not self.faces.get(face)]
-        for situation, slots in SITUATIONS.items():
-            wordings = self.phrases.get(situation, ())
-            if not wordings:
-                found.append(f"There is no wording for {situation}.")
-            for wording in wordings:
-                found += _wording_problems(situation, wording, slots)
-        found += [f"{name} is not a situation." for name in self.phrases if name not in SITUATIONS]
-        return found + self._contrast_problems()
+    def manner(self, name: str) -> Manner:
+        """What goes with words of a kind or degree."""
+        return self.manners.get(name) or MANNERS.get(name) or Manner()
 
-    def _contrast_problems(self) -> list[str]:
-        colors = msgspec.structs.asdict(self.colors)
-        bad = [
-            f"{name} is not a colour like #a0b1c2: {value}." for name, value in colors.items() if not _is_color(value)
-        ]
-        if bad:
-            return bad
-        return [
-            f"{name} on {ground} has a contrast of {ratio:.1f}, less than {self.minimum_contrast:g}."
-            for name in colors
-            if name not in ("background", "surface")
-            for ground in ("background", "surface")
-            if (ratio := contrast(colors[name], colors[ground])) < self.minimum_contrast
-        ]
+    def notes(self, tone: str) -> tuple[Note, ...]:
+        """The notes of a tone; none for one that there is not."""
+        return self.tones.get(tone) or _TONES.get(tone, ())
 
-
-def holds_number(text: str) -> bool:
-    """Whether a text holds a number, in digits or in words."""
-    return bool(re.search(r"\d", text)) or not NUMBER_WORDS.isdisjoint(re.findall(r"[a-z]+", text.lower()))
-
-
-def _wording_problems(situation: str, wording: str, slots: set[str]) -> list[str]:
-    try:
-        used = {name for _, name, _, _ in string.Formatter().parse(wording) if name is not None}
-    except ValueError as error:
-        return [f"A wording for {situation} has broken slots ({error}): {wording!r}."]
-    found = [
-        f"A wording for {situation} uses the slot {name}, which it does not have." for name in sorted(used - slots)
-    ]
-    if not found:
-        try:
-            wording.format(**dict.fromkeys(slots, "figure"))
-        except (ValueError, LookupError) as error:
-            found.append(f"A wording for {situation} has broken slots ({error}): {wording!r}.")
-    if situation in QUALITATIVE and holds_number(wording):
-        found.append(f"A wording for {situation} holds a number: {wording!r}.")
-    if situation in QUANTITATIVE and not used & _FIGURES:
-        found.append(f"A wording for {situation} gives no figure: {wording!r}.")
-    return found
-
-
-def _is_color(value: str) -> bool:
-    return bool(re.fullmatch(r"#[0-9a-fA-F]{6}", value))
-
-
-def contrast(one: str, other: str) -> float:
-    """The contrast ratio of two #rrggbb colours, 1 to 21 (WCAG 2.2, "contrast ratio")."""
-    lighter, darker = sorted((_luminance(one), _luminance(other)), reverse=True)
-    return (lighter + 0.05) / (darker + 0.05)
-
-
-def _luminance(color: str) -> float:
-    """Relative luminance of an sRGB colour (WCAG 2.2, "relative luminance")."""
-    channels = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)]
-    red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels)
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
-
-
-def face_for(valence: Literal["positive", "neutral", "negative"] | None) -> str:
-    """The expression that goes with a valence."""
-    return {"positive": "happy", "neutral": "neutral", "negative": "encouraging"}.get(valence or "", "speaking")
+    def spoken(self, text: str) -> str:
+        """A text as it is to be spoken: units after a number in full."""
+        if not self.units:
+            return text
+        units = "|".join(re.escape(unit) for unit in sorted(self.units, key=len, reverse=True))
+        return re.sub(rf"(\d)\s*({units})(?!\w)", lambda found: f"{found[1]} {self.units[found[2]]}", text)

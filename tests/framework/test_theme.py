@@ -1,89 +1,235 @@
-"""Given a theme's folder, when it is loaded, then it is whole, legible and never at odds with itself."""
+"""Given the themes that ship, when they are worn, then they are whole, legible, kind and true to themselves."""
 
-import itertools
-import json
 import re
-import shutil
-import tomllib
-from pathlib import Path
+from itertools import combinations, product
 
-import msgspec
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from rich.cells import cell_len
+from text_to_num import alpha2digit
 
-from sar_tui.framework.theme import FACES, QUALITATIVE, SITUATIONS, Theme, contrast, holds_number
-from sar_tui.plugins import Catalogue, PluginError, load_theme
+from sar_tui.framework.gesture import GESTURES, JOINTS
+from sar_tui.framework.number_words import holds_number
+from sar_tui.framework.situations import FIGURES, QUALITATIVE, QUANTITATIVE, SITUATIONS
+from sar_tui.framework.theme import FACES, MANNERS, Manner, Note, Theme
+from sar_tui.plugins import Catalogue, user_folder
+from sar_tui.theme_folder import languages, read_theme
 
-SHIPPED = ("calm", "high-contrast")
-GROUNDS = ("background", "surface")
-WRITING = ("text", "muted", "accent", "positive", "neutral", "negative")
+NAMES = ("calm", "high-contrast", "playful")
+LANGUAGES = ("en", "es")
+DEGREES = tuple(f"{valence}{degree}" for valence in ("positive", "negative") for degree in ("_slight", "", "_strong"))
+BREATH = 115
+"""So many characters can be said in one breath."""
+
+UNKIND = {
+    "en": r"""wrong wrongly fail fails failed failing failure bad badly poor poorly lazy mistakes? errors? faults? blame
+        stupid silly weak worse worst useless sad shame pity disappoint\w* unfortunately careless clumsy sloppy never
+        must should slowly""",
+    "es": r"""mal malo mala malos malas fallos? fallad\w+ fallar falló errores error equivoc\w+ culpas? torpes? vag[oa]
+        perezos[oa] tont[oa] débil peor inútil triste vergüenza lástima pena decepci\w+ fracas\w+ desgraciadamente
+        descuid\w+ nunca debe debes debería deberías lento lenta""",
+}
+"""What blames, belittles or mocks."""
+UNTRUE = {
+    "en": r"""perfect\w* amazing incredible unbelievable genius champion always guarantee\w* promise\w* heal\w* cure\w*
+        recover\w* therapy doctor medicine pain hurts? exercises?""",
+    "es": r"""perfect[oa]\w* increíble asombros[oa] genio campe\w+ siempre garantiz\w+ promet\w+ cur[aeo]r?\w* sana\w*
+        recupera\w* terapia médic[oa] medicina dolor duele ejercicios?""",
+}
+"""What exaggerates, gives medical advice or promises recovery."""
+
+CHANGES = {"en": ("faster", "slower", "smoother"), "es": ("más rápido", "más lento", "más suave")}
+AIMS = {"en": ("as smoothly as you can", "with a steady hand"), "es": ("lo más suavemente posible", "con pulso firme")}
+UNITS = ("ms", "s", "cm", "%", "taps/s", "")
 
 
-@pytest.fixture(params=SHIPPED)
+@pytest.fixture(params=[(name, language) for name in NAMES for language in LANGUAGES], ids="-".join)
 def theme(request: pytest.FixtureRequest, catalogue: Catalogue) -> Theme:
-    return catalogue.theme(request.param)
+    """Each theme in each language, with nothing taken from elsewhere."""
+    name, language = request.param
+    return read_theme(catalogue.theme_folder(name), language)
 
 
-@pytest.fixture
-def copy(tmp_path: Path, catalogue: Catalogue) -> Path:
-    """A theme of one's own, to be broken."""
-    folder = tmp_path / "mine"
-    shutil.copytree(catalogue.theme_folder("calm"), folder)
-    return folder
+def said(theme: Theme, situation: str) -> list[str]:
+    """The wordings for a situation with all slots filled."""
+    slots = dict.fromkeys(FIGURES, "1250 ms") | {
+        "percent": "100 %",
+        "change": CHANGES[theme.language][0],
+        "aim": AIMS[theme.language][0],
+        "reference": max(theme.vocabulary.values(), key=len),
+    }
+    return [wording.format(**slots) for wording in theme.phrases[situation]]
 
 
-def change(file: Path, pattern: str, by: str) -> None:
-    text, count = re.subn(pattern, by, file.read_text(encoding="utf-8"), count=1, flags=re.MULTILINE | re.DOTALL)
-    assert count == 1
-    file.write_text(text, encoding="utf-8")
+def words_of(theme: Theme) -> str:
+    """Everything a theme says of its own, in small letters."""
+    wordings = [wording for wordings in theme.phrases.values() for wording in wordings]
+    return " ".join([*wordings, *theme.vocabulary.values()]).lower()
 
 
-def reword(folder: Path, situation: str, *wordings: str) -> None:
-    """Give a theme other wordings for a situation; none at all takes the situation away."""
-    file = folder / "phrases.en.toml"
-    phrases = tomllib.loads(file.read_text(encoding="utf-8"))
-    phrases.pop(situation, None)
-    if wordings:
-        phrases[situation] = wordings
-    lines = (f"{name} = {json.dumps(words, ensure_ascii=False)}" for name, words in phrases.items())
-    file.write_text("\n".join(lines), encoding="utf-8")
-
-
-def sentence(folder: Path) -> str:
-    with pytest.raises(PluginError) as caught:
-        load_theme(folder)
-    return str(caught.value)
-
-
-def wcag_ratio(one: str, other: str) -> float:
-    """WCAG 2.2, by the letter."""
-
-    def luminance(color: str) -> float:
-        linear = []
-        for hex_pair in re.findall("..", color.removeprefix("#")):
-            share = int(hex_pair, 16) / 255
-            linear.append(share / 12.92 if share <= 0.04045 else ((share + 0.055) / 1.055) ** 2.4)
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-    light, dark = sorted((luminance(one), luminance(other)), reverse=True)
-    return (light + 0.05) / (dark + 0.05)
+# --- whole -----------------------------------------------------------------------------------------------------------
 
 
 def test_the_shipped_themes_are_these(catalogue: Catalogue) -> None:
-    assert set(SHIPPED) <= set(catalogue.theme_names())
+    assert not (user_folder() / "themes").exists()
+    assert tuple(catalogue.theme_names()) == NAMES
+    for name in NAMES:
+        assert languages(catalogue.theme_folder(name)) == LANGUAGES
 
 
-def test_every_shipped_theme_is_whole(catalogue: Catalogue) -> None:
-    for name in catalogue.theme_names():
-        assert catalogue.theme(name).problems() == []
+def test_every_shipped_theme_is_whole_in_every_language(theme: Theme) -> None:
+    assert theme.repairs == ()
+    assert set(theme.phrases) == set(SITUATIONS)
+    assert set(theme.faces) == set(FACES)
+    assert set(theme.gestures) == set(GESTURES)
+    assert theme.units
 
 
-@pytest.mark.parametrize(("name", "ratio"), [("calm", 4.5), ("high-contrast", 7.0)])
+# --- words -----------------------------------------------------------------------------------------------------------
+
+
+def test_there_is_more_than_one_way_to_say_anything(theme: Theme) -> None:
+    for situation, wordings in theme.phrases.items():
+        assert len(set(wordings)) == len(wordings) >= (3 if situation.startswith(("positive", "negative")) else 2)
+
+
+def test_each_degree_of_praise_and_consolation_has_words_of_its_own(theme: Theme) -> None:
+    for one, other in combinations((*DEGREES, "neutral"), 2):
+        assert not set(theme.phrases[one]) & set(theme.phrases[other])
+
+
+def test_consolation_is_warmer_the_farther_the_goal_and_so_takes_more_words(theme: Theme) -> None:
+    slight, plain, strong = (sum(map(len, theme.phrases[f"negative{degree}"])) for degree in ("_slight", "", "_strong"))
+    assert slight < plain < strong
+
+
+def test_no_wording_blames(theme: Theme) -> None:
+    unkind = rf"\b(?:{'|'.join(UNKIND[theme.language].split())})\b"
+    assert re.findall(unkind, words_of(theme)) == []
+
+
+def test_no_wording_exaggerates_or_speaks_of_healing(theme: Theme) -> None:
+    untrue = rf"\b(?:{'|'.join(UNTRUE[theme.language].split())})\b"
+    assert re.findall(untrue, words_of(theme)) == []
+
+
+def test_every_wording_is_short_enough_for_one_breath(theme: Theme) -> None:
+    assert [text for situation in SITUATIONS for text in said(theme, situation) if len(text) > BREATH] == []
+
+
+def test_every_wording_is_whole_sentences(theme: Theme) -> None:
+    for situation in SITUATIONS:
+        for text in said(theme, situation):
+            assert re.match(r"[¡¿]?[A-ZÁÉÍÓÚ\d]", text), text
+            assert text[-1] in ".!?", text
+            assert text.count("¡") == (text.count("!") if theme.language == "es" else 0), text
+            assert text.count("¿") == (text.count("?") if theme.language == "es" else 0), text
+
+
+def test_words_and_figures_that_are_said_together_do_not_repeat_each_other(theme: Theme) -> None:
+    together = [(name, f"{name}_figures") for name in ("accuracy", "empty")]
+    for valence in ("positive", "neutral", "negative"):
+        graded = [name for name in ("neutral", *DEGREES) if name.split("_")[0] == valence]
+        figures = [f"{valence}_{change}" for change in ("first", "improved", "worsened", "same")]
+        together += [*product(graded, figures), (f"summary_{valence}", "summary_figures")]
+    for words, figures in together:
+        for one, other in product(theme.phrases[words], theme.phrases[figures]):
+            assert not runs(one) & runs(other), (one, other)
+
+
+def runs(text: str) -> set[str]:
+    """Three words in a row, within its sentences."""
+    sentences = [re.findall(r"[\w{}]+", sentence.lower()) for sentence in re.split(r"[.!?:;]", text)]
+    return {" ".join(words[i : i + 3]) for words in sentences for i in range(len(words) - 2)}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_spanish_addresses_adults_as_usted_and_children_as_tu(name: str, catalogue: Catalogue) -> None:
+    words = set(re.findall(r"\w+", words_of(read_theme(catalogue.theme_folder(name), "es"))))
+    formal, familiar = {"su", "sus", "usted", "le", "pruebe", "tómese"}, {"tu", "tus", "te", "ti", "contigo", "prueba"}
+    assert not words & (formal if name == "playful" else familiar)
+    assert words & (familiar if name == "playful" else formal)
+
+
+@st.composite
+def fillings(draw: st.DrawFn, language: str) -> dict[str, str]:
+    """What the slots are filled with but for the reference: results of any task."""
+    decimals = draw(st.integers(0, 3))
+    unit = draw(st.sampled_from(UNITS))
+    numbers = st.floats(0, 99_999).map(lambda number: f"{number:.{decimals}f} {unit}".rstrip())
+    if language == "es":
+        numbers = numbers.map(lambda text: text.replace(".", ","))
+    counts = st.integers(0, 100).map(str)
+    return {
+        **{slot: draw(numbers) for slot in ("value", "goal", "difference")},
+        **{slot: draw(counts) for slot in ("correct", "trials", "reached", "attempts")},
+        "percent": f"{draw(st.integers(0, 500))} %",
+        "change": draw(st.sampled_from(CHANGES[language])),
+        "aim": draw(st.sampled_from(AIMS[language])),
+    }
+
+
+def spells_a_number(text: str, language: str) -> bool:
+    """Whether an independent reader of numbers finds one. It takes the Spanish article un, una for a number."""
+    if language == "es":
+        text = re.sub(r"\b[Uu]na?\b", "·", text)
+    return any(character.isdigit() for character in alpha2digit(text, language, 0))
+
+
+@pytest.mark.parametrize(("name", "language"), [(name, language) for name in NAMES for language in LANGUAGES])
+@given(data=st.data())
+@settings(max_examples=25, deadline=None)
+def test_words_hold_no_number_and_figures_always_do_whatever_the_result(
+    name: str, language: str, data: st.DataObject, catalogue: Catalogue
+) -> None:
+    theme = read_theme(catalogue.theme_folder(name), language)
+    slots = data.draw(fillings(language))
+    for reference in theme.vocabulary.values():
+        for situation, wordings in theme.phrases.items():
+            for wording in wordings:
+                text = wording.format(**slots, reference=reference)
+                assert holds_number(text, language) == (situation in QUANTITATIVE), text
+                assert re.search(r"\d", text) if situation in QUANTITATIVE else not spells_a_number(text, language), (
+                    text
+                )
+
+
+def test_the_wordings_in_words_fill_no_slot_with_a_figure() -> None:
+    assert all(not SITUATIONS[situation] & FIGURES for situation in QUALITATIVE)
+
+
+@pytest.mark.parametrize(
+    ("language", "text", "spoken"),
+    [
+        ("en", "412 ms, 30 ms faster than last time.", "412 milliseconds, 30 milliseconds faster than last time."),
+        ("en", "0.25 s; 12 % smoother", "0.25 seconds; 12 percent smoother"),
+        ("en", "2.0 taps/s", "2.0 taps per second"),
+        ("es", "0,25 s, un 12 % más suave", "0,25 segundos, un 12 por ciento más suave"),
+        ("en", "3 sheep, 4 msec, ms", "3 sheep, 4 msec, ms"),
+        ("en", "15cm.", "15 centimetres."),
+    ],
+)
+def test_units_after_numbers_are_spoken_in_full(catalogue: Catalogue, language: str, text: str, spoken: str) -> None:
+    assert catalogue.theme("calm", language).spoken(text) == spoken
+
+
+def test_a_theme_without_units_speaks_as_it_writes(calm: Theme) -> None:
+    from msgspec.structs import replace
+
+    assert replace(calm, units={}).spoken("412 ms") == "412 ms"
+
+
+# --- looks -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "ratio"), [("calm", 4.5), ("high-contrast", 7.0), ("playful", 4.5)])
 def test_every_text_colour_stands_out(catalogue: Catalogue, name: str, ratio: float) -> None:
-    colors = catalogue.theme(name).colors
-    for text, ground in itertools.product(WRITING, GROUNDS):
-        assert wcag_ratio(getattr(colors, text), getattr(colors, ground)) >= ratio, (text, ground)
+    theme = catalogue.theme(name)
+    contrasts = theme.colors.contrasts()
+    assert theme.minimum_contrast == ratio
+    assert len(contrasts) == 6 * 2
+    assert min(contrasts.values()) >= ratio
 
 
 def test_success_and_failure_are_told_by_more_than_red_and_green(theme: Theme) -> None:
@@ -92,137 +238,53 @@ def test_success_and_failure_are_told_by_more_than_red_and_green(theme: Theme) -
 
 
 def test_the_faces_are_all_of_one_size_so_that_nothing_jumps(theme: Theme) -> None:
-    sizes = {(len(face.splitlines()), max(map(len, face.splitlines()))) for face in theme.faces.values()}
-    assert set(FACES) <= set(theme.faces)
-    assert len(sizes) == 1
+    lines = [face.split("\n") for face in theme.faces.values()]
+    assert {len(face) for face in lines} == {4}
+    assert {cell_len(line) for face in lines for line in face} == {11}
 
 
-@pytest.mark.parametrize(
-    ("one", "other", "ratio"),
-    [("#000000", "#ffffff", 21.0), ("#777777", "#ffffff", 4.48), ("#123456", "#123456", 1.0)],
-)
-def test_contrast_is_that_of_wcag(one: str, other: str, ratio: float) -> None:
-    assert contrast(one, other) == pytest.approx(ratio, abs=0.01)
-    assert contrast(other, one) == contrast(one, other)
+def test_the_faces_are_told_apart_by_eyes_or_mouth_alone(theme: Theme) -> None:
+    assert len(set(theme.faces.values())) == len(FACES)
+    frames = {(face.split("\n")[0], face.split("\n")[-1]) for face in theme.faces.values()}
+    assert len(frames) == 1
 
 
-@given(st.from_regex("#[0-9a-f]{6}", fullmatch=True), st.from_regex("#[0-9a-f]{6}", fullmatch=True))
-def test_contrast_agrees_with_the_definition(one: str, other: str) -> None:
-    assert contrast(one, other) == pytest.approx(wcag_ratio(one, other))
+def test_a_face_speaks_by_the_mouth_of_the_speaking_one(theme: Theme) -> None:
+    mouths = {name: face.split("\n")[theme.mouth_line] for name, face in theme.faces.items()}
+    assert all(mouth != mouths["speaking"] for name, mouth in mouths.items() if name != "speaking")
 
 
-@pytest.mark.parametrize("text", ["32 ms", "Two more.", "One-handed", "a hundred", "TWICE as good", "٣ times", "x2"])
-def test_numbers_are_found_in_digits_and_words(text: str) -> None:
-    assert holds_number(text)
+def test_calm_moves_the_least_and_playful_the_quickest(catalogue: Catalogue) -> None:
+    def reach(theme: Theme) -> float:
+        frames = [frame for gesture in theme.gestures.values() for frame in gesture.keyframes]
+        return max(abs(getattr(frame, joint)) for frame in frames for joint in JOINTS)
+
+    def pace(theme: Theme) -> float:
+        keyframes = sum(len(gesture.keyframes) for gesture in theme.gestures.values())
+        return sum(gesture.duration_ms for gesture in theme.gestures.values()) / keyframes
+
+    calm, plain, playful = (catalogue.theme(name) for name in NAMES)
+    assert reach(calm) < min(reach(plain), reach(playful))
+    assert pace(playful) < min(pace(calm), pace(plain))
 
 
-@pytest.mark.parametrize("text", ["Everyone is often at tension.", "Well done.", "Attend to the phone", ""])
-def test_a_number_word_inside_another_word_is_none(text: str) -> None:
-    assert not holds_number(text)
+def test_every_joint_is_used_by_some_gesture(theme: Theme) -> None:
+    for name, gesture in theme.gestures.items():
+        assert any(getattr(frame, joint) for frame in gesture.keyframes for joint in JOINTS), name
 
 
-def test_a_missing_situation_is_named(copy: Path) -> None:
-    reword(copy, "goodbye")
-    assert sentence(copy) == "The theme mine cannot be used: There is no wording for goodbye."
+# --- manner, tones ---------------------------------------------------------------------------------------------------
 
 
-def test_an_empty_situation_is_named(copy: Path) -> None:
-    change(copy / "phrases.en.toml", r"^goodbye = \[.*?\n\]\n", "goodbye = []\n")
-    assert sentence(copy) == "The theme mine cannot be used: There is no wording for goodbye."
+def test_what_a_theme_does_not_set_goes_as_usual(catalogue: Catalogue) -> None:
+    calm, playful = catalogue.theme("calm"), catalogue.theme("playful")
+    assert calm.manner("positive") == MANNERS["positive"] == Manner("happy", "nod", tone="success")
+    assert playful.manner("positive") == Manner("happy", "cheer", tone="success")
+    assert calm.manner("there is no such kind") == Manner()
 
 
-def test_an_unknown_situation_is_named(copy: Path) -> None:
-    reword(copy, "farewell", "Bye.")
-    assert sentence(copy) == "The theme mine cannot be used: farewell is not a situation."
-
-
-def test_a_missing_face_is_named(copy: Path) -> None:
-    change(copy / "theme.toml", r"^sleeping = '''.*?'''", "")
-    assert sentence(copy) == "The theme mine cannot be used: There is no face for sleeping."
-
-
-@pytest.mark.parametrize("value", ["red", "#12345", "#12345g", "112233"])
-def test_a_colour_that_is_none_is_named(copy: Path, value: str) -> None:
-    change(copy / "theme.toml", r'^accent = "[^"]*"', f'accent = "{value}"')
-    assert sentence(copy) == f"The theme mine cannot be used: accent is not a colour like #a0b1c2: {value}."
-
-
-def test_a_colour_too_faint_is_named_with_its_contrast(copy: Path) -> None:
-    change(copy / "theme.toml", r'^muted = "[^"]*"', 'muted = "#444444"')
-    assert re.search(r"muted on background has a contrast of 1\.\d, less than 4\.5\.", sentence(copy))
-
-
-@pytest.mark.parametrize("colour", ["accent", "background"])
-def test_a_missing_colour_is_named(copy: Path, colour: str) -> None:
-    change(copy / "theme.toml", rf'^{colour} = "[^"]*"\n', "")
-    assert f"missing required field `{colour}`" in sentence(copy)
-
-
-def test_an_unknown_colour_or_setting_is_named(copy: Path) -> None:
-    change(copy / "theme.toml", r"^dark = true", "dark = true\nloud = true")
-    assert "loud" in sentence(copy)
-
-
-@pytest.mark.parametrize(
-    ("situation", "wording", "problem"),
-    [
-        ("goodbye", "Bye, {name}.", "A wording for goodbye uses the slot name, which it does not have."),
-        (
-            "positive_first",
-            "{value}, {difference}",
-            "A wording for positive_first uses the slot difference, which it does not have.",
-        ),
-        ("neutral", "Three quarters there.", "A wording for neutral holds a number: 'Three quarters there.'."),
-        ("accuracy", "Get 8 right.", "A wording for accuracy holds a number: 'Get 8 right.'."),
-        ("negative_same", "The same as before.", "A wording for negative_same gives no figure: 'The same"),
-        ("positive_improved", "You were {change}.", "A wording for positive_improved gives no figure: 'You"),
-        ("neutral_first", "At {value", "A wording for neutral_first has broken slots (expected '}' before end"),
-        ("neutral_first", "At {value:.1f}", "A wording for neutral_first has broken slots (Unknown format code 'f'"),
-        ("neutral_first", "At {value!x}", "A wording for neutral_first has broken slots (Unknown conversion specifier"),
-        ("neutral_first", "At {value:{width}}", "A wording for neutral_first has broken slots ('width')"),
-        ("neutral_first", "At {}", "A wording for neutral_first uses the slot"),
-        ("neutral_first", "At {value.real}", "A wording for neutral_first uses the slot value.real, which it does not"),
-    ],
-)  # fmt: skip
-def test_a_wording_that_cannot_be_is_told_in_one_sentence(
-    copy: Path, situation: str, wording: str, problem: str
-) -> None:
-    reword(copy, situation, wording)
-    assert sentence(copy).startswith(f"The theme mine cannot be used: {problem}")
-
-
-def test_every_problem_is_told_and_not_only_the_first(copy: Path) -> None:
-    reword(copy, "goodbye")
-    reword(copy, "neutral", "Half way.")
-    assert "There is no wording for goodbye." in sentence(copy)
-    assert "A wording for neutral holds a number" in sentence(copy)
-
-
-@pytest.mark.parametrize("file", ["theme.toml", "phrases.en.toml"])
-def test_broken_toml_a_missing_file_and_a_wrong_type_are_told(copy: Path, file: str) -> None:
-    kept = (copy / file).read_text(encoding="utf-8")
-    for broken in ("title = ", "[colors]\ntitle = 3\n", "positive = 3\n", kept + "\n[faces]\n"):
-        (copy / file).write_text(broken, encoding="utf-8")
-        assert sentence(copy).startswith("The theme mine cannot be read: ")
-    (copy / file).write_bytes(b"\xff\xfe")
-    assert sentence(copy).startswith("The theme mine cannot be read: ")
-    (copy / file).unlink()
-    assert sentence(copy).startswith("The theme mine cannot be read: ")
-
-
-@given(st.text(max_size=60), st.sampled_from(sorted(SITUATIONS)))
-def test_a_wording_without_problems_can_be_said(copy: Path, wording: str, situation: str) -> None:
-    theme = load_theme(copy)
-    reworded = msgspec.structs.replace(theme, phrases={**theme.phrases, situation: (wording,)})
-    if not reworded.problems():
-        said = wording.format(**dict.fromkeys(SITUATIONS[situation], "12 ms"))
-        assert situation not in QUALITATIVE or not holds_number(said)
-
-
-@given(st.lists(st.sampled_from(["{", "}", "{{", "}}", "value", "goal", "!", ":", "r", "12", "[0]", ".x", " "])))
-def test_whatever_is_done_with_braces_a_wording_is_refused_or_can_be_said(copy: Path, parts: list[str]) -> None:
-    wording = "".join(parts)
-    theme = load_theme(copy)
-    reworded = msgspec.structs.replace(theme, phrases={**theme.phrases, "neutral_first": (wording,)})
-    if not reworded.problems():
-        assert wording.format(value="12 ms", goal="12 ms")
+def test_a_theme_may_have_tones_of_its_own(catalogue: Catalogue) -> None:
+    calm, playful = catalogue.theme("calm"), catalogue.theme("playful")
+    assert calm.notes("go") == (Note(880, 120),)
+    assert playful.notes("go") == (Note(784, 80), Note(1047, 120))
+    assert calm.notes("there is no such tone") == ()

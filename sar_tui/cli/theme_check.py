@@ -1,0 +1,101 @@
+"""Tests a theme's folder, one named check after the other."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+
+from sar_tui.framework.contrast import cut
+from sar_tui.framework.theme import ENGLISH, ThemeError
+from sar_tui.theme_folder import Reading, languages, read
+
+_LOOKS = {
+    "settings": "says its title, its summary and whether it is dark",
+    "faces": "draws every expression, all of one size",
+    "gestures": "moves through every gesture, and ends at rest",
+    "manner": "has a voice, a manner and tones that there are",
+}
+
+
+class Check(msgspec.Struct, frozen=True):
+    """A check, the problems it found (none: it holds), and what it measured, where that is worth telling."""
+
+    check: str
+    problems: tuple[str, ...] = ()
+    found: str = ""
+
+    @property
+    def ok(self) -> bool:
+        return not self.problems
+
+
+class Contrast(msgspec.Struct, frozen=True):
+    """How well a colour of text is seen on the ground where it is seen least."""
+
+    color: str
+    ground: str
+    ratio: float
+
+
+class Report(msgspec.Struct, frozen=True):
+    """What the check of a theme found. ``english``: by language, the situations in which English is spoken."""
+
+    theme: str
+    languages: tuple[str, ...]
+    checks: tuple[Check, ...]
+    contrasts: tuple[Contrast, ...] = ()
+    english: dict[str, tuple[str, ...]] = {}
+
+    @property
+    def passed(self) -> bool:
+        return all(check.ok for check in self.checks)
+
+
+def check(folder: Path) -> Report:
+    """Check a theme's folder in every language that it has."""
+    spoken = languages(folder) or (ENGLISH,)
+    readings: dict[str, Reading] = {}
+    errors: dict[str, None] = {}
+    for language in spoken:
+        try:
+            readings[language] = read(folder, language)
+        except ThemeError as error:
+            errors[str(error)] = None
+    can_be_read = Check("can be read", tuple(errors))
+    if not readings:
+        return Report(folder.name, spoken, (can_be_read,))
+    some = next(iter(readings.values()))
+    contrasts = _contrasts(some)
+    return Report(
+        folder.name,
+        spoken,
+        (can_be_read, *_look(some, contrasts), *_words(readings)),
+        contrasts,
+        {language: reading.english for language, reading in readings.items() if reading.english},
+    )
+
+
+def _contrasts(reading: Reading) -> tuple[Contrast, ...]:
+    least: dict[str, Contrast] = {}
+    for (color, ground), ratio in reading.theme.colors.contrasts().items():
+        if color not in least or ratio < least[color].ratio:
+            least[color] = Contrast(color, ground, cut(ratio))
+    return tuple(least.values())
+
+
+def _look(reading: Reading, contrasts: tuple[Contrast, ...]) -> Iterator[Check]:
+    """What ``theme.toml`` says; it is the same in every language."""
+    told = reading.told
+    yield Check(_LOOKS["settings"], tuple(told["settings"]))
+    minimum = f"has a contrast of at least {reading.theme.minimum_contrast:g}"
+    yield Check(minimum, tuple(told["colors"]), ", ".join(f"{c.color} {c.ratio:.2f}" for c in contrasts))
+    for part in ("faces", "gestures", "manner"):
+        yield Check(_LOOKS[part], tuple(told[part]))
+
+
+def _words(readings: dict[str, Reading]) -> Iterator[Check]:
+    for language, reading in readings.items():
+        own = [wordings for name, wordings in reading.theme.phrases.items() if name not in reading.english]
+        count = sum(map(len, own))
+        yield Check(f"can say everything in {language}", tuple(reading.told["wordings"]), f"{count} wordings")
+        yield Check(f"has the vocabulary in {language}", tuple(reading.told["vocabulary"]))

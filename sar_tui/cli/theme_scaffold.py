@@ -1,0 +1,30 @@
+"""Begins a new theme as a copy of another."""
+
+import re
+from pathlib import Path
+
+from sar_tui.cli.errors import Refused
+from sar_tui.plugins import Catalogue
+
+_NAME = "[a-z][a-z0-9]*(-[a-z0-9]+)*"
+
+
+def make(name: str, model: str, to: Path, catalogue: Catalogue) -> Path:
+    """Make the folder of a new theme; returns it, absolute. Raises Refused, and PluginError where there is no model."""
+    if not re.fullmatch(_NAME, name):
+        raise Refused(f"A theme is named in small letters, such as evening or warm-light; {name!r} is not.")
+    source = catalogue.theme_folder(model)
+    folder = to.resolve() / name
+    if folder.exists():
+        raise Refused(f"{folder} exists already. Choose another name, or another folder with --to.")
+    if name in catalogue.theme_names():
+        raise Refused(f"There is a theme {name} already. Choose another name.")
+    for file in sorted(path for path in source.rglob("*") if path.is_file()):
+        copy = folder / file.relative_to(source)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(file.read_bytes())
+    look = folder / "theme.toml"
+    title = name.replace("-", " ").capitalize()
+    text = look.read_text(encoding="utf-8-sig")
+    look.write_text(re.sub(r"^title\s*=.*$", f'title = "{title}"', text, count=1, flags=re.MULTILINE), encoding="utf-8")
+    return folder

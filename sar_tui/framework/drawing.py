@@ -1,0 +1,37 @@
+"""Drawings of faces: how large they may be, and what they may be drawn with."""
+
+import unicodedata
+from collections.abc import Mapping
+
+WIDTH, HEIGHT = 11, 4
+"""The most columns and lines of a face; arms are drawn beside it."""
+
+
+def drawing_problems(name: str, face: str, mouth_line: int) -> list[str]:
+    """What is wrong with a drawing, a sentence each."""
+    lines = face.split("\n")
+    found = []
+    if len(lines) > HEIGHT or max(map(len, lines)) > WIDTH:
+        found.append(f"The face {name} is larger than {WIDTH} columns and {HEIGHT} lines.")
+    if mouth_line >= len(lines):
+        found.append(f"The face {name} has no line {mouth_line}, counted from 0, for its mouth (mouth_line).")
+    odd = sorted({character for line in lines for character in line if not _is_one_column(character)})
+    if odd:
+        found.append(f"The face {name} is drawn with what does not fill one column: {', '.join(map(ascii, odd))}.")
+    return found
+
+
+def fitted(faces: Mapping[str, str]) -> dict[str, str]:
+    """The same faces, filled up with spaces to the size of the largest: editors take spaces off the ends of lines."""
+    lines = {name: face.split("\n") for name, face in faces.items()}
+    height = max(map(len, lines.values()), default=0)
+    width = max((len(line) for face in lines.values() for line in face), default=0)
+    return {
+        name: "\n".join(line.ljust(width) for line in [*face, *[""] * (height - len(face))])
+        for name, face in lines.items()
+    }
+
+
+def _is_one_column(character: str) -> bool:
+    """Whether a terminal gives it one column: no emoji, no East Asian letter, nothing that joins what is before it."""
+    return unicodedata.category(character)[0] not in "MC" and unicodedata.east_asian_width(character) not in "WF"

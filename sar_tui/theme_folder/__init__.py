@@ -1,0 +1,83 @@
+"""Reads a theme's folder: ``theme.toml``, ``phrases.<language>.toml``, and ``words.<language>.toml`` if there is one.
+
+What is missing or wrong in it is taken from another theme, and told in ``Theme.repairs``: a participant hears a coach
+even while its words are being edited.
+"""
+
+from pathlib import Path
+
+import msgspec
+
+from sar_tui.framework.theme import ENGLISH, Theme
+from sar_tui.theme_folder.look import read_look
+from sar_tui.theme_folder.toml import read_toml
+from sar_tui.theme_folder.words import read_words
+
+Told = dict[str, list[str]]
+
+
+class Reading(msgspec.Struct, frozen=True):
+    """A theme as read, and what was missing or wrong in its folder.
+
+    ``told`` holds a sentence each, by part: ``settings``, ``colors``, ``faces``, ``gestures``, ``manner``,
+    ``wordings``, ``vocabulary``. ``english`` names the situations whose wordings are English for want of any in the
+    language.
+    """
+
+    theme: Theme
+    told: Told
+    english: tuple[str, ...]
+
+
+def languages(folder: Path) -> tuple[str, ...]:
+    """The languages that a theme's folder has phrases in, English first."""
+    found = sorted(path.name.split(".")[1] for path in folder.glob("phrases.*.toml"))
+    return tuple(sorted(found, key=lambda language: language != ENGLISH))
+
+
+def files(folder: Path) -> tuple[Path, ...]:
+    """The files that a theme is made of."""
+    return tuple(sorted(path for path in folder.glob("*.toml")))
+
+
+def read_theme(folder: Path, language: str = ENGLISH, base: Theme | None = None) -> Theme:
+    """A theme in a language.
+
+    Args:
+        folder: its folder; its name is the theme's.
+        language: which; phrases that it lacks are English. For ``es-mx`` those of ``es`` will do.
+        base: what is missing or wrong is taken from there; without it, it stays missing.
+
+    Raises:
+        ThemeError: a file is missing, or is no TOML.
+    """
+    reading = read(folder, language, base)
+    repairs = [sentence for part in reading.told.values() for sentence in part]
+    return msgspec.structs.replace(reading.theme, repairs=tuple(repairs))
+
+
+def read(folder: Path, language: str = ENGLISH, base: Theme | None = None) -> Reading:
+    """The same, with what is wrong by part. Raises ThemeError."""
+    look = read_look(folder, base)
+    words = read_words(folder, language, base)
+    theme = Theme(
+        name=folder.name,
+        language=words.language,
+        languages=languages(folder),
+        phrases=words.phrases,
+        vocabulary=words.vocabulary,
+        units=words.units,
+        texts=_texts(folder, language),
+        **look.parts,
+    )
+    return Reading(theme, {**look.told, **words.told}, words.english)
+
+
+def _texts(folder: Path, language: str) -> dict[str, str]:
+    """The theme's own words for what the screens say, where it has some."""
+    texts: dict[str, str] = {}
+    for name in dict.fromkeys((language.partition("-")[0], language)):
+        path = folder / f"words.{name}.toml"
+        if path.is_file():
+            texts.update({english: own for english, own in read_toml(path).items() if isinstance(own, str)})
+    return texts
