@@ -5,10 +5,14 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
+from sar_tui.framework.language import Language
+
 REACHED, MISSED, EMPTY, LEVEL, GOAL = "●", "○", "×", "░", "╌"
 """What stands for an attempt that reached its goal, missed it, had nothing to average; for the level; for the goal."""
 
-_MARGIN = len("attempt")
+_ENGLISH = Language()
+_MARGIN = 7
+"""Columns for the numbers of the left axis, and the name of the lower one."""
 _SMALLEST = (30, 7)
 
 
@@ -22,6 +26,7 @@ def attempts_figure(
     height: int,
     color: bool = True,
     outcomes: Sequence[str] = (),
+    tr: Language = _ENGLISH,
 ) -> str:
     """Draw the metric (left axis) and the level (right axis, shaded) over attempts, with the goal as a line.
 
@@ -33,23 +38,24 @@ def attempts_figure(
         width, height: in characters, the heading and the axes included.
         color: with ANSI colours; the markers tell the same without.
         outcomes: ``success`` or ``failure`` of each attempt; without them all have the same marker.
+        tr: the language of the other words.
 
     Returns:
         ``height`` lines of ``width`` characters, a plot of at least 30 by 7.
     """
     if not levels:
-        return "There are no attempts to show yet."
+        return tr("There are no attempts to show yet.")
     import plotext
 
     width, height = max(width, _SMALLEST[0]), max(height, _SMALLEST[1])
     plotext.clear_figure()
     try:
-        body = _body(plotext, levels, metrics, goals, (width, height - 1), outcomes)
+        body = _body(plotext, levels, metrics, goals, (width, height - 1), outcomes, tr)
     finally:
         plotext.clear_figure()
     lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
-    lines[-1] = "attempt" + lines[-1][_MARGIN:]
-    text = "\n".join([_heading(metric, goals, metrics, outcomes, width), *lines])
+    lines[-1] = tr("attempt")[:_MARGIN].ljust(_MARGIN) + lines[-1][_MARGIN:]
+    text = "\n".join([_heading(metric, goals, metrics, outcomes, width, tr), *lines])
     return text if color else plotext.uncolorize(text)
 
 
@@ -60,6 +66,7 @@ def _body(
     goals: Sequence[float],
     size: tuple[int, int],
     outcomes: Sequence[str],
+    tr: Language,
 ) -> str:
     """The axes and what stands between them; a canvas of two lines less than the height."""
     count, rows = len(levels), size[1] - 2
@@ -89,7 +96,7 @@ def _body(
             plt.scatter(found, heights, marker=mark, color=colour, style="bold")
 
     ticks = _round_numbers(low, high, max(2, rows // 2))
-    plt.yticks(ticks, [f"{tick:g}".rjust(_MARGIN) for tick in ticks], yside="left")
+    plt.yticks(ticks, [tr.figures(f"{tick:g}").rjust(_MARGIN) for tick in ticks], yside="left")
     plt.yticks(shown := sorted(set(levels)), [str(level) for level in shown], yside="right")
     room = count * (len(str(count)) + 1) / (size[0] - _MARGIN - 6)
     every = next(step for power in (1, 10, 100, 1000, 10_000) for m in (1, 2, 5) if (step := m * power) >= room)
@@ -107,14 +114,20 @@ def _marks(metrics: Sequence[float | None], outcomes: Sequence[str]) -> list[str
 
 
 def _heading(
-    metric: str, goals: Sequence[float], metrics: Sequence[float | None], outcomes: Sequence[str], width: int
+    metric: str,
+    goals: Sequence[float],
+    metrics: Sequence[float | None],
+    outcomes: Sequence[str],
+    width: int,
+    tr: Language,
 ) -> str:
     """The names of the axes at both ends, and between them as much of the legend as there is room for."""
     used = set(_marks(metrics, outcomes))
-    legend = [f"{REACHED} reached", f"{MISSED} missed"] if outcomes else []
-    legend += [f"{EMPTY} no result"] if EMPTY in used else []
-    legend += [f"{GOAL} goal {goals[0]:g}" if len(set(goals)) == 1 else f"{GOAL} goal"]
-    right = f"{LEVEL} level"
+    legend = [f"{REACHED} {tr('reached')}", f"{MISSED} {tr('missed')}"] if outcomes else []
+    legend += [f"{EMPTY} {tr('no result')}"] if EMPTY in used else []
+    goal = tr.figures(f" {goals[0]:g}") if len(set(goals)) == 1 else ""
+    legend += [f"{GOAL} {tr('goal')}{goal}"]
+    right = f"{LEVEL} {tr('level')}"
     left = metric[: width - len(right) - 2]
     while legend and len("  ".join([left, *legend, right])) > width:
         legend.pop()

@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 
 from sar_tui import runs
+from sar_tui.cli import task_words
 from sar_tui.framework.bus import FAULT, Record
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import VirtualClock
@@ -65,6 +66,7 @@ def check(folder: Path) -> Iterator[Check]:
         return
     yield Check("can be set up with its defaults")
     yield Check("gives instructions, and a goal for each level", _asked(lambda: _words(task)))
+    yield Check("has each of its words in every language that it has", _asked(lambda: _translations(kind)))
     prompts = Check("makes the same one-line prompts when asked twice", _asked(lambda: _prompts(kind, task)))
     yield prompts
     if declared.ok and prompts.ok:
@@ -125,6 +127,10 @@ def _words(task: Task) -> str:
         return "Its instructions are empty."
     silent = [level for level in _levels(task) if not task.goal(level).strip()]
     return f"The goal is empty at level {silent[0]}." if silent else ""
+
+
+def _translations(kind: type[Task]) -> str:
+    return " ".join(task_words.problems(kind))
 
 
 def _levels(task: Task) -> range:

@@ -3,6 +3,8 @@
 from textual.content import Content
 from textual.widget import Widget
 
+from sar_tui.widgets.language import language_of
+
 
 class ProgressLine(Widget):
     """Shows "Prompts 3 of 20 ━━───────". It has no timer: it changes only when it is told."""
@@ -14,12 +16,13 @@ class ProgressLine(Widget):
         self._what, self._done, self._total = "", 0, 0
 
     def tell(self, what: str, done: int, total: int) -> None:
-        """So many of ``what`` are done, of so many in all."""
+        """So many of ``what`` are done, of so many in all; ``what`` is in the screen's language."""
         self._what, self._done, self._total = what, done, total
         self.refresh()
 
     def render(self) -> Content:
-        words = f"{self._what} {self._done} of {self._total} "
+        tr = language_of(self.app)
+        words = tr("{what} {done} of {total}", what=self._what, done=self._done, total=self._total) + " "
         room = max(0, self.size.width - len(words))
         done = room * min(self._done, self._total) // max(1, self._total)
         return Content.assemble(

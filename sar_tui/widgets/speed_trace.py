@@ -10,7 +10,9 @@ from rich.style import Style
 from rich.text import Text
 from textual.widget import Widget
 
+from sar_tui.framework.language import Language
 from sar_tui.motion.trace import Trace
+from sar_tui.widgets.language import language_of
 
 SMALLEST = (40, 6)
 """Columns and rows that a plot needs."""
@@ -19,6 +21,7 @@ PARTS = ("out", "dwell", "back", "rest", "earlier", "axis")
 """What of a plot may have a style of its own: the phases of the newest reach, its rest, reaches before, all else."""
 Styles = Mapping[str, str | Style]
 
+_ENGLISH = Language()
 _MARGIN = 6
 _LEGEND_FROM = 9
 _ROOM = 1.08
@@ -56,35 +59,40 @@ class SpeedTrace(Widget):
         if not self._traces or not width or not height:
             return Text("")
         styles = {part: self.get_component_rich_style(f"speed-trace--{part}", partial=True) for part in PARTS}
-        return draw_traces(self._traces, width, height, styles)
+        return draw_traces(self._traces, width, height, styles, language_of(self.app))
 
 
-def draw_traces(traces: Sequence[Trace], width: int, height: int, styles: Styles | None = None) -> Text:
+def draw_traces(
+    traces: Sequence[Trace], width: int, height: int, styles: Styles | None = None, tr: Language = _ENGLISH
+) -> Text:
     """Reaches as text, all beginning at 0 s: the phases of the newest by name, the curves, a line at rest, the time.
 
     Args:
         traces: the newest last, at least one.
         width, height: in characters, at least 40 by 6; from 9 rows on, several reaches have a legend.
         styles: how ``PARTS`` look; the text tells the same without.
+        tr: the language of the phases' names and of the figures.
     """
     width, height = max(width, SMALLEST[0]), max(height, SMALLEST[1])
     styles = styles or {}
     told = height >= _LEGEND_FROM and len(traces) > 1
-    legend = [_legend(traces, width, styles.get("axis", ""))] if told else []
-    plot = _Plot(traces, width - _MARGIN, height - 2 - len(legend))
+    legend = [_legend(traces, width, styles.get("axis", ""), tr)] if told else []
+    plot = _Plot(traces, width - _MARGIN, height - 2 - len(legend), tr)
     lines = [plot.phase_names(styles), *plot.body(styles), plot.time_axis(styles), *legend]
     return Text("\n", no_wrap=True, end="").join(lines)
 
 
-def _legend(traces: Sequence[Trace], width: int, style: str | Style) -> Text:
-    *earlier, newest = (trace.label or f"reach {number}" for number, trace in enumerate(traces, start=1))
+def _legend(traces: Sequence[Trace], width: int, style: str | Style, tr: Language) -> Text:
+    labels = [trace.label or tr("reach {number}", number=number) for number, trace in enumerate(traces, start=1)]
+    *earlier, newest = labels
     return Text(f"{' ' * _MARGIN}⠒⠒ {newest}   ⠂⠂ {', '.join(earlier)}"[:width].ljust(width), style)
 
 
 class _Plot:
     """The scales of a plot, and what they make of its curves: ``columns`` by ``rows`` cells of 2 by 4 dots."""
 
-    def __init__(self, traces: Sequence[Trace], columns: int, rows: int) -> None:
+    def __init__(self, traces: Sequence[Trace], columns: int, rows: int, tr: Language) -> None:
+        self.tr = tr
         self.traces, self.newest = traces, traces[-1]
         self.columns, self.rows = columns, rows
         self.from_s = min(-trace.onset_s for trace in traces)
@@ -101,10 +109,11 @@ class _Plot:
 
     def phase_names(self, styles: Styles) -> Text:
         """The newest reach's phases, each between brackets as wide as it lasts."""
-        onset, arrival, departure, end = self.bounds
+        tr, (onset, arrival, departure, end) = self.tr, self.bounds
         line = Text("rad/s".ljust(_MARGIN) + " " * onset, styles.get("axis", ""))
-        for name, first, last in (("out", onset, arrival), ("dwell", arrival, departure), ("back", departure, end)):
-            line.append(_bracket(name, last - first), styles.get(name, ""))
+        phases = (("out", tr("out"), arrival - onset), ("dwell", tr("dwell"), departure - arrival))
+        for part, name, width in (*phases, ("back", tr("back"), end - departure)):
+            line.append(_bracket(name, width), styles.get(part, ""))
         line.pad_right(max(0, self.columns + _MARGIN - len(line)))
         return line
 
@@ -134,7 +143,7 @@ class _Plot:
         step = next(step for step in _STEPS if step >= 9 * per_cell)
         cells = [" "] * (self.columns + _MARGIN)
         for count in range(int(self.to_s / step) + 1):
-            label = f"{count * step:g} s"
+            label = self.tr.figures(f"{count * step:g} s")
             first = _MARGIN + self._column(count * step) - len(label) // 2
             if first + len(label) <= len(cells):
                 cells[first : first + len(label)] = label
@@ -177,7 +186,7 @@ class _Plot:
         for count in range(-self.rows, self.rows + 1):
             dot = self._zero_dot - round(count * step / self._unit)
             if 0 <= dot < 4 * self.rows:
-                labels[dot // 4] = f"{count * step:g}".replace("-", "−")
+                labels[dot // 4] = self.tr.figures(f"{count * step:g}").replace("-", "−")
         return labels
 
 

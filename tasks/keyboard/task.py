@@ -98,22 +98,29 @@ class KeyboardTask(Task):
         return self.parameters.prompts_per_attempt
 
     def instructions(self) -> str:
-        prompts = self.parameters.prompts_per_attempt
+        tr, prompts = self.tr, self.parameters.prompts_per_attempt
+        asks = tr("An attempt asks for {count} keys.", count=prompts)
+        if prompts == 1:
+            asks = tr("An attempt asks for 1 key.")
         return (
-            "A key appears in the middle of the screen.\n"
-            "Press that key as fast as you can, and then wait for the next one.\n\n"
-            f"An attempt asks for {prompts} {'key' if prompts == 1 else 'keys'}. You may rest between attempts.\n"
-            "To pause at any time, press Escape."
+            f"{tr('A key appears in the middle of the screen.')}\n"
+            f"{tr('Press that key as fast as you can, and then wait for the next one.')}\n\n"
+            f"{asks} {tr('You may rest between attempts.')}\n"
+            f"{tr('To pause at any time, press Escape.')}"
         )
 
     def goal(self, level: int) -> str:
-        seconds = self.parameters.threshold / 1000
-        unit = "second" if seconds == 1 else "seconds"
-        enough = math.ceil(self.parameters.min_accuracy * self.parameters.prompts_per_attempt - 1e-9)
-        goal = f"Your goal: press the right key in less than {seconds:g} {unit} on average"
-        if enough:
-            goal += f", with at least {enough} of {self.parameters.prompts_per_attempt} right"
-        return goal + "."
+        tr, seconds, prompts = self.tr, self.parameters.threshold / 1000, self.parameters.prompts_per_attempt
+        time = tr("1 second") if seconds == 1 else tr("{count} seconds", count=f"{seconds:g}")
+        enough = math.ceil(self.parameters.min_accuracy * prompts - 1e-9)
+        if not enough:
+            return tr("Your goal: press the right key in less than {time} on average.", time=time)
+        return tr(
+            "Your goal: press the right key in less than {time} on average, with at least {enough} of {prompts} right.",
+            time=time,
+            enough=enough,
+            prompts=prompts,
+        )
 
     def stimulus(self, situation: Situation) -> Stimulus:
         level = self._levels[situation.level - 1]
@@ -125,16 +132,21 @@ class KeyboardTask(Task):
         return Stimulus(
             name=key,
             expected=key,
-            text=f"Press: {key}",
+            text=self.tr("Press: {key}", key=self._called(key)),
             glyph=_GLYPHS.get(key, key),
             hint=self._hint(level, key),
             choices=len(level.keys),
         )
 
+    def _called(self, key: str) -> str:
+        """A key as it is called; one that types something, by what it types."""
+        tr = self.tr
+        return {"left": tr("left"), "right": tr("right"), "up": tr("up"), "down": tr("down")}.get(key, key)
+
     def _hint(self, level: Level, key: str) -> str:
         if key in ARROWS:
-            return "arrow key"
-        return "with Shift" if level.needs_shift and needs_shift(key, self.parameters.layout) else ""
+            return self.tr("arrow key")
+        return self.tr("with Shift") if level.needs_shift and needs_shift(key, self.parameters.layout) else ""
 
     def perceived(self, trial: Trial, percept: Any) -> Result:
         level = self._levels[trial.situation.level - 1]

@@ -56,7 +56,7 @@ class ReachingTask(Task):
         Quality("sparc", "higher", "smoother", "as smoothly as you can", 0.1),
         Quality("tremor_index", "lower", "steadier", "with a steady hand", 0.02),
         Quality("time_to_peak_share", "lower", "quicker to its peak", "with a quick start", 0.05),
-        Quality("movement_units", "lower", "made with fewer corrections", "in one go", 1.0),
+        Quality("movement_units", "lower", "more direct", "without stopping on the way", 1.0),
     )
     marks = (
         Mark("missed", "f7", "Marker missed", counts=False, remark="Try to touch the marker before you come back."),
@@ -129,31 +129,42 @@ class ReachingTask(Task):
     # --- words ----------------------------------------------------------------------------------------------
 
     def instructions(self) -> str:
-        signal = "Wait for the signal. Then reach" if self.parameters.go_signal else "Reach"
+        tr = self.tr
+        reach = tr("Reach out, touch the marker, and come back, as fast as you can.")
+        if self.parameters.go_signal:
+            reach = tr("Wait for the signal. Then reach out, touch the marker, and come back, as fast as you can.")
         return (
-            "Rest your hand with the sensor at the start.\n"
-            "When you are ready, press Space with your other hand.\n"
-            f"{signal} out, touch the marker, and come back, as fast as you can.\n"
-            "When you are back, press Space again.\n\n"
-            "You may rest before each reach. To pause at any time, press Escape."
+            f"{tr('Rest your hand with the sensor at the start.')}\n"
+            f"{tr('When you are ready, press Space with your other hand.')}\n"
+            f"{reach}\n"
+            f"{tr('When you are back, press Space again.')}\n\n"
+            f"{tr('You may rest before each reach. To pause at any time, press Escape.')}"
         )
 
     def goal(self, level: int) -> str:
-        seconds = self.target(level).threshold / 1000
-        return f"To {self._marker(level)} and back.\nYour goal: less than {seconds:.2f} seconds."
+        seconds = f"{self.target(level).threshold / 1000:.2f}"
+        there = self.tr("To {marker} and back.", marker=self._marker(level))
+        return f"{there}\n{self.tr('Your goal: less than {count} seconds.', count=seconds)}"
 
     def notice(self, level: int, before: int) -> str:
         if not before:
             return ""
-        return f"Now marker {level}: a little {'farther' if level > before else 'nearer'}"
+        if level > before:
+            return self.tr("Now marker {number}: a little farther", number=level)
+        return self.tr("Now marker {number}: a little nearer", number=level)
 
     def start(self, level: int) -> str:
-        first = "When you see GO, reach" if self.parameters.go_signal else "Then reach"
-        return f"Rest your hand at the start.\n{first} to {self._marker(level)} and back."
+        tr, marker = self.tr, self._marker(level)
+        reach = tr("Then reach to {marker} and back.", marker=marker)
+        if self.parameters.go_signal:
+            reach = tr("When you see GO, reach to {marker} and back.", marker=marker)
+        return f"{tr('Rest your hand at the start.')}\n{reach}"
 
     def _marker(self, level: int) -> str:
         far = f"{self.marker_cm(level):g} cm"
-        return f"marker {level} ({far})" if self.levels > 1 else f"the marker ({far})"
+        if self.levels > 1:
+            return self.tr("marker {number} ({far})", number=level, far=far)
+        return self.tr("the marker ({far})", far=far)
 
     # --- trials ---------------------------------------------------------------------------------------------
 
@@ -162,9 +173,9 @@ class ReachingTask(Task):
         return Stimulus(
             name=marker,
             expected=self.start_key,
-            text=f"Reach: {marker}",
-            glyph="GO" if self.parameters.go_signal else "REACH",
-            hint="out and back, then press Space",
+            text=self.tr("Reach: {far}", far=marker),
+            glyph=self.tr("GO") if self.parameters.go_signal else self.tr("REACH"),
+            hint=self.tr("out and back, then press Space"),
             signals=self.parameters.go_signal,
         )
 
@@ -173,7 +184,7 @@ class ReachingTask(Task):
             return None
         unfinished = _UNFINISHED.intersection(percept.flags) or (percept.onset is None and "moving" in percept.flags)
         if why := percept.invalid or ("unfinished" if unfinished else ""):
-            return Again(why, _AGAIN[why])
+            return Again(why, self.tr(_AGAIN[why]))
         details = {
             **percept.details,
             "marker_cm": self.marker_cm(trial.situation.level),
@@ -181,7 +192,7 @@ class ReachingTask(Task):
             "turn_ns": percept.turn,
         }
         if percept.onset is None:
-            return Result(correct=False, details=details, flags=(*percept.flags, "no_reach"), remark=_NO_REACH)
+            return Result(correct=False, details=details, flags=(*percept.flags, "no_reach"), remark=self.tr(_NO_REACH))
         value = percept.details["reach_time_ms"]
         return Result(
             correct=True,

@@ -9,6 +9,8 @@ from textual.containers import VerticalScroll
 from textual.screen import ModalScreen, Screen
 from textual.widgets import Static
 
+from sar_tui.widgets.language import language_of
+
 
 class HelpScreen(ModalScreen[None]):
     """Lists the keys of the screen beneath it."""
@@ -22,17 +24,18 @@ class HelpScreen(ModalScreen[None]):
         self._about = about
 
     def compose(self) -> ComposeResult:
+        tr = language_of(self.app)
         with VerticalScroll(id="help"):
             yield Static(getattr(self._about, "help_text", ""), markup=False)
             yield Static(self._keys())
-            yield Static("Press Enter to close this.", classes="muted")
+            yield Static(tr("Press Enter to close this."), classes="muted", markup=False)
 
     def _keys(self) -> Table:
-        table = Table.grid(padding=(0, 2))
+        table, tr = Table.grid(padding=(0, 2)), language_of(self.app)
         seen = set()
         for binding in self._about.active_bindings.values():
             name = binding.binding.description
             if binding.binding.show and binding.enabled and name and name not in seen:
                 seen.add(name)
-                table.add_row(self.app.get_key_display(binding.binding), name.capitalize())
+                table.add_row(self.app.get_key_display(binding.binding), tr(name).capitalize())
         return table

@@ -5,6 +5,7 @@ from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
 from sar_tui.framework.messages import Operator
+from sar_tui.widgets.language import language_of
 
 _WORDS = {
     "": ("Paused", "Take your time."),
@@ -39,12 +40,13 @@ class PauseMenu(OptionList):
 
     def open(self, reason: str) -> None:
         """Show the choices there are after a pause for ``reason``."""
+        tr = language_of(self.app)
         title, words = _WORDS.get(reason, _WORDS[""])
-        self.border_title = title
-        self.border_subtitle = "arrows to choose, Enter to confirm"
+        self.border_title = tr(title)
+        self.border_subtitle = tr("arrows to choose, Enter to confirm")
         self.clear_options()
-        self.add_option(Option(f"{words}\n", disabled=True))
-        self.add_options([Option(_LABELS[choice], id=choice) for choice in _CHOICES.get(reason, _CHOICES[""])])
+        self.add_option(Option(f"{tr(words)}\n", disabled=True))
+        self.add_options([Option(tr(_LABELS[choice]), id=choice) for choice in _CHOICES.get(reason, _CHOICES[""])])
         self.highlighted = 1
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:

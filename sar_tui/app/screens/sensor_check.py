@@ -1,19 +1,22 @@
 """Before a session with a motion sensor: is it there, is it worn right, does it see a reach."""
 
+import functools
 import math
 from typing import Any, ClassVar
 
 from rich.table import Table
 from rich.text import Text
 from textual.app import ComposeResult
-from textual.binding import Binding, BindingType
+from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Footer, Static
 
+from sar_tui.app.language import planned_language, translated
 from sar_tui.app.sensor_watch import SensorWatch
 from sar_tui.app.sensor_words import MARKS, Fact, Mark, facts, signed, words_of
 from sar_tui.framework.clock import MS, SECOND, Clock, Handle, LiveClock
+from sar_tui.framework.language import Language
 from sar_tui.inputs.feed import ImuFeed
 from sar_tui.runs import Plan
 from sar_tui.widgets.speed_trace import SpeedTrace
@@ -30,6 +33,14 @@ _IDLE = "T: a test reach.  Z: zero the sensor.  Enter: begin the session."
 _ZEROED = "The sensor takes its bias for zero: keep the hand still for two seconds."
 _NONE = "There is no sensor, so the session will wait for one. Press Enter again to begin it all the same."
 _NOTHING_TO_ZERO = "There is no sensor to zero. Plug it in first."
+_HELP = (
+    "Fasten the sensor to the back of the hand as drawn: y along the fingers, z out of the hand. "
+    "Lay the hand flat and still: z points up, and the bias of each axis is shown.",
+    "Zero takes that bias for zero, where the sensor can. A test shows what a session would see of a reach: "
+    "rest, reach out and back, and rest. Nothing of it is kept.",
+    "The session may begin at any time; without a sensor it waits for one. To try the task without: Escape, then "
+    "F2 on the first screen, and set Motion sensor to simulated.",
+)
 
 
 class SensorCheckScreen(Screen[bool]):
@@ -41,14 +52,6 @@ class SensorCheckScreen(Screen[bool]):
         clock: the feed's.
     """
 
-    help_text = (
-        "Fasten the sensor to the back of the hand as drawn: y along the fingers, z out of the hand. "
-        "Lay the hand flat and still: z points up, and the bias of each axis is shown.\n\n"
-        "Zero takes that bias for zero, where the sensor can. A test shows what a session would see of a reach: "
-        "rest, reach out and back, and rest. Nothing of it is kept.\n\n"
-        "The session may begin at any time; without a sensor it waits for one. To try the task without: Escape, then "
-        "F2 on the first screen, and set Motion sensor to simulated.\n"
-    )
     AUTO_FOCUS = ""
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("t", "test", "Test", id="test-reach"),
@@ -69,18 +72,32 @@ class SensorCheckScreen(Screen[bool]):
         self._shown: dict[str, tuple[str, object]] = {}
         self._asked = self._over = False
 
+    @functools.cached_property
+    def tr(self) -> Language:
+        """The language of the session that waits."""
+        return planned_language(self._plan, self.app.catalogue)
+
+    @property
+    def help_text(self) -> str:
+        """How the sensor is worn, what zero and test do, and what there is without a sensor."""
+        return "\n\n".join(self.tr(paragraph) for paragraph in _HELP) + "\n"
+
+    @property
+    def active_bindings(self) -> dict[str, ActiveBinding]:
+        return translated(super().active_bindings, self.tr)
+
     def compose(self) -> ComposeResult:
         with Horizontal(id="top"):
-            yield Static("Check the sensor", id="task", markup=False)
-            yield Static(f"{self._plan.participant} · {self._plan.task.title}", id="where", markup=False)
-        yield Static(_PLACE, id="place", markup=False)
+            yield Static(self.tr("Check the sensor"), id="task", markup=False)
+            yield Static(f"{self._plan.participant} · {self.tr(self._plan.task.title)}", id="where", markup=False)
+        yield Static(self.tr(_PLACE), id="place", markup=False)
         with Horizontal(id="worn"):
             yield Static(id="hand")
             with Vertical(id="known"):
                 yield Static(id="facts")
                 yield Static(id="axes")
         with Vertical(id="reach") as reach:
-            reach.border_title = "Test reach"
+            reach.border_title = self.tr("Test reach")
             yield Static(id="told")
             yield SpeedTrace(id="trace")
         yield Footer()
@@ -106,9 +123,9 @@ class SensorCheckScreen(Screen[bool]):
         """Take the present rate for rest."""
         if self.sensor.attached:
             self.sensor.zero()
-            self._say(_ZEROED, "wait", ZEROING)
+            self._say(self.tr(_ZEROED), "wait", ZEROING)
         else:
-            self._say(_NOTHING_TO_ZERO, "wrong", ZEROING)
+            self._say(self.tr(_NOTHING_TO_ZERO), "wrong", ZEROING)
         self._show()
 
     def action_begin(self) -> None:
@@ -144,7 +161,7 @@ class SensorCheckScreen(Screen[bool]):
         """Bring the screen up to date; what has not changed stays untouched."""
         if self.sensor.attached:
             self._asked = False
-        known, words = facts(self.sensor), self._words()
+        known, words = facts(self.sensor, self.tr), self._words()
         if self._is_new("facts", known):
             self.query_one("#facts", Static).update(self._facts(known))
         if self._is_new("told", words):
@@ -166,12 +183,12 @@ class SensorCheckScreen(Screen[bool]):
         """What stands in the box of the test reach, the most urgent first."""
         words, mark, until = self._notice
         if self._asked:
-            return [("wrong", _NONE)]
+            return [("wrong", self.tr(_NONE))]
         if words and self._clock.now() < until:
             return [(mark, words)]
         if self.sensor.test:
-            return words_of(self.sensor.test, self.sensor.hand)
-        return [("wait", _IDLE)] if self.sensor.attached else []
+            return words_of(self.sensor.test, self.sensor.hand, self.tr)
+        return [("wait", self.tr(_IDLE))] if self.sensor.attached else []
 
     def _facts(self, known: list[Fact]) -> Table:
         table = Table.grid(padding=(0, 1))
@@ -191,8 +208,8 @@ class SensorCheckScreen(Screen[bool]):
 
     def _axes(self) -> Text:
         """Each axis: how the hand turns about it, as a bar and a number, and its bias at rest."""
-        rate, bias = self.sensor.rate, self.sensor.bias
-        text = Text(f"{'turning':>{_BAR + 6}}{'rad/s':>{_BAR + 5}}{'bias deg/s':>12}{'rad/s':>8}")
+        tr, rate, bias = self.tr, self.sensor.rate, self.sensor.bias
+        text = Text(f"{tr('turning'):>{_BAR + 6}}{'rad/s':>{_BAR + 5}}{tr('bias deg/s'):>12}{'rad/s':>8}")
         text.stylize(self._color("text-muted"))
         for index, name in enumerate("xyz"):
             turning = rate[index] if rate else 0.0
@@ -201,7 +218,7 @@ class SensorCheckScreen(Screen[bool]):
             radians = signed(bias[index], 3) if bias else "–"
             text.append(f"\n{name} ", f"bold {self._color('accent')}")
             text.append(bar(turning, _BAR), self._color("foreground" if rate else "text-muted"))
-            text.append(f"{now:>8}{degrees:>12}{radians:>8}")
+            text.append(tr.figures(f"{now:>8}{degrees:>12}{radians:>8}"))
         return text
 
     def _color(self, name: str) -> str:

@@ -9,6 +9,7 @@ from textual.widgets import Static
 
 from sar_tui.framework.messages import AttemptEnded
 from sar_tui.framework.task import Metric
+from sar_tui.widgets.language import language_of
 
 
 class Summary(Vertical):
@@ -22,44 +23,54 @@ class Summary(Vertical):
     def compose(self) -> ComposeResult:
         yield Static("", id="facts", markup=False)
         yield Static("", id="plot")
-        yield Static("Press Enter to finish.", id="finish", markup=False)
+        yield Static("", id="finish", markup=False)
 
     def show(self, attempts: Sequence[AttemptEnded], status: str = "completed") -> None:
         """Show a session's scored attempts."""
-        self._attempts = attempts
+        self._attempts, tr = attempts, language_of(self.app)
         self.query_one("#facts", Static).update(self._facts(status))
+        self.query_one("#finish", Static).update(tr("Press Enter to finish."))
         self.call_after_refresh(self._draw)
 
     def on_resize(self) -> None:
         self._draw()
 
     def _facts(self, status: str) -> str:
-        done = len(self._attempts)
-        words = "You did" if status == "completed" else "Ended early, after"
+        tr, count = language_of(self.app), len(self._attempts)
+        if status == "completed":
+            done = tr("You did 1 attempt") if count == 1 else tr("You did {count} attempts", count=count)
+        else:
+            done = tr("Ended early, after 1 attempt")
+            if count != 1:
+                done = tr("Ended early, after {count} attempts", count=count)
         reached = [a.metric for a in self._attempts if a.outcome == "success" and a.metric is not None]
-        facts = f"{words} {done} {'attempt' if done == 1 else 'attempts'}"
         if not reached:
-            return f"{facts}."
+            return f"{done}."
         best = (min if self._metric.better == "lower" else max)(reached)
-        highest = max(a.level for a in self._attempts)
-        facts += f"; goal reached in {len(reached)}."
-        return f"{facts} Best: {self._metric.show(best)}. Highest level: {highest}."
+        return tr(
+            "{done}; goal reached in {count}. Best: {best}. Highest level: {level}.",
+            done=done,
+            count=len(reached),
+            best=self._metric.show(best),
+            level=max(a.level for a in self._attempts),
+        )
 
     def _draw(self) -> None:
         from sar_tui.plot import EMPTY, LEVEL, MISSED, REACHED, attempts_figure
 
-        plot = self.query_one("#plot", Static)
+        plot, tr = self.query_one("#plot", Static), language_of(self.app)
         if not self._attempts or plot.size.width < 20 or plot.size.height < 6:
             return
         figure = attempts_figure(
             [a.level for a in self._attempts],
             [a.metric for a in self._attempts],
-            metric=self._metric.label,
+            metric=tr(self._metric.label),
             goals=[a.goal or 0.0 for a in self._attempts],
             width=plot.size.width,
             height=plot.size.height,
             color=False,
             outcomes=[a.outcome for a in self._attempts],
+            tr=tr,
         )
         text = Text(figure)
         colors = self.app.theme_variables

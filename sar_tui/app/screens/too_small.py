@@ -6,6 +6,8 @@ from textual.geometry import Size
 from textual.screen import Screen
 from textual.widgets import Static
 
+from sar_tui.widgets.language import language_of
+
 MINIMUM = Size(80, 24)
 
 
@@ -26,8 +28,9 @@ class TooSmallScreen(Screen[None]):
             self.dismiss()
 
     def on_resize(self, event: events.Resize) -> None:
-        size = event.size
+        tr, size = language_of(self.app), event.size
+        has = tr("It has {columns} by {rows} characters;", columns=size.width, rows=size.height)
+        needed = tr("{columns} by {rows} are needed.", columns=MINIMUM.width, rows=MINIMUM.height)
         self.query_one("#too-small", Static).update(
-            f"This window is too small.\n\nPlease make it larger.\n\n"
-            f"It has {size.width} by {size.height} characters;\n{MINIMUM.width} by {MINIMUM.height} are needed."
+            f"{tr('This window is too small.')}\n\n{tr('Please make it larger.')}\n\n{has}\n{needed}"
         )

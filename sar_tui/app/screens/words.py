@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+from sar_tui.app.language import session_language
+from sar_tui.framework.language import Language
 from sar_tui.framework.messages import Waiting
 from sar_tui.framework.task import Task
 
@@ -16,57 +18,66 @@ class Words(NamedTuple):
 
 def words(waiting: Waiting, task: Task) -> Words | None:  # noqa: PLR0911
     """The words for a wait; None where something else stands on the screen: a prompt, the pause menu, the summary."""
+    tr = session_language(task)
     match waiting.stage:
         case "instructions":
-            return Words("Welcome", task.instructions(), "Press Enter to go on.")
+            return Words(tr("Welcome"), task.instructions(), tr("Press Enter to go on."))
         case "attempt":
             headline = waiting.notice or waiting.attempt_name.capitalize()
-            return Words(headline, waiting.goal, f"Press Enter to begin {waiting.attempt_name}.")
+            return Words(headline, waiting.goal, tr("Press Enter to begin {attempt}.", attempt=waiting.attempt_name))
         case "review":
-            return Words("You have done it", "That was the last attempt.", "Press Enter to see how it went.")
+            press = tr("Press Enter to see how it went.")
+            return Words(tr("You have done it"), tr("That was the last attempt."), press)
         case "trial" if waiting.what == "start":
-            press = f"Press {task.start_key.capitalize()} to start."
+            press = tr("Press {key} to start.", key=key_name(task.start_key, tr))
             if waiting.notice:
-                return Words("Once more", f"{waiting.notice}\n\n{waiting.goal}", press)
-            return Words("Ready?", waiting.goal, press)
+                return Words(tr("Once more"), f"{waiting.notice}\n\n{waiting.goal}", press)
+            return Words(tr("Ready?"), waiting.goal, press)
         case "paused":
-            return _paused(waiting)
+            return _paused(waiting, tr)
         case "broken":
-            text = "Something went wrong in this task, so the session has stopped.\nEverything you did is kept."
-            return Words("Please fetch the experimenter", text, "Press Enter to close.")
+            stopped = tr("Something went wrong in this task, so the session has stopped.")
+            text = f"{stopped}\n{tr('Everything you did is kept.')}"
+            return Words(tr("Please fetch the experimenter"), text, tr("Press Enter to close."))
         case "ended" if waiting.reason == "storage":
-            return _no_space(waiting.detail)
+            return _no_space(waiting.detail, tr)
         case "ended" if waiting.what == "storage":
-            return Words("Finished", "Your results are being saved.", "")
+            return Words(tr("Finished"), tr("Your results are being saved."), "")
     return None
 
 
-def _paused(waiting: Waiting) -> Words | None:
+def key_name(key: str, tr: Language) -> str:
+    """A key as it is called on the keyboard: "Space"."""
+    return {"space": tr("Space"), "enter": tr("Enter"), "tab": tr("Tab")}.get(key, key.capitalize())
+
+
+def _paused(waiting: Waiting, tr: Language) -> Words | None:
     match waiting.reason:
         case "interrupted":
-            go_on = f"We go on with {waiting.attempt_name}. {waiting.goal}"
-            return Words("Welcome back", go_on, "Press Enter to go on.")
+            go_on = f"{tr('We go on with {attempt}.', attempt=waiting.attempt_name)} {waiting.goal}"
+            return Words(tr("Welcome back"), go_on, tr("Press Enter to go on."))
         case "restored":
-            return Words("Thank you for waiting", "Everything is saved again.", "Press Enter to go on.")
+            return Words(tr("Thank you for waiting"), tr("Everything is saved again."), tr("Press Enter to go on."))
         case "storage":
-            return _no_space(waiting.detail)
+            return _no_space(waiting.detail, tr)
         case "sensor":
+            why = waiting.detail or tr("The sensor sends nothing. Check its cable.")
             return Words(
-                "Please wait",
-                "The sensor on your hand is not heard just now. Nothing is lost.\n\n"
-                f"For the experimenter: {waiting.detail or 'The sensor sends nothing. Check its cable.'}\n"
-                "The session goes on by itself if it is heard again. To end it: Escape.",
+                tr("Please wait"),
+                f"{tr('The sensor on your hand is not heard just now. Nothing is lost.')}\n\n"
+                f"{tr('For the experimenter: {words}', words=why)}\n"
+                f"{tr('The session goes on by itself if it is heard again. To end it: Escape.')}",
                 "",
             )
     return None
 
 
-def _no_space(detail: str) -> Words:
+def _no_space(detail: str, tr: Language) -> Words:
     return Words(
-        "Please fetch the experimenter",
-        "The computer cannot save just now, so the session has paused.\n"
-        "Everything you did is kept.\n\n"
-        f"For the experimenter: {detail or 'The disk refuses to write.'}\n"
-        "When it can be saved again, the session can go on.",
+        tr("Please fetch the experimenter"),
+        f"{tr('The computer cannot save just now, so the session has paused.')}\n"
+        f"{tr('Everything you did is kept.')}\n\n"
+        f"{tr('For the experimenter: {words}', words=detail or tr('The disk refuses to write.'))}\n"
+        f"{tr('When it can be saved again, the session can go on.')}",
         "",
     )

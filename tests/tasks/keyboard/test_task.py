@@ -246,4 +246,4 @@ def test_the_tasks_own_parameters_are_those_of_the_thesis() -> None:
 def test_every_parameter_is_described_for_the_people_who_set_it(field: Any) -> None:
     assert field.title
     assert field.help.endswith(".")
-    assert field.kind in ("bool", "list") or field.bounds
+    assert field.kind in ("bool", "list", "text") or field.bounds

@@ -1,0 +1,37 @@
+"""Finds English in what a person reads in another language: texts that have a translation, but stand there without."""
+
+import re
+import string
+from collections.abc import Iterable, Iterator, Mapping
+
+from sar_tui.framework.theme import Theme
+
+
+def english_in(shown: Iterable[str], translations: Mapping[str, str]) -> list[tuple[str, str]]:
+    """Which English texts stand in what is shown, each with the first place where it does."""
+    lines = [" ".join(line.split()) for line in dict.fromkeys(shown)]
+    found = []
+    for text, own in translations.items():
+        pattern = _pattern(text)
+        if text != own and (where := next((line for line in lines if pattern.search(line)), None)):
+            found.append((text, where))
+    return found
+
+
+def phrases(english: Theme, own: Theme) -> dict[str, str]:
+    """What a theme says in English, as if each were the translation of the other."""
+    return {
+        wording: "" for name in english.phrases for wording in english.phrases[name] if wording not in own.phrases[name]
+    }
+
+
+def _pattern(text: str) -> re.Pattern[str]:
+    """A text with anything in its slots, as words of their own."""
+    return re.compile(rf"(?<!\w){''.join(_parts(text))}(?!\w)")
+
+
+def _parts(text: str) -> Iterator[str]:
+    for words, slot, _, _ in string.Formatter().parse(text):
+        yield re.escape(re.sub(r"\s+", " ", words))
+        if slot is not None:
+            yield r"\S.*?"
