@@ -13,6 +13,8 @@ import msgspec
 from sar_tui.cli.common import Home
 from sar_tui.cli.finding import Finding, State
 from sar_tui.cli.sensor_findings import motion_sensor, sensor_driver
+from sar_tui.cli.servo_findings import servo_controller
+from sar_tui.cli.speech_findings import sound_card, speech_engine
 
 SMALLEST = (80, 24)
 """Columns and lines that every screen fits in."""
@@ -35,6 +37,9 @@ def examine(home: Home) -> Iterator[Finding]:
         ("Measured timing", lambda: _measured(home)),
         ("Sensor driver", sensor_driver),
         ("Motion sensor", motion_sensor),
+        ("Servo controller", servo_controller),
+        ("Speech", speech_engine),
+        ("Sound card", sound_card),
         ("Data", lambda: _data(home)),
         ("Disk space", lambda: _space(home)),
         ("Tasks", lambda: _tasks(home)),

@@ -16,10 +16,11 @@ _NO_SENSOR = "Only tasks that measure movement need one; `--imu simulated` tries
 
 def sensor_driver() -> Finding:
     """Whether a PhidgetSpatial could be used: the Python package, its native library, and what that needs."""
-    from sar_tui.inputs.phidget import NO_LIBRARY, NO_PACKAGE, new_channel
+    from sar_tui.inputs.phidget import NO_LIBRARY, NO_PACKAGE
+    from sar_tui.phidget_library import new_channel
 
     try:
-        new_channel()
+        new_channel("Spatial")
         from Phidget22.Phidget import Phidget
 
         return Finding("Sensor driver", "ok", str(Phidget.getLibraryVersion()))
@@ -34,7 +35,8 @@ def sensor_driver() -> Finding:
 def motion_sensor() -> Finding:
     """Whether there is a PhidgetSpatial on a USB port. None is no fault."""
     from sar_tui.inputs.imu import Status
-    from sar_tui.inputs.phidget import NO_PERMISSION, PhidgetSource, usb_denied
+    from sar_tui.inputs.phidget import NO_PERMISSION, PhidgetSource
+    from sar_tui.phidget_library import usb_denied
 
     if usb_denied():
         found, _, mend = NO_PERMISSION.partition(": ")

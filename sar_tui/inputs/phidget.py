@@ -1,18 +1,16 @@
 """The PhidgetSpatial: on a USB port of this computer, or of another one on the network."""
 
-import ctypes
 import math
-import os
-import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
+from functools import partial
 from typing import Any, Literal, NamedTuple
 from urllib.parse import urlsplit
 
 from sar_tui.framework.clock import host_now
 from sar_tui.inputs.imu import Info, Sample, SourceError, Status, Vector
+from sar_tui.phidget_library import UDEV_RULE, new_channel, usb_denied, words
 
 G = 9.80665
 """m/s² in a g."""
@@ -27,8 +25,7 @@ NO_PACKAGE = "The Python package Phidget22 is missing; install it with: pip inst
 NO_LIBRARY = "The sensor's driver cannot be loaded ({}); install it with: pip install phidget22 libusb-package"
 NO_PERMISSION = (
     "A sensor is plugged in, but this computer does not let you use it: write the line "
-    'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess" '
-    "into the file /etc/udev/rules.d/70-phidget.rules, unplug the sensor, and plug it in again."
+    f"{UDEV_RULE} into the file /etc/udev/rules.d/70-phidget.rules, unplug the sensor, and plug it in again."
 )
 
 _UNKNOWN = 1e299
@@ -93,7 +90,7 @@ class PhidgetSource:
     ) -> None:
         self.info: Info | None = None
         self._address = _parsed(address)
-        self._make = make or new_channel
+        self._make = make or partial(new_channel, "Spatial")
         self._denied = denied or usb_denied
         self._channel: Any = None
         self._stopped = threading.Event()
@@ -113,7 +110,7 @@ class PhidgetSource:
             self._tell("error", NO_LIBRARY.format(error))
         except Exception as error:
             denied = getattr(error, "code", None) in _DENIED_CODES
-            self._tell("error", NO_PERMISSION if denied else f"The sensor cannot be opened: {_words(error)}")
+            self._tell("error", NO_PERMISSION if denied else f"The sensor cannot be opened: {words(error)}")
         else:
             if not self._address.host:
                 threading.Thread(target=self._watch, args=(self._stopped,), name="phidget", daemon=True).start()
@@ -228,7 +225,7 @@ class PhidgetSource:
             try:
                 handle(*arguments)
             except Exception as error:
-                what = f"The sensor cannot be used as it should: {_words(error)}"
+                what = f"The sensor cannot be used as it should: {words(error)}"
                 if what != self._told:
                     self._told = what
                     self._tell("error", what)
@@ -252,37 +249,6 @@ class PhidgetSource:
             self._tell("error", NO_PERMISSION)
 
 
-def usb_denied(devices: Path = Path("/sys/bus/usb/devices"), nodes: Path = Path("/dev/bus/usb")) -> bool:
-    """Whether a Phidget is on a USB port that this user may not open. Linux only; elsewhere there are no such folders.
-
-    Args:
-        devices: where the system lists what is plugged in.
-        nodes: where it is opened.
-    """
-    for vendor in devices.glob("*/idVendor"):
-        with suppress(OSError, ValueError):
-            if vendor.read_text().strip() == "06c2":
-                bus, device = (int((vendor.parent / number).read_text()) for number in ("busnum", "devnum"))
-                node = nodes / f"{bus:03}" / f"{device:03}"
-                if node.exists() and not os.access(node, os.R_OK | os.W_OK):
-                    return True
-    return False
-
-
-def new_channel() -> Any:
-    """Phidget22's channel. Raises ImportError without the package, OSError without its native libraries."""
-    if sys.platform == "linux":
-        with suppress(ImportError, OSError):
-            import libusb_package
-
-            ctypes.CDLL(str(libusb_package.get_library_path()))
-    from Phidget22.Devices.Spatial import Spatial
-    from Phidget22.Phidget import Phidget
-
-    Phidget.getLibraryVersion()  # Fails before there is an object, whose destructor would fail once more, aloud.
-    return Spatial()
-
-
 def _in(unit: float, values: Any) -> Vector:
     x, y, z = values
     return (
@@ -298,8 +264,3 @@ def _limit(ask: Callable[[], Any]) -> float:
         limit = float(min(ask()))
         return limit if 0 < limit < _UNKNOWN else 0.0
     return 0.0
-
-
-def _words(error: Exception) -> str:
-    said = (str(getattr(error, part, "") or "").strip() for part in ("description", "details"))
-    return ": ".join(filter(None, said)) or f"{type(error).__name__}: {error}"

@@ -26,6 +26,7 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
     - ``phidget``, ``phidget:SERIAL``, ``phidget://HOST:PORT``: a PhidgetSpatial, `phidget.PhidgetSource`;
     - ``simulated``, ``simulated:PROFILE``: a simulated hand, with one of `motion.synthesis.PROFILES`;
     - ``recorded:FILE``, ``recorded:FILE?rate=deg/s&acceleration=g&speed=fast&loop=yes``: a recording;
+    - ``ros://HOST[:PORT]/TOPIC[?rate=HZ]``: a sensor on a ROS system, over rosbridge;
     - any other: the entry point of that name, called with the text after the colon.
 
     Args:
@@ -95,8 +96,15 @@ def _recorded(text: str, _seed: int, clock: Clock | None) -> ImuSource:
     return RecordedSource(samples, playing.speed, playing.loop == "yes", clock=clock, name=path.name)
 
 
+def _ros(text: str, _seed: int, _clock: Clock | None) -> ImuSource:
+    from sar_tui.inputs.ros import RosImuSource
+
+    return RosImuSource(text)
+
+
 _SHIPPED: dict[str, Callable[[str, int, Clock | None], ImuSource]] = {
     "phidget": _phidget,
     "recorded": _recorded,
+    "ros": _ros,
     "simulated": _simulated,
 }

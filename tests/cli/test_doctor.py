@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from sar_tui import phidget_library
 from sar_tui.cli import sensor_findings
 from sar_tui.inputs import phidget
 from sar_tui.inputs.imu import Info, Sample, Status
@@ -42,8 +43,9 @@ def plugged(monkeypatch: pytest.MonkeyPatch) -> type[Plugged]:
         pass
 
     monkeypatch.setattr(phidget, "PhidgetSource", Socket)
-    monkeypatch.setattr(phidget, "new_channel", lambda: None)
-    monkeypatch.setattr(phidget, "usb_denied", lambda: False)
+    monkeypatch.setattr(phidget_library, "new_channel", lambda _kind: None)
+    monkeypatch.setattr(phidget_library, "usb_denied", lambda: False)
+    monkeypatch.setattr(phidget_library, "plugged_in", lambda: False)
     monkeypatch.setattr(sensor_findings, "_SENSOR_S", 0.001)
     return Socket
 
@@ -203,7 +205,7 @@ def test_a_motion_sensor_of_no_use_is_told_of(call: Call, plugged: type[Plugged]
 def test_a_motion_sensor_that_may_not_be_used_is_1_and_says_what_to_write_where(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(phidget, "usb_denied", lambda: True)
+    monkeypatch.setattr(phidget_library, "usb_denied", lambda: True)
     called = call("doctor", "--json")
     found = finding(called, "Motion sensor")
     assert (called.code, found["state"]) == (1, "bad")
@@ -246,10 +248,10 @@ def test_a_udev_rule_is_known_by_its_vendor(tmp_path: Path) -> None:
 def test_a_missing_driver_is_told_with_its_cure(
     call: Call, monkeypatch: pytest.MonkeyPatch, error: Exception, found: str, mend: str
 ) -> None:
-    def fail() -> None:
+    def fail(_kind: str) -> None:
         raise error
 
-    monkeypatch.setattr(phidget, "new_channel", fail)
+    monkeypatch.setattr(phidget_library, "new_channel", fail)
     called = call("doctor", "--json")
     row = finding(called, "Sensor driver")
     assert (called.code, row["state"]) == (0, "care")

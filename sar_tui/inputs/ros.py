@@ -1,0 +1,220 @@
+"""A motion sensor on a ROS system: ``sensor_msgs/Imu``, through the rosbridge protocol."""
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from statistics import fmean, median
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta
+
+from sar_tui.framework.clock import SECOND, host_now
+from sar_tui.inputs.imu import NOTHING, Info, Sample, SourceError, Status, Vector
+from sar_tui.rosbridge import AddressError, Bridge, TopicName, parse
+
+IMU = "sensor_msgs/Imu"
+LOOKED_AT = 50
+"""From so many samples the rate is told, or from what comes within a second, which has to be five at least."""
+_FEWEST = 5
+_TOO_LARGE = 1e30
+_EXAMPLE = (
+    "ros://HOST/TOPIC or ros://HOST:PORT/TOPIC, such as ros://192.0.2.7/imu/data, and after it, "
+    "if you know how many samples come a second, ?rate=NUMBER"
+)
+_NO_RATE = (
+    "The sensor on {} tells that it does not measure angular rate (its covariance begins with -1), so it cannot show "
+    "how a hand turns. Use one with a gyroscope."
+)
+_NO_SAMPLE = "What comes on {} is no sensor_msgs/Imu ({}); such messages are left out."
+_NOT_RISING = "The time stamps on {} do not rise, so how fast samples come is not known: say it with ?rate=NUMBER."
+
+
+class _Options(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What may follow the question mark. ``rate``: samples a second."""
+
+    rate: Annotated[float, Meta(gt=0, le=10_000)] | None = None
+
+
+class _Axes(msgspec.Struct, frozen=True):
+    """A ``geometry_msgs/Vector3``. JSON has no not-a-number: rosbridge sends null."""
+
+    x: float | None
+    y: float | None
+    z: float | None
+
+    @property
+    def vector(self) -> Vector:
+        return _number(self.x), _number(self.y), _number(self.z)
+
+
+_Seconds = Annotated[int, Meta(ge=-(2**31), lt=2**32)]
+_Nanoseconds = Annotated[int, Meta(ge=0, lt=2**32)]
+
+
+class _Stamp(msgspec.Struct, frozen=True):
+    """A time: ``secs`` and ``nsecs`` in ROS 1, ``sec`` and ``nanosec`` in ROS 2."""
+
+    secs: _Seconds = 0
+    nsecs: _Nanoseconds = 0
+    sec: _Seconds = 0
+    nanosec: _Nanoseconds = 0
+
+    @property
+    def ns(self) -> int:
+        return (self.secs + self.sec) * SECOND + self.nsecs + self.nanosec
+
+
+class _Header(msgspec.Struct, frozen=True):
+    stamp: _Stamp
+    frame_id: str = ""
+
+
+class _Imu(msgspec.Struct, frozen=True):
+    header: _Header
+    angular_velocity: _Axes
+    linear_acceleration: _Axes
+    angular_velocity_covariance: tuple[float | None, ...] = ()
+    linear_acceleration_covariance: tuple[float | None, ...] = ()
+
+
+class RosImuSource:
+    """A topic of ``sensor_msgs/Imu`` (rad/s, m/s²) as a source of samples.
+
+    The device's clock is the header's stamp, counted from the first sample of each connection; where a driver leaves
+    it at zero, this computer's clock stands in. The sensor is attached once its rate is known: from the stamps of the
+    first samples, none of which is lost, or at once where the address tells it. A covariance that begins with -1 says
+    that something is not measured.
+
+    Args:
+        address: ``//HOST[:PORT]/TOPIC[?rate=HZ]``, with or without ``ros:``. Raises SourceError for anything else.
+    """
+
+    def __init__(self, address: str) -> None:
+        self.info: Info | None = None
+        try:
+            self._address = parse(address, _EXAMPLE)
+            self._topic: str = msgspec.convert(self._address.path, TopicName)
+            self._rate_hz = msgspec.convert(self._address.options, _Options, strict=False).rate
+        except AddressError as error:
+            raise SourceError(str(error)) from error
+        except msgspec.ValidationError as error:
+            raise SourceError(f'The sensor "{address}" cannot be understood ({error}). Say {_EXAMPLE}.') from error
+        self._bridge: Bridge | None = None
+
+    def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
+        """Connect in the background, and deliver what comes."""
+        self.stop()
+        self._sink, self._on_status = sink, on_status
+        self._begin()
+        self._tell("detached", f"Waiting for the ROS bridge at {self._address}.")
+        bridge = Bridge(
+            self._address,
+            {},
+            {self._topic: (IMU, lambda message: self._heard(bridge, message))},
+            lambda: self._changed(bridge),
+        )
+        self._bridge = bridge
+        bridge.open()
+
+    def stop(self) -> None:
+        """Deliver nothing more; let go of the connection. Takes a second at most, should the bridge hang."""
+        bridge, self._bridge = self._bridge, None
+        if bridge is not None:
+            bridge.close()
+        self.info = None
+
+    def zero(self) -> None:
+        """Nothing: ROS has no common way to ask a sensor for it."""
+
+    def _begin(self) -> None:
+        self.info = None
+        self._told = ""
+        self._first: list[Sample] = []
+        self._origin_ns: int | None = None
+
+    def _changed(self, bridge: Bridge) -> None:
+        if bridge is not self._bridge:
+            return
+        self._begin()
+        if bridge.problem:
+            self._tell("error", bridge.problem)
+        elif bridge.is_connected:
+            self._tell("detached", f"Waiting for samples on {self._topic} of the ROS bridge at {self._address}.")
+        else:
+            self._tell("detached", f"The ROS bridge at {self._address} is gone. Waiting until it is back.")
+
+    def _heard(self, bridge: Bridge, message: Any) -> None:
+        host_ns = host_now()
+        if bridge is not self._bridge:
+            return
+        try:
+            imu = msgspec.convert(message, _Imu)
+        except msgspec.ValidationError as error:
+            self._complain(_NO_SAMPLE.format(self._topic, error))
+            return
+        if not _measures(imu.angular_velocity_covariance):
+            self._complain(_NO_RATE.format(self._topic))
+            return
+        sample = self._sample(host_ns, imu)
+        if self.info is not None:
+            self._told = ""
+            self._sink(sample)
+            return
+        self._first.append(sample)
+        if rate_hz := self._rate_hz or self._rate_seen(imu.header.stamp.ns != 0):
+            self._attach(imu, rate_hz)
+
+    def _sample(self, host_ns: int, imu: _Imu) -> Sample:
+        device_ns = imu.header.stamp.ns or host_ns
+        if self._origin_ns is None:
+            self._origin_ns = device_ns
+        return Sample(
+            host_ns,
+            (device_ns - self._origin_ns) / 1e6,
+            imu.linear_acceleration.vector if _measures(imu.linear_acceleration_covariance) else NOTHING,
+            imu.angular_velocity.vector,
+        )
+
+    def _rate_seen(self, stamped: bool) -> float | None:
+        """Samples a second among the first ones; None until enough have come."""
+        first, count = self._first, len(self._first)
+        if count < LOOKED_AT and (count < _FEWEST or first[-1].host_ns - first[0].host_ns < SECOND):
+            return None
+        steps = [after.device_ms - before.device_ms for before, after in pairwise(first)]
+        step = median(steps) if stamped else fmean(steps)
+        if step > 0:
+            return 1000 / step
+        self._complain(_NOT_RISING.format(self._topic))
+        first.clear()
+        return None
+
+    def _attach(self, imu: _Imu, rate_hz: float) -> None:
+        frame = "".join(filter(str.isprintable, imu.header.frame_id))[:40]
+        self.info = Info(
+            source=f"ros://{self._address.host}:{self._address.port}{self._topic}",
+            model=f"{IMU} ({frame})" if frame else IMU,
+            rate_hz=rate_hz,
+            has_acceleration=_measures(imu.linear_acceleration_covariance),
+        )
+        self._tell("attached")
+        for sample in self._first:
+            self._sink(sample)
+        self._first.clear()
+
+    def _complain(self, what: str) -> None:
+        """Tell of an error, once until samples are good again."""
+        if what != self._told:
+            self._told = what
+            self._tell("error", what)
+
+    def _tell(self, state: Literal["attached", "detached", "error"], detail: str = "") -> None:
+        self._on_status(Status(state=state, at=host_now(), detail=detail))
+
+
+def _measures(covariance: tuple[float | None, ...]) -> bool:
+    return not covariance or covariance[0] != -1
+
+
+def _number(value: float | None) -> float:
+    return value if value is not None and abs(value) < _TOO_LARGE else math.nan

@@ -1,0 +1,137 @@
+"""Outputs by name: those that ship, and those of plug-ins (entry points of the group ``sar_tui.outputs``)."""
+
+import difflib
+from collections.abc import Callable, Sequence
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING
+
+from sar_tui.framework.theme import TONES, Theme
+from sar_tui.outputs.node import OutputNode
+from sar_tui.outputs.output import Output, OutputError
+
+if TYPE_CHECKING:
+    from sar_tui.outputs.sound.path import Sound
+
+GROUP = "sar_tui.outputs"
+SCREEN = "screen"
+"""The face and the words on the screen: made by the app, which alone can draw."""
+
+
+def output_names() -> list[str]:
+    """The names that ``open_outputs`` knows; what follows the colon is each one's own."""
+    return sorted({SCREEN, *_SHIPPED, *(entry.name for entry in entry_points(group=GROUP))})
+
+
+def check_outputs(addresses: Sequence[str], speech: str = "sound") -> None:
+    """Raise OutputError, one clear sentence, if one of the addresses cannot be an output's, or is there twice."""
+    kinds = [_split(address)[0] for address in addresses]
+    for kind in kinds:
+        if kind not in (known := output_names()):
+            near = difflib.get_close_matches(kind, known, 1)
+            hint = f" Did you mean {near[0]}?" if near else ""
+            raise OutputError(f'There is no output "{kind}".{hint} There is: {", ".join(known)}.')
+        if kinds.count(kind) > 1:
+            raise OutputError(f"The output {kind} is named twice.")
+    from sar_tui.outputs.sound.path import check_sound
+    from sar_tui.outputs.sound.protocol import SoundError
+
+    try:
+        check_sound(speech)
+    except SoundError as error:
+        raise OutputError(str(error)) from error
+    _make(addresses, speech)
+
+
+def open_outputs(addresses: Sequence[str], speech: str, theme: Theme) -> list[OutputNode]:
+    """The nodes of a session's outputs, but for the screen's.
+
+    - ``speech``: the voice; where it goes is told by ``speech`` (``sound``, ``file:FOLDER``);
+    - ``tones``, ``tones:go+end+success``: short tones, the same way;
+    - ``servo``, ``servo:SERIAL?...``: gestures by RC servos on a Phidget controller;
+    - ``ros://HOST:PORT...``: a robot on a ROS system, over rosbridge;
+    - any other: the entry point of that name, called with the text after the colon.
+
+    Raises:
+        OutputError: an address cannot be understood, or a plug-in cannot be loaded.
+    """
+    return [OutputNode(output, address, theme, cues) for output, address, cues in _make(addresses, speech)]
+
+
+def _make(addresses: Sequence[str], speech: str) -> list[tuple[Output, str, tuple[str, ...]]]:
+    from sar_tui.outputs.sound.path import Sound
+
+    made: list[tuple[Output, str, tuple[str, ...]]] = []
+    sound = Sound(speech)  # one for both, so that a tone and words never sound at once
+    for address in sorted(addresses, key=lambda address: _split(address)[0] != "tones"):  # a tone goes before words
+        kind, text = _split(address)
+        if kind in _SHIPPED:
+            made.append((_SHIPPED[kind](text, sound), address, _cues(text) if kind == "tones" else ()))
+        elif kind != SCREEN:
+            made.append((_plugged_in(kind, text), address, ()))
+    return made
+
+
+def _split(address: str) -> tuple[str, str]:
+    kind, _, text = address.strip().partition(":")
+    return kind, text
+
+
+def _cues(text: str) -> tuple[str, ...]:
+    """Which tones are named; all of them where none is."""
+    cues = tuple(filter(None, text.split("+"))) or TONES
+    for cue in cues:
+        if cue not in TONES:
+            raise OutputError(f'There is no tone "{cue}". There is: {", ".join(TONES)}.')
+    return cues
+
+
+def _plugged_in(kind: str, text: str) -> Output:
+    for entry in entry_points(group=GROUP):
+        if entry.name == kind:
+            try:
+                output = entry.load()(text)
+            except OutputError:
+                raise
+            except Exception as error:
+                why = f"{type(error).__name__}: {error}"
+                raise OutputError(f"The output {kind} ({entry.value}) cannot be loaded: {why}.") from error
+            if not isinstance(output, Output):
+                raise OutputError(f"The output {kind} ({entry.value}) is no Output.")
+            if not getattr(output, "name", ""):
+                raise OutputError(f"The output {kind} ({entry.value}) has no name.")
+            return output
+    raise OutputError(f'There is no output "{kind}". There is: {", ".join(output_names())}.')
+
+
+def _speech(text: str, sound: "Sound") -> Output:
+    from sar_tui.outputs.speech import Speech
+
+    if text:
+        raise OutputError(f'Speech has nothing after its name; "{text}" belongs to the setting speech.')
+    return Speech(sound)
+
+
+def _tones(_: str, sound: "Sound") -> Output:
+    from sar_tui.outputs.tones import Tones
+
+    return Tones(sound)
+
+
+def _servo(text: str, _: "Sound") -> Output:
+    from sar_tui.outputs.servo.servo import Servo
+
+    return Servo(text)
+
+
+def _ros(text: str, _: "Sound") -> Output:
+    from sar_tui.outputs.ros import Ros
+
+    return Ros(text)
+
+
+_SHIPPED: dict[str, Callable[[str, "Sound"], Output]] = {
+    "speech": _speech,
+    "tones": _tones,
+    "servo": _servo,
+    "ros": _ros,
+}

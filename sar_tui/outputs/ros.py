@@ -1,0 +1,268 @@
+"""A robot on a ROS system, reached through the rosbridge protocol: it speaks, moves and looks."""
+
+import secrets
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from typing import Any, cast
+
+from sar_tui.framework.clock import MS, SECOND, Clock, Handle
+from sar_tui.framework.messages import Deed, DeedState
+from sar_tui.framework.theme import Theme
+from sar_tui.outputs.output import Output, Report
+from sar_tui.outputs.ros_topics import STRING, Answer, parse_address, plain, understand
+from sar_tui.rosbridge import Bridge
+
+PATIENCE = 3 * SECOND
+"""How long after the beginning a deed may wait for the first connection."""
+SETTLE = 500 * MS
+"""How long after a connection nothing is sent: on a ROS system it takes a moment until a new publisher is heard."""
+ANSWER = 2 * SECOND
+"""How long a robot may take to tell that it has begun."""
+LONGEST = 15 * SECOND
+"""How much longer a deed may take than it should."""
+A_CHARACTER = 100 * MS
+"""How long speaking one takes, at the slowest."""
+
+_UNSURE = "The robot did not confirm the last stop."
+
+
+class _Asked:
+    """Something the robot is to do."""
+
+    def __init__(self, action: str, deed: Deed, topic: str, message: dict[str, str], lasts: int) -> None:
+        self.action, self.deed, self.topic, self.message, self.lasts = action, deed, topic, message, lasts
+        self.sent: int | None = None
+        self.started: int | None = None
+        self.timer: Handle | None = None
+
+
+class Ros(Output):
+    """A robot on a ROS system. Everything but the sending happens on the thread that owns the clock.
+
+    Args:
+        address: ``ros://HOST[:PORT]``, and after a question mark `ros_topics.Topics`. Raises OutputError for anything
+            else.
+    """
+
+    name = "ros"
+    can = frozenset[Deed]({"say", "gesture", "gaze"})
+
+    def __init__(self, address: str) -> None:
+        self._address, self._topics = parse_address(address)
+        self._bridge: Bridge | None = None
+        self._begin()
+
+    def _begin(self) -> None:
+        self._lines: dict[Deed, deque[_Asked]] = {"say": deque(), "gesture": deque(), "gaze": deque()}
+        self._token = secrets.token_hex(3)
+        self._ready_at: int | None = None
+        self._stop_owed = False
+        self._stops: dict[tuple[str, Deed], int] = {}
+        self._muddle = ""
+
+    def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
+        """Connect in the background. What is asked for in the first moments waits for the connection."""
+        self.close()
+        super().open(theme, clock, tell)
+        self._begin()
+        self._patience = clock.now() + PATIENCE
+        topics = self._topics
+        bridge = Bridge(
+            self._address,
+            dict.fromkeys((topics.speech, topics.gesture, topics.gaze, topics.stop), STRING),
+            {topics.report: (STRING, lambda message: self._hear(bridge, message))},
+            lambda: self._change(bridge),
+        )
+        self._bridge = bridge
+        bridge.open()
+        self._look_again(bridge, self._patience)
+
+    def say(self, action: str, text: str) -> None:
+        """Have the robot speak."""
+        text = text.encode("utf-8", "replace").decode()  # half a character cannot be sent
+        said = {"text": text, "language": self.theme.language}
+        self._ask(action, "say", self._topics.speech, said, text, A_CHARACTER * len(text))
+
+    def gesture(self, action: str, name: str) -> None:
+        """Have the robot move; it is told the theme's keyframes too."""
+        gesture = self.theme.gestures.get(name)
+        if gesture is None:
+            self.tell(action, "gesture", "failed", f"The theme {self.theme.name} has no gesture {plain(name)}.")
+            return
+        moves = {"gesture": name, "keyframes": gesture.keyframes}
+        self._ask(action, "gesture", self._topics.gesture, moves, name, gesture.duration_ms * MS)
+
+    def gaze(self, action: str, where: str) -> None:
+        """Have the robot look somewhere."""
+        self._ask(action, "gaze", self._topics.gaze, {"gaze": where}, where, 0)
+
+    def stop(self, action: str = "") -> None:
+        """Ask the robot to be still, and count on it. A stop that cannot be sent now is sent before anything else."""
+        if self._bridge is None:
+            return
+        stopped = [asked for line in self._lines.values() for asked in line if action in ("", asked.action)]
+        sent = [asked for asked in stopped if asked.sent is not None]
+        told = False
+        if sent or not action:
+            told = self._send_stop(action)
+            self._stop_owed |= not told
+        now = self.clock.now()
+        for asked in stopped:
+            if asked in sent and told:
+                self._stops[asked.action, asked.deed] = now
+            self._end(asked, "aborted", now, self._about_stop(told) if asked in sent else "")
+        if action:
+            self._advance_all(self._bridge)
+
+    def close(self) -> None:
+        """Have the robot be still, and let go of the connection."""
+        if self._bridge is not None:
+            self.stop()
+            bridge, self._bridge = self._bridge, None
+            bridge.close()
+
+    # --- on the connection's thread: stamp, and hand on ---------------------------------------------------
+
+    def _change(self, bridge: Bridge) -> None:
+        self.clock.call_soon(partial(self._changed, bridge, bridge.is_connected))
+
+    def _hear(self, bridge: Bridge, message: Any) -> None:
+        at = self.clock.now()
+        answer = understand(message)
+        if isinstance(answer, str):
+            self._muddle = f" A report of it could not be understood: {answer}."
+        else:
+            self.clock.call_soon(partial(self._heard, bridge, answer, at))
+
+    # --- on the clock's thread ------------------------------------------------------------------------------
+
+    def _changed(self, bridge: Bridge, connected: bool) -> None:
+        if bridge is not self._bridge:
+            return
+        now = self.clock.now()
+        if connected:
+            if self._stop_owed:
+                self._stop_owed = not self._send_stop("")
+            self._ready_at = now + SETTLE
+            self._look_again(bridge, self._ready_at)
+            return
+        self._ready_at = None
+        for asked in self._under_way:
+            self._end(asked, "failed", now, f"The connection to the robot at {self._address} was lost meanwhile.")
+        self._advance_all(bridge)
+
+    def _heard(self, bridge: Bridge, answer: Answer, at: int) -> None:
+        if bridge is not self._bridge or self._confirms_stop(answer, at):
+            return
+        sent = [asked for asked in self._under_way if asked.sent is not None and asked.sent <= at]
+        about = [asked for asked in sent if self._is_about(answer, asked.action, asked.deed)]
+        begun = [asked for asked in about if asked.started is not None]
+        waiting = [asked for asked in about if asked.started is None]
+        for asked in (waiting if answer.state == "started" else begun + waiting)[:1]:
+            if asked.started is None and answer.state in ("started", "done"):
+                asked.started = at
+                self._report(asked, "started", at)
+            if answer.state != "started":
+                why = answer.detail or ("The robot failed." if answer.state == "failed" else "")
+                self._end(asked, answer.state, at, why)
+                self._advance(asked.deed)
+
+    def _ask(self, action: str, deed: Deed, topic: str, what: dict[str, Any], bare: str, lasts: int) -> None:
+        if self._bridge is None:
+            return
+        message = self._topics.message(self._id(action), what, bare)
+        self._lines[deed].append(_Asked(action, deed, topic, message, lasts))
+        self._advance(deed)
+
+    def _look_again(self, bridge: Bridge, when: int) -> None:
+        self.clock.call_at(when, partial(self._advance_all, bridge, when))
+
+    def _advance_all(self, bridge: Bridge, due: int = 0) -> None:
+        if bridge is self._bridge:
+            for deed in self._lines:
+                self._advance(deed, due)
+
+    def _advance(self, deed: Deed, due: int = 0) -> None:
+        """Send what is next, if its turn has come; or tell that it cannot be. It is as late as ``due`` at least."""
+        line, bridge = self._lines[deed], cast(Bridge, self._bridge)
+        while line and line[0].sent is None:
+            asked, now = line[0], max(self.clock.now(), due)
+            if not bridge.problem and self._is_to_wait(bridge, now):
+                return
+            if bridge.publish(asked.topic, asked.message):
+                asked.sent, self._muddle = now, ""
+                asked.timer = self.clock.call_at(now + ANSWER, partial(self._overdue, bridge, asked))
+            else:
+                self._end(asked, "failed", now, bridge.problem or self._away)
+
+    def _is_to_wait(self, bridge: Bridge, now: int) -> bool:
+        if self._ready_at is None:
+            return bridge.is_connected or now < self._patience  # that it is will be told in a moment
+        return now < self._ready_at
+
+    def _overdue(self, bridge: Bridge, asked: _Asked) -> None:
+        line, now = self._lines[asked.deed], self.clock.now()
+        if bridge is not self._bridge or not line or line[0] is not asked:
+            return
+        if asked.started is None:
+            why = f"Sent to the robot at {self._address}, which did not acknowledge it."
+        elif now < (until := asked.started + asked.lasts + LONGEST):
+            asked.timer = self.clock.call_at(until, partial(self._overdue, bridge, asked))
+            return
+        else:
+            why = f"The robot at {self._address} began, and did not tell that it was done."
+        self._end(asked, "failed", now, why + self._muddle)
+        self._advance(asked.deed)
+
+    def _end(self, asked: _Asked, state: DeedState, at: int, detail: str = "") -> None:
+        self._lines[asked.deed].remove(asked)
+        if asked.timer:
+            asked.timer.cancel()
+        self._report(asked, state, at, detail)
+
+    def _report(self, asked: _Asked, state: DeedState, at: int, detail: str = "") -> None:
+        if any(at - stop > ANSWER for stop in self._stops.values()):
+            self._stops.clear()
+            detail = f"{detail} {_UNSURE}".strip()
+        self._tell(Report(asked.action, asked.deed, state, at, detail))
+
+    # --- stopping, and small things --------------------------------------------------------------------------
+
+    def _send_stop(self, action: str) -> bool:
+        message = self._topics.message(action and self._id(action), {}, "stop")
+        return cast(Bridge, self._bridge).publish(self._topics.stop, message)
+
+    def _about_stop(self, told: bool) -> str:
+        return "The robot was asked to stop." if told else f"The robot could not be asked to stop. {self._away}"
+
+    def _confirms_stop(self, answer: Answer, at: int) -> bool:
+        """Whether it tells of the end of what was stopped: without an id, rather than of what came after that."""
+        if answer.state == "started":
+            return False
+        about = [
+            (action, deed)
+            for (action, deed), asked in self._stops.items()
+            if self._is_about(answer, action, deed) and (answer.id or at - asked <= ANSWER)
+        ]
+        for key in about if answer.id else about[:1]:
+            del self._stops[key]
+        return bool(about)
+
+    def _is_about(self, answer: Answer, action: str, deed: Deed) -> bool:
+        unnamed = self._topics.form == "text" and not answer.id
+        return (unnamed or answer.id == self._id(action)) and answer.deed in ("", deed)
+
+    def _id(self, action: str) -> str:
+        """What an action is called towards the robot: nothing late of an earlier session is taken for this one's."""
+        return f"{action}-{self._token}"
+
+    @property
+    def _under_way(self) -> list[_Asked]:
+        """What was sent and is not over, the oldest first."""
+        sent = (line[0] for line in self._lines.values() if line and line[0].sent is not None)
+        return sorted(sent, key=lambda asked: asked.sent or 0)
+
+    @property
+    def _away(self) -> str:
+        return f"The robot is not connected: there is no ROS bridge at {self._address}. Start rosbridge there."

@@ -1,0 +1,201 @@
+"""A servo motor on a channel of a Phidget controller: one joint of the robot."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+from sar_tui.framework.clock import MS
+from sar_tui.outputs.servo.address import ServoAddress, Wire
+from sar_tui.phidget_library import words
+
+FAILSAFE_MS = 1000
+"""How long a controller waits for a sign of life before it lets go of the motor."""
+FEED_MS = 250
+"""Between two signs of life; Phidgets advises a third of the failsafe time at most."""
+_ACCELERATION = 10.0
+"""Times the speed limit, in degrees a second squared: full speed is there after a tenth of a second."""
+_UNSUPPORTED, _NOT_ATTACHED, _FAILSAFE = 20, 52, 59
+_FAILSAFE_EVENT, _CLEARED = 4108, 4096
+_ADVICE = {
+    1: " Install the same version of Phidget22 here and on the network server.",
+    2: " Close the other program that uses it.",
+}
+_FAILSAFE_TEXT = "Its failsafe let go of it, since this program did not run for a second."
+
+
+class ServoChannel:
+    """One motor: attached or not, engaged or limp.
+
+    It is configured when it is attached: its middle, its range, its limits of velocity and acceleration, and, where
+    the controller has one, the failsafe. It holds its position only while it is engaged; else a hand may move it.
+    All methods are called by one thread; the driver's threads only call the handlers.
+
+    Args:
+        wire: the joint and its channel.
+        address: which controller, how far and how fast.
+        failsafe: whether the controller is to let go of the motor when it is not fed; not where time is virtual.
+        changed: called when it was attached or detached, by the driver's thread.
+    """
+
+    def __init__(self, wire: Wire, address: ServoAddress, failsafe: bool, changed: Callable[[], None]) -> None:
+        self.joint = wire.joint
+        self.attached = False
+        self.engaged = False
+        self.has_failsafe = False
+        self.trouble = ""
+        self.model = ""
+        self._wire = wire
+        self._address = address
+        self._failsafe = failsafe
+        self._changed = changed
+        self._channel: Any = None
+        self._middle = self._range = 0.0
+        self._target: float | None = None
+        self._fed_at = 0
+        self._let_go = False
+
+    @property
+    def place(self) -> str:
+        """What it is called in a sentence."""
+        return f"{self.joint} on channel {self._wire.channel}"
+
+    def open(self, channel: Any) -> None:
+        """Wait in the background for the motor's controller. ``channel``: a Phidget22 ``RCServo``, not yet open."""
+        self._channel = channel
+        channel.setOnAttachHandler(self._attached)
+        channel.setOnDetachHandler(self._detached)
+        channel.setOnErrorHandler(self._erred)
+        channel.setIsLocal(True)
+        channel.setIsRemote(False)
+        channel.setChannel(self._wire.channel)
+        if self._address.serial is not None:
+            channel.setDeviceSerialNumber(self._address.serial)
+        channel.open()
+
+    def close(self) -> None:
+        """Let go of the motor, and of the channel."""
+        channel, self._channel = self._channel, None
+        self.attached = False
+        if channel is None:
+            return
+        for forget in (channel.setOnAttachHandler, channel.setOnDetachHandler, channel.setOnErrorHandler):
+            with suppress(Exception):
+                forget(None)
+        with suppress(Exception):
+            channel.close()
+
+    def engage(self, value: float) -> None:
+        """Hold the motor at ``value`` (-1 to 1 of its range)."""
+        self.move(value)
+        self.engaged = True
+        self._call(self._channel.setEngaged, True)
+
+    def move(self, value: float) -> None:
+        """Send the motor to ``value`` (-1 to 1 of its range), unless it has been sent there."""
+        value = max(-1.0, min(1.0, -value if self._wire.reverse else value))
+        target = self._middle + self._range * value
+        if target != self._target:
+            self._call(self._channel.setTargetPosition, target)
+            self._target = target
+
+    def release(self) -> None:
+        """Make the motor limp. A motor that is unplugged is."""
+        if self.engaged and self.attached:
+            try:
+                self._call(self._channel.setEngaged, False)
+            except Exception as error:
+                if getattr(error, "code", None) not in (_NOT_ATTACHED, _FAILSAFE):
+                    raise
+        self.engaged = False
+
+    def reopen(self) -> bool:
+        """Open anew a channel whose failsafe has let go, since it refuses everything; whether there was need."""
+        if not self._let_go:
+            return False
+        self._let_go, self.trouble = False, ""
+        try:
+            self._channel.close()
+            self._channel.open()
+        except Exception as error:
+            self.trouble = f"It cannot be opened again: {words(error)}."
+        return True
+
+    def feed(self, now: int) -> None:
+        """Give the failsafe its sign of life, when one is due at ``now`` (ns)."""
+        if self.attached and self.has_failsafe and now >= self._fed_at + FEED_MS * MS:
+            self._fed_at = now
+            with suppress(Exception):
+                self._call(self._channel.resetFailsafe)
+
+    def _call(self, function: Callable[..., None], *arguments: Any) -> None:
+        try:
+            function(*arguments)
+        except Exception as error:
+            if getattr(error, "code", None) == _FAILSAFE:
+                self._lose(_FAILSAFE_TEXT)
+            elif getattr(error, "code", None) == _NOT_ATTACHED:
+                self.attached = False
+            raise
+
+    def _attached(self, channel: Any) -> None:
+        try:
+            self._configure(channel)
+        except Exception as error:
+            self.trouble = f"It cannot be set up: {words(error)}."
+        else:
+            self.trouble = ""
+            self.engaged = False
+            self.attached = True
+        self._changed()
+
+    def _configure(self, channel: Any) -> None:
+        lowest, highest = sorted((channel.getMinPosition(), channel.getMaxPosition()))
+        self._middle = (lowest + highest) / 2
+        self._range = min(self._address.range_deg, (highest - lowest) / 2)
+        speed = self._address.speed_deg_s
+        _if_it_can(lambda: channel.setSpeedRampingState(True))
+        _if_it_can(lambda: _set_within(channel, "VelocityLimit", speed))
+        _if_it_can(lambda: _set_within(channel, "Acceleration", _ACCELERATION * speed))
+        channel.setTargetPosition(self._middle)
+        self._target = self._middle
+        self.model = f"{channel.getDeviceName()} ({channel.getDeviceSKU()}), serial {channel.getDeviceSerialNumber()}"
+        self.has_failsafe = self._failsafe and _if_it_can(
+            lambda: channel.enableFailsafe(max(FAILSAFE_MS, channel.getMinFailsafeTime()))
+        )
+        self._fed_at = 0
+
+    def _detached(self, _channel: Any) -> None:
+        self.attached = self.engaged = False
+        self.trouble = ""
+        self._changed()
+
+    def _erred(self, _channel: Any, code: int, description: str) -> None:
+        if code == _FAILSAFE_EVENT:
+            self._lose(_FAILSAFE_TEXT)
+        elif code == _CLEARED:
+            self.trouble = ""
+        else:
+            self.trouble = f"It reports: {description.rstrip('.')}.{_ADVICE.get(code, '')}"
+        self._changed()
+
+    def _lose(self, why: str) -> None:
+        """Note that the failsafe has let go: the channel refuses everything until it is opened anew."""
+        self.trouble = why
+        self.attached = self.engaged = False
+        self._let_go = True
+
+
+def _set_within(channel: Any, what: str, value: float) -> None:
+    lowest, highest = getattr(channel, f"getMin{what}")(), getattr(channel, f"getMax{what}")()
+    getattr(channel, f"set{what}")(max(lowest, min(highest, value)))
+
+
+def _if_it_can(call: Callable[[], None]) -> bool:
+    """Make a call that some controllers do not know; whether this one does."""
+    try:
+        call()
+    except Exception as error:
+        if getattr(error, "code", None) != _UNSUPPORTED:
+            raise
+        return False
+    return True

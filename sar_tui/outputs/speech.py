@@ -1,0 +1,65 @@
+"""Speech: what the agent says, aloud."""
+
+import re
+from collections.abc import Callable
+
+from sar_tui.framework.clock import Clock
+from sar_tui.framework.theme import Theme
+from sar_tui.outputs.output import Output, Report
+from sar_tui.outputs.sound.path import Sound
+from sar_tui.outputs.sound.protocol import Voicing
+
+LONGEST = 4000
+"""Characters in an utterance; about five minutes."""
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
+
+
+class Speech(Output):
+    """Speaks with the theme's voice, in its language. ``sound`` is shared with the tones.
+
+    ``started`` is when the first samples of the utterance are fed to the sound card (they are heard up to 40 ms
+    later), ``done`` when the last have left its buffer; synthesis comes before ``started``. An utterance fails where
+    there is no speech engine, no voice for the language or no sound card, where the voice cannot read the text, and
+    where the engine hangs or crashes. The next one gets a new engine; after three in a row that failed by no fault of
+    the text, speech stays off.
+    """
+
+    name = "speech"
+    can = frozenset({"say"})
+
+    def __init__(self, sound: Sound) -> None:
+        self._sound = sound
+
+    def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
+        self._sound.join("say", clock, tell)
+        super().open(theme, clock, tell)
+
+    def wear(self, theme: Theme) -> None:
+        super().wear(theme)
+        self._sound.get_ready("say", self._voicing)
+
+    def say(self, action: str, text: str) -> None:
+        text, problem = _speakable(text), ""
+        if not text:
+            problem = "There is nothing to say: the text is empty."
+        elif len(text) > LONGEST:
+            text, problem = "", f"The text is too long to be spoken: {len(text)} characters, of at most {LONGEST}."
+        self._sound.say(action, text, self._voicing, problem)
+
+    def stop(self, action: str = "") -> None:
+        self._sound.stop("say", action)
+
+    def close(self) -> None:
+        self._sound.leave("say")
+
+    @property
+    def _voicing(self) -> Voicing:
+        voice, language = self.theme.voice, self.theme.language
+        return Voicing(
+            language.lower().replace("_", "-"), voice.names.get(language, ""), voice.rate_in(language), voice.volume
+        )
+
+
+def _speakable(text: str) -> str:
+    """A text without what is no text: control characters, and halves of characters."""
+    return " ".join(_CONTROL.sub(" ", text.encode("utf-8", "replace").decode()).split())

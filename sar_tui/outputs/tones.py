@@ -1,0 +1,40 @@
+"""Tones: short cues, made of notes."""
+
+from collections.abc import Callable
+
+from sar_tui.framework.clock import Clock
+from sar_tui.framework.theme import TONES, Theme
+from sar_tui.outputs.output import Output, Report
+from sar_tui.outputs.sound.path import Sound
+
+
+class Tones(Output):
+    """Sounds the theme's tones. ``sound`` is shared with speech, and what was asked for first sounds first.
+
+    ``started`` is when the first samples are fed to the sound card (they are heard up to 40 ms later), ``done`` when
+    the last have left its buffer. A tone is ready before it is asked for; it fails where there is no sound card.
+    """
+
+    name = "tones"
+    can = frozenset({"tone"})
+
+    def __init__(self, sound: Sound) -> None:
+        self._sound = sound
+
+    def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
+        self._sound.join("tone", clock, tell)
+        super().open(theme, clock, tell)
+
+    def wear(self, theme: Theme) -> None:
+        super().wear(theme)
+        self._sound.get_ready("tone", tones=[theme.notes(name) for name in TONES])
+
+    def tone(self, action: str, name: str) -> None:
+        notes = self.theme.notes(name)
+        self._sound.tone(action, notes, "" if notes else f"The theme has no tone {name!r}.")
+
+    def stop(self, action: str = "") -> None:
+        self._sound.stop("tone", action)
+
+    def close(self) -> None:
+        self._sound.leave("tone")

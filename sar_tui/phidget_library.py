@@ -1,0 +1,68 @@
+"""What all Phidgets have in common: their library, who may use them, and the words for what goes wrong."""
+
+import ctypes
+import importlib
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+UDEV_RULE = 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"'
+"""What lets the user of a Linux desktop use what they plug in."""
+_VENDOR = "06c2"
+_DEVICES = Path("/sys/bus/usb/devices")
+_NODES = Path("/dev/bus/usb")
+
+
+def new_channel(kind: str) -> Any:
+    """A channel of Phidget22, such as ``Spatial`` or ``RCServo``.
+
+    Raises ImportError without the package, OSError without its native libraries.
+    """
+    if sys.platform == "linux":
+        with suppress(ImportError, OSError):
+            import libusb_package
+
+            ctypes.CDLL(str(libusb_package.get_library_path()))
+    devices = importlib.import_module(f"Phidget22.Devices.{kind}")
+    from Phidget22.Phidget import Phidget
+
+    Phidget.getLibraryVersion()  # Fails before there is an object, whose destructor would fail once more, aloud.
+    return getattr(devices, kind)()
+
+
+def plugged_in(devices: Path = _DEVICES) -> bool | None:
+    """Whether any Phidget is on a USB port; None where the system does not list what is plugged in (all but Linux)."""
+    return any(_phidgets(devices)) if devices.is_dir() else None
+
+
+def usb_denied(devices: Path = _DEVICES, nodes: Path = _NODES) -> bool:
+    """Whether a Phidget is on a USB port that this user may not open. Linux only; elsewhere there are no such folders.
+
+    Args:
+        devices: where the system lists what is plugged in.
+        nodes: where it is opened.
+    """
+    for folder in _phidgets(devices):
+        with suppress(OSError, ValueError):
+            bus, device = (int((folder / number).read_text()) for number in ("busnum", "devnum"))
+            node = nodes / f"{bus:03}" / f"{device:03}"
+            if node.exists() and not os.access(node, os.R_OK | os.W_OK):
+                return True
+    return False
+
+
+def words(error: Exception) -> str:
+    """What an exception says, of Phidget22 or any other."""
+    said = (str(getattr(error, part, "") or "").strip() for part in ("description", "details"))
+    return ": ".join(filter(None, said)) or f"{type(error).__name__}: {error}"
+
+
+def _phidgets(devices: Path) -> Iterator[Path]:
+    """The folders of the Phidgets on USB ports."""
+    for vendor in devices.glob("*/idVendor"):
+        with suppress(OSError):
+            if vendor.read_text().strip() == _VENDOR:
+                yield vendor.parent

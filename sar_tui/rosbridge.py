@@ -1,0 +1,187 @@
+"""A connection to a ROS system through the rosbridge protocol, made anew whenever it is lost."""
+
+import logging
+import re
+import threading
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, NamedTuple
+from urllib.parse import parse_qsl, urlsplit
+
+from msgspec import Meta
+
+PORT = 9090
+"""Where a rosbridge server listens."""
+NO_PACKAGE = "The Python package roslibpy is missing; install it with: pip install 'sar-tui[ros]'"
+
+TopicName = Annotated[str, Meta(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
+"""A ROS topic by its full name: ``/robot/speech``."""
+
+FIRST_RETRY_S = 0.5
+LONGEST_RETRY_S = 3.0
+"""roslibpy would wait up to an hour for a bridge that was away."""
+PING_S = 3.0
+"""How often a bridge has to show that it lives, and how long it may take."""
+CLOSE_S = 1.0
+
+
+class AddressError(ValueError):
+    """An address cannot be understood; one or two clear sentences."""
+
+
+class Address(NamedTuple):
+    """Where a bridge is; the ``path`` and the ``options`` after it are each user's own."""
+
+    host: str
+    port: int
+    path: str
+    options: dict[str, str]
+
+    def __str__(self) -> str:
+        return f"{self.host}, port {self.port}"
+
+
+def parse(address: str, example: str) -> Address:
+    """Read ``ros://HOST[:PORT][/PATH][?NAME=VALUE&…]``, with or without its ``ros:``.
+
+    Raises AddressError, which tells of ``example``.
+    """
+    try:
+        parts = urlsplit(address.strip())
+        options = dict(parse_qsl(parts.query, keep_blank_values=True, strict_parsing=bool(parts.query)))
+        known = parts.scheme in ("", "ros") and not parts.username and not parts.fragment
+        if known and parts.hostname and re.fullmatch(r"[\w.:-]+", parts.hostname):
+            return Address(parts.hostname, PORT if parts.port is None else parts.port, parts.path, options)
+    except ValueError:
+        pass
+    raise AddressError(f'The address "{address}" cannot be understood. Say {example}.')
+
+
+class Bridge:
+    """One connection to a rosbridge server, which may come and go.
+
+    Opening and publishing never wait. Nothing piles up while the bridge is away: what is published then is left out.
+    Each time it is back, topics are advertised and subscribed to anew. roslibpy's asyncio transport is used, since its
+    other one can be begun only once in a program.
+
+    Args:
+        address: where the server is.
+        advertised: the topics published to, and the type of each.
+        heard: the topics subscribed to: the type of each, and what is called with each message (as JSON has it).
+        on_change: called when the connection is made or lost, and when there can be none (see ``problem``).
+
+    All callbacks come from the connection's own thread; after ``close``, none but one that is under way.
+
+    Attributes:
+        problem: why there can be no connection at all; a sentence, empty where there can be.
+    """
+
+    def __init__(
+        self,
+        address: Address,
+        advertised: Mapping[str, str],
+        heard: Mapping[str, tuple[str, Callable[[Any], None]]],
+        on_change: Callable[[], None],
+    ) -> None:
+        self.problem = ""
+        self._address = address
+        self._advertised = advertised
+        self._heard = heard
+        self._on_change = on_change
+        self._factory: Any = None
+        self._connection: Any = None
+        self._thread = 0
+        self._closing = threading.Lock()
+        self._closed = False
+        self._gone = threading.Event()
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether the bridge is there, as far as is known."""
+        return self._connection is not None
+
+    def open(self) -> None:
+        """Connect in the background, and stay connected."""
+        threading.Thread(target=self._connect, name="rosbridge", daemon=True).start()
+
+    def publish(self, topic: str, message: Mapping[str, Any]) -> bool:
+        """Send a message to an advertised topic; False where the bridge is away. Any thread may do so."""
+        connection = self._connection
+        if connection is not None:
+            connection.send_ros_message({"op": "publish", "topic": topic, "msg": message})
+        return connection is not None
+
+    def close(self) -> None:
+        """Send what was published, and let go. Takes a second at most, should the bridge hang. Harmless twice."""
+        with self._closing:
+            self._closed = True
+            if self._factory is not None:
+                self._factory.maxRetries = 0
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            connection.send_close()
+            if threading.get_ident() != self._thread:
+                self._gone.wait(CLOSE_S)
+
+    def _connect(self) -> None:
+        try:
+            from roslibpy.comm import select_factory
+
+            make = select_factory("asyncio")
+        except ImportError:
+            self._refuse(NO_PACKAGE)
+        except RuntimeError as error:
+            self._refuse(f"The connection to ROS cannot be made: {error}")
+        else:
+            _silence("roslibpy", "autobahn")
+            host = f"[{self._address.host}]" if ":" in self._address.host else self._address.host
+            factory = make(make.create_url(host, self._address.port))
+            factory.initialDelay, factory.maxDelay = FIRST_RETRY_S, LONGEST_RETRY_S
+            factory.setProtocolOptions(autoPingInterval=PING_S, autoPingTimeout=PING_S)
+            factory.on("ready", self._joined)
+            factory.on("close", self._left)
+            for topic, (_, hear) in self._heard.items():
+                factory.on(topic, self._unless_closed(hear))
+            with self._closing:
+                if not self._closed:
+                    self._factory = factory
+                    factory.connect()
+
+    def _refuse(self, problem: str) -> None:
+        self.problem = problem
+        if not self._closed:
+            self._on_change()
+
+    def _joined(self, connection: Any) -> None:
+        self._thread = threading.get_ident()
+        with self._closing:
+            if self._closed:  # An attempt that was under way when we let go.
+                connection.send_close()
+                return
+            for topic, kind in self._advertised.items():
+                connection.send_ros_message({"op": "advertise", "topic": topic, "type": kind})
+            for topic, (kind, _) in self._heard.items():
+                connection.send_ros_message({"op": "subscribe", "topic": topic, "type": kind})
+            self._connection = connection
+        self._on_change()
+
+    def _left(self, connection: Any) -> None:
+        if self._closed:
+            self._gone.set()
+        elif connection is self._connection:  # Else it was an attempt that failed.
+            self._connection = None
+            self._on_change()
+
+    def _unless_closed(self, hear: Callable[[Any], None]) -> Callable[[Any], None]:
+        def heard(message: Any) -> None:
+            if not self._closed:
+                hear(message)
+
+        return heard
+
+
+def _silence(*names: str) -> None:
+    """Keep loggers off the terminal; whoever has set up logging still gets what they say."""
+    for name in names:
+        logger = logging.getLogger(name)
+        if not logger.handlers:
+            logger.addHandler(logging.NullHandler())

@@ -1,0 +1,315 @@
+"""Given a topic of sensor_msgs/Imu behind a rosbridge server, when it is a source, then its samples come, checked."""
+
+import math
+import sys
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from sar_tui import rosbridge
+from sar_tui.framework.clock import MS, SECOND, host_now
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu import Sample, SourceError, Status
+from sar_tui.inputs.ros import LOOKED_AT, RosImuSource
+from tests.rosbridge import RosBridge, ros_bridge, wait_until
+
+BORN_NS = 1_760_000_000 * SECOND
+"""What a ROS clock shows: the time of day."""
+TOPIC = "/imu/data"
+
+
+def imu(
+    ns: int,
+    rate: tuple[Any, Any, Any] = (0.1, -0.2, 0.3),
+    acceleration: tuple[Any, Any, Any] = (0.0, 0.5, 9.81),
+    *,
+    ros: int = 2,
+    **others: Any,
+) -> dict[str, Any]:
+    """A sensor_msgs/Imu, as rosbridge has it, stamped ``ns``."""
+    seconds, nanoseconds = divmod(ns, SECOND)
+    names = ("sec", "nanosec") if ros == 2 else ("secs", "nsecs")
+    message: dict[str, Any] = {
+        "header": {"stamp": dict(zip(names, (seconds, nanoseconds), strict=True)), "frame_id": "imu_link"},
+        "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+        "orientation_covariance": [-1.0] + [0.0] * 8,
+        "angular_velocity": dict(zip("xyz", rate, strict=True)),
+        "angular_velocity_covariance": [0.0] * 9,
+        "linear_acceleration": dict(zip("xyz", acceleration, strict=True)),
+        "linear_acceleration_covariance": [0.0] * 9,
+    }
+    return message | others
+
+
+class Bench:
+    """A source, and what it tells."""
+
+    def __init__(self, server: RosBridge, options: str = "") -> None:
+        self.server = server
+        self.source = RosImuSource(f"//{server.host}{TOPIC}{options}")
+        self.samples: list[Sample] = []
+        self.statuses: list[Status] = []
+        self.feed = ImuFeed(self.source, host_now)
+        self.sent_ns = BORN_NS
+
+    def start(self, *, by_feed: bool = False) -> None:
+        if by_feed:
+            self.feed.start()
+        else:
+            self.source.start(self.samples.append, self.statuses.append)
+
+    def wait_until_heard(self) -> None:
+        wait_until(lambda: self.server.has_subscriber(TOPIC), "the topic is subscribed to")
+
+    def send(self, count: int = 1, *, step_ns: int = 10 * MS, **facts: Any) -> None:
+        for _ in range(count):
+            self.server.publish(TOPIC, imu(self.sent_ns, **facts))
+            self.sent_ns += step_ns
+
+    def drain_until(self, received: int) -> None:
+        """Let the feed look at what came, until it has found so many samples good."""
+
+        def drained() -> bool:
+            self.statuses += self.feed.drain().statuses
+            return self.feed.received == received
+
+        wait_until(drained, f"{received} samples have come")
+
+    def wait_for(self, state: str, times: int = 1) -> Status:
+        wait_until(lambda: self.states.count(state) >= times, f"it is {state}")
+        return [status for status in self.statuses if status.state == state][times - 1]
+
+    @property
+    def states(self) -> list[str]:
+        return [status.state for status in list(self.statuses)]
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rosbridge, "FIRST_RETRY_S", 0.02)
+    monkeypatch.setattr(rosbridge, "LONGEST_RETRY_S", 0.05)
+
+
+@pytest.fixture
+def connect() -> Iterator[Callable[..., Bench]]:
+    """Makes sources that have subscribed, and stops them at the end."""
+    benches: list[Bench] = []
+    with ros_bridge() as server:
+
+        def connect(options: str = "", *, by_feed: bool = False) -> Bench:
+            benches.append(Bench(server, options))
+            benches[-1].start(by_feed=by_feed)
+            benches[-1].wait_until_heard()
+            return benches[-1]
+
+        yield connect
+        for bench in benches:
+            bench.source.stop()
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+def test_samples_carry_the_sensors_clock_and_the_hosts_and_none_of_the_first_is_lost(
+    connect: Callable[..., Bench], ros: int
+) -> None:
+    bench = connect()
+    before = host_now()
+    bench.send(LOOKED_AT + 10, step_ns=4 * MS, ros=ros)
+    wait_until(lambda: len(bench.samples) == LOOKED_AT + 10)
+    assert [sample.device_ms for sample in bench.samples] == [4.0 * n for n in range(LOOKED_AT + 10)]
+    assert all(before < sample.host_ns < host_now() for sample in bench.samples)
+    assert bench.samples[0].rate == (0.1, -0.2, 0.3)
+    assert bench.samples[0].acceleration == (0.0, 0.5, 9.81)
+    assert all(math.isnan(axis) for axis in bench.samples[0].field)
+    info = bench.source.info
+    assert info is not None
+    assert info.rate_hz == pytest.approx(250)
+    assert info.model == "sensor_msgs/Imu (imu_link)"
+    assert info.source == f"ros://{bench.server.host}{TOPIC}"
+    assert info.has_acceleration
+
+
+def test_it_tells_what_it_waits_for_until_samples_come(connect: Callable[..., Bench]) -> None:
+    bench = connect()
+    bench.wait_for("detached", 2)
+    bench.send(LOOKED_AT)
+    bench.wait_for("attached")
+    port = bench.server.port
+    assert [(status.state, status.detail) for status in bench.statuses] == [
+        ("detached", f"Waiting for the ROS bridge at 127.0.0.1, port {port}."),
+        ("detached", f"Waiting for samples on /imu/data of the ROS bridge at 127.0.0.1, port {port}."),
+        ("attached", ""),
+    ]
+
+
+def test_a_rate_that_is_told_need_not_be_seen(connect: Callable[..., Bench]) -> None:
+    bench = connect("?rate=100")
+    bench.send()
+    wait_until(lambda: len(bench.samples) == 1)
+    assert bench.source.info is not None
+    assert bench.source.info.rate_hz == 100.0
+
+
+def test_lost_samples_do_not_mislead_about_the_rate(connect: Callable[..., Bench]) -> None:
+    bench = connect()
+    for _ in range(LOOKED_AT):
+        bench.send(3)
+        bench.sent_ns += 70 * MS
+    bench.wait_for("attached")
+    assert bench.source.info is not None
+    assert bench.source.info.rate_hz == pytest.approx(100)
+
+
+def test_where_a_driver_leaves_the_stamp_at_zero_the_hosts_clock_stands_in(connect: Callable[..., Bench]) -> None:
+    bench = connect("?rate=100")
+    for _ in range(3):
+        bench.server.publish(TOPIC, imu(0))
+    wait_until(lambda: len(bench.samples) == 3)
+    first, *others = bench.samples
+    assert first.device_ms == 0.0
+    assert [sample.device_ms for sample in others] == [(sample.host_ns - first.host_ns) / 1e6 for sample in others]
+
+
+def test_a_sensor_without_an_accelerometer_says_so_by_its_covariance(connect: Callable[..., Bench]) -> None:
+    bench = connect("?rate=100")
+    bench.send(linear_acceleration_covariance=[-1] + [0] * 8)
+    wait_until(lambda: len(bench.samples) == 1)
+    assert all(math.isnan(axis) for axis in bench.samples[0].acceleration)
+    assert bench.source.info is not None
+    assert not bench.source.info.has_acceleration
+
+
+def test_a_sensor_without_a_gyroscope_is_refused_in_words_once(connect: Callable[..., Bench]) -> None:
+    bench = connect("?rate=100")
+    bench.send(5, angular_velocity_covariance=[-1.0] + [0.0] * 8)
+    bench.send()
+    wait_until(lambda: len(bench.samples) == 1)
+    assert bench.states == ["detached", "detached", "error", "attached"]
+    assert "Use one with a gyroscope." in bench.wait_for("error").detail
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "not a message",
+        {},
+        {"header": {"stamp": {"sec": 1, "nanosec": 0}}},
+        imu(BORN_NS) | {"angular_velocity": {"x": 1.0, "y": 2.0}},
+        imu(BORN_NS) | {"angular_velocity": [1.0, 2.0, 3.0]},
+        imu(BORN_NS) | {"header": {"stamp": {"sec": 10**400, "nanosec": 0}}},
+        imu(BORN_NS) | {"header": {"stamp": {"sec": "soon"}}},
+        imu(BORN_NS) | {"linear_acceleration": None},
+        imu(BORN_NS) | {"angular_velocity_covariance": "unknown"},
+    ],
+)
+def test_what_is_no_imu_message_is_left_out_and_told_once_in_a_row(connect: Callable[..., Bench], wrong: Any) -> None:
+    bench = connect("?rate=100")
+    bench.send()
+    for _ in range(3):
+        bench.server.publish(TOPIC, wrong)
+    bench.send()
+    bench.server.publish(TOPIC, wrong)
+    bench.send()
+    wait_until(lambda: len(bench.samples) == 3)
+    assert bench.states == ["detached", "detached", "attached", "error", "error"]
+    assert bench.wait_for("error").detail.startswith("What comes on /imu/data is no sensor_msgs/Imu (")
+
+
+@pytest.mark.parametrize("nothing", [None, math.nan, math.inf, -math.inf, 1e300])
+def test_a_rate_that_is_not_a_number_is_left_out_and_told_by_the_feed(
+    connect: Callable[..., Bench], nothing: Any
+) -> None:
+    bench = connect("?rate=100", by_feed=True)
+    bench.send()
+    bench.send(rate=(0.0, nothing, 0.0))
+    bench.send(acceleration=(0.0, nothing, 0.0))
+    bench.drain_until(2)
+    assert bench.feed.dropped == 1
+    assert bench.wait_for("error").detail == (
+        "The sensor tells of an angular rate that is not a number; such samples are left out."
+    )
+    assert bench.states == ["detached", "detached", "attached", "error", "gap"]
+
+
+def test_stamps_that_stand_still_are_told_of(connect: Callable[..., Bench]) -> None:
+    bench = connect()
+    bench.send(LOOKED_AT, step_ns=0)
+    assert bench.wait_for("error").detail == (
+        "The time stamps on /imu/data do not rise, so how fast samples come is not known: say it with ?rate=NUMBER."
+    )
+    assert bench.samples == []
+
+
+def test_when_the_bridge_goes_away_it_is_detached_and_attached_again_when_it_is_back(
+    connect: Callable[..., Bench],
+) -> None:
+    bench = connect()
+    bench.send(LOOKED_AT)
+    bench.wait_for("attached")
+    bench.server.leave()
+    assert bench.wait_for("detached", 3).detail.endswith("is gone. Waiting until it is back.")
+    assert bench.source.info is None
+    bench.server.arrive()
+    bench.wait_until_heard()
+    bench.sent_ns += 60 * SECOND
+    bench.send(LOOKED_AT)
+    bench.wait_for("attached", 2)
+    wait_until(lambda: len(bench.samples) == 2 * LOOKED_AT)
+    assert bench.samples[LOOKED_AT].device_ms == 0.0
+
+
+def test_after_a_stop_nothing_comes_and_a_start_begins_anew(connect: Callable[..., Bench]) -> None:
+    bench = connect("?rate=100")
+    bench.send()
+    wait_until(lambda: len(bench.samples) == 1)
+    bench.source.stop()
+    bench.source.stop()
+    bench.source.zero()
+    assert bench.source.info is None
+    told = list(bench.statuses)
+    wait_until(lambda: not bench.server.has_subscriber(TOPIC))
+    assert bench.statuses == told
+    bench.start()
+    bench.wait_until_heard()
+    bench.send()
+    wait_until(lambda: len(bench.samples) == 2)
+    assert bench.samples[1].device_ms == 0.0
+
+
+def test_a_feed_finds_the_gap_of_a_sensor_that_goes_on(connect: Callable[..., Bench]) -> None:
+    bench = connect("?rate=100", by_feed=True)
+    bench.send(5)
+    bench.sent_ns += 100 * MS
+    bench.send(5)
+    bench.drain_until(10)
+    assert bench.wait_for("gap").count == 10
+
+
+def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "roslibpy", None)
+    monkeypatch.setitem(sys.modules, "roslibpy.comm", None)
+    statuses: list[Status] = []
+    source = RosImuSource("//127.0.0.1/imu")
+    source.start(lambda sample: None, statuses.append)
+    wait_until(lambda: len(statuses) == 2)
+    assert statuses[1].state == "error"
+    assert "pip install 'sar-tui[ros]'" in statuses[1].detail
+    source.stop()
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "",
+        "robot",
+        "//robot",
+        "//robot/",
+        "//robot/imu?rate=fast",
+        "//robot/imu?rate=0",
+        "//robot/imu?hz=5",
+        "//robot/1mu",
+    ],
+)
+def test_an_address_that_cannot_be_understood_is_refused_with_an_example(address: str) -> None:
+    with pytest.raises(SourceError, match="Say ros://HOST/TOPIC"):
+        RosImuSource(address)

@@ -1,0 +1,330 @@
+"""What holds of every output, as checks that take one that is open: `CHECKS`, each ``check(rig)``.
+
+To put an output under the contract, write a context manager that yields a `Rig` of it, and add it to ``RIGS`` in
+``test_contract.py``.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+
+import msgspec
+
+from sar_tui.framework.clock import MS, Clock, VirtualClock
+from sar_tui.framework.gesture import Gesture, Keyframe
+from sar_tui.framework.messages import Deed
+from sar_tui.framework.theme import FACES, Colors, Note, Theme
+from sar_tui.outputs.output import Output, Report
+
+WAIT_S = 30.0
+"""How long to wait for another thread or process before a check fails."""
+OVER = ("done", "aborted", "failed")
+_LIVES = ([], ["started"], ["aborted"], ["failed"], *(["started", end] for end in OVER))
+"""All that may be reported of a deed: what never began is never done."""
+
+THEME = Theme(
+    name="bench",
+    title="Bench",
+    summary="What the contract is checked with.",
+    dark=True,
+    minimum_contrast=4.5,
+    colors=Colors(*["#000000"] * 2, *["#ffffff"] * 6),
+    faces=dict.fromkeys(FACES, "( o o )\n(  ~  )\n(_____)"),
+    phrases={},
+    gestures={
+        "wave": Gesture((Keyframe(at_ms=300, right_arm=0.6), Keyframe(at_ms=600))),
+        "nod": Gesture((Keyframe(at_ms=200, nod=0.4), Keyframe(at_ms=400))),
+    },
+    tones={"go": (Note(880, 300),), "success": (Note(660, 150), Note(880, 150)), "end": (Note(520, 300),)},
+)
+"""The theme an output wears first."""
+OTHER_THEME = msgspec.structs.replace(
+    THEME,
+    name="other",
+    gestures={name: Gesture((Keyframe(at_ms=250, right_arm=-0.5), Keyframe(at_ms=500))) for name in ("wave", "nod")},
+)
+
+_WHAT: dict[Deed, str] = {
+    "say": "You were forty milliseconds faster than before.",
+    "show": "Well done.",
+    "gesture": "wave",
+    "gaze": "left",
+    "tone": "go",
+}
+TEXTS = (
+    "Well done.",
+    "",
+    " ",
+    "أحسنت! لقد كنت أسرع من المرة السابقة.",
+    "做得很好，比上次快了四十毫秒。",
+    "👍🏽 👩‍👩‍👧 ✅",
+    "\x00\x07\x1b[2J\x7f\x85",
+    "One.\nTwo.\r\nThree.\tFour.",
+    "<speak>&amp; \"quotes\" 'and' \\ [[inpUt]] | $(true) `true`",
+    "e\u0301\u202eabc\u202c\ufeff\u200b",
+    "\ud800",
+    "a" * 2000,
+)
+"""What somebody may have an output say or show."""
+
+
+class Rig:
+    """An output that is open, what it reported, and time.
+
+    Args:
+        output: not yet open.
+        clock: what it lives by. On a virtual one time passes while the rig waits for something, and only then.
+        lasting: which of its deeds take time by themselves, rather than being over at once or when others follow.
+    """
+
+    def __init__(self, output: Output, clock: Clock, lasting: Sequence[Deed]) -> None:
+        self.output = output
+        self.clock = clock
+        self.lasting = tuple(lasting)
+        self.reports: list[Report] = []
+        self.asked: list[tuple[str, Deed]] = []
+        self._lock = threading.Lock()
+        output.open(THEME, clock, self._hear)
+
+    def _hear(self, report: Report) -> None:
+        with self._lock:
+            self.reports.append(report)
+
+    def ask(self, deed: Deed, action: str, what: str | None = None) -> None:
+        """Have it do something, which does not matter where ``what`` is left open."""
+        self.asked.append((action, deed))
+        what = _WHAT[deed] if what is None else what
+        getattr(self.output, deed)(action, what, *(["happy"] if deed == "show" else []))
+
+    def ask_much(self, deed: Deed, action: str) -> None:
+        """Have it do something that takes long enough to be stopped."""
+        self.ask(deed, action, "One word after the other. " * 20 if deed == "say" else None)
+
+    def states(self, action: str, deed: Deed) -> list[str]:
+        """What it reported of a deed, in order."""
+        return [report.state for report in list(self.reports) if (report.action, report.deed) == (action, deed)]
+
+    def ended(self, action: str, deed: Deed) -> bool:
+        """Whether a deed is over, as often as it was asked for."""
+        return sum(state in OVER for state in self.states(action, deed)) >= self.asked.count((action, deed))
+
+    def detail(self, action: str, deed: Deed) -> str:
+        """What it said of how a deed ended."""
+        return next(r.detail for r in self.reports if (r.action, r.deed) == (action, deed) and r.state in OVER)
+
+    def wait(self, until: Callable[[], bool]) -> None:
+        """Let time pass until something is so; fails if it does not come to be."""
+        if isinstance(self.clock, VirtualClock):
+            while not until():
+                assert self.clock.step(), f"nothing is due any more; reported: {self.reports}"
+        else:
+            deadline = time.monotonic() + WAIT_S
+            while not until():
+                assert time.monotonic() < deadline, f"waited in vain; reported: {self.reports}"
+                time.sleep(0.002)
+
+    def wait_for(self, deed: Deed, *actions: str) -> None:
+        """Let time pass until these are over."""
+        self.wait(lambda: all(self.ended(action, deed) for action in actions))
+
+    def wait_for_start(self, deed: Deed, action: str) -> None:
+        """Let time pass until this can be heard or seen."""
+        self.wait(lambda: "started" in self.states(action, deed))
+        assert not self.ended(action, deed)
+
+    def check_reports(self) -> None:
+        """Each deed began before it ended, ended once, and was asked for; time went forwards."""
+        assert {(report.action, report.deed) for report in self.reports} <= set(self.asked)
+        for action, deed in self.asked:
+            assert self.states(action, deed) in _LIVES, (action, deed)
+        for deed in self.output.can:
+            times = [report.at for report in self.reports if report.deed == deed]
+            assert times == sorted(times)
+
+
+def each_deed_ends_exactly_once_and_done_ones_began(rig: Rig) -> None:
+    for deed in rig.lasting:
+        for action in ("first", "second"):
+            rig.ask(deed, action)
+        rig.wait_for(deed, "first", "second")
+        assert rig.states("first", deed) == rig.states("second", deed) == ["started", "done"]
+    rig.check_reports()
+
+
+def words_are_done_when_others_take_their_place(rig: Rig) -> None:
+    if "show" in rig.output.can:
+        rig.ask("show", "first")
+        rig.ask("show", "second")
+        rig.wait_for("show", "first")
+        assert rig.states("first", "show")[-1] == "done"
+        assert not rig.ended("second", "show")
+    rig.check_reports()
+
+
+def a_look_ends(rig: Rig) -> None:
+    if "gaze" in rig.output.can:
+        for where in ("left", "ahead"):
+            rig.ask("gaze", where, where)
+        rig.wait_for("gaze", "left", "ahead")
+    rig.check_reports()
+
+
+def a_method_returns_while_the_deed_is_still_to_be_done(rig: Rig) -> None:
+    for deed in rig.lasting:
+        rig.ask_much(deed, "slow")
+        assert not rig.ended("slow", deed)
+        rig.output.stop()
+        rig.wait_for(deed, "slow")
+
+
+def deeds_of_one_kind_follow_each_other_in_order(rig: Rig) -> None:
+    for deed in rig.lasting:
+        actions = ["a", "b", "c", "d"]
+        for action in actions:
+            rig.ask(deed, action, "Yes." if deed == "say" else None)
+        rig.wait_for(deed, *actions)
+        told = [(report.action, report.state) for report in rig.reports if report.deed == deed]
+        assert told == [(action, state) for action in actions for state in ("started", "done")]
+
+
+def the_same_action_may_be_done_again(rig: Rig) -> None:
+    for deed in rig.lasting:
+        for times in (1, 2):
+            rig.ask(deed, "again")
+            rig.wait_for(deed, "again")
+            assert rig.states("again", deed) == ["started", "done"] * times
+
+
+def stop_is_harmless_when_nothing_is_under_way(rig: Rig) -> None:
+    rig.output.stop()
+    rig.output.stop("nobody")
+    assert rig.reports == []
+    each_deed_ends_exactly_once_and_done_ones_began(rig)
+
+
+def stop_aborts_what_is_under_way_and_what_waits_and_then_it_works_again(rig: Rig) -> None:
+    for deed in rig.lasting:
+        rig.ask_much(deed, "under way")
+        rig.ask(deed, "waiting")
+        rig.wait_for_start(deed, "under way")
+        rig.output.stop()
+        rig.output.stop()
+        rig.ask(deed, "afterwards")
+        rig.wait_for(deed, "under way", "waiting", "afterwards")
+        assert rig.states("under way", deed) == ["started", "aborted"]
+        assert rig.states("waiting", deed) == ["aborted"]
+        assert rig.states("afterwards", deed) == ["started", "done"]
+    rig.check_reports()
+
+
+def stop_before_it_began_aborts_it(rig: Rig) -> None:
+    for deed in rig.lasting:
+        rig.ask_much(deed, "hasty")
+        rig.output.stop("hasty")
+        rig.wait_for(deed, "hasty")
+        assert rig.states("hasty", deed)[-1] == "aborted"
+    rig.check_reports()
+
+
+def stop_of_one_that_is_under_way_leaves_the_one_that_waits(rig: Rig) -> None:
+    for deed in rig.lasting:
+        rig.ask_much(deed, "under way")
+        rig.ask(deed, "waiting")
+        rig.wait_for_start(deed, "under way")
+        rig.output.stop("under way")
+        rig.wait_for(deed, "under way", "waiting")
+        assert rig.states("under way", deed) == ["started", "aborted"]
+        assert rig.states("waiting", deed) == ["started", "done"]
+    rig.check_reports()
+
+
+def stop_of_one_that_waits_leaves_the_one_that_is_under_way(rig: Rig) -> None:
+    for deed in rig.lasting:
+        rig.ask(deed, "under way")
+        rig.ask(deed, "waiting")
+        rig.output.stop("waiting")
+        rig.wait_for(deed, "under way", "waiting")
+        assert rig.states("under way", deed) == ["started", "done"]
+        assert rig.states("waiting", deed) == ["aborted"]
+    rig.check_reports()
+
+
+def stop_of_another_action_stops_nothing(rig: Rig) -> None:
+    for deed in rig.lasting:
+        rig.ask(deed, "mine")
+        rig.output.stop("somebody else's")
+        rig.wait_for(deed, "mine")
+        assert rig.states("mine", deed) == ["started", "done"]
+
+
+def another_theme_may_be_worn_while_something_is_under_way(rig: Rig) -> None:
+    for deed in rig.lasting:
+        rig.ask(deed, "before")
+        rig.wait_for_start(deed, "before")
+        rig.output.wear(OTHER_THEME)
+        rig.ask(deed, "after")
+        rig.wait_for(deed, "before", "after")
+        assert rig.states("after", deed) == ["started", "done"]
+        rig.output.wear(THEME)
+    rig.check_reports()
+
+
+def a_name_that_the_theme_lacks_fails_with_a_sentence(rig: Rig) -> None:
+    for deed in rig.lasting:
+        if deed in ("gesture", "tone"):
+            rig.ask(deed, "unheard of", "somersault")
+            rig.ask(deed, "known")
+            rig.wait_for(deed, "unheard of", "known")
+            assert rig.states("unheard of", deed) == ["failed"]
+            assert "somersault" in rig.detail("unheard of", deed)
+            assert rig.detail("unheard of", deed).endswith(".")
+            assert rig.states("known", deed) == ["started", "done"]
+
+
+def any_text_is_borne(rig: Rig) -> None:
+    for deed in ("say", "show", "gesture", "tone"):
+        if deed in rig.output.can:
+            for index, text in enumerate(TEXTS):
+                rig.ask(deed, f"text {index}", text)
+                if index % 2:
+                    rig.output.stop()
+            if deed != "show":
+                rig.output.stop()
+                rig.wait_for(deed, *(f"text {index}" for index in range(len(TEXTS))))
+    rig.check_reports()
+
+
+def close_is_harmless_twice_and_nothing_is_reported_afterwards(rig: Rig) -> None:
+    for deed in rig.lasting:
+        rig.ask_much(deed, "under way")
+        rig.ask(deed, "waiting")
+    for deed in rig.lasting:
+        rig.wait_for_start(deed, "under way")
+    rig.output.close()
+    told = list(rig.reports)
+    rig.output.stop()
+    rig.output.close()
+    if isinstance(rig.clock, VirtualClock):
+        rig.clock.advance(60_000 * MS)
+    assert rig.reports == told
+    rig.check_reports()
+
+
+CHECKS: tuple[Callable[[Rig], None], ...] = (
+    each_deed_ends_exactly_once_and_done_ones_began,
+    words_are_done_when_others_take_their_place,
+    a_look_ends,
+    a_method_returns_while_the_deed_is_still_to_be_done,
+    deeds_of_one_kind_follow_each_other_in_order,
+    the_same_action_may_be_done_again,
+    stop_is_harmless_when_nothing_is_under_way,
+    stop_aborts_what_is_under_way_and_what_waits_and_then_it_works_again,
+    stop_before_it_began_aborts_it,
+    stop_of_one_that_is_under_way_leaves_the_one_that_waits,
+    stop_of_one_that_waits_leaves_the_one_that_is_under_way,
+    stop_of_another_action_stops_nothing,
+    another_theme_may_be_worn_while_something_is_under_way,
+    a_name_that_the_theme_lacks_fails_with_a_sentence,
+    any_text_is_borne,
+    close_is_harmless_twice_and_nothing_is_reported_afterwards,
+)

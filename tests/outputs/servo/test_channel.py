@@ -1,0 +1,125 @@
+"""Given Phidget22's own ``RCServo``, when its callbacks come from another thread, then it does as the fake one does."""
+
+import asyncio
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from sar_tui.framework.clock import LiveClock
+from sar_tui.outputs.servo.servo import Servo
+from sar_tui.phidget_library import new_channel
+from tests.outputs.contract import Rig
+
+
+class DrivenServo:
+    """A real channel, but for what it would have to ask or tell a device; what it would tell is in ``told``."""
+
+    def __init__(self) -> None:
+        self.servo = new_channel("RCServo")
+        self.told: list[tuple[str, Any]] = []
+        answers: dict[str, Any] = {
+            "getDeviceName": "PhidgetAdvancedServo 8-Motor",
+            "getDeviceSKU": "1061_1B",
+            "getDeviceSerialNumber": 1,
+            "getMinPosition": 0.0,
+            "getMaxPosition": 180.0,
+            "getMinVelocityLimit": 0.0,
+            "getMaxVelocityLimit": 6000.0,
+            "getMinAcceleration": 0.0,
+            "getMaxAcceleration": 320_000.0,
+            "getMinFailsafeTime": 500,
+        }
+        for name, answer in answers.items():
+            setattr(self.servo, name, lambda answer=answer: answer)
+        for name in ("SpeedRampingState", "VelocityLimit", "Acceleration", "TargetPosition", "Engaged"):
+            setattr(self.servo, f"set{name}", lambda value, name=name: self.told.append((name, value)))
+        self.servo.enableFailsafe = lambda ms: self.told.append(("enableFailsafe", ms))
+        self.servo.resetFailsafe = lambda: self.told.append(("resetFailsafe", None))
+
+    def attach(self) -> None:
+        _elsewhere(self.servo._onAttach, None, None)
+
+    def detach(self) -> None:
+        _elsewhere(self.servo._onDetach, None, None)
+
+    def err(self, code: int, description: bytes) -> None:
+        _elsewhere(self.servo._onError, None, None, code, description)
+
+
+def _elsewhere(callback: Any, *arguments: Any) -> None:
+    driver = threading.Thread(target=callback, args=arguments)
+    driver.start()
+    driver.join()
+
+
+@pytest.fixture
+def clock() -> Iterator[LiveClock]:
+    loop = asyncio.new_event_loop()
+    yield LiveClock(loop)
+    loop.close()
+
+
+def test_it_is_set_up_moved_lost_found_and_let_go(clock: LiveClock, capfd: pytest.CaptureFixture[str]) -> None:
+    driven = DrivenServo()
+    rig = Rig(Servo(make=lambda: driven.servo, denied=lambda: False), clock, ["gesture"])
+    rig.wait(lambda: driven.servo._onError is not None)
+    driven.attach()
+    rig.wait(lambda: ("enableFailsafe", 1000) in driven.told)
+    rig.ask("gesture", "whole")
+    rig.wait_for("gesture", "whole")
+    assert rig.states("whole", "gesture") == ["started", "done"]
+    targets = [value for name, value in driven.told if name == "TargetPosition"]
+    assert len(targets) > 10
+    assert (targets[0], targets[-1]) == (90, 90)
+    assert 100 < max(targets) <= 117
+    assert [value for name, value in driven.told if name == "Engaged"] == [True, False]
+
+    rig.ask("gesture", "lost")
+    rig.wait_for_start("gesture", "lost")
+    driven.detach()
+    rig.wait_for("gesture", "lost")
+    assert rig.states("lost", "gesture") == ["started", "failed"]
+
+    driven.err(2, b"Channel in use.")
+    rig.ask("gesture", "in use")
+    rig.wait_for("gesture", "in use")
+    assert "Close the other program" in rig.detail("in use", "gesture")
+
+    driven.attach()
+    rig.ask("gesture", "found")
+    rig.wait_for_start("gesture", "found")
+    rig.output.stop()
+    rig.wait_for("gesture", "found")
+    assert rig.states("found", "gesture") == ["started", "aborted"]
+    assert next(value for name, value in reversed(driven.told) if name == "Engaged") is False
+
+    rig.output.close()
+    assert not driven.servo.getIsOpen()
+    assert capfd.readouterr().err == ""
+
+
+def test_with_no_device_it_waits_in_silence_and_a_gesture_fails(
+    clock: LiveClock, capfd: pytest.CaptureFixture[str]
+) -> None:
+    rig = Rig(Servo("1?right_arm=3&nod=0", denied=lambda: False), clock, ["gesture"])
+    rig.ask("gesture", "a")
+    rig.wait_for("gesture", "a")
+    assert rig.states("a", "gesture") == ["failed"]
+    assert "right_arm on channel 3" in rig.detail("a", "gesture")
+    rig.output.close()
+    assert capfd.readouterr().err == ""
+
+
+def test_what_the_driver_itself_refuses_is_told_in_words(clock: LiveClock) -> None:
+    driven = DrivenServo()
+    del driven.servo.setEngaged
+    rig = Rig(Servo(make=lambda: driven.servo, denied=lambda: False), clock, ["gesture"])
+    rig.wait(lambda: driven.servo._onError is not None)
+    driven.attach()
+    rig.ask("gesture", "a")
+    rig.wait_for("gesture", "a")
+    assert rig.states("a", "gesture") == ["failed"]
+    assert "lost while it moved" in rig.detail("a", "gesture")
+    rig.output.close()

@@ -1,0 +1,438 @@
+"""Given motors that are there, missing, pulled out or faulty, when gestures are asked for, then it moves with care."""
+
+import asyncio
+import sys
+import threading
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import msgspec
+import pytest
+
+from sar_tui.framework.clock import MS, SECOND, LiveClock, VirtualClock
+from sar_tui.framework.gesture import Gesture, Keyframe
+from sar_tui.framework.theme import Theme
+from sar_tui.outputs.output import OutputError
+from sar_tui.outputs.servo import servo as servo_module
+from sar_tui.outputs.servo.servo import Servo
+from tests.outputs.contract import THEME, Rig
+from tests.outputs.servo_bench import UNSUPPORTED, PhidgetError, ServoBench
+
+BOTH = "?right_arm=0&nod=-5"
+
+
+@pytest.fixture
+def bench() -> Iterator[ServoBench]:
+    bench = ServoBench()
+    yield bench
+    bench.servo.close()
+
+
+@pytest.fixture
+def live_clock() -> Iterator[LiveClock]:
+    loop = asyncio.new_event_loop()
+    yield LiveClock(loop)
+    loop.close()
+
+
+def make(bench: ServoBench, gesture: str = "wave", action: str = "a") -> str:
+    """Have it made to its end; how it ended."""
+    bench.rig.ask("gesture", action, gesture)
+    bench.rig.wait_for("gesture", action)
+    return bench.rig.states(action, "gesture")[-1]
+
+
+def begin(bench: ServoBench, action: str = "a") -> None:
+    bench.rig.ask("gesture", action, "wave")
+    bench.rig.wait(lambda: bench.channels[0].facts["Engaged"])
+    bench.rig.clock.advance(100 * MS)
+
+
+# --- a motor that is there ------------------------------------------------------------------------------------
+
+
+def test_a_motor_is_prepared_when_it_is_attached_and_stays_limp(bench: ServoBench) -> None:
+    [motor] = bench.channels
+    assert motor.facts["VelocityLimit"] == 180
+    assert motor.facts["Acceleration"] == 1000
+    assert motor.facts["SpeedRampingState"] is True
+    assert motor.facts["TargetPosition"] == 90
+    assert (motor.facts["IsLocal"], motor.facts["IsRemote"], motor.facts["Channel"]) == (True, False, 0)
+    assert motor.told("setEngaged") == []
+
+
+def test_a_gesture_goes_from_the_middle_through_its_keyframes_and_back_in_fifty_steps_a_second(
+    bench: ServoBench,
+) -> None:
+    assert make(bench) == "done"
+    moments, degrees = zip(*bench.channels[0].targets, strict=True)
+    assert (degrees[0], max(degrees), degrees[-1]) == (90, pytest.approx(90 + 0.6 * 45), 90)
+    assert max(later - earlier for earlier, later in pairwise(moments)) <= 140
+    assert 25 <= len(moments) <= 32
+
+
+def test_a_motor_is_engaged_while_a_gesture_is_under_way_and_limp_before_and_after(bench: ServoBench) -> None:
+    make(bench)
+    engaged = [(at, *arguments) for at, name, arguments in bench.channels[0].calls if name == "setEngaged"]
+    assert [on for _, on in engaged] == [True, False]
+    assert engaged[1][0] - engaged[0][0] == pytest.approx(700 * MS, abs=20 * MS)
+    assert bench.rig.reports[-1].at == engaged[1][0]
+
+
+def test_only_the_joints_that_take_part_are_engaged() -> None:
+    bench = ServoBench(BOTH)
+    assert make(bench, "nod") == "done"
+    arm, head = sorted(bench.channels, key=lambda motor: motor.facts["Channel"])
+    assert head.facts["Channel"] == 5
+    assert arm.told("setEngaged") == []
+    assert head.told("setEngaged") == [True, False]
+
+
+def test_a_reversed_joint_moves_the_other_way() -> None:
+    bench = ServoBench(BOTH)
+    make(bench, "nod")
+    degrees = [target for _, target in bench.channels[0].targets]
+    assert (min(degrees), max(degrees)) == (pytest.approx(90 - 0.4 * 45), 90)
+
+
+def test_a_gesture_that_asks_for_too_much_speed_is_slowed_and_ends_when_it_is_at_rest() -> None:
+    bench = ServoBench("?right_arm=0&speed=30&range=60")
+    hasty = Gesture((Keyframe(at_ms=100, right_arm=1), Keyframe(at_ms=500, right_arm=1), Keyframe(at_ms=600)))
+    bench.servo.wear(_with(hasty=hasty))
+    assert bench.channels[0].facts["VelocityLimit"] == 30
+    assert make(bench, "hasty") == "done"
+    targets = bench.channels[0].targets
+    for (earlier, here), (later, there) in pairwise(targets[1:]):
+        assert abs(there - here) <= 30 * max(20, later - earlier) / 1000 + 1e-9
+    assert targets[-1][1] == 90
+    assert targets[-1][0] - targets[0][0] == pytest.approx(1050, abs=120)
+
+
+def test_a_motor_with_little_room_keeps_to_it() -> None:
+    bench = ServoBench("?right_arm=0&range=90", plug=False)
+    [motor] = bench.channels
+    motor.facts.update(MinPosition=120.0, MaxPosition=100.0, MaxVelocityLimit=50.0)
+    motor.plug_in()
+    assert (motor.facts["TargetPosition"], motor.facts["VelocityLimit"]) == (110, 50)
+    make(bench)
+    assert max(target for _, target in motor.targets) == pytest.approx(116, abs=0.5)
+
+
+def test_a_controller_without_limits_or_failsafe_is_used_all_the_same() -> None:
+    bench = ServoBench(plug=False)
+    for name in ("setSpeedRampingState", "setVelocityLimit", "setAcceleration"):
+        bench.failing[name] = UNSUPPORTED
+    bench.channels[0].plug_in()
+    assert make(bench) == "done"
+
+
+def test_a_serial_number_says_which_controller() -> None:
+    assert ServoBench("620001").channels[0].facts["DeviceSerialNumber"] == 620_001
+    with pytest.raises(OutputError, match="no serial number"):
+        Servo("mine")
+
+
+def test_a_gesture_that_none_of_the_joints_takes_part_in_is_done_at_once_and_says_so(bench: ServoBench) -> None:
+    assert make(bench, "nod") == "done"
+    assert bench.rig.states("a", "gesture") == ["started", "done"]
+    assert "none of the joints" in bench.rig.detail("a", "gesture")
+    assert bench.channels[0].told("setEngaged") == []
+
+
+# --- stop -------------------------------------------------------------------------------------------------------
+
+
+def test_stop_makes_every_motor_limp_before_any_time_has_passed() -> None:
+    bench = ServoBench("?right_arm=0&left_arm=1")
+    both = Gesture((Keyframe(at_ms=500, right_arm=1, left_arm=1), Keyframe(at_ms=900)))
+    bench.servo.wear(_with(wave=both))
+    begin(bench)
+    asked = bench.rig.clock.now()
+    bench.servo.stop()
+    bench.rig.wait_for("gesture", "a")
+    for motor in bench.channels:
+        assert motor.calls[-1] == (asked, "setEngaged", (False,))
+    assert bench.rig.reports[-1][1:4] == ("gesture", "aborted", asked)
+
+
+def test_after_a_stop_the_next_gesture_begins_where_the_motor_was_left_and_brings_it_to_rest(bench: ServoBench) -> None:
+    begin(bench)
+    bench.servo.stop()
+    left = bench.channels[0].targets[-1][1]
+    assert left > 95
+    assert make(bench, "nod", "b") == "done"
+    degrees = [target for _, target in bench.channels[0].targets]
+    after = degrees[degrees.index(left) :]
+    assert max(after) <= left
+    assert after[-1] == 90
+
+
+def test_a_motor_that_cannot_be_made_limp_is_told_and_the_others_are() -> None:
+    bench = ServoBench("?right_arm=0&left_arm=1")
+    both = Gesture((Keyframe(at_ms=500, right_arm=1, left_arm=1), Keyframe(at_ms=900)))
+    bench.servo.wear(_with(wave=both))
+    begin(bench)
+    first, second = bench.channels
+    first.failing = {"setEngaged": PhidgetError(5, "Input/Output Error")}
+    bench.servo.stop()
+    bench.rig.wait_for("gesture", "a")
+    assert second.facts["Engaged"] is False
+    assert bench.rig.states("a", "gesture") == ["started", "failed"]
+    assert "unplug it" in bench.rig.detail("a", "gesture")
+
+
+def test_close_makes_the_motor_limp_ends_what_was_asked_for_and_closes_the_channel(bench: ServoBench) -> None:
+    begin(bench)
+    bench.rig.ask("gesture", "b")
+    bench.servo.close()
+    assert [call[1] for call in bench.channels[0].calls][-1] == "close"
+    assert bench.channels[0].facts["Engaged"] is False
+    assert bench.rig.states("a", "gesture") == ["started", "aborted"]
+    assert bench.rig.states("b", "gesture") == ["aborted"]
+    assert set(bench.channels[0].handlers.values()) == {None}
+
+
+def test_stop_and_close_return_while_a_call_to_the_device_hangs(
+    monkeypatch: pytest.MonkeyPatch, live_clock: LiveClock
+) -> None:
+    monkeypatch.setattr(servo_module, "_CLOSE_S", 0.01)
+    bench = ServoBench(clock=live_clock)
+    free, hangs = threading.Event(), threading.Event()
+
+    def hang() -> None:
+        hangs.set()
+        free.wait()
+
+    bench.channels[0].during["setEngaged"] = hang
+    bench.rig.ask("gesture", "a")
+    bench.rig.wait(hangs.is_set)
+    bench.servo.stop()
+    bench.servo.close()
+    assert bench.rig.reports == []
+    free.set()
+    bench.rig.wait(lambda: "servo" not in [thread.name for thread in threading.enumerate()])
+    assert bench.rig.reports == []
+    assert bench.channels[0].facts["Engaged"] is False
+    assert bench.channels[0].told("close") == [None]
+
+
+# --- a motor that is lost -----------------------------------------------------------------------------------------
+
+
+def test_a_motor_that_is_pulled_out_in_mid_gesture_fails_it_and_works_again_when_it_is_plugged_in(
+    bench: ServoBench,
+) -> None:
+    begin(bench)
+    bench.channels[0].pull_out()
+    bench.rig.wait_for("gesture", "a")
+    assert bench.rig.states("a", "gesture") == ["started", "failed"]
+    assert "right_arm on channel 0 was lost while it moved. It was unplugged" in bench.rig.detail("a", "gesture")
+    assert make(bench, action="b") == "failed"
+    assert "plug in its controller" in bench.rig.detail("b", "gesture")
+    bench.channels[0].put_back()
+    before = len(bench.channels[0].targets)
+    assert make(bench, action="c") == "done"
+    anew = [target for _, target in bench.channels[0].targets[before:]]
+    assert (anew[0], anew[-1]) == (90, 90)
+
+
+def test_a_trouble_of_before_is_not_taken_for_the_reason_that_it_was_pulled_out(bench: ServoBench) -> None:
+    bench.channels[0].err(4104, "No external power.")
+    begin(bench)
+    bench.channels[0].pull_out()
+    bench.rig.wait_for("gesture", "a")
+    assert bench.rig.detail("a", "gesture").endswith("It was unplugged: plug it in again.")
+
+
+@pytest.mark.parametrize("code", [52, 59])
+def test_a_motor_that_is_lost_as_it_is_stopped_is_limp_already(bench: ServoBench, code: int) -> None:
+    begin(bench)
+    bench.failing["setEngaged"] = PhidgetError(code, "Gone")
+    bench.servo.stop()
+    bench.rig.wait_for("gesture", "a")
+    assert bench.rig.states("a", "gesture") == ["started", "aborted"]
+
+
+def test_one_motor_that_is_pulled_out_leaves_no_other_engaged() -> None:
+    bench = ServoBench("?right_arm=0&left_arm=1")
+    both = Gesture((Keyframe(at_ms=500, right_arm=1, left_arm=1), Keyframe(at_ms=900)))
+    bench.servo.wear(_with(wave=both))
+    begin(bench)
+    left, right = bench.channels
+    left.failing = {}
+    left.pull_out()
+    bench.rig.wait_for("gesture", "a")
+    assert right.facts["Engaged"] is False
+    assert "left_arm" in bench.rig.detail("a", "gesture")
+
+
+def test_a_motor_that_is_lost_before_its_detachment_is_told_fails_the_gesture(bench: ServoBench) -> None:
+    begin(bench)
+    bench.failing["setTargetPosition"] = bench.failing["setEngaged"] = PhidgetError(52, "Device not Attached")
+    bench.rig.wait_for("gesture", "a")
+    assert bench.rig.states("a", "gesture") == ["started", "failed"]
+    assert "lost while it moved" in bench.rig.detail("a", "gesture")
+
+
+@pytest.mark.parametrize("name", ["setEngaged", "setTargetPosition"])
+def test_a_motor_that_refuses_fails_the_gesture_in_its_words(bench: ServoBench, name: str) -> None:
+    bench.failing[name] = PhidgetError(5, "Input/Output Error")
+    assert make(bench) == "failed"
+    assert "Input/Output Error" in bench.rig.detail("a", "gesture")
+    bench.failing.clear()
+    assert make(bench, action="b") == "done"
+
+
+def test_a_trouble_that_the_controller_tells_of_stands_beside_what_was_done_until_it_has_passed(
+    bench: ServoBench,
+) -> None:
+    bench.channels[0].err(4104, "No external power.")
+    make(bench)
+    assert bench.rig.detail("a", "gesture") == "It reports: No external power."
+    bench.channels[0].err(4096, "All is well.")
+    make(bench, action="b")
+    assert bench.rig.detail("b", "gesture") == ""
+
+
+# --- no motor ------------------------------------------------------------------------------------------------------
+
+
+def test_without_a_controller_a_gesture_fails_with_what_to_do_after_a_second_and_then_at_once() -> None:
+    bench = ServoBench(plug=False)
+    assert make(bench) == "failed"
+    assert bench.rig.clock.now() == SECOND
+    assert "right_arm on channel 0: plug in its controller" in bench.rig.detail("a", "gesture")
+    assert make(bench, action="b") == "failed"
+    assert bench.rig.clock.now() == SECOND
+    assert bench.rig.states("b", "gesture") == ["failed"]
+
+
+def test_a_controller_that_tells_of_itself_a_moment_after_opening_makes_the_first_gesture() -> None:
+    bench = ServoBench(plug=False)
+    bench.rig.ask("gesture", "a")
+    bench.rig.clock.advance(300 * MS)
+    bench.channels[0].plug_in()
+    bench.rig.wait_for("gesture", "a")
+    assert bench.rig.states("a", "gesture") == ["started", "done"]
+
+
+def test_a_controller_that_another_program_uses_is_told_as_such() -> None:
+    bench = ServoBench(plug=False)
+    bench.channels[0].err(2, "Channel is in use.")
+    assert make(bench) == "failed"
+    assert "Close the other program" in bench.rig.detail("a", "gesture")
+
+
+def test_a_controller_that_cannot_be_set_up_is_told() -> None:
+    bench = ServoBench(plug=False)
+    bench.failing["setTargetPosition"] = PhidgetError(5, "Input/Output Error")
+    bench.channels[0].plug_in()
+    assert make(bench) == "failed"
+    assert "cannot be set up: Input/Output Error" in bench.rig.detail("a", "gesture")
+
+
+def test_a_controller_that_one_may_not_use_is_told_with_the_line_that_cures_it() -> None:
+    bench = ServoBench(plug=False, denied=True)
+    assert make(bench) == "failed"
+    assert "/etc/udev/rules.d/70-phidget.rules" in bench.rig.detail("a", "gesture")
+
+
+@pytest.mark.parametrize(
+    ("error", "cure"),
+    [
+        (ModuleNotFoundError("No module named 'Phidget22'"), "pip install phidget22"),
+        (OSError("libusb-1.0.so.0: cannot open shared object file"), "libusb-package"),
+        (PhidgetError(28, "Unexpected Error"), "The servo cannot be opened: Unexpected Error"),
+    ],
+)
+def test_a_driver_that_is_missing_fails_gestures_at_once_with_how_to_get_it(error: Exception, cure: str) -> None:
+    def fail() -> Any:
+        raise error
+
+    rig = Rig(Servo(make=fail, denied=lambda: False), VirtualClock(), ["gesture"])
+    rig.ask("gesture", "a")
+    rig.wait_for("gesture", "a")
+    assert rig.clock.now() == 0
+    assert cure in rig.detail("a", "gesture")
+    rig.output.close()
+
+
+def test_phidget22_is_loaded_only_when_a_servo_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "Phidget22.Devices.RCServo", None)
+    rig = Rig(Servo(), VirtualClock(), ["gesture"])
+    rig.ask("gesture", "a")
+    rig.wait_for("gesture", "a")
+    assert "pip install phidget22" in rig.detail("a", "gesture")
+    rig.output.close()
+
+
+# --- the failsafe ---------------------------------------------------------------------------------------------------
+
+
+def test_the_failsafe_is_fed_three_times_as_often_as_it_needs_also_while_nothing_is_under_way(
+    live_clock: LiveClock,
+) -> None:
+    bench = ServoBench(clock=live_clock)
+    [motor] = bench.channels
+    bench.rig.wait(lambda: len(motor.told("resetFailsafe")) >= 3)
+    bench.servo.close()
+    assert motor.told("enableFailsafe") == [1000]
+    fed = [at for at, name, _ in motor.calls if name == "resetFailsafe"]
+    assert min(later - earlier for earlier, later in pairwise(fed)) >= 249 * MS
+    assert motor.told("setEngaged") == []
+
+
+def test_a_controller_that_wants_more_time_between_two_signs_of_life_gets_it(live_clock: LiveClock) -> None:
+    bench = ServoBench(plug=False, clock=live_clock)
+    [motor] = bench.channels
+    motor.facts["MinFailsafeTime"] = 2000
+    bench.rig.wait(lambda: "Error" in motor.handlers)
+    motor.plug_in()
+    bench.servo.close()
+    assert motor.told("enableFailsafe") == [2000]
+
+
+def test_where_time_is_virtual_there_is_no_failsafe_and_nothing_is_left_to_do(bench: ServoBench) -> None:
+    make(bench)
+    assert bench.channels[0].told("enableFailsafe") == []
+    assert not bench.rig.clock.step()
+
+
+@pytest.mark.parametrize("trip", ["event", "refusal"])
+def test_a_motor_that_the_failsafe_let_go_of_is_opened_anew_and_works_again(bench: ServoBench, trip: str) -> None:
+    begin(bench)
+    [motor] = bench.channels
+    motor.during["open"] = lambda: (motor.failing.clear(), motor.plug_in())
+    if trip == "event":
+        motor.err(4108, "Failsafe condition detected.")
+    else:
+        motor.failing["setTargetPosition"] = PhidgetError(59, "Failsafe Triggered")
+    bench.rig.wait_for("gesture", "a")
+    assert bench.rig.states("a", "gesture") == ["started", "failed"]
+    assert "failsafe let go of it" in bench.rig.detail("a", "gesture")
+    assert make(bench, action="b") == "done"
+    assert [name for _, name, _ in motor.calls].count("open") == 2
+
+
+def test_a_gesture_waits_for_a_motor_that_is_being_opened_anew(bench: ServoBench) -> None:
+    bench.rig.clock.advance(5 * SECOND)
+    [motor] = bench.channels
+    motor.err(4108, "Failsafe condition detected.")
+    bench.rig.ask("gesture", "a")
+    bench.rig.clock.advance(300 * MS)
+    motor.plug_in()
+    bench.rig.wait_for("gesture", "a")
+    assert bench.rig.states("a", "gesture") == ["started", "done"]
+
+
+def test_a_motor_that_cannot_be_opened_anew_is_told(bench: ServoBench) -> None:
+    [motor] = bench.channels
+    motor.failing["open"] = PhidgetError(28, "Unexpected Error")
+    motor.err(4108, "Failsafe condition detected.")
+    assert make(bench) == "failed"
+    assert "cannot be opened again: Unexpected Error" in bench.rig.detail("a", "gesture")
+
+
+def _with(**gestures: Gesture) -> Theme:
+    return msgspec.structs.replace(THEME, gestures={**THEME.gestures, **gestures})

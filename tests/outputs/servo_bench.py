@@ -1,0 +1,131 @@
+"""A servo controller that is not there: the methods of Phidget22's ``RCServo``, and a hand for its plug."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from sar_tui.framework.clock import MS, Clock, VirtualClock
+from sar_tui.outputs.servo.servo import Servo
+from tests.outputs.contract import Rig
+
+
+class PhidgetError(Exception):
+    """As Phidget22's own: a code and two texts."""
+
+    def __init__(self, code: int, description: str, details: str = "") -> None:
+        super().__init__(code)
+        self.code, self.description, self.details = code, description, details
+
+
+UNSUPPORTED = PhidgetError(20, "Unsupported")
+NOT_ATTACHED = PhidgetError(52, "Device not Attached")
+
+
+class FakeServo:
+    """A channel and its motor. ``calls``: what it was told, in order, with the time (ns of ``clock``)."""
+
+    def __init__(self, clock: Clock) -> None:
+        self.clock = clock
+        self.handlers: dict[str, Any] = {}
+        self.calls: list[tuple[int, str, tuple[Any, ...]]] = []
+        self.failing: dict[str, Exception] = {}
+        self.during: dict[str, Callable[[], object]] = {}
+        self.plugged_in = False
+        self.facts: dict[str, Any] = {
+            "DeviceName": "16x RC Servo Phidget",
+            "DeviceSKU": "RCC1000_0",
+            "DeviceSerialNumber": 620_001,
+            "MinPosition": 0.0,
+            "MaxPosition": 180.0,
+            "MinVelocityLimit": 0.0,
+            "MaxVelocityLimit": 6000.0,
+            "MinAcceleration": 1.0,
+            "MaxAcceleration": 1000.0,
+            "MinFailsafeTime": 500,
+            "Engaged": False,
+        }
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        def method(*arguments: Any) -> Any:
+            if name in self.during:
+                self.during.pop(name)()
+            if name in self.failing:
+                raise self.failing[name]
+            if name.startswith("setOn"):
+                self.handlers[name[5:-7]] = arguments[0]
+            elif name.startswith("get"):
+                return self.facts[name[3:]]
+            else:
+                self.calls.append((self.clock.now(), name, arguments))
+                if name.startswith("set"):
+                    self.facts[name[3:]] = arguments[0]
+            return None
+
+        return method
+
+    def plug_in(self) -> None:
+        self.plugged_in = True
+        self.handlers["Attach"](self)
+
+    def pull_out(self) -> None:
+        self.plugged_in = self.facts["Engaged"] = False
+        self.failing["setTargetPosition"] = self.failing["setEngaged"] = NOT_ATTACHED
+        self.handlers["Detach"](self)
+
+    def put_back(self) -> None:
+        self.failing.clear()
+        self.plug_in()
+
+    def err(self, code: int, description: str) -> None:
+        self.handlers["Error"](self, code, description)
+
+    def told(self, name: str) -> list[Any]:
+        """The arguments of all calls of a name."""
+        return [arguments[0] if arguments else None for _, called, arguments in self.calls if called == name]
+
+    @property
+    def targets(self) -> list[tuple[float, float]]:
+        """Each target that was sent while the motor was engaged: ms, degrees; with the one it was engaged at."""
+        found, engaged, target = [], False, 90.0
+        for at, name, arguments in self.calls:
+            if name == "setEngaged":
+                engaged = arguments[0]
+            elif name == "setTargetPosition":
+                target = arguments[0]
+            if engaged and name in ("setEngaged", "setTargetPosition"):
+                found.append((at / MS, target))
+        return found
+
+
+class ServoBench:
+    """A servo output on fake channels, by a clock that stands still until told."""
+
+    def __init__(self, address: str = "", plug: bool = True, denied: bool = False, clock: Clock | None = None) -> None:
+        self.time = clock or VirtualClock()
+        self.channels: list[FakeServo] = []
+        self.plug = plug
+        self.failing: dict[str, Exception] = {}
+        self.servo = Servo(address, make=self.make, denied=lambda: denied)
+        self.rig = Rig(self.servo, self.time, lasting=["gesture"])
+        self.rig.wait(lambda: len(self.channels) == len(self.servo._address.wires) and self.settled())
+
+    def settled(self) -> bool:
+        return all(channel.plugged_in or not self.plug for channel in self.channels)
+
+    def make(self) -> FakeServo:
+        channel = FakeServo(self.time)
+        channel.failing = self.failing
+        if self.plug:
+            channel.during["open"] = channel.plug_in
+        self.channels.append(channel)
+        return channel
+
+
+@contextmanager
+def servo_rig(clock: Clock | None = None) -> Iterator[Rig]:
+    """A robot with a right arm that is plugged in."""
+    bench = ServoBench(clock=clock)
+    try:
+        yield bench.rig
+    finally:
+        bench.servo.close()

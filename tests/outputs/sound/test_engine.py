@@ -1,0 +1,150 @@
+"""Given the speech engine, real or otherwise, when it is to speak, then it does, or says why not."""
+
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import pytest
+
+from sar_tui.outputs.sound.engine import Engine
+from sar_tui.outputs.sound.protocol import SoundError, Unreadable, Voicing
+from sar_tui.outputs.sound.samples import RATE, peak, seconds
+from tests.outputs.listening import ENGINE
+
+ENGLISH, SPANISH = Voicing("en"), Voicing("es")
+TEXTS = {
+    "en": ("Well done.", "You were forty milliseconds faster than before.", "Press the key as fast as you can."),
+    "es": ("Muy bien hecho.", "Tu tiempo fue de quinientos milisegundos.", "Pulsa la tecla lo más rápido que puedas."),
+}
+
+
+@pytest.fixture(scope="module")
+def engine() -> Engine:
+    """The real one: espeak-ng on Linux."""
+    return Engine()
+
+
+def stand_in(monkeypatch: pytest.MonkeyPatch, speak: str) -> None:
+    """Put another engine in place of pyttsx3; ``speak`` is the body of what it does with a text."""
+    fake = ModuleType("pyttsx3")
+    exec(f"{ENGINE}\ndef speak(engine):\n    {speak}", fake.__dict__)
+    monkeypatch.setitem(sys.modules, "pyttsx3", fake)
+
+
+@pytest.mark.parametrize("language", TEXTS)
+def test_speech_is_audible_and_lasts_as_long_as_speech_does(engine: Engine, language: str) -> None:
+    for text in TEXTS[language]:
+        samples = engine.speak(text, Voicing(language))
+        assert peak(samples) > 0.1
+        assert 0.2 < seconds(samples) / len(text.split()) < 0.9
+
+
+def test_english_and_spanish_voices_read_the_same_text_differently(engine: Engine) -> None:
+    assert engine.voice(ENGLISH).speaks("en")
+    assert engine.voice(SPANISH).speaks("es")
+    assert engine.speak("Animal natural", ENGLISH) != engine.speak("Animal natural", SPANISH)
+
+
+def test_voice_and_rate_count_from_the_very_next_utterance(engine: Engine) -> None:
+    """pyttsx3 loses a rate now and then, if it is set as one would."""
+    for language in ("en", "es") * 5:
+        slow, fast = (engine.speak(TEXTS[language][1], Voicing(language, rate=rate)) for rate in (100, 300))
+        assert seconds(fast) < 0.6 * seconds(slow)
+
+
+def test_no_utterance_is_cut_short_or_runs_into_the_next(engine: Engine) -> None:
+    long = "This is a much longer sentence. " * 10
+    lengths = [(len(engine.speak(long, ENGLISH)), len(engine.speak("Well done.", ENGLISH))) for _ in range(10)]
+    for same in zip(*lengths, strict=True):
+        assert max(same) - min(same) < 0.1 * RATE
+
+
+def test_half_the_volume_is_half_as_loud(engine: Engine) -> None:
+    loud, soft = (engine.speak("Well done.", Voicing("en", volume=volume)) for volume in (1.0, 0.5))
+    assert peak(soft) == pytest.approx(peak(loud) / 2, rel=0.01)
+
+
+def test_volume_zero_is_silence_and_no_fault(engine: Engine) -> None:
+    assert peak(engine.speak("Well done.", Voicing("en", volume=0.0))) == 0
+
+
+def test_a_language_without_a_voice_is_told_in_words(engine: Engine) -> None:
+    with pytest.raises(SoundError, match='no voice for the language "xx"'):
+        engine.speak("Well done.", Voicing("xx"))
+
+
+@pytest.mark.parametrize("text", ["做得好", "😀😀", "..."])
+def test_what_the_voice_cannot_read_is_refused(engine: Engine, text: str) -> None:
+    with pytest.raises(Unreadable, match="The voice cannot read this text"):
+        engine.speak(text, ENGLISH)
+
+
+@pytest.mark.parametrize("speak", ["beep(engine, level=10)", "beep(engine, seconds=0.02)"])
+def test_speech_that_nobody_could_hear_is_refused(monkeypatch: pytest.MonkeyPatch, speak: str) -> None:
+    stand_in(monkeypatch, speak)
+    with pytest.raises(Unreadable, match="gave no sound for this text"):
+        Engine().speak("Well done.", ENGLISH)
+
+
+def test_speech_that_is_cut_short_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    stand_in(monkeypatch, "beep(engine, seconds=0.2)")
+    with pytest.raises(Unreadable, match="gave no sound for this text"):
+        Engine().speak("You were forty milliseconds faster than before.", ENGLISH)
+
+
+def test_an_engine_that_writes_on_a_thread_of_its_own_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    stand_in(monkeypatch, "import threading; threading.Timer(0.1, beep, [engine]).start()")
+    assert seconds(Engine().speak("Well done.", ENGLISH)) == pytest.approx(1.0)
+
+
+def test_an_engine_that_tells_of_an_error_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    stand_in(monkeypatch, "engine.listeners['error'](name=None, exception=OSError('The disk is full'))")
+    with pytest.raises(SoundError, match=r"could not speak \(The disk is full\)"):
+        Engine().speak("Well done.", ENGLISH)
+
+
+def test_an_engine_that_writes_rubbish_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    stand_in(monkeypatch, "open(engine.path, 'wb').write(b'RIFF' + bytes([4, 0, 0, 0]) + b'what')")
+    with pytest.raises(SoundError, match="gave no sound that can be read"):
+        Engine().speak("Well done.", ENGLISH)
+
+
+def test_without_an_engine_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    def init() -> object:
+        raise RuntimeError("libespeak-ng.so.1: cannot open shared object file")
+
+    monkeypatch.setitem(sys.modules, "pyttsx3", SimpleNamespace(init=init))
+    monkeypatch.setattr(sys, "platform", "linux")
+    with pytest.raises(SoundError, match=r"There is no speech engine: install espeak-ng .*sudo apt install espeak-ng"):
+        Engine().voices()
+
+
+def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyttsx3", None)
+    with pytest.raises(SoundError, match="pip install pyttsx3"):
+        Engine().voices()
+
+
+def test_an_engine_that_lacks_something_may_be_mended_while_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    engine = Engine()
+    monkeypatch.setitem(sys.modules, "pyttsx3", None)
+    with pytest.raises(SoundError):
+        engine.voices()
+    stand_in(monkeypatch, "beep(engine)")
+    assert [voice.id for voice in engine.voices()] == ["plain"]
+
+
+def test_where_there_are_no_files_in_memory_a_private_folder_is_used_and_removed(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(sys, "platform", "darwin")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    stand_in(
+        monkeypatch, "beep(engine); seen.append((engine.path, oct(os.stat(os.path.dirname(engine.path)).st_mode)))"
+    )
+    seen = sys.modules["pyttsx3"].__dict__["seen"] = []
+    assert seconds(Engine().speak("Well done.", ENGLISH)) == pytest.approx(1.0)
+    ((path, mode),) = seen
+    assert path.startswith(str(tmp_path))
+    assert mode.endswith("700")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,157 @@
+"""Given the voice as a process of its own, when libraries are noisy or the program goes, then nobody is troubled."""
+
+import os
+import queue
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework.clock import host_now
+from sar_tui.framework.theme import Note
+from sar_tui.outputs.sound.child import Child
+from sar_tui.outputs.sound.protocol import Ended, Reply, Say, Setup, Started, Stop, Tone, Voicing, Warm, line
+from tests.outputs.listening import DEADLINE_S, ENGINE, NOBODY, is_alive, pids, program_with, real_program, until
+
+NOISY = f"""{ENGINE}
+import sys
+def speak(engine):
+    print("Audio saved to a file")
+    print("a warning", file=sys.stderr)
+    os.write(1, b"from C to standard output")
+    os.write(2, b"from C to standard error")
+    assert sys.stdin.read() == ""
+    beep(engine)
+"""
+HANGS_IN_C = f"""{ENGINE}
+import ctypes
+def speak(engine):
+    ctypes.PyDLL(None).sleep(600)  # without letting any other thread of the process run
+"""
+PARENT = """
+import sys, time
+from sar_tui.outputs.sound.child import Child
+from sar_tui.outputs.sound.protocol import *
+child = Child(Setup(backends=("NULL",)), lambda child, reply: print(reply, flush=True), sys.argv[1:])
+child.send(Say(1, "a1", "One word after the other. " * 40, Voicing("en")))
+time.sleep(600)
+"""
+HELLO = Voicing("en")
+
+
+class Talk:
+    """A voice, and its replies."""
+
+    def __init__(self, setup: Setup, program: list[str]) -> None:
+        self._replies: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
+        self.child = Child(setup, lambda _, reply: self._replies.put(reply), program)
+
+    def next(self) -> Reply | None:
+        return self._replies.get(timeout=DEADLINE_S)
+
+
+def test_what_libraries_print_reaches_neither_the_replies_nor_the_terminal(capfd: pytest.CaptureFixture[str]) -> None:
+    talk = Talk(Setup(backends=NOBODY), program_with(NOISY))
+    talk.child.send(Say(1, "a1", "Well done.", HELLO))
+    assert isinstance(talk.next(), Started)
+    assert talk.next() == Ended(1, "done", pytest.approx(host_now(), abs=1_000_000_000))
+    talk.child.kill()
+    assert talk.next() is None
+    assert capfd.readouterr() == ("", "")
+
+
+def test_times_are_those_of_the_programs_own_clock() -> None:
+    talk = Talk(Setup(backends=NOBODY), real_program(Path(os.devnull)))
+    before = host_now()
+    talk.child.send(Tone(1, "a1", (Note(880, 200),)))
+    started, ended = talk.next(), talk.next()
+    after = host_now()
+    talk.child.kill()
+    assert isinstance(started, Started)
+    assert isinstance(ended, Ended)
+    assert before < started.at < ended.at < after
+    assert started.seconds == pytest.approx(0.2, abs=0.001)
+    assert ended.at - started.at > 150_000_000
+
+
+def test_a_stop_of_a_job_that_is_over_does_not_stop_the_next() -> None:
+    talk = Talk(Setup(backends=NOBODY), real_program(Path(os.devnull)))
+    talk.child.send(Tone(1, "a1", (Note(880, 20),)))
+    talk.child.send(Tone(2, "a2", (Note(880, 100),)))
+    talk.child.send(Stop(1))
+    replies = [talk.next() for _ in range(4)]
+    talk.child.kill()
+    assert [each.state for each in replies if isinstance(each, Ended)] == ["done", "done"]
+
+
+def test_getting_ready_does_not_disturb_what_is_under_way() -> None:
+    talk = Talk(Setup(backends=NOBODY), real_program(Path(os.devnull)))
+    talk.child.send(Tone(1, "a1", (Note(880, 1000),) * 60))
+    assert isinstance(talk.next(), Started)
+    talk.child.send(Warm(HELLO, ((Note(440, 100),),)))
+    talk.child.send(Stop(1))
+    ended = talk.next()
+    talk.child.kill()
+    assert isinstance(ended, Ended)
+    assert ended.state == "aborted"
+
+
+def test_it_ends_by_itself_when_nobody_asks_any_more() -> None:
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice"],
+        input=line(Setup(backends=NOBODY)) + line(Tone(1, "a1", (Note(880, 1000),) * 60)),
+        capture_output=True,
+        timeout=DEADLINE_S,
+        check=False,
+    )
+    assert done.returncode == 0
+    assert done.stderr == b""
+
+
+@pytest.mark.parametrize("rubbish", [b"", b"\n", b"rubbish\n", line(Stop(1))])
+def test_a_first_line_that_is_no_setup_ends_it(rubbish: bytes) -> None:
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice"],
+        input=rubbish,
+        capture_output=True,
+        timeout=DEADLINE_S,
+        check=False,
+    )
+    assert done.returncode != 0
+    assert (done.stdout, done.stderr) == (b"", b"")
+
+
+def test_it_ends_when_the_program_is_killed_while_it_speaks(tmp_path: Path) -> None:
+    file = tmp_path / "pids"
+    with subprocess.Popen([sys.executable, "-c", PARENT, *real_program(file)], stdout=subprocess.PIPE) as parent:
+        assert parent.stdout
+        assert parent.stdout.readline().startswith(b"Started")
+        (pid,) = pids(file)
+        parent.send_signal(signal.SIGKILL)
+    until(lambda: not is_alive(pid))
+
+
+def test_it_ends_when_the_program_is_killed_while_it_hangs(tmp_path: Path) -> None:
+    """So that none of its threads can notice: the kernel ends it (Linux)."""
+    file = tmp_path / "pids"
+    told = f"print(os.getpid(), file=open({str(file)!r}, 'a'), flush=True)"
+    engine = HANGS_IN_C.replace("    ctypes.PyDLL", f"    {told}\n    ctypes.PyDLL")
+    with subprocess.Popen([sys.executable, "-c", PARENT, *program_with(engine)]) as parent:
+        until(lambda: pids(file))
+        (pid,) = pids(file)
+        parent.send_signal(signal.SIGKILL)
+    until(lambda: not is_alive(pid))
+
+
+def test_a_folder_that_the_program_was_started_in_does_not_take_the_place_of_libraries(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("wave.py", "queue.py", "msgspec.py", "pyttsx3.py"):
+        (tmp_path / name).write_text("raise SystemExit('not the library')")
+    monkeypatch.chdir(tmp_path)
+    talk = Talk(Setup(in_real_time=False), [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice"])
+    talk.child.send(Say(1, "a1", "Well done.", HELLO))
+    assert isinstance(talk.next(), Started)
+    talk.child.kill()

@@ -1,0 +1,68 @@
+"""Given an engine's voices, when one is to be chosen, then it is the one that is named, or speaks the language."""
+
+import pytest
+
+from sar_tui.outputs.sound.protocol import FoundVoice
+from sar_tui.outputs.sound.voices import choose, found_voice
+
+ESPEAK = [
+    found_voice(identifier, name, [language])
+    for identifier, name, language in (
+        ("gmw/de", "German", "de"),
+        ("gmw/en-029", "English (Caribbean)", "en-029"),
+        ("gmw/en", "English (Great Britain)", "en-gb"),
+        ("gmw/en-us", "English (America)", "en-us"),
+        ("roa/es-419", "Spanish (Latin America)", "es-419"),
+        ("roa/es", "Spanish (Spain)", "es"),
+        ("roa/pt-br", "Portuguese (Brazil)", "pt-br"),
+    )
+]
+
+
+@pytest.mark.parametrize(
+    ("language", "name", "default", "chosen"),
+    [
+        ("en", "", "gmw/en", "gmw/en"),
+        ("en", "", "gmw/de", "gmw/en-us"),
+        ("es", "", "gmw/en", "roa/es"),
+        ("es", "roa/es-419", "gmw/en", "roa/es-419"),
+        ("es", "latin america", "gmw/en", "roa/es-419"),
+        ("es", "nobody", "gmw/en", "roa/es"),
+        ("es-mx", "", "gmw/en", "roa/es"),
+        ("pt", "", "gmw/en", "roa/pt-br"),
+    ],
+)
+def test_the_voice_fits(language: str, name: str, default: str, chosen: str) -> None:
+    voice = choose(ESPEAK, language, name, default)
+    assert voice is not None
+    assert voice.id == chosen
+
+
+def test_there_may_be_no_voice_for_a_language() -> None:
+    assert choose(ESPEAK, "fi", "", "gmw/en") is None
+    assert choose([], "en", "", "") is None
+
+
+def test_a_language_that_only_begins_alike_is_another() -> None:
+    assert not FoundVoice("aav/x", languages=("est",)).speaks("es")
+
+
+@pytest.mark.parametrize(
+    ("told", "languages"),
+    [
+        (["en_US"], ("en-us",)),
+        ([b"\x05en-gb"], ("en-gb",)),
+        ("es_ES", ("es-es",)),
+        (("es-MX",), ("es-mx",)),
+        ([None], ()),
+        (None, ()),
+        (["Unknown Locale: 4096"], ()),
+        ([], ()),
+    ],
+)
+def test_languages_are_understood_however_an_engine_tells_them(told: object, languages: tuple[str, ...]) -> None:
+    assert found_voice("com.apple.voice.compact.Someone", "Someone", told).languages == languages
+
+
+def test_a_voice_without_languages_may_tell_them_by_its_id() -> None:
+    assert found_voice("roa/es-419", None, None) == FoundVoice("roa/es-419", "", ("es-419",))

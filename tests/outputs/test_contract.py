@@ -1,0 +1,46 @@
+"""Given any output, when it is asked, stopped, dressed or closed, then it does what every output does.
+
+``RIGS`` names the outputs: each a context manager that yields a `Rig` of an output that is open.
+"""
+
+import asyncio
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+
+import pytest
+
+from sar_tui.framework.clock import LiveClock
+from tests.outputs.contract import CHECKS, Rig
+from tests.outputs.listening import speech_in_real_time_rig, speech_rig, tones_rig
+from tests.outputs.ros_bench import ros_rig
+from tests.outputs.screen_bench import screen_rig
+from tests.outputs.servo_bench import servo_rig
+
+
+@contextmanager
+def threaded_servo_rig() -> Iterator[Rig]:
+    """The servo by the host's clock, on the thread of its own that it has in front of a person."""
+    loop = asyncio.new_event_loop()
+    try:
+        with servo_rig(LiveClock(loop)) as rig:
+            yield rig
+    finally:
+        loop.close()
+
+
+RIGS: dict[str, Callable[[], AbstractContextManager[Rig]]] = {
+    "ros": ros_rig,
+    "screen": screen_rig,
+    "servo": servo_rig,
+    "speech": speech_rig,
+    "speech in real time": speech_in_real_time_rig,
+    "tones": tones_rig,
+    "servo on its thread": threaded_servo_rig,
+}
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+@pytest.mark.parametrize("name", RIGS)
+def test_the_contract_holds(name: str, check: Callable[[Rig], None]) -> None:
+    with RIGS[name]() as rig:
+        check(rig)

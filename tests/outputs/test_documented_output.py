@@ -1,0 +1,134 @@
+"""The output of docs/add-an-output.md, taken from the page: it keeps the contract, and runs as the page says."""
+
+import os
+import re
+import sqlite3
+import sys
+import tomllib
+import tty
+from collections.abc import Callable, Iterator
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from sar_tui.framework.clock import MS, VirtualClock
+from sar_tui.framework.parameters import build
+from sar_tui.framework.task import Task
+from sar_tui.outputs import outputs
+from sar_tui.outputs.output import OutputError
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, simulate
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.validation.source_lines import count
+from tests.outputs.contract import CHECKS, Rig
+
+PAGE = (Path(__file__).parents[2] / "docs" / "add-an-output.md").read_text(encoding="utf-8")
+
+
+def block(language: str, number: int = 0) -> str:
+    return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)[number]
+
+
+@pytest.fixture
+def serial_robot(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """The page's module, as if it were installed, with its entry point."""
+    module = ModuleType("serial_robot")
+    exec(compile(block("python"), "serial_robot.py", "exec"), module.__dict__)
+    monkeypatch.setitem(sys.modules, "serial_robot", module)
+    ((name, value),) = tomllib.loads(block("toml"))["project"]["entry-points"]["sar_tui.outputs"].items()
+    entry = EntryPoint(name, value, outputs.GROUP)
+    monkeypatch.setattr(outputs, "entry_points", lambda group: [entry])
+    return module
+
+
+@pytest.fixture
+def line() -> Iterator[tuple[str, Callable[[], str]]]:
+    """A serial line: its path, and what has come to its far end."""
+    near, far = os.openpty()
+    tty.setraw(far)
+    os.set_blocking(near, False)
+
+    def come() -> str:
+        try:
+            return os.read(near, 65536).decode()
+        except BlockingIOError:
+            return ""
+
+    yield os.ttyname(far), come
+    os.close(near)
+    os.close(far)
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+def test_it_keeps_the_contract(
+    serial_robot: ModuleType, line: tuple[str, Callable[[], str]], check: Callable[[Rig], None]
+) -> None:
+    rig = Rig(serial_robot.SerialRobot(line[0]), VirtualClock(), ["gesture"])
+    check(rig)
+    rig.output.close()
+
+
+def test_it_tells_the_robot_what_to_do_and_when_to_stop(
+    serial_robot: ModuleType, line: tuple[str, Callable[[], str]]
+) -> None:
+    path, come = line
+    rig = Rig(serial_robot.SerialRobot(path), VirtualClock(), ["gesture"])
+    rig.ask("gesture", "one", "wave")
+    rig.ask("gesture", "two", "nod")
+    assert come() == "wave 600\n"
+    rig.clock.advance(650 * MS)  # type: ignore[attr-defined]
+    rig.output.stop()
+    assert come() == "nod 400\nstill\n"
+
+
+def test_a_robot_that_is_not_there_fails_in_words_and_may_come_later(serial_robot: ModuleType, tmp_path: Path) -> None:
+    path = tmp_path / "ttyUSB0"
+    rig = Rig(serial_robot.SerialRobot(str(path)), VirtualClock(), ["gesture"])
+    rig.ask("gesture", "before")
+    assert rig.states("before", "gesture") == ["failed"]
+    assert rig.detail("before", "gesture").startswith("The robot cannot do wave. Plug it in")
+    assert not path.exists()
+    path.touch()
+    rig.ask("gesture", "after")
+    rig.wait_for("gesture", "after")
+    assert rig.states("after", "gesture") == ["started", "done"]
+
+
+def test_it_says_what_its_address_lacks(serial_robot: ModuleType) -> None:
+    with pytest.raises(OutputError, match="Say which serial line"):
+        outputs.check_outputs(["screen", "robot"])
+    outputs.check_outputs(["screen", "robot:/dev/ttyUSB0"])
+
+
+def test_in_a_session_it_waves_at_both_ends_and_the_pages_query_tells_so(
+    serial_robot: ModuleType,
+    keyboard: type[Task],
+    catalogue: Catalogue,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    robot = tmp_path / "robot.txt"
+    robot.touch()
+    settings: dict[str, Any] = {"attempts": 3, "outputs": ["screen", f"robot:{robot}"]}
+    plan = Plan(keyboard, build(keyboard.Parameters, settings), "calm", "SIM", 1, "simulated")
+    session = simulate(plan, PEOPLE["average"], tmp_path / "data", catalogue)
+    *told, last = robot.read_text().splitlines()
+    assert (told[0], told[-1], last) == ("wave 1800", "wave 1800", "still")
+    assert len(told) >= 5, "a greeting, three answers, a goodbye"
+    monkeypatch.chdir(tmp_path)
+    exec(compile(block("python", 1), "query.py", "exec"), {})
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[4] for line in lines] == ["queued", "started", "done"] * len(told)
+    with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
+        (opened,) = connection.execute(
+            "SELECT message FROM events WHERE session=? AND topic='output/opened'", (session,)
+        ).fetchall()
+    assert f"robot:{robot}" in opened[0]
+
+
+def test_it_is_about_forty_lines_of_code() -> None:
+    assert count(block("python")) <= 45

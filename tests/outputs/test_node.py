@@ -1,0 +1,463 @@
+"""Given an output on the bus, when it raises, stays silent or says too much, then each deed is told of once."""
+
+import threading
+from typing import Any
+
+import msgspec
+import pytest
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.bus import Bus, Topic
+from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.framework.messages import Deed
+from sar_tui.framework.node import Node, on
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
+from sar_tui.outputs.node import GIVES_UP, PER_CHARACTER, STILL, OutputNode
+from sar_tui.outputs.output import Output, Report
+from tests.outputs.contract import THEME as BARE
+from tests.outputs.fakes import EVERYTHING, Puppet, Speaker
+
+LASTING: tuple[Deed, ...] = ("say", "gesture", "gaze", "tone")
+
+
+class Told(m.Message, frozen=True, kw_only=True):
+    """A message of the loop that is to be published."""
+
+    message: Any
+
+
+TOLD = Topic("test/told", Told, origin="input")
+_TOPICS: dict[type, Topic[Any]] = {
+    m.Action: ACTION,
+    m.Halt: HALT,
+    m.Prompt: PROMPT,
+    m.AttemptEnded: ATTEMPT_ENDED,
+}
+
+
+class Loop(Node):
+    """Stands in for the nodes of the loop."""
+
+    name = "loop"
+    emits = (ACTION, HALT, PROMPT, ATTEMPT_ENDED)
+
+    @on(TOLD)
+    def told(self, told: Told) -> None:
+        self.emit(_TOPICS[type(told.message)], told.message)
+
+
+class Stage:
+    """An output on a bus, and all that is reported of it."""
+
+    def __init__(self, output: Output, cues: tuple[str, ...] = (), theme: Theme = BARE) -> None:
+        self.clock = VirtualClock(SECOND)
+        self.bus = Bus(self.clock)
+        Loop().attach(self.bus)
+        self.opened: list[m.OutputOpened] = []
+        self.reports: list[m.OutputReport] = []
+        self.stopped: list[m.OutputStopped] = []
+        self.faults: list[Any] = []
+        self.bus.subscribe(OUTPUT, self.opened.append)
+        self.bus.subscribe(REPORT, self.reports.append)
+        self.bus.subscribe(STOPPED, self.stopped.append)
+        self.node = OutputNode(output, f"{output.name}:here", theme, cues)
+        self.node.attach(self.bus)
+        self.clock.advance(0)
+
+    def publish(self, message: m.Message) -> None:
+        self.bus.publish(TOLD, Told(message=message))
+        self.clock.advance(0)
+
+    def act(self, action: str = "a1", **parts: str) -> None:
+        whole = {"text": "", **parts}
+        self.publish(m.Action(id=action, kind="feedback", decision="accepted", actor="agent", **whole))  # type: ignore[arg-type]
+
+    def halt(self, action: str = "", reason: Any = "stopped", asked: int | None = None) -> None:
+        self.publish(m.Halt(action=action, reason=reason, asked=self.clock.now() if asked is None else asked))
+
+    def tell(self, deed: Deed, state: Any, action: str = "a1", at: int | None = None, detail: str = "") -> None:
+        """Have the output report."""
+        self.node.output._tell(Report(action, deed, state, self.clock.now() if at is None else at, detail))
+        self.clock.advance(0)
+
+    def wait(self, ns: int) -> None:
+        self.clock.advance(ns)
+
+    def states(self, action: str = "a1", deed: Deed = "say") -> list[str]:
+        return [report.state for report in self.reports if (report.action, report.deed) == (action, deed)]
+
+
+def asked(stage: Stage) -> list[tuple[str, ...]]:
+    """What a puppet was asked for, but for its theme."""
+    assert isinstance(stage.node.output, Puppet)
+    return [what for what in stage.node.output.asked if what[0] != "wear"]
+
+
+EVERY_PART = {
+    "text": "Well done.",
+    "spoken": "Well done!",
+    "face": "happy",
+    "gesture": "wave",
+    "gaze": "left",
+    "tone": "success",
+}
+
+
+# --- what is asked of it --------------------------------------------------------------------------------------
+
+
+def test_it_announces_what_it_can_and_how_it_was_asked_for() -> None:
+    (opened,) = Stage(Puppet(can=frozenset({"say", "gesture"}))).opened
+    assert (opened.output, opened.address, opened.can) == ("puppet", "puppet:here", ("gesture", "say"))
+
+
+def test_an_action_is_done_look_and_tone_first() -> None:
+    stage = Stage(Puppet())
+    stage.act(**EVERY_PART)
+    assert asked(stage) == [
+        ("show", "a1", "Well done.", "happy"),
+        ("gaze", "a1", "left"),
+        ("tone", "a1", "success"),
+        ("gesture", "a1", "wave"),
+        ("say", "a1", "Well done!"),
+    ]
+    assert [(report.deed, report.state) for report in stage.reports] == [
+        (deed, "queued") for deed in ("show", "gaze", "tone", "gesture", "say")
+    ]
+
+
+@pytest.mark.parametrize("deed", sorted(EVERYTHING))
+def test_it_is_asked_only_for_what_it_can(deed: Deed) -> None:
+    stage = Stage(Puppet(can=frozenset({deed})))
+    stage.act(**EVERY_PART)
+    assert [what[0] for what in asked(stage)] == [deed]
+
+
+def test_what_an_action_leaves_out_is_not_asked_for() -> None:
+    stage = Stage(Puppet())
+    stage.act(spoken="Reach out.")
+    stage.act("a2", face="happy")
+    assert asked(stage) == [("say", "a1", "Reach out."), ("show", "a2", "", "happy")]
+
+
+def test_a_theme_that_is_edited_is_worn() -> None:
+    stage = Stage(Puppet())
+    stage.bus.publish(THEME, m.ThemeWorn(theme=msgspec.structs.replace(BARE, name="edited")))
+    assert isinstance(stage.node.output, Puppet)
+    assert stage.node.output.asked == [("wear", "bench"), ("wear", "edited")]
+
+
+# --- what it reports ------------------------------------------------------------------------------------------
+
+
+def test_its_reports_are_passed_on_with_their_own_times() -> None:
+    stage = Stage(Puppet())
+    stage.act(spoken="Well done.")
+    begun = stage.clock.now() + 7 * MS
+    stage.wait(10 * MS)
+    stage.tell("say", "started", at=begun)
+    stage.wait(900 * MS)
+    stage.tell("say", "failed", at=begun + 800 * MS, detail="The cable is out.")
+    assert [(report.state, report.at) for report in stage.reports] == [
+        ("queued", SECOND),
+        ("started", begun),
+        ("failed", begun + 800 * MS),
+    ]
+    assert {report.output for report in stage.reports} == {"puppet"}
+    assert stage.reports[-1].detail == "The cable is out."
+
+
+@pytest.mark.parametrize("deed", sorted(EVERYTHING))
+def test_what_raises_has_failed_and_the_rest_goes_on(deed: Deed) -> None:
+    stage = Stage(Puppet(breaks=(deed,)))
+    stage.act(**EVERY_PART)
+    assert {what[0] for what in asked(stage)} == EVERYTHING
+    failed = [report for report in stage.reports if report.state == "failed"]
+    assert [(report.deed, report.detail) for report in failed] == [(deed, f"RuntimeError: no {deed} today.")]
+    assert stage.states(deed=deed) == ["queued", "failed"]
+
+
+@pytest.mark.parametrize("deed", LASTING)
+def test_what_never_answers_has_failed_after_a_while_and_is_told_to_stop(deed: Deed) -> None:
+    stage = Stage(Puppet(can=frozenset({deed})))
+    stage.act(**{**EVERY_PART, "spoken": "x" * 100})
+    limit = GIVES_UP + (100 * PER_CHARACTER if deed == "say" else 0)
+    stage.wait(limit - 1)
+    assert stage.states(deed=deed) == ["queued"]
+    stage.wait(1)
+    assert stage.states(deed=deed) == ["queued", "failed"]
+    assert stage.reports[-1].detail == "It did not tell what became of it."
+    assert asked(stage)[-1] == ("stop", "a1")
+
+
+def test_words_stand_for_as_long_as_nothing_takes_their_place() -> None:
+    stage = Stage(Puppet())
+    stage.act(text="Well done.", face="happy")
+    stage.wait(3600 * SECOND)
+    assert stage.states(deed="show") == ["queued"]
+
+
+@pytest.mark.parametrize("end", ["done", "aborted", "failed"])
+def test_what_is_over_is_told_once_whatever_is_said_after_that(end: str) -> None:
+    stage = Stage(Puppet())
+    stage.act(spoken="Well done.")
+    for state in (end, "done", "aborted", "failed", "started"):
+        stage.tell("say", state)
+    stage.wait(GIVES_UP + PER_CHARACTER * 100)
+    assert stage.states() == ["queued", end]
+
+
+def test_a_report_of_what_nobody_asked_for_is_nothing() -> None:
+    stage = Stage(Puppet())
+    stage.act(spoken="Well done.")
+    stage.tell("gesture", "done")
+    stage.tell("say", "done", action="a9")
+    assert [report.state for report in stage.reports] == ["queued"]
+
+
+def test_a_report_from_another_thread_arrives_on_the_loops_own() -> None:
+    stage = Stage(Puppet())
+    stage.act(spoken="Well done.")
+    on_thread: list[int] = []
+    stage.bus.subscribe(REPORT, lambda _: on_thread.append(threading.get_ident()))
+    report = Report("a1", "say", "done", stage.clock.now() + 5)
+    thread = threading.Thread(target=stage.node.output._tell, args=(report,))
+    thread.start()
+    thread.join()
+    assert stage.states() == ["queued"], "not before the loop has its turn"
+    stage.clock.advance(0)
+    assert stage.states() == ["queued", "done"]
+    assert (stage.reports[-1].at, on_thread) == (report.at, [threading.get_ident()])
+
+
+def test_after_it_is_let_go_of_nothing_is_heard_of_it_any_more() -> None:
+    stage = Stage(Puppet())
+    stage.act(spoken="Well done.")
+    stage.halt()
+    stage.node.detach()
+    stage.node.detach()
+    stage.tell("say", "done")
+    stage.wait(3600 * SECOND)
+    assert stage.states() == ["queued"]
+    assert stage.stopped == []
+    assert asked(stage).count(("close",)) == 1
+
+
+def test_one_that_was_never_attached_can_be_let_go_of() -> None:
+    puppet = Puppet()
+    OutputNode(puppet, "puppet", BARE).detach()
+    assert puppet.asked == []
+
+
+# --- one that is broken ---------------------------------------------------------------------------------------
+
+
+def test_one_that_cannot_be_opened_fails_at_everything_and_says_why() -> None:
+    stage = Stage(Puppet(breaks=("wear",)))
+    stage.act(**EVERY_PART)
+    assert len(stage.opened) == 1
+    for deed in EVERYTHING:
+        assert stage.states(deed=deed) == ["queued", "failed"]
+    assert {report.detail for report in stage.reports if report.state == "failed"} == {
+        "It could not be opened (RuntimeError: no wear today)."
+    }
+    assert asked(stage) == [], "nothing is asked of it"
+
+
+def test_one_that_raises_as_it_is_closed_keeps_nobody_from_leaving() -> None:
+    stage = Stage(Puppet(breaks=("close",)))
+    stage.node.detach()
+    assert asked(stage) == [("close",)]
+
+
+def test_one_that_never_answers_and_cannot_be_stopped_has_failed_all_the_same() -> None:
+    stage = Stage(Puppet(breaks=("stop",)))
+    stage.act(gesture="wave")
+    stage.wait(GIVES_UP)
+    assert stage.states(deed="gesture") == ["queued", "failed"]
+
+
+# --- being still ----------------------------------------------------------------------------------------------
+
+
+def test_a_stop_is_told_when_the_last_of_what_was_under_way_is_over() -> None:
+    stage = Stage(Puppet())
+    stage.act(**EVERY_PART)
+    asked_at = stage.clock.now() - 3 * MS
+    stage.halt(asked=asked_at)
+    assert asked(stage)[-1] == ("stop", "")
+    ends = {"say": 60 * MS, "tone": 40 * MS, "gaze": 10 * MS, "gesture": 20 * MS}
+    at = stage.clock.now()
+    for deed, after in ends.items():
+        assert stage.stopped == []
+        stage.tell(deed, "aborted", at=at + after)  # type: ignore[arg-type]
+    (stopped,) = stage.stopped
+    assert (stopped.output, stopped.asked, stopped.at) == ("puppet", asked_at, at + 60 * MS)
+    assert stopped.detail == ""
+    assert stage.states(deed="show") == ["queued"], "words may stay where they are"
+
+
+def test_a_stop_with_nothing_under_way_is_told_at_once() -> None:
+    stage = Stage(Puppet())
+    stage.halt(asked=stage.clock.now() - 2 * MS)
+    (stopped,) = stage.stopped
+    assert stopped.at - stopped.asked == 2 * MS
+
+
+def test_two_stops_in_a_row_are_one_that_is_told_once() -> None:
+    stage = Stage(Puppet())
+    stage.act(spoken="Well done.")
+    first = stage.clock.now()
+    stage.halt()
+    stage.wait(30 * MS)
+    stage.halt()
+    assert asked(stage).count(("stop", "")) == 2
+    stage.tell("say", "aborted")
+    assert [(stopped.asked, stopped.at) for stopped in stage.stopped] == [(first, first + 30 * MS)]
+
+
+def test_one_that_never_stills_is_told_as_such_and_can_be_stopped_again() -> None:
+    stage = Stage(Puppet())
+    stage.act(gesture="wave")
+    stage.halt()
+    stage.wait(STILL - 1)
+    assert stage.stopped == []
+    stage.wait(1)
+    (stopped,) = stage.stopped
+    assert (stopped.at - stopped.asked, stopped.detail) == (STILL, "It did not tell that it is still.")
+    stage.halt()
+    stage.tell("gesture", "aborted")
+    assert [stopped.detail for stopped in stage.stopped] == ["It did not tell that it is still.", ""]
+
+
+def test_one_that_raises_when_it_is_stopped_is_told_not_to_be_still() -> None:
+    stage = Stage(Puppet(breaks=("stop",)))
+    stage.act(gesture="wave", spoken="Well done.")
+    stage.halt()
+    (stopped,) = stage.stopped
+    assert stopped.detail == "It could not be stopped (RuntimeError: no stop today)."
+    for deed in ("gesture", "say"):
+        assert stage.states(deed=deed) == ["queued", "failed"]  # type: ignore[arg-type]
+    stage.wait(3600 * SECOND)
+    assert len(stage.stopped) == 1
+
+
+def test_one_action_is_broken_off_without_the_others_and_without_a_time() -> None:
+    stage = Stage(Puppet(breaks=("stop",)))
+    stage.act("a1", spoken="Welcome.")
+    stage.act("a2", gesture="wave")
+    stage.halt("a1", "interrupted")
+    assert asked(stage)[-1] == ("stop", "a1")
+    assert (stage.states("a1"), stage.states("a2", "gesture")) == (["queued", "failed"], ["queued"])
+    assert stage.stopped == []
+
+
+def test_after_a_stop_it_can_be_used_again() -> None:
+    speaker = Speaker(takes_ms=800)
+    stage = Stage(speaker)
+    stage.act("a1", spoken="Welcome.")
+    stage.act("a2", spoken="Reach out.")
+    stage.wait(100 * MS)
+    stage.halt()
+    stage.act("a3", spoken="Well done.")
+    stage.wait(SECOND)
+    assert [stage.states(action) for action in ("a1", "a2", "a3")] == [
+        ["queued", "started", "aborted"],
+        ["queued", "aborted"],
+        ["queued", "started", "done"],
+    ]
+    assert [stopped.at - stopped.asked for stopped in stage.stopped] == [0]
+
+
+# --- cues -----------------------------------------------------------------------------------------------------
+
+
+def prompt(trial: int = 1, presentation: int = 1) -> m.Prompt:
+    return m.Prompt(
+        attempt=1,
+        trial=trial,
+        presentation=presentation,
+        level=1,
+        stimulus="f",
+        expected="f",
+        text="Press: f",
+        glyph="f",
+        choices=2,
+        timeout=SECOND,
+    )
+
+
+def attempt_ended(ended: int, attempt: int = 1, metric: float = 500.0) -> m.AttemptEnded:
+    return m.AttemptEnded(
+        attempt=attempt,
+        practice=False,
+        level=1,
+        metric=metric,
+        metric_unit="ms",
+        accuracy=1.0,
+        correct=1,
+        trials=1,
+        outcome="success",
+        feedback="none",
+        started=0,
+        ended=ended,
+    )
+
+
+def play(stage: Stage) -> None:
+    """Two trials, the first of which is shown twice; praise; and the attempt is scored once more."""
+    stage.publish(prompt(1, 1))
+    stage.publish(prompt(1, 2))
+    stage.publish(prompt(2, 1))
+    ended = stage.clock.now()
+    stage.publish(attempt_ended(ended))
+    stage.act(text="Well done.", tone="success")
+    stage.wait(SECOND)
+    stage.publish(attempt_ended(ended, metric=700.0))
+
+
+@pytest.mark.parametrize(
+    ("cues", "sounds"),
+    [
+        (("go", "end", "success"), ["go", "go", "go", "end", "success"]),
+        (("go",), ["go", "go", "go"]),
+        (("end",), ["end"]),
+        (("success",), ["success"]),
+        (("end", "success"), ["end", "success"]),
+    ],
+)
+def test_each_cue_sounds_once_for_what_it_stands_for_and_an_attempt_that_is_amended_does_not_end_again(
+    cues: tuple[str, ...], sounds: list[str]
+) -> None:
+    stage = Stage(Puppet(can=frozenset({"tone"})), cues)
+    play(stage)
+    assert [what[2] for what in asked(stage)] == sounds
+    names = [what[1] for what in asked(stage)]
+    assert len(set(names)) == len(names), "each has a name of its own"
+
+
+def test_an_output_without_cues_sounds_only_what_an_action_asks_for() -> None:
+    stage = Stage(Puppet())
+    play(stage)
+    assert [what[0] for what in asked(stage)] == ["show", "tone"]
+
+
+def test_praise_is_announced_as_a_tone_only_where_it_sounds() -> None:
+    def can(*cues: str) -> tuple[str, ...]:
+        return Stage(Puppet(can=frozenset({"tone"})), cues).opened[0].can
+
+    assert (can("go"), can("success"), can()) == ((), ("tone",), ("tone",))
+
+
+# --- one after the other --------------------------------------------------------------------------------------
+
+
+def test_what_is_said_one_after_the_other_is_reported_one_after_the_other() -> None:
+    stage = Stage(Speaker())
+    stage.act("a1", spoken="A thing.")
+    stage.act("a2", spoken="Another.")
+    stage.wait(3 * SECOND)
+    assert stage.states("a1") == stage.states("a2") == ["queued", "started", "done"]
+    at = {(report.action, report.state): report.at for report in stage.reports}
+    assert at["a1", "done"] == at["a2", "started"] == at["a1", "started"] + SECOND

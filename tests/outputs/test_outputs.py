@@ -1,0 +1,222 @@
+"""Given names of outputs, when a session is set up, then they are there, or one sentence says why not."""
+
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from sar_tui.framework.clock import MS, VirtualClock
+from sar_tui.framework.parameters import ParameterError, build
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import TONES, Theme
+from sar_tui.framework.topics import OUTPUT
+from sar_tui.outputs.output import Output, OutputError
+from sar_tui.outputs.outputs import check_outputs, open_outputs, output_names
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, simulate, speaking, start
+from sar_tui.runs import check_outputs as check_parameters
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+from tests.outputs.contract import THEME as BARE
+from tests.outputs.fakes import Puppet, Speaker
+
+PlugIn = Callable[..., None]
+
+
+@pytest.fixture
+def plug_in(monkeypatch: pytest.MonkeyPatch) -> PlugIn:
+    """Install an output, by what makes it."""
+    entries: list[Any] = []
+
+    def install(name: str, make: Any) -> None:
+        entries.append(SimpleNamespace(name=name, value=f"somewhere:{name}", load=lambda: make))
+
+    monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: entries)
+    return install
+
+
+def made(*addresses: str, speech: str = "sound") -> list[tuple[str, tuple[str, ...]]]:
+    """The outputs of some addresses: their names, and what they say they can."""
+    return [(node.name, tuple(sorted(node._can))) for node in open_outputs(addresses, speech, BARE)]
+
+
+def problem(*addresses: str, speech: str = "sound") -> str:
+    with pytest.raises(OutputError) as caught:
+        check_outputs(addresses, speech)
+    return str(caught.value)
+
+
+# --- by name --------------------------------------------------------------------------------------------------
+
+
+def test_these_are_there() -> None:
+    assert {"screen", "speech", "tones", "servo", "ros"} <= set(output_names())
+
+
+def test_the_screen_is_not_made_here() -> None:
+    assert open_outputs(["screen"], "sound", BARE) == []
+
+
+def test_each_is_made_and_knows_what_it_can() -> None:
+    assert made("screen", "speech") == [("speech", ("say",))]
+    ((name, can),) = made("servo")
+    assert (name, "gesture" in can) == ("servo", True)
+    ((name, can),) = made("ros://localhost:9090")
+    assert (name, "say" in can, "gesture" in can) == ("ros", True, True)
+
+
+@pytest.mark.parametrize(
+    ("address", "can"),
+    [("tones", ("tone",)), ("tones:success", ("tone",)), ("tones:go+end", ()), ("tones:", ("tone",))],
+)
+def test_tones_sound_with_praise_only_where_that_is_asked_for(address: str, can: tuple[str, ...]) -> None:
+    assert made(address) == [("tones", can)]
+
+
+def test_a_tone_goes_before_words_in_whatever_order_they_are_named() -> None:
+    assert [name for name, _ in made("speech", "tones")] == [name for name, _ in made("tones", "speech")] == [
+        "tones",
+        "speech",
+    ]  # fmt: skip
+
+
+# --- what cannot be -------------------------------------------------------------------------------------------
+
+
+def test_a_name_that_nobody_knows_is_told_with_the_nearest_that_there_is() -> None:
+    assert problem("speach").startswith('There is no output "speach". Did you mean speech? There is: ')
+    assert problem("").startswith('There is no output "".')
+
+
+@pytest.mark.parametrize("addresses", [("speech", "speech"), ("tones:go", "screen", "tones:end")])
+def test_none_is_there_twice(addresses: tuple[str, ...]) -> None:
+    assert problem(*addresses) == f"The output {addresses[0].partition(':')[0]} is named twice."
+
+
+@pytest.mark.parametrize(
+    ("address", "says"),
+    [
+        ("tones:gong", 'There is no tone "gong". There is: go, success, end.'),
+        ("speech:loud", "belongs to the setting speech"),
+    ],
+)
+def test_what_follows_the_name_has_to_fit(address: str, says: str) -> None:
+    assert says in problem(address)
+
+
+@pytest.mark.parametrize("address", ["servo:?joint=", "servo:x", "ros", "ros:", "ros://", "ros://host:port"])
+def test_an_address_that_cannot_be_is_told_in_a_sentence(address: str) -> None:
+    told = problem(address)
+    assert told.endswith(".")
+    assert "Error" not in told
+
+
+def test_where_speech_goes_has_to_be_somewhere(tmp_path: Path) -> None:
+    check_outputs(["speech"], f"file:{tmp_path / 'not yet'}")
+    (tmp_path / "taken").write_text("")
+    assert "is a file" in problem("speech", speech=f"file:{tmp_path / 'taken'}")
+    assert problem("speech", speech="somewhere").endswith(".")
+
+
+# --- plug-ins -------------------------------------------------------------------------------------------------
+
+
+def test_an_output_of_a_plug_in_is_made_with_what_follows_its_name(plug_in: PlugIn) -> None:
+    given: list[str] = []
+
+    def lamp(text: str) -> Output:
+        given.append(text)
+        return Puppet("lamp", frozenset({"tone"}))
+
+    plug_in("lamp", lamp)
+    assert "lamp" in output_names()
+    (node,) = open_outputs(["lamp:red:3"], "sound", BARE)
+    assert (given, node.name) == (["red:3"], "lamp")
+
+
+def _breaks(_: str) -> Output:
+    raise RuntimeError("no lamp")
+
+
+def _refuses(_: str) -> Output:
+    raise OutputError("There is no lamp of that colour.")
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (_breaks, "The output lamp (somewhere:lamp) cannot be loaded: RuntimeError: no lamp."),
+        (_refuses, "There is no lamp of that colour."),
+        (lambda text: text, "The output lamp (somewhere:lamp) is no Output."),
+        (lambda text: Output(), "The output lamp (somewhere:lamp) has no name."),
+    ],
+)
+def test_a_plug_in_that_cannot_be_used_is_told_in_a_sentence(plug_in: PlugIn, make: Any, says: str) -> None:
+    plug_in("lamp", make)
+    assert problem("lamp") == says
+
+
+def test_a_plug_in_cannot_take_the_place_of_what_ships(plug_in: PlugIn) -> None:
+    plug_in("speech", lambda text: Puppet("mine"))
+    assert made("speech") == [("speech", ("say",))]
+
+
+# --- in a session ---------------------------------------------------------------------------------------------
+
+
+def plan(keyboard: type[Task], **parameters: Any) -> Plan:
+    return Plan(
+        keyboard, build(keyboard.Parameters, {"attempts": 1, "prompts_per_attempt": 2, **parameters}),
+        "calm", "P01", 1, "simulated",
+    )  # fmt: skip
+
+
+def test_only_the_screen_needs_nothing_to_be_made(keyboard: type[Task], calm: Theme) -> None:
+    assert speaking(keyboard(build(keyboard.Parameters, {})), calm) == []
+
+
+@pytest.mark.parametrize("named", [("speach",), ("speech", "speech"), ("screen", "tones:gong")])
+def test_a_session_is_not_begun_with_an_output_that_cannot_be(
+    keyboard: type[Task], data: Path, catalogue: Catalogue, named: tuple[str, ...]
+) -> None:
+    bad = plan(keyboard, outputs=named)
+    with pytest.raises(ParameterError) as caught:
+        check_parameters(bad.parameters)
+    assert set(caught.value.problems) == {"outputs"}
+    with pytest.raises(ParameterError):
+        start(bad, data, catalogue, VirtualClock(), lambda task, theme: [])
+    assert not data.exists()
+
+
+def test_a_simulated_session_speaks_through_what_it_was_given_and_says_so(
+    keyboard: type[Task], data: Path, catalogue: Catalogue, plug_in: PlugIn
+) -> None:
+    speaker = Speaker(700)
+    plug_in("voice", lambda text: speaker)
+    session = simulate(
+        plan(keyboard, outputs=["screen", "voice:low"], attempts=2, encouragement=False),
+        PEOPLE["average"],
+        data,
+        catalogue,
+    )
+    database = connect(data)
+    actions = sessions.rows(database, "actions", session)
+    opened = [record.message for record in sessions.history(database, session) if record.topic is OUTPUT]
+    row = sessions.find(database, data, session)
+    database.conn.close()
+    assert [(message.output, message.address, message.can) for message in opened] == [("speech", "voice:low", ("say",))]
+    assert row["parameters"]["outputs"] == ["screen", "voice:low"]
+    spoken = [action["final"]["spoken"] for action in actions if action["decision"] == "accepted"]
+    assert [text for _, text in speaker.said] == spoken
+    assert actions[-1]["kind"] == "goodbye"
+    lasted = {a["kind"]: a["ended_ns"] - a["started_ns"] for a in actions if a["decision"] == "accepted"}
+    assert lasted == {"greeting": 700 * MS, "instruction": 500 * MS, "feedback": 700 * MS, "goodbye": 700 * MS}, (
+        "the instruction is left after 1200 ms, and the goodbye heard to its end"
+    )
+
+
+def test_the_names_of_tones_are_those_that_can_be_asked_for() -> None:
+    check_outputs([f"tones:{'+'.join(TONES)}"])

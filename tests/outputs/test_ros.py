@@ -1,0 +1,433 @@
+"""Given a robot behind a rosbridge server, when it is an output, then what it does and fails to do is told."""
+
+import asyncio
+import json
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import msgspec
+import pytest
+
+from sar_tui import rosbridge
+from sar_tui.framework.clock import MS, SECOND, LiveClock
+from sar_tui.outputs.output import OutputError, Report
+from sar_tui.outputs.ros import ANSWER, LONGEST, PATIENCE, SETTLE, Ros
+from sar_tui.outputs.ros_topics import Topics, understand
+from tests.outputs.contract import THEME, WAIT_S, Rig
+from tests.outputs.ros_bench import BenchClock, RosRig, is_ready, robot_bench
+from tests.rosbridge import Manner, RosBridge, ros_bridge, wait_until
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rosbridge, "FIRST_RETRY_S", 0.02)
+    monkeypatch.setattr(rosbridge, "LONGEST_RETRY_S", 0.05)
+
+
+def asked(robot: RosBridge, what: str) -> list[dict[str, Any]]:
+    return [json.loads(data) for data in robot.data(f"/sar_tui/{what}")]
+
+
+def told(rig: Rig) -> list[tuple[str, str, str]]:
+    return [(report.action, report.deed, report.state) for report in rig.reports]
+
+
+def test_the_robot_is_told_what_to_say_how_to_move_and_where_to_look() -> None:
+    with robot_bench() as (rig, robot):
+        rig.ask("say", "praise", "You were 40 milliseconds faster.")
+        rig.ask("gesture", "praise", "nod")
+        rig.ask("gaze", "praise", "up")
+        for deed in rig.lasting:
+            rig.wait_for(deed, "praise")
+        (said,), (moved,), (looked,) = asked(robot, "speech"), asked(robot, "gesture"), asked(robot, "gaze")
+        assert said["text"] == "You were 40 milliseconds faster."
+        assert said["language"] == "en"
+        assert moved["gesture"] == "nod"
+        assert moved["keyframes"] == list(msgspec.to_builtins(THEME.gestures["nod"].keyframes))
+        assert looked["gaze"] == "up"
+        assert said["id"] == moved["id"] == looked["id"]
+        assert said["id"].startswith("praise-")
+        types = {said["topic"]: said["type"] for said in robot.received if said["op"] == "advertise"}
+        assert set(types.values()) == {"std_msgs/String"}
+
+
+def test_the_topics_are_those_of_the_address() -> None:
+    with robot_bench(options="?speech=/tts/say&stop=/halt") as (rig, robot):
+        rig.ask("say", "a", "Hello.")
+        rig.wait_for("say", "a")
+        rig.output.stop()
+        wait_until(lambda: robot.data("/halt"))
+        assert json.loads(robot.data("/tts/say")[0])["text"] == "Hello."
+        assert set(robot.ops("advertise")) == {"/tts/say", "/sar_tui/gesture", "/sar_tui/gaze", "/halt"}
+
+
+def test_as_text_a_robot_gets_the_bare_words_and_answers_in_turn() -> None:
+    with robot_bench("terse", 0, "?form=text") as (rig, robot):
+        rig.ask("say", "a", "Hello.")
+        rig.ask("say", "b", "Well done.")
+        rig.wait_for("say", "a", "b")
+        rig.ask("gesture", "b", "wave")
+        rig.wait_for("gesture", "b")
+        assert [state for _, _, state in told(rig)] == ["started", "done"] * 3
+        assert robot.data("/sar_tui/speech") == ["Hello.", "Well done."]
+        assert robot.data("/sar_tui/gesture") == ["wave"]
+        rig.output.stop()
+        wait_until(lambda: robot.data("/sar_tui/stop") == ["stop"])
+
+
+def test_what_is_not_acknowledged_in_time_has_failed_and_the_next_is_sent() -> None:
+    with robot_bench("silent") as (rig, robot):
+        rig.ask("say", "a", "Hello.")
+        rig.ask("say", "b", "Well done.")
+        wait_until(lambda: len(asked(robot, "speech")) == 1)
+        rig.clock.advance(ANSWER - 1)
+        assert rig.reports == []
+        rig.clock.advance(1)
+        assert told(rig) == [("a", "say", "failed")]
+        assert (
+            rig.detail("a", "say")
+            == f"Sent to the robot at 127.0.0.1, port {robot.port}, which did not acknowledge it."
+        )
+        wait_until(lambda: len(asked(robot, "speech")) == 2)
+
+
+def test_a_robot_that_begins_and_never_tells_that_it_is_done_has_failed_after_a_time_that_grows_with_the_text() -> None:
+    with robot_bench("slow") as (rig, _):
+        rig.ask("say", "short", "Hello.")
+        rig.wait(lambda: rig.states("short", "say") == ["started"])
+        rig.clock.advance(LONGEST + 599 * MS)
+        assert not rig.ended("short", "say")
+        rig.clock.advance(1 * MS)
+        assert rig.states("short", "say") == ["started", "failed"]
+        assert "did not tell that it was done" in rig.detail("short", "say")
+
+
+def test_a_robot_that_fails_is_quoted_fit_for_a_line() -> None:
+    with robot_bench("failing") as (rig, _):
+        rig.ask("gesture", "a")
+        rig.wait_for("gesture", "a")
+        assert rig.states("a", "gesture") == ["failed"]
+        assert rig.detail("a", "gesture") == "My arm is [2J stuck."
+
+
+def test_a_robot_that_breaks_off_by_itself_is_told_of_as_that() -> None:
+    with robot_bench("breaking off") as (rig, _):
+        rig.ask("gesture", "a")
+        rig.wait_for("gesture", "a")
+        assert rig.states("a", "gesture") == ["started", "aborted"]
+        assert rig.detail("a", "gesture") == "Somebody came too near."
+
+
+def test_reports_that_cannot_be_understood_are_no_answer_and_are_told_of() -> None:
+    with robot_bench("muddled") as (rig, robot):
+        rig.ask("say", "a", "Hello.")
+        wait_until(lambda: asked(robot, "speech"))
+        robot.publish("/sar_tui/report", {"data": 3})
+        its = asked(robot, "speech")[0]["id"]
+        robot.publish("/sar_tui/report", {"data": json.dumps({"state": "started", "id": its})})
+        rig.wait(lambda: rig.states("a", "say") == ["started"])
+        rig.clock.advance(ANSWER + LONGEST)
+        assert rig.states("a", "say") == ["started", "failed"]
+        assert "A report of it could not be understood: Expected `str`, got `int`" in rig.detail("a", "say")
+
+
+@pytest.mark.parametrize(
+    "report",
+    [
+        {"state": "done", "id": "praise-of-another-session", "deed": "say"},
+        {"state": "done"},
+        {"state": "done", "deed": "say"},
+        {"state": "done", "id": 7},
+        {"state": "finished"},
+        {"state": ["done"]},
+        ["done"],
+        "done",
+        None,
+        {},
+    ],
+)
+def test_a_report_that_is_not_of_what_is_under_way_changes_nothing(report: Any) -> None:
+    with robot_bench("slow") as (rig, robot):
+        rig.ask("say", "praise", "Hello.")
+        rig.wait(lambda: rig.states("praise", "say") == ["started"])
+        robot.publish("/sar_tui/report", {"data": json.dumps(report)})
+        its = asked(robot, "speech")[0]["id"]
+        robot.publish("/sar_tui/report", {"data": json.dumps({"state": "aborted", "id": its, "deed": "say"})})
+        rig.wait_for("say", "praise")
+        assert rig.states("praise", "say") == ["started", "aborted"]
+
+
+def test_a_stop_reaches_the_robot_and_everything_is_told_as_aborted_at_once() -> None:
+    with robot_bench("slow") as (rig, robot):
+        rig.ask("say", "a", "Hello.")
+        rig.ask("say", "b", "Well done.")
+        rig.ask("gesture", "a")
+        rig.wait(lambda: len(rig.reports) == 2)
+        rig.output.stop()
+        assert [(report.action, report.deed, report.state, report.detail) for report in rig.reports[2:]] == [
+            ("a", "say", "aborted", "The robot was asked to stop."),
+            ("b", "say", "aborted", ""),
+            ("a", "gesture", "aborted", "The robot was asked to stop."),
+        ]
+        wait_until(lambda: asked(robot, "stop") == [{"id": ""}])
+        assert [said["text"] for said in asked(robot, "speech")] == ["Hello."]
+
+
+def test_a_stop_of_one_action_names_it_and_what_waits_comes_after_it() -> None:
+    with robot_bench("slow") as (rig, robot):
+        rig.ask("say", "a", "Hello.")
+        rig.ask("say", "b", "Well done.")
+        rig.wait(lambda: rig.states("a", "say") == ["started"])
+        rig.output.stop("a")
+        rig.wait(lambda: rig.states("b", "say") == ["started"])
+        first, second = asked(robot, "speech")
+        assert asked(robot, "stop") == [{"id": first["id"]}]
+        assert second["text"] == "Well done."
+
+
+def test_a_robot_that_does_not_confirm_a_stop_is_told_of_with_what_comes_next() -> None:
+    with robot_bench("slow") as (rig, robot):
+        rig.ask("gesture", "a")
+        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        robot.manner = "silent"
+        rig.output.stop()
+        wait_until(lambda: asked(robot, "stop"))
+        rig.clock.advance(ANSWER + 1)
+        robot.manner = "obliging"
+        rig.ask("gesture", "b")
+        rig.wait_for("gesture", "b")
+        details = {(report.action, report.state): report.detail for report in rig.reports}
+        assert details["b", "started"] == "The robot did not confirm the last stop."
+        assert details["b", "done"] == ""
+
+
+@pytest.mark.parametrize(("manner", "form"), [("obliging", "json"), ("terse", "text")])
+def test_a_stop_that_is_confirmed_is_no_matter_any_more(manner: Manner, form: str) -> None:
+    with robot_bench(manner, 60, f"?form={form}") as (rig, robot):
+        rig.ask("gesture", "a")
+        rig.ask("gaze", "a")
+        rig.wait(lambda: len(rig.reports) == 2)
+        robot.lasts_s = 0
+        rig.output.stop()
+        rig.ask("gesture", "b")
+        rig.wait_for("gesture", "b")
+        rig.clock.advance(ANSWER + 1)
+        rig.ask("gesture", "c")
+        rig.wait_for("gesture", "c")
+        assert [(action, state) for action, _, state in told(rig)] == [
+            *[("a", "started")] * 2,
+            *[("a", "aborted")] * 2,
+            ("b", "started"),
+            ("b", "done"),
+            ("c", "started"),
+            ("c", "done"),
+        ]
+        assert not any("confirm" in report.detail for report in rig.reports)
+
+
+def test_while_the_bridge_is_away_deeds_fail_at_once_and_when_it_is_back_all_works_and_nothing_old_is_said() -> None:
+    with robot_bench() as (rig, robot):
+        rig.clock.advance(PATIENCE)
+        rig.ask("say", "before", "One.")
+        rig.wait_for("say", "before")
+        robot.leave()
+        rig.wait(lambda: _fails(rig))
+        for minute in range(60):
+            rig.ask("say", f"lost {minute}", "Two.")
+            assert rig.states(f"lost {minute}", "say") == ["failed"]
+            rig.clock.advance(1 * SECOND)
+        assert rig.detail("lost 0", "say") == (
+            f"The robot is not connected: there is no ROS bridge at 127.0.0.1, port {robot.port}. "
+            "Start rosbridge there."
+        )
+        robot.arrive()
+        rig.wait(lambda: robot.has_subscriber("/sar_tui/report"))
+        rig.wait(lambda: is_ready(rig))
+        rig.ask("say", "after", "Three.")
+        rig.wait_for("say", "after")
+        assert rig.states("after", "say") == ["started", "done"]
+        assert [said["text"] for said in asked(robot, "speech")] == ["One.", "Three."]
+
+
+def _fails(rig: Rig) -> bool:
+    """Whether the loss is known: what is asked for fails."""
+    rig.ask("gaze", f"try {len(rig.asked)}", "left")
+    return bool(rig.reports) and rig.reports[-1].state == "failed"
+
+
+def test_what_was_under_way_when_the_bridge_was_lost_has_failed_and_what_waited_too() -> None:
+    with robot_bench("slow") as (rig, robot):
+        rig.clock.advance(PATIENCE)
+        rig.ask("say", "under way", "Hello.")
+        rig.ask("say", "waiting", "Well done.")
+        rig.wait(lambda: rig.states("under way", "say") == ["started"])
+        robot.leave()
+        rig.wait_for("say", "under way", "waiting")
+        assert rig.states("under way", "say") == ["started", "failed"]
+        assert rig.detail("under way", "say").endswith("was lost meanwhile.")
+        assert rig.states("waiting", "say") == ["failed"]
+
+
+def test_a_stop_that_cannot_be_sent_is_sent_first_of_all_when_the_bridge_is_back() -> None:
+    with robot_bench("slow") as (rig, robot):
+        rig.clock.advance(PATIENCE)
+        rig.ask("gesture", "a")
+        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        robot.leave()
+        rig.wait_for("gesture", "a")
+        rig.output.stop()
+        robot.arrive()
+        rig.wait(lambda: asked(robot, "stop") == [{"id": ""}])
+        assert robot.received[-1]["topic"] == "/sar_tui/stop"
+
+
+def test_what_is_asked_for_in_the_first_moments_waits_for_the_connection() -> None:
+    with ros_bridge() as robot:
+        rig = RosRig(Ros(f"ros://{robot.host}"), BenchClock(), ("say",))
+        rig.ask("say", "greeting", "Hello.")
+        rig.wait(lambda: robot.has_subscriber("/sar_tui/report"))
+        rig.wait(lambda: is_ready(rig))
+        rig.wait_for("say", "greeting")
+        assert rig.states("greeting", "say") == ["started", "done"]
+        assert rig.reports[0].at >= SETTLE
+        rig.output.close()
+
+
+def test_without_a_bridge_the_first_deeds_fail_when_patience_is_over() -> None:
+    rig = RosRig(Ros("ros://127.0.0.1:9"), BenchClock(), ("say",))
+    rig.ask("say", "greeting", "Hello.")
+    rig.clock.advance(PATIENCE - 1)
+    assert rig.reports == []
+    rig.clock.advance(1)
+    assert rig.states("greeting", "say") == ["failed"]
+    rig.output.close()
+
+
+def test_without_the_package_deeds_fail_with_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "roslibpy", None)
+    monkeypatch.setitem(sys.modules, "roslibpy.comm", None)
+    rig = RosRig(Ros("ros://127.0.0.1"), BenchClock(), ("say",))
+    rig.ask("say", "greeting", "Hello.")
+    rig.wait_for("say", "greeting")
+    assert rig.states("greeting", "say") == ["failed"]
+    assert "pip install 'sar-tui[ros]'" in rig.detail("greeting", "say")
+    rig.output.close()
+
+
+def test_one_output_serves_session_after_session_though_the_server_is_started_anew_in_between() -> None:
+    with ros_bridge() as robot:
+        output = Ros(f"//{robot.host}")
+        for session in ("first", "second", "third"):
+            rig = RosRig(output, BenchClock(), ("say",))
+            rig.ask("say", "greeting", session)
+            rig.wait(lambda: robot.has_subscriber("/sar_tui/report"))
+            rig.wait(lambda rig=rig: is_ready(rig))
+            rig.wait_for("say", "greeting")
+            assert rig.states("greeting", "say") == ["started", "done"]
+            output.close()
+            robot.leave()
+            robot.arrive()
+        said = asked(robot, "speech")
+        assert [each["text"] for each in said] == ["first", "second", "third"]
+        assert len({each["id"] for each in said}) == 3
+
+
+def test_closing_leaves_a_robot_that_was_told_to_be_still() -> None:
+    with robot_bench("slow") as (rig, robot):
+        rig.ask("gesture", "a")
+        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        rig.output.close()
+        rig.output.say("b", "Hello.")
+        assert told(rig) == [("a", "gesture", "started"), ("a", "gesture", "aborted")]
+        wait_until(lambda: asked(robot, "stop") == [{"id": ""}])
+
+
+async def test_in_a_live_session_stamps_are_the_hosts() -> None:
+    reports: list[Report] = []
+    clock = LiveClock(asyncio.get_running_loop())
+    running = asyncio.create_task(clock.run())
+    with ros_bridge(lasts_s=0.05) as robot:
+        output = Ros(f"//{robot.host}")
+        output.open(THEME, clock, reports.append)
+        asked_at = clock.now()
+        output.say("greeting", "Hello.")
+        deadline = time.monotonic() + WAIT_S
+        while len(reports) < 2 and time.monotonic() < deadline:
+            await asyncio.sleep(0.005)
+        output.close()
+    running.cancel()
+    assert [report.state for report in reports] == ["started", "done"]
+    started, done = (report.at for report in reports)
+    assert asked_at + SETTLE < started
+    assert started + 50 * MS <= done <= clock.now()
+
+
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        ("", "Say ros://HOST"),
+        ("//robot/imu", "has no meaning"),
+        ("//robot?speech=tts", "speech"),
+        ("//robot?sing=/la", "sing"),
+        ("//robot?form=xml", "form"),
+        ("//robot:0x1", "Say ros://HOST"),
+    ],
+)
+def test_an_address_that_cannot_be_understood_is_refused_with_what_there_may_be(address: str, words: str) -> None:
+    with pytest.raises(OutputError, match=words) as refused:
+        Ros(address)
+    assert "ros://HOST:PORT" in str(refused.value)
+
+
+class _Ros2:
+    """What the robot in the documentation uses of rclpy: it hears what it is given, and its timers run by hand."""
+
+    def __init__(self, name: str) -> None:
+        self.hears: dict[str, Callable[[Any], None]] = {}
+        self.said: list[Any] = []
+        self.due: dict[Callable[[], None], float] = {}
+
+    def create_publisher(self, kind: type, topic: str, depth: int) -> Any:
+        return SimpleNamespace(publish=lambda message: self.said.append(understand(vars(message))))
+
+    def create_subscription(self, kind: type, topic: str, hear: Callable[[Any], None], depth: int) -> None:
+        self.hears[topic] = hear
+
+    def create_timer(self, seconds: float, ring: Callable[[], None]) -> Any:
+        self.due[ring] = seconds
+        return SimpleNamespace(cancel=lambda: self.due.pop(ring))
+
+
+def test_the_robot_in_the_documentation_answers_what_it_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:
+    robots: list[Any] = []
+    page = (Path(__file__).parents[2] / "docs" / "connect-a-robot.md").read_text(encoding="utf-8")
+    program = page.split("```python\n")[1].split("```")[0]
+    rclpy = SimpleNamespace(init=lambda: None, spin=robots.append)
+    monkeypatch.setitem(sys.modules, "rclpy", rclpy)
+    monkeypatch.setitem(sys.modules, "rclpy.node", SimpleNamespace(Node=_Ros2))
+    monkeypatch.setitem(sys.modules, "std_msgs.msg", SimpleNamespace(String=SimpleNamespace))
+    exec(program, {})
+    (robot,) = robots
+
+    def hears(topic: str, identity: str, **what: Any) -> None:
+        robot.hears[topic](SimpleNamespace(**Topics().message(identity, what, "")))
+
+    hears("/sar_tui/speech", "a", text="Hello.", language="en")
+    hears("/sar_tui/gesture", "a", gesture="nod", keyframes=THEME.gestures["nod"].keyframes)
+    hears("/sar_tui/gaze", "b", gaze="left")
+    assert sorted(robot.due.values()) == pytest.approx([0.3, 0.4, 0.42])
+    hears("/sar_tui/stop", "b")
+    next(iter(robot.due))()
+    hears("/sar_tui/stop", "")
+    assert [(answer.id, answer.deed, answer.state) for answer in robot.said] == [
+        ("a", "say", "started"),
+        ("a", "gesture", "started"),
+        ("b", "gaze", "started"),
+        ("b", "gaze", "aborted"),
+        ("a", "say", "done"),
+        ("a", "gesture", "aborted"),
+    ]

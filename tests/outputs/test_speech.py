@@ -1,0 +1,150 @@
+"""Given speech by the real engine, when it is asked to say something, then it is heard, written or clocked."""
+
+import wave
+from array import array
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.framework.theme import Theme, Voice
+from sar_tui.outputs.sound.path import Sound
+from sar_tui.outputs.sound.samples import RATE, peak
+from sar_tui.outputs.speech import LONGEST
+from tests.outputs.listening import LONG, NOBODY, listening
+
+WORDS = {"en": "You were forty milliseconds faster.", "es": "Fuiste cuarenta milisegundos más rápido."}
+
+
+def spoken(path: Path) -> "array[int]":
+    with wave.open(str(path)) as file:
+        assert (file.getframerate(), file.getsampwidth(), file.getnchannels()) == (RATE, 2, 1)
+        return array("h", file.readframes(file.getnframes()))
+
+
+def rms(samples: "array[int]") -> float:
+    return float((sum(each * each for each in samples) / len(samples)) ** 0.5)
+
+
+def in_language(theme: Theme, language: str, voice: Voice | None = None) -> Theme:
+    return msgspec.structs.replace(theme, language=language, voice=voice or theme.voice)
+
+
+@pytest.mark.parametrize("language", WORDS)
+def test_utterances_are_written_to_files_that_can_be_heard(calm: Theme, tmp_path: Path, language: str) -> None:
+    clock = VirtualClock()
+    with listening(Sound(f"file:{tmp_path}"), in_language(calm, language), clock) as ear:
+        ear.speech.say("a1", WORDS[language])
+        ear.speech.say("a/2", "523")
+    first, second = sorted(tmp_path.iterdir())
+    assert (first.name, second.name) == ("001-a1-say.wav", "002-a-2-say.wav")
+    for path, words in ((first, 5), (second, 4)):
+        samples = spoken(path)
+        assert rms(samples) > 500
+        assert 0.2 < len(samples) / RATE / words < 0.9
+
+
+def test_the_themes_voice_its_rate_and_volume_are_worn(calm: Theme, tmp_path: Path) -> None:
+    clock = VirtualClock()
+    with listening(Sound(f"file:{tmp_path}"), in_language(calm, "en", Voice(rate=120)), clock) as ear:
+        ear.speech.say("a1", WORDS["en"])
+        for voice in (Voice(rate=300, volume=0.3), Voice(rate=120, names={"en": "america"})):
+            ear.speech.wear(in_language(calm, "en", voice))
+            ear.speech.say("a2", WORDS["en"])
+    slow, fast, american = (spoken(path) for path in sorted(tmp_path.iterdir()))
+    assert len(fast) < 0.6 * len(slow)
+    assert peak(fast) < 0.5 * peak(slow)
+    assert american != slow
+
+
+def test_on_a_virtual_clock_speech_takes_its_time_on_that_clock_only(calm: Theme, tmp_path: Path) -> None:
+    clock = VirtualClock()
+    with listening(Sound(f"file:{tmp_path}"), calm, clock) as ear:
+        ear.speech.say("a1", WORDS["en"])
+        ear.tones.tone("a1-tone", "go")
+        assert ear.states("a1") == ["started"]
+        clock.advance(20 * SECOND)
+        (words, _) = (len(spoken(path)) / RATE for path in sorted(tmp_path.iterdir()))
+        told = {(report.action, report.state): report.at / SECOND for report in ear.reports}
+    assert told == {
+        ("a1", "started"): 0,
+        ("a1", "done"): pytest.approx(words),
+        ("a1-tone", "started"): pytest.approx(words),
+        ("a1-tone", "done"): pytest.approx(words + 0.12),
+    }
+
+
+def test_on_a_virtual_clock_nothing_is_heard_and_no_card_is_needed(calm: Theme) -> None:
+    clock = VirtualClock()
+    with listening(Sound(backends=("WASAPI",)), calm, clock) as ear:
+        ear.speech.say("a1", WORDS["en"])
+        clock.advance(20 * SECOND)
+        assert ear.states("a1") == ["started", "done"]
+
+
+def test_on_a_virtual_clock_a_stop_aborts_and_the_rest_goes_on(calm: Theme) -> None:
+    clock = VirtualClock()
+    with listening(Sound(), calm, clock) as ear:
+        for action in ("a1", "a2", "a3"):
+            ear.speech.say(action, LONG)
+        ear.tones.tone("b1", "go")
+        clock.advance(SECOND)
+        ear.speech.stop("a2")
+        ear.speech.stop("a1")
+        assert (ear.states("a1"), ear.states("a2"), ear.states("a3")) == (
+            ["started", "aborted"],
+            ["aborted"],
+            ["started"],
+        )
+        ear.speech.stop()
+        clock.advance(SECOND)
+        assert ear.states("a3") == ["started", "aborted"]
+        assert ear.states("b1") == ["started", "done"]
+        assert ear.wait("a3").at == SECOND
+
+
+def test_in_real_time_a_file_takes_as_long_as_it_would_sound(calm: Theme, tmp_path: Path) -> None:
+    with listening(Sound(f"file:{tmp_path}"), calm) as ear:
+        ear.speech.say("a1", "Good.")
+        lasted = ear.wait("a1", "done").at - ear.wait("a1", "started").at
+    (path,) = tmp_path.iterdir()
+    assert lasted / SECOND >= len(spoken(path)) / RATE
+
+
+def test_in_real_time_a_stop_cuts_a_file_short(calm: Theme, tmp_path: Path) -> None:
+    with listening(Sound(f"file:{tmp_path}"), calm) as ear:
+        ear.speech.say("a1", LONG * 20)
+        ear.wait("a1", "started")
+        ear.speech.stop()
+        assert ear.wait("a1").state == "aborted"
+
+
+def test_a_folder_that_cannot_take_files_fails_each_utterance_with_the_reason(calm: Theme, tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("a file")
+    with listening(Sound(f"file:{tmp_path / 'taken'}"), calm, VirtualClock()) as ear:
+        ear.speech.say("a1", WORDS["en"])
+        assert "cannot take sound files" in ear.wait("a1", "failed").detail
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "There is nothing to say: the text is empty."),
+        (" \x00\n", "There is nothing to say: the text is empty."),
+        ("word " * LONGEST, f"The text is too long to be spoken: {5 * LONGEST - 1} characters, of at most {LONGEST}."),
+        ("👍", "The voice cannot read this text: it has neither letters nor digits."),
+    ],
+)
+def test_what_cannot_be_said_fails_when_its_turn_comes(calm: Theme, text: str, says: str) -> None:
+    with listening(Sound(backends=NOBODY), calm) as ear:
+        ear.speech.say("a1", "Good.")
+        ear.speech.say("a2", text)
+        assert ear.wait("a2", "failed").detail == says
+        assert [report.state for report in ear.reports] == ["started", "done", "failed"]
+
+
+def test_a_language_that_no_voice_speaks_fails_with_a_cure(calm: Theme) -> None:
+    with listening(Sound(), in_language(calm, "xx"), VirtualClock()) as ear:
+        ear.speech.say("a1", "Good.")
+        assert ear.wait("a1", "failed").detail.startswith('There is no voice for the language "xx": ')
