@@ -1,13 +1,10 @@
 """The app: what holds the screens together, and what happens when the terminal, a signal or a fault ends it."""
 
 import asyncio
-import contextlib
 import functools
 import os
-import shlex
 import signal
 import sqlite3
-import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -18,23 +15,24 @@ from textual.binding import Binding, BindingType
 from textual.driver import Driver
 from textual.geometry import Size
 from textual.screen import Screen
+from textual.widget import Widget
 
 from sar_tui.app.driver import OnsetWatch, stamp_keys_as_read, watched
+from sar_tui.app.last_words import INTERRUPTED, UNSAVED, say_last_words
 from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.too_small import TooSmallScreen, is_too_small
+from sar_tui.app.theme_watch import LOOK_SECONDS, ThemeWatch
 from sar_tui.app.themes import textual_theme
-from sar_tui.framework.clock import Clock, LiveClock
+from sar_tui.framework.clock import SECOND, Clock, LiveClock
+from sar_tui.framework.messages import Operator
 from sar_tui.framework.parameters import ParameterError
+from sar_tui.framework.theme import ENGLISH, Theme
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.runs import Failed, Plan
-from sar_tui.store.database import StoreError, connect, default_folder, explain
+from sar_tui.store.database import StoreError, connect, explain
 
 if TYPE_CHECKING:
     from sar_tui.inputs.feed import ImuFeed
-
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""
-_UNSAVED = "The disk would not take the session's last messages; the trials acknowledged before are safe."
 
 
 class SarTui(App[int]):
@@ -52,6 +50,7 @@ class SarTui(App[int]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+q", "quit", "Quit", priority=True, id="quit"),
         Binding("ctrl+c", "interrupt", "Stop", show=False, priority=True, id="interrupt"),
+        Binding("f2", "stop", "Stop voice", priority=True, id="stop"),
         Binding("f1", "help", "Help", id="help"),
         Binding("question_mark", "help", "Help", show=False, id="help-2"),
     ]
@@ -69,8 +68,15 @@ class SarTui(App[int]):
         self.failure = ""
         self._begin = begin
         self._session_clock = clock
+        self._key_seconds = 0.0
+        self._looks = True
+        self.theme_watch = ThemeWatch(catalogue, self._wear_edited, self._tell_editor)
+        self.picture: type[Widget] | None = None
+        self.has_pictures = False
+        self.themes: dict[str, Theme] = {}
+        self._unreadable: list[str] = []
         for name in catalogue.theme_names():
-            self.register_theme(textual_theme(catalogue.theme(name)))
+            self._load_theme(name)
         self.use_theme("calm")
 
     def get_driver_class(self) -> type[Driver]:
@@ -81,9 +87,46 @@ class SarTui(App[int]):
         """Whether the app was opened for one session, and ends with it."""
         return self._begin is not None
 
+    # --- themes ---------------------------------------------------------------------------------------------
+
+    def _load_theme(self, name: str) -> None:
+        """Have a theme to choose. One that cannot be read keeps nobody from the others."""
+        try:
+            theme = self.themes[name] = self.catalogue.theme(name)
+        except PluginError as error:
+            self._unreadable.append(str(error))
+            return
+        self.has_pictures = self.has_pictures or bool(theme.images)
+        self.register_theme(textual_theme(theme))
+
     def use_theme(self, name: str) -> None:
-        """Wear a theme of the Social-Behavioral Base."""
+        """Wear a theme of the Social-Behavioral Base, and every edit of it."""
         self.theme = f"sar-{name}"
+        self.theme_watch.follow(name, self._language)
+
+    def look_for_edits(self, looks: bool) -> None:
+        """Look now and then whether the theme was edited; or not, because a trial is about to begin."""
+        if looks != self._looks:
+            self._looks = looks
+            if looks:
+                self._edits.resume()
+            else:
+                self._edits.pause()
+                self.clear_notifications()
+
+    @property
+    def _language(self) -> str:
+        return self._open.run.session.task.parameters.language if self._open else ENGLISH
+
+    def _wear_edited(self, theme: Theme) -> None:
+        self.register_theme(textual_theme(theme))
+        if self.theme == f"sar-{theme.name}":
+            self.mutate_reactive(App.theme)
+        if self._open and self._open.run.session.theme.name == theme.name:
+            self._open.run.session.wear(theme)
+
+    def _tell_editor(self, words: str) -> None:
+        self.notify(words, severity="warning", timeout=15, markup=False)
 
     # --- beginning ----------------------------------------------------------------------------------------
 
@@ -91,8 +134,11 @@ class SarTui(App[int]):
         from sar_tui.app.screens.home import HomeScreen
 
         self._catch_signals()
+        self._edits = self.set_interval(LOOK_SECONDS, self.theme_watch.look)
         if self._begin is None:
             self.push_screen(HomeScreen())
+            for words in self._unreadable:
+                self._tell_editor(words)
         else:
             self.begin_session(self._begin)
         self._check_room(self.size)
@@ -170,16 +216,42 @@ class SarTui(App[int]):
     def _session_left(self, _: object) -> None:
         """The session's screen is gone: after its summary, or because the task failed."""
         self.close_session()
+        self.look_for_edits(True)
         if self._begin is not None or self.failure:
             self.exit(return_code=1 if self.failure else 0)
         elif self.live and self.live.unsaved:
-            self.notify(f"{_UNSAVED} Free some space before the next session.", severity="error", timeout=30)
+            self.notify(f"{UNSAVED} Free some space before the next session.", severity="error", timeout=30)
 
     def close_session(self) -> None:
         """Let go of a sensor that is looked at, and of the live session, if there is one; end its workers."""
         self._stop_feed()
         if self.live:
             self.live.close(self)
+
+    # --- one stop ---------------------------------------------------------------------------------------------
+
+    @property
+    def _open(self) -> LiveSession | None:
+        """The session that has not been let go of."""
+        return self.live if self.live and not self.live.is_closed else None
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """The stop key is one while there is a session; before and after, it is a screen's own."""
+        return self._open is not None if action == "stop" else super().check_action(action, parameters)
+
+    async def on_event(self, event: events.Event) -> None:
+        """An action is not told when its key was pressed."""
+        if isinstance(event, events.Key):
+            self._key_seconds = event.time
+        await super().on_event(event)
+
+    def action_stop(self) -> None:
+        """F2, anywhere in a session: everything the agent says and does."""
+        if self._open:
+            asked = round(self._open.stamp(self._key_seconds) * SECOND)
+            self._open.operate(Operator(command="stop", at=asked))
+
+    # --- the terminal --------------------------------------------------------------------------------------
 
     def on_app_blur(self, event: events.AppBlur) -> None:
         self._tell_focus(False, event.time)
@@ -188,10 +260,8 @@ class SarTui(App[int]):
         self._tell_focus(True, event.time)
 
     def _tell_focus(self, focused: bool, seconds: float) -> None:
-        if self.live and not self.live.is_closed:
-            self.live.keyboard.focused(focused, self.live.stamp(seconds))
-
-    # --- the terminal --------------------------------------------------------------------------------------
+        if self._open:
+            self._open.keyboard.focused(focused, self._open.stamp(seconds))
 
     def on_resize(self, event: events.Resize) -> None:
         if len(self.screen_stack) > 1:  # before, there is nothing to cover
@@ -235,8 +305,7 @@ class SarTui(App[int]):
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """The command palette: few commands, all of them ours."""
         yield SystemCommand("Help", "What this screen is for, and its keys", self.action_help)
-        for name in self.catalogue.theme_names():
-            theme = self.catalogue.theme(name)
+        for name, theme in self.themes.items():
             yield SystemCommand(f"Theme: {theme.title}", theme.summary, functools.partial(self.use_theme, name))
         yield SystemCommand("Quit", "Leave sar-tui; a session under way is kept", self.action_quit)
 
@@ -270,38 +339,12 @@ def run_app(folder: Path, catalogue: Catalogue, plan: Plan | None = None, resume
     """
     stamp_keys_as_read()
     app = SarTui(folder, catalogue, plan or resume)
+    if app.has_pictures:
+        from sar_tui.widgets.picture import find_pictures
+
+        app.picture = find_pictures()
     app.run()
     app.close_session()
     code = app.return_code or int(bool(app.failure or (app.live and app.live.unsaved)))
-    for line in _last_words(app, code):
-        _tell(line)
+    say_last_words(app, code)
     return code
-
-
-def _last_words(app: SarTui, code: int) -> list[str]:
-    words = [app.failure] if app.failure else []
-    if code == INTERRUPTED:
-        words.append("Stopped with Ctrl-C.")
-    live = app.live
-    if live and not live.run.session.ended and not live.run.session.broken:
-        words.append(f"The session is kept. Go on with it: {_command(app, 'resume', live.run.id)}")
-    elif live and app.begins_at_once:
-        words.append(f"The session is kept. Look at it: {_command(app, 'show', live.run.id)}")
-    if live and live.unsaved:
-        words.append(_UNSAVED)
-    return words
-
-
-def _command(app: SarTui, name: str, session: str) -> str:
-    """A command for a session, as it has to be typed from here."""
-    words = ["sar-tui", name, session]
-    if app.folder.resolve() != default_folder().resolve():
-        words += ["--data", str(app.folder)]
-    for folder in app.catalogue.extra_tasks:
-        words += ["--tasks", str(folder)]
-    return shlex.join(words)
-
-
-def _tell(line: str) -> None:
-    with contextlib.suppress(OSError):  # the terminal may be gone: then there is nobody to tell
-        print(line, file=sys.stderr)

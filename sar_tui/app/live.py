@@ -13,10 +13,11 @@ from sar_tui.framework.clock import SECOND, Clock, LiveClock
 from sar_tui.framework.messages import Fault, Operator
 from sar_tui.framework.node import Node
 from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import OPERATOR
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, Run, resume, start
+from sar_tui.runs import Plan, Run, resume, speaking, start
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
@@ -49,21 +50,24 @@ class LiveSession:
 
     def open(self, stage: Stage, what: Plan | str) -> None:
         """Enter a new session (a plan) or an interrupted one (its id). Raises as `runs.start` and `runs.resume`."""
-        self.screen = ScreenOutput(stage)
+        self._stage = stage
         if isinstance(what, Plan):
             self.run = start(what, self._folder, self._catalogue, self.clock, self._nodes)
         else:
             self.run = resume(what, self._folder, self._catalogue, self.clock, self._nodes)
 
-    def _nodes(self, task: Task) -> list[Node]:
-        """Keyboard and screen; and the motion sensor, for a task that needs one."""
+    def _nodes(self, task: Task, theme: Theme) -> list[Node]:
+        """Keyboard, screen and the agent's other outputs; and the motion sensor, for a task that needs one."""
+        shows_agent = "screen" in task.parameters.outputs
+        self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
+        outputs = [self.screen, *speaking(task, theme)]
         if not task.sensors:
-            return [self.keyboard, self.screen]
+            return [self.keyboard, *outputs]
         from sar_tui.sensing import sensing, sensor
 
         seed = secrets.randbelow(2**31)
         feed = self._feed or sensor(task.parameters, seed, self.clock, self._folder)
-        return [self.keyboard, *sensing(task, seed, feed), self.screen]
+        return [self.keyboard, *sensing(task, seed, feed), *outputs]
 
     def begin(self, app: "App[int]", broken: Callable[[str], None]) -> None:
         """Start both workers and the loop. ``broken`` is called when the task has failed."""

@@ -1,7 +1,9 @@
 """The screen as an output: what the loop says is put on a stage, and what becomes of it is reported back."""
 
-from typing import Protocol
+from typing import Any, ClassVar, Protocol
 
+from sar_tui.app.drawn_agent import AgentStage, DrawnAgent
+from sar_tui.framework.bus import Topic
 from sar_tui.framework.messages import (
     Action,
     AttemptEnded,
@@ -16,7 +18,8 @@ from sar_tui.framework.messages import (
     TrialMarked,
     Waiting,
 )
-from sar_tui.framework.node import Node, on
+from sar_tui.framework.node import on
+from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
     ACTION,
     ATTEMPT_ENDED,
@@ -31,9 +34,10 @@ from sar_tui.framework.topics import (
     VOIDED,
     WAITING,
 )
+from sar_tui.outputs.node import OutputNode
 
 
-class Stage(Protocol):
+class Stage(AgentStage, Protocol):
     """What the session needs of a screen. The session screen is one; a test may bring another."""
 
     def show_prompt(self, prompt: Prompt) -> None:
@@ -57,9 +61,6 @@ class Stage(Protocol):
     def end_attempt(self, ended: AttemptEnded) -> None:
         """An attempt is scored."""
 
-    def say(self, action: Action) -> None:
-        """The agent speaks: words and a face."""
-
     def wait(self, waiting: Waiting) -> None:
         """The session waits: for Enter, a response, or somebody."""
 
@@ -67,19 +68,21 @@ class Stage(Protocol):
         """The session is over."""
 
 
-class ScreenOutput(Node):
+class ScreenOutput(OutputNode):
     """Puts the loop's messages on a stage."""
 
+    emits: ClassVar[tuple[Topic[Any], ...]] = (SHOWN, *OutputNode.emits)
     name = "screen"
-    emits = (SHOWN, REPORT)
 
-    def __init__(self, stage: Stage) -> None:
-        super().__init__()
+    def __init__(self, stage: Stage, theme: Theme, *, shows_agent: bool = True) -> None:
+        self._agent = DrawnAgent(stage, is_shown=shows_agent)
+        super().__init__(self._agent, "screen", theme)
         self._stage = stage
-        self._speaking: str | None = None
+        self._sounding: set[tuple[str, str]] = set()
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
+        """Nothing but the prompt: the agent has no cue of its own here."""
         self._stage.show_prompt(prompt)
 
     def shown(self, shown: Shown) -> None:
@@ -105,37 +108,39 @@ class ScreenOutput(Node):
 
     @on(ATTEMPT_STARTED)
     def attempt_started(self, started: AttemptStarted) -> None:
-        self._end_speaking()
         self._stage.begin_attempt(started)
 
     @on(ATTEMPT_ENDED)
     def attempt_ended(self, ended: AttemptEnded) -> None:
+        super().attempt_ended(ended)
         self._stage.end_attempt(ended)
 
     @on(ACTION)
     def act(self, action: Action) -> None:
-        self._end_speaking()
-        self._stage.say(action)
-        self._speaking = action.id
-        self._report("started")
+        self._agent.action = action
+        super().act(action)
+
+    @on(REPORT)
+    def reported(self, report: OutputReport) -> None:
+        """A voice, whichever output's it is, moves the mouth; one that fails is put on the screen."""
+        if report.deed != "say" or report.state == "queued":
+            return
+        voice = (report.output, report.action)
+        if report.state == "started":
+            self._sounding.add(voice)
+        else:
+            self._sounding.discard(voice)
+        self._stage.speaking(bool(self._sounding))
+        if report.state == "failed" and report.action == self._agent.action.id:
+            self._stage.voiceless(self._agent.action, report.detail)
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        if waiting.stage == "trial":
-            self._end_speaking()
+        """Words are gone when a response is about to be awaited, so that nothing stands beside the prompt."""
+        if waiting.stage == "trial" and waiting.what != "agent":
+            self._agent.clear()
         self._stage.wait(waiting)
 
     @on(SESSION_ENDED)
     def session_ended(self, ended: SessionEnded) -> None:
         self._stage.end(ended)
-
-    def _end_speaking(self) -> None:
-        """Words stand until others take their place, or an attempt begins."""
-        if self._speaking:
-            self._report("done")
-            self._speaking = None
-
-    def _report(self, state: str) -> None:
-        assert self._speaking
-        report = OutputReport(action=self._speaking, output="screen", state=state, at=self.bus.clock.now())  # type: ignore[arg-type]
-        self.bus.post(REPORT, report)

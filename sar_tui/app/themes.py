@@ -23,6 +23,7 @@ def textual_theme(theme: Theme) -> TextualTheme:
         dark=theme.dark,
         variables={
             "text-muted": colors.muted,
+            "neutral": colors.neutral,
             "footer-key-foreground": colors.accent,
             "footer-description-foreground": colors.muted,
             "footer-background": colors.background,

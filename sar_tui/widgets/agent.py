@@ -1,37 +1,236 @@
-"""The agent: a drawn face, and its words beside it."""
+"""The agent: a small drawn robot that speaks, looks and moves, and its words beside it."""
+
+from pathlib import Path
+from typing import Any
 
 from rich.text import Text
 from textual.app import ComposeResult
-from textual.containers import Horizontal
+from textual.containers import Horizontal, Vertical
+from textual.widget import Widget
 from textual.widgets import Static
+
+from sar_tui.framework.clock import MS, SECOND, Clock, Handle
+from sar_tui.framework.gesture import REST, Gesture, Pose
+from sar_tui.framework.theme import Theme
+from sar_tui.widgets.picture import load_pictures
+from sar_tui.widgets.robot import HEIGHT, WIDTH, draw, posed, with_mouth
+
+FRAME = SECOND // 15
+"""How often a robot in motion is drawn."""
+MOUTH = SECOND // 6
+"""How long a mouth stays open, or shut, while a voice sounds."""
+_VALENCES = ("positive", "neutral", "negative")
 
 
 class Agent(Horizontal):
-    """Shows who speaks and what was said last. It is still unless told to change."""
+    """Shows who speaks, and what was said last.
 
-    DEFAULT_CSS = """
-    Agent { height: 6; padding: 0 1; }
-    Agent > .face { width: 14; height: 5; color: $accent; }
-    Agent > .words { width: 1fr; height: auto; padding: 1 1 0 1; }
-    Agent.positive > .words { color: $success; }
-    Agent.negative > .words { color: $warning; }
+    It moves on the session's clock, and only while there is a gesture to make or a voice to move its mouth to; held
+    still, it does not move at all.
+
+    Args:
+        theme: whose faces it wears.
+        clock: of its motion.
+        picture: the widget that shows pictures, where the terminal can; an expression that the theme has a picture of
+            is that, and does not move.
+        folder: where the theme's pictures are.
     """
 
-    def __init__(self, faces: dict[str, str], id: str | None = None) -> None:
+    DEFAULT_CSS = f"""
+    Agent {{ height: auto; min-height: {HEIGHT}; max-height: 13; padding: 0 1; }}
+    Agent > .picture {{ width: {WIDTH}; height: {HEIGHT}; display: none; }}
+    Agent > .robot {{ width: {WIDTH}; height: {HEIGHT}; color: $accent; }}
+    Agent > .words {{ width: 1fr; height: auto; padding: 1 1 0 2; }}
+    Agent > .words > Static {{ width: 100%; height: auto; }}
+    Agent > .words > .more, Agent > .words > .note {{ margin-top: 1; display: none; }}
+    Agent > .words > .note {{ color: $text-muted; }}
+    """
+
+    def __init__(
+        self,
+        theme: Theme,
+        clock: Clock,
+        picture: type[Widget] | None = None,
+        folder: Path | None = None,
+        id: str | None = None,
+    ) -> None:
         super().__init__(id=id)
-        self._faces = faces
+        self._theme = theme
+        self._clock = clock
+        self.face = "neutral"
+        self._gaze = "ahead"
+        self._gesture: Gesture | None = None
+        self._began, self._from = 0, REST
+        self._sounds_since: int | None = None
+        self.is_held = False
+        self._next: Handle | None = None
+        self._drawn = ""
+        self._robot = Static(classes="robot")
+        self._picture: Any = picture(classes="picture") if picture and folder else None
+        self._folder = folder
+        self._pictures: dict[str, Any] = {}
+        self._said = Static(classes="said", markup=False)
+        self._more = Static(classes="more", markup=False)
+        self._note = Static(classes="note", markup=False)
+        self._has_words = False
 
     def compose(self) -> ComposeResult:
-        yield Static(Text(self._faces["neutral"]), classes="face")
-        yield Static("", classes="words", markup=False)
+        if self._picture:
+            yield self._picture
+        yield self._robot
+        with Vertical(classes="words"):
+            yield self._said
+            yield self._more
+            yield self._note
 
-    def say(self, text: str, face: str, valence: str | None = None) -> None:
-        """Speak: the words stay until the next ones. ``valence`` sets their colour; the words tell it too."""
+    def on_mount(self) -> None:
+        self._load_pictures()
+        self.look(self.face)
+
+    def on_unmount(self) -> None:
+        self.hold()
+
+    # --- words and expression ------------------------------------------------------------------------------
+
+    def say(self, text: str, face: str = "", valence: str | None = None, *, joins: bool = False) -> None:
+        """Put words up, which stand until the next ones; without any, those that stand stay.
+
+        Args:
+            text: the words.
+            face: the expression (see `theme.FACES`); without one it stays.
+            valence: sets the colour of the words; they tell it too.
+            joins: the words come below those that stand, instead of in their place.
+        """
+        if text and joins and self._has_words:
+            self._put(self._more, text)
+        elif text:
+            self._has_words = True
+            self._said.update(text)
+            self._put(self._more, "")
+            for name in _VALENCES:
+                self.set_class(valence == name, name)
+        if face:
+            self.look(face)
+
+    def clear(self, face: str) -> None:
+        """No words, and eyes ahead."""
+        if self._has_words:
+            self._has_words = False
+            self._said.update("")
+            self._put(self._more, "")
+        self._gaze = "ahead"
         self.look(face)
-        self.query_one(".words", Static).update(text)
-        for name in ("positive", "neutral", "negative"):
-            self.set_class(valence == name, name)
 
     def look(self, face: str) -> None:
         """Change the expression only."""
-        self.query_one(".face", Static).update(Text(self._faces.get(face, self._faces["neutral"])))
+        self.face = face if face in self._theme.faces else "neutral"
+        picture = self._pictures.get(self.face)
+        if self._picture:
+            self._picture.display = picture is not None
+            self._robot.display = picture is None
+            if picture is not None and self._picture.image is not picture:
+                self._picture.image = picture
+        self._go_on()
+
+    def note(self, text: str) -> None:
+        """A remark below the words, which is not the agent's; empty for none."""
+        self._put(self._note, text)
+
+    def wear(self, theme: Theme) -> None:
+        """Show the face that stands as another theme draws it."""
+        if theme != self._theme:
+            self._theme = theme
+            self._load_pictures()
+            self.look(self.face)
+
+    # --- motion --------------------------------------------------------------------------------------------
+
+    def gesture(self, gesture: Gesture) -> None:
+        """Move through a gesture, from where the body is now."""
+        self._from = self._pose
+        self._gesture, self._began = gesture, self._clock.now()
+        self._go_on()
+
+    def gaze(self, where: str) -> None:
+        """Look somewhere (see `theme.GAZES`)."""
+        self._gaze = where
+        self._go_on()
+
+    def speaking(self, sounds: bool) -> None:
+        """Move the mouth from now on, or shut it."""
+        if sounds != (self._sounds_since is not None):
+            self._sounds_since = self._clock.now() if sounds else None
+            self._go_on()
+
+    def be_still(self) -> None:
+        """Rest at once. The mouth goes with the voice alone."""
+        self._gesture = None
+        self._gaze = "ahead"
+        self._go_on()
+
+    def hold(self) -> None:
+        """A response is awaited: rest, and draw nothing more until ``release``."""
+        if not self.is_held:
+            self.is_held = True
+            self._gesture, self._gaze = None, "ahead"
+            self._cancel()
+            self._draw()
+
+    def release(self) -> None:
+        """Move again."""
+        if self.is_held:
+            self.is_held = False
+            self._go_on()
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether it will be drawn again by itself."""
+        return self._next is not None
+
+    @property
+    def _pose(self) -> Pose:
+        if self._gesture is None:
+            return REST
+        return self._gesture.pose_at((self._clock.now() - self._began) / MS, self._from)
+
+    def _go_on(self) -> None:
+        """Draw this moment; and the next, if that may be another."""
+        self._cancel()
+        if self.is_held:
+            return
+        if self._gesture and self._clock.now() - self._began >= self._gesture.duration_ms * MS:
+            self._gesture = None
+        self._draw()
+        if self._gesture or self._sounds_since is not None:
+            self._next = self._clock.call_at(self._clock.now() + FRAME, self._go_on)
+
+    def _cancel(self) -> None:
+        if self._next:
+            self._next.cancel()
+            self._next = None
+
+    def _draw(self) -> None:
+        drawing = "\n".join(draw(self._lines(), posed(self._pose, self._gaze)))
+        if drawing != self._drawn and self._robot.is_attached:
+            self._drawn = drawing
+            self._robot.update(Text(drawing), layout=False)
+
+    def _lines(self) -> list[str]:
+        """The face that stands, its mouth moving if a voice sounds."""
+        faces, line = self._theme.faces, self._theme.mouth_line
+        face = faces[self.face].splitlines()
+        if self._sounds_since is None or self.is_held:
+            return face
+        if (self._clock.now() - self._sounds_since) // MOUTH % 2 == 0:
+            return with_mouth(face, line, faces["speaking"].splitlines())
+        shut = faces["neutral"].splitlines() if self.face == "speaking" else face
+        return with_mouth(face, line, shut)
+
+    def _load_pictures(self) -> None:
+        """All of them at once, so that no file is read when a face changes."""
+        if self._picture and self._folder:
+            self._pictures = load_pictures({name: self._folder / file for name, file in self._theme.images.items()})
+
+    def _put(self, words: Static, text: str) -> None:
+        words.display = bool(text)
+        words.update(text)

@@ -206,7 +206,8 @@ class Chair:
     @property
     def said(self) -> str:
         """What stands beside the agent's face."""
-        return " ".join(" ".join(row[12:] for row in self.rows[-7:-2]).split())
+        words = self.app.screen.query_one("#agent > .words").region
+        return " ".join(" ".join(row[words.x :] for row in self.rows[words.y : words.bottom]).split())
 
     def sees(self, words: str) -> bool:
         """Whether the words are on the screen, wherever its lines break."""

@@ -4,6 +4,10 @@ from collections.abc import Iterator
 
 import pytest
 
+from tests.app.voice import voice
+
+__all__ = ["voice"]
+
 _SIGNS = ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY", "ZELLIJ", "NO_COLOR")
 
 

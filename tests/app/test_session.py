@@ -25,7 +25,8 @@ async def test_it_leads_from_the_instructions_to_the_summary(
         await chair.do_attempt(await chair.begin())
         assert chair.sees("Prompts 2 of 2")
         assert chair.sees("Attempts 1 of 2")
-        assert chair.sees("You reached the goal: 400 ms, and the goal was 1000 ms.")
+        assert "400 ms" in chair.said
+        assert "1000 ms" in chair.said
         assert chair.sees("Attempt 2 of 2 · level 2")
         assert chair.sees("Press Enter to begin attempt 2 of 2.")
 
@@ -221,14 +222,14 @@ async def test_a_session_that_was_left_after_its_last_attempt_goes_on_there(
     assert stored(data, "SELECT status FROM sessions") == [("completed",)]
 
 
-@pytest.mark.parametrize("theme", ["calm", "high-contrast"])
+@pytest.mark.parametrize("theme", ["calm", "high-contrast", "playful"])
 async def test_the_agent_looks_on_in_silence_while_an_attempt_lasts(
     theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     faces = catalogue.theme(theme).faces
     async with sit_down(data, catalogue, plan(keyboard, theme=theme)) as chair:
-        await chair.press("enter")
-        assert faces["speaking"].splitlines()[2] in chair.text
-        await chair.begin()
+        assert faces["happy"].splitlines()[2] in chair.text
+        assert chair.said != ""
+        await chair.to_first_prompt()
         assert chair.said == ""
-        assert faces["listening"].splitlines()[2] in chair.text
+        assert all(line in chair.text for line in faces["listening"].splitlines()[1:3])

@@ -138,7 +138,8 @@ async def test_a_sensor_that_there_is_not_is_told_where_it_is_set(data: Path, ca
         chair.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
         await chair.settle()
         await fill(chair, "imu", "fidget")
-        assert reads(chair, "imu") == 'There is no sensor "fidget". There is: phidget, recorded, simulated, session.'
+        known = "phidget, recorded, ros, simulated, session"
+        assert reads(chair, "imu") == f'There is no sensor "fidget". There is: {known}.'
         await fill(chair, "imu", "simulated:steady")
         assert "There is no" not in reads(chair, "imu")
 

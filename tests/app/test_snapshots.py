@@ -1,4 +1,4 @@
-"""The screens as they stand at 80 by 24, in both themes, as plain text.
+"""The screens as they stand at 80 by 24, in every theme, as plain text.
 
 They are kept in ``snapshots/``. ``SAR_TUI_UPDATE_SNAPSHOTS=1`` draws them anew; then look at what has changed.
 """
@@ -13,7 +13,7 @@ from sar_tui.plugins import Catalogue
 from tests.app.chair import Chair, plan, sit_down
 
 FOLDER = Path(__file__).parent / "snapshots"
-THEMES = ("calm", "high-contrast")
+THEMES = ("calm", "high-contrast", "playful")
 HOME = ("home", "help", "new-participant", "home-with-a-participant", "settings", "settings-to-mend", "too-small")
 SESSION = (
     "instructions",

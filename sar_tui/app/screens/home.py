@@ -65,8 +65,8 @@ class HomeScreen(Screen[None]):
             except PluginError:
                 tasks.add_option(Option(f"{name} (does not load)", id=name, disabled=True))
         themes = self.query_one("#theme", OptionList)
-        for name in self.app.catalogue.theme_names():
-            themes.add_option(Option(self.app.catalogue.theme(name).title, id=name))
+        for name, theme in self.app.themes.items():
+            themes.add_option(Option(theme.title, id=name))
         tasks.highlighted = themes.highlighted = 0
         self.query_one("#participant").border_subtitle = "arrows and Enter"
 
@@ -120,7 +120,7 @@ class HomeScreen(Screen[None]):
         who, task = self._chosen("participant"), self._chosen("task")
         if who and task:
             kept = participants.settings(self.app.database, who, task).theme
-            if kept in (names := self.app.catalogue.theme_names()):
+            if kept in (names := list(self.app.themes)):
                 self.query_one("#theme", OptionList).highlighted = names.index(kept)
 
     @on(OptionList.OptionSelected, "#participant")

@@ -1,26 +1,23 @@
 """The session's screen: what the participant sees, from the instructions to the summary."""
 
-import asyncio
-import functools
 from collections import deque
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
-from textual.screen import Screen
 from textual.widgets import ContentSwitcher, Footer, Static
 
 from sar_tui.app.live import LiveSession
+from sar_tui.app.onset import report_onset
 from sar_tui.app.quiet import Quiet
+from sar_tui.app.screens.agent_screen import AgentScreen
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
-from sar_tui.app.screens.words import Words, words
+from sar_tui.app.screens.words import Words, key_name, words
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
-    Action,
     AttemptEnded,
     AttemptStarted,
     Operator,
@@ -28,25 +25,21 @@ from sar_tui.framework.messages import (
     ReachPerceived,
     Recall,
     SessionEnded,
-    Shown,
     TrialMarked,
     Waiting,
 )
 from sar_tui.framework.topics import RECALL
-from sar_tui.widgets.agent import Agent
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.progress_line import ProgressLine
 
 if TYPE_CHECKING:
     from sar_tui.motion.trace import Trace
 
-_LOOK_AFTER = 0.03
-"""Seconds until the stamp of a prompt is looked at: work before then would delay the prompt's way to the eye."""
-_UNSEEN = 2 * SECOND
-"""A prompt whose flush has not been seen by then is taken to be up, and marked as less sure."""
+_AWAITED = ("foreperiod", "storage", "response")
+"""What a trial waits for when nothing on the screen may move."""
 
 
-class SessionScreen(Screen[None]):
+class SessionScreen(AgentScreen):
     """The stage of a session (see `screen_output.Stage`), and its keyboard.
 
     Nothing on it moves while a response is awaited.
@@ -55,15 +48,12 @@ class SessionScreen(Screen[None]):
     AUTO_FOCUS = ""
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "pause", "Pause", id="pause")]
 
-    app: Any
-
     def __init__(self, live: LiveSession) -> None:
-        super().__init__()
-        self._live = live
+        super().__init__(live)
         self._quiet = Quiet()
         self._waiting: Waiting | None = None
         self._last_key = ("", 0.0)
-        self._shown = "message"
+        self._shown: str | None = "message"
         self._traces: deque[Trace] = deque(maxlen=3)
         self._reaches = 0
         self._mark = ""
@@ -73,15 +63,18 @@ class SessionScreen(Screen[None]):
     def help_text(self) -> str:
         """What the task asks for, how to pause, and how a therapist marks a trial."""
         task = self._live.run.session.task
-        pause = "When a screen asks you to, press Enter. To pause, press Escape; nothing is lost.\n"
-        marks = ", ".join(f"{mark.key.upper()} {mark.title.lower()}" for mark in task.marks)
-        therapist = f"\nFor the therapist, during or after a trial: {marks}.\n" if marks else ""
+        pause = self.tr("When a screen asks you to, press Enter. To pause, press Escape; nothing is lost.") + "\n"
+        marks = ", ".join(f"{mark.key.upper()} {self.tr(mark.title).lower()}" for mark in task.marks)
+        therapist = (
+            "\n" + self.tr("For the therapist, during or after a trial: {marks}.", marks=marks) + "\n" if marks else ""
+        )
         return f"{task.instructions()}\n\n{pause}{therapist}"
 
     def compose(self) -> ComposeResult:
         session = self._live.run.session
         with Horizontal(id="top"):
-            yield Static(session.task.title, id="task", markup=False)
+            yield Static(self.tr(session.task.title), id="task", markup=False)
+            yield from self.compose_voice()
             yield Static("", id="where", markup=False)
         with ContentSwitcher(initial="message", id="stage"):
             with Vertical(id="message"):
@@ -92,10 +85,11 @@ class SessionScreen(Screen[None]):
 
                     yield SpeedTrace(id="reaches")
                 yield Static("", id="enter", markup=False)
+                yield Static("", id="ask", markup=False)
             yield BigPrompt(id="prompt")
             yield PauseMenu(id="menu")
             yield Summary(session.task.metric, id="summary")
-        yield Agent(session.theme.faces, id="agent")
+        yield from self.compose_agent()
         with Horizontal(id="progress"):
             yield ProgressLine(id="trials")
             yield ProgressLine(id="attempts")
@@ -139,7 +133,8 @@ class SessionScreen(Screen[None]):
         start = self._live.run.session.task.start_key
         wanted = {"enter": "enter", "start": start}.get(waiting.what)
         if start and wanted and key in ("enter", start) and key != wanted:
-            self.query_one("#enter", Static).update(f"{self._press} ({key.capitalize()} comes later.)")
+            later = self.tr("({key} comes later.)", key=key_name(key, self.tr))
+            self.query_one("#enter", Static).update(f"{self._press} {later}")
 
     def _is_repeat(self, event: events.Key) -> bool:
         """Whether a key is held or bounces, as perception judges it; the Enter before the summary must not close it."""
@@ -174,34 +169,11 @@ class SessionScreen(Screen[None]):
     # --- the stage: what the loop asks of the screen ---------------------------------------------------------
 
     def show_prompt(self, prompt: Prompt) -> None:
-        """Put the prompt up; its onset is the flush of the frame that holds its text.
-
-        The writing thread keeps the stamp, and this one stays out of its way until the terminal has read the frame.
-        """
-        tell = functools.partial(Shown, attempt=prompt.attempt, trial=prompt.trial, presentation=prompt.presentation)
-        if getattr(self.app._driver, "can_stamp_onset", False):
-            stamps: list[int] = []  # one list a prompt, so that a voided one's stamp is not taken for the next one's
-            self.app.onset_watch.arm(prompt.text, stamps.append)
-            unseen_at = self._live.clock.now() + _UNSEEN
-            asyncio.get_running_loop().call_later(_LOOK_AFTER, self._look_at_stamp, tell, stamps, unseen_at)
-        else:
-            self.call_after_refresh(self._refreshed, tell)
+        """Put the prompt up, and tell when it reached the terminal."""
+        report_onset(self, self._live, prompt)
         if self._shown != "prompt":
             self._stage("prompt")
         self.query_one(BigPrompt).show(prompt.glyph, prompt.text, prompt.hint)
-
-    def _look_at_stamp(self, tell: Callable[..., Shown], stamps: list[int], unseen_at: int) -> None:
-        now = self._live.clock.now()
-        if stamps:
-            self._live.screen.shown(tell(at=stamps[0], source="flush"))
-        elif now < unseen_at:
-            asyncio.get_running_loop().call_later(_LOOK_AFTER, self._look_at_stamp, tell, stamps, unseen_at)
-        else:
-            self._live.screen.shown(tell(at=now, source="refresh"))
-
-    def _refreshed(self, tell: Callable[..., Shown]) -> None:
-        """The frame is painted. Where no flush can be seen (a test, Windows) this is the onset, and is called so."""
-        self._live.screen.shown(tell(at=self._live.clock.now(), source="refresh"))
 
     def clear_prompt(self) -> None:
         self._quiet.end_trial()
@@ -210,7 +182,6 @@ class SessionScreen(Screen[None]):
     def begin_attempt(self, started: AttemptStarted) -> None:
         self._quiet.begin_attempt()
         self._mark = ""
-        self.query_one(Agent).say("", "listening")
 
     def reached(self, reach: ReachPerceived) -> None:
         if reach.trace_marks:
@@ -218,12 +189,12 @@ class SessionScreen(Screen[None]):
 
             onset, arrival, departure, end = reach.trace_marks
             marks = {"onset_s": onset, "arrival_s": arrival, "departure_s": departure, "end_s": end}
-            label = f"reach {self._reaches + 1}"
+            label = self.tr("reach {number}", number=self._reaches + 1)
             self._traces.append(Trace(rate=list(reach.trace), rate_hz=reach.trace_hz, label=label, **marks))
         self._reaches += 1
 
     def marked(self, marked: TrialMarked) -> None:
-        titles = {mark.name: mark.title for mark in self._live.run.session.task.marks}
+        titles = {mark.name: self.tr(mark.title) for mark in self._live.run.session.task.marks}
         self._mark = titles.get(marked.mark, "")
         if self._waiting:
             self._where(self._waiting)
@@ -235,21 +206,23 @@ class SessionScreen(Screen[None]):
         self._quiet.end_attempt()
         self._count_attempts(ended.attempt)
 
-    def say(self, action: Action) -> None:
-        self.query_one(Agent).say(action.text, action.face, action.valence)
-
     def wait(self, waiting: Waiting) -> None:
         before, self._waiting = self._waiting, waiting
         entered = before is None or before.stage != waiting.stage
         if waiting.what == "foreperiod" and before is not None and before.reason == "held":
-            self.query_one(Agent).say("", "listening")
+            self.clear_agent("listening")
+        self._let_move(waiting)
         if waiting.what in ("foreperiod", "response"):
             if waiting.what == "response":
                 self._quiet.begin_trial()
             return
-        said = words(waiting, self._live.run.session.task)
+        said = self._words(waiting)
         if waiting.reason == "held":
-            self.query_one(Agent).say("Please let go of the keys for a moment.", "listening")
+            self.ask(self.tr("Please let go of the keys for a moment."))
+        elif waiting.what == "agent":
+            self._count(waiting.trial - 1)
+            self._where(waiting)
+            self._stage(None)
         elif said is not None:
             self._tell(waiting, said)
         elif waiting.stage == "trial" and (entered or self._shown != "prompt"):
@@ -259,6 +232,17 @@ class SessionScreen(Screen[None]):
             self._count(waiting.trial - 1)
             self.query_one(PauseMenu).open(waiting.reason)
             self._stage("menu")
+
+    def _let_move(self, waiting: Waiting) -> None:
+        """The agent may move, and files be looked at, but where a response is awaited, or about to be."""
+        is_awaited = waiting.stage == "trial" and waiting.what in _AWAITED
+        self.app.look_for_edits(not is_awaited and waiting.what != "quiet")
+        self.let_agent_move(not is_awaited)
+
+    def _words(self, waiting: Waiting) -> Words | None:
+        if waiting.stage == "answer":
+            return Words(self.tr("One moment…"), "", "")
+        return words(waiting, self._live.run.session.task)
 
     def end(self, ended: SessionEnded) -> None:
         session = self._live.run.session
@@ -272,7 +256,7 @@ class SessionScreen(Screen[None]):
         self._count(waiting.trial - 1)
         self._where(waiting)
         self.query_one(BigPrompt).clear()
-        self.query_one(Agent).say("", "listening")
+        self.clear_agent("listening")
         self._stage("prompt")
 
     def _tell(self, waiting: Waiting, said: Words) -> None:
@@ -282,8 +266,14 @@ class SessionScreen(Screen[None]):
         if waiting.stage in ("review", "trial", "paused"):
             self._count(waiting.trial - 1)
         if waiting.stage == "trial":
-            self.query_one(Agent).say("", "listening")
-        for name, text in (("#headline", said.headline), ("#text", said.text), ("#enter", said.press)):
+            self.clear_agent("listening")
+        elif waiting.stage == "answer":
+            self.agent.look("thinking")
+        elif self.agent.face == "thinking":
+            self.agent.look("listening")
+        ask = self.tr("Press {key} to hear how it went.", key=key_name(waiting.ask, self.tr)) if waiting.ask else ""
+        told = {"#headline": said.headline, "#text": said.text, "#enter": said.press, "#ask": ask}
+        for name, text in told.items():
             self.query_one(name, Static).update(text)
         self._press = said.press
         for reaches in self.query("#reaches").results():
@@ -292,7 +282,8 @@ class SessionScreen(Screen[None]):
                 reaches.show(self._traces)  # type: ignore[attr-defined]
         self._stage("message")
 
-    def _stage(self, name: str) -> None:
+    def _stage(self, name: str | None) -> None:
+        """Show one thing in the middle of the screen, or nothing."""
         self._shown = name
         self.query_one("#stage", ContentSwitcher).current = name
         menu = self.query_one(PauseMenu)
@@ -303,13 +294,15 @@ class SessionScreen(Screen[None]):
 
     def _where(self, waiting: Waiting) -> None:
         """Say in the corner and at the foot how far the session has come."""
+        marked = self.tr("Marked: {mark}", mark=self._mark.lower()) if self._mark else ""
         if waiting.trial > waiting.trials:  # after the last attempt; the level is that of one which will not come
-            if self._mark:
-                self.query_one("#where", Static).update(f"Marked: {self._mark.lower()}")
+            if marked:
+                self.query_one("#where", Static).update(marked)
             self._count_attempts(waiting.attempt)
             return
-        marked = f"Marked: {self._mark.lower()} · " if self._mark else ""
-        self.query_one("#where", Static).update(f"{marked}{waiting.attempt_name.capitalize()} · level {waiting.level}")
+        level = self.tr("level {level}", level=waiting.level)
+        parts = filter(None, (marked, waiting.attempt_name.capitalize(), level))
+        self.query_one("#where", Static).update(" · ".join(parts))
         self._count_attempts(waiting.attempt - 1)
 
     def _count_attempts(self, done: int) -> None:
@@ -318,11 +311,11 @@ class SessionScreen(Screen[None]):
         kind, total = "Practice", parameters.practice_attempts
         if done >= total:
             kind, total, done = "Attempts", parameters.attempts, done - total
-        self.query_one("#attempts", ProgressLine).tell(kind, done, total)
+        self.query_one("#attempts", ProgressLine).tell(self.tr(kind), done, total)
 
     def _count(self, done: int) -> None:
         task = self._live.run.session.task
-        self.query_one("#trials", ProgressLine).tell(task.trials, done, task.trials_per_attempt)
+        self.query_one("#trials", ProgressLine).tell(self.tr(task.trials), done, task.trials_per_attempt)
 
     def _broken(self, error: str) -> None:
         """The task raised: nothing is lost, but it cannot go on."""

@@ -11,6 +11,7 @@ from textual.widgets import Button, Footer, Static
 
 from sar_tui.framework.parameters import ParameterError, build, changed, fields
 from sar_tui.framework.task import Task
+from sar_tui.runs import check_outputs
 from sar_tui.store import participants
 from sar_tui.store.database import StoreError
 from sar_tui.widgets.parameter_field import ParameterField
@@ -73,6 +74,7 @@ class SettingsScreen(Screen[None]):
                 from sar_tui.sensing import check_sensor
 
                 check_sensor(parameters)
+            check_outputs(parameters)
         except ParameterError as error:
             return error.problems
         return {}

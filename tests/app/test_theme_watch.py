@@ -1,0 +1,211 @@
+"""Themes are edited while the app runs, and seen to change: but never in a trial."""
+
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sar_tui.app.theme_watch import ThemeWatch
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.plugins import Catalogue
+from tests.app.chair import Chair, known, plan, sit_down
+
+HAPPY_EYES = "│  ◠   ◠  │"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, catalogue: Catalogue) -> Path:
+    """A theme of one's own, like calm at first."""
+    own = tmp_path / "themes" / "mine"
+    shutil.copytree(catalogue.theme_folder("calm"), own)
+    return own
+
+
+@pytest.fixture
+def themes(folder: Path) -> Catalogue:
+    return Catalogue(themes=(folder.parent,))
+
+
+def edit(folder: Path, old: str, new: str, file: str = "theme.toml") -> None:
+    """Change a file, and let its time of change be another, however fast the test is."""
+    path = folder / file
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    then = path.stat().st_mtime_ns + 1_000_000_000
+    os.utime(path, ns=(then, then))
+
+
+async def look(chair: Chair) -> None:
+    """What the app does by itself, a while later."""
+    chair.app.theme_watch.look()
+    chair.app.theme_watch.look()
+    await chair.settle()
+
+
+class Editor:
+    """Hears what a watch wears and tells."""
+
+    def __init__(self, themes: Catalogue) -> None:
+        self.worn: list[Theme] = []
+        self.told: list[str] = []
+        self.watch = ThemeWatch(themes, self.worn.append, self.told.append)
+        self.watch.follow("mine")
+
+
+# --- the watch -----------------------------------------------------------------------------------------------
+
+
+def test_an_edited_theme_is_worn_once_when_its_files_have_come_to_rest(folder: Path, themes: Catalogue) -> None:
+    editor = Editor(themes)
+    editor.watch.look()
+    assert editor.worn == []
+    edit(folder, "#7cc4e8", "#7cc4e9")
+    editor.watch.look()
+    edit(folder, "#7cc4e9", "#7cc4ea")
+    editor.watch.look()
+    assert editor.worn == []
+    for _ in range(3):
+        editor.watch.look()
+    assert [theme.colors.accent for theme in editor.worn] == ["#7cc4ea"]
+    assert editor.told == []
+
+
+def test_phrases_that_are_added_are_an_edit_and_the_language_is_kept(folder: Path, themes: Catalogue) -> None:
+    spanish = (folder / "phrases.es.toml").read_text(encoding="utf-8")
+    (folder / "phrases.es.toml").unlink()
+    editor = Editor(themes)
+    editor.watch.follow("mine", "es")
+    (folder / "phrases.es.toml").write_text(spanish, encoding="utf-8")
+    editor.watch.look()
+    editor.watch.look()
+    assert [theme.language for theme in editor.worn] == ["es"]
+
+
+def test_a_theme_that_cannot_be_read_is_told_once_and_not_worn_and_mended_it_is(
+    folder: Path, themes: Catalogue
+) -> None:
+    editor = Editor(themes)
+    edit(folder, "[colors]", "[colors")
+    for _ in range(4):
+        editor.watch.look()
+    assert editor.worn == []
+    (told,) = editor.told
+    assert told.startswith("The theme mine cannot be read: ")
+    assert told.endswith("It looks and speaks as it did before.")
+    edit(folder, "[colors\n", "[colors]\n")
+    for _ in range(2):
+        editor.watch.look()
+    assert len(editor.worn) == 1
+    assert len(editor.told) == 1
+
+
+@pytest.mark.parametrize(
+    ("problems", "told"),
+    [
+        (1, "Theme edited. One thing to mend: "),
+        (2, "Theme edited. 2 things to mend: "),
+        (4, " And 2 more: see sar-tui themes check."),
+    ],
+)
+def test_what_has_to_be_mended_is_told_and_the_theme_worn_all_the_same(
+    problems: int, told: str, folder: Path, themes: Catalogue
+) -> None:
+    editor = Editor(themes)
+    for color in ("#7cc4e8", "#8fd6a4", "#d9c98a", "#e8b08a")[:problems]:
+        edit(folder, f'"{color}"', '"blueish"')
+    editor.watch.look()
+    editor.watch.look()
+    assert len(editor.worn) == 1
+    assert told in editor.told[0]
+
+
+def test_a_theme_whose_folder_is_gone_is_told_and_stays_worn(folder: Path, themes: Catalogue) -> None:
+    editor = Editor(themes)
+    shutil.rmtree(folder)
+    for _ in range(3):
+        editor.watch.look()
+    assert editor.worn == []
+    assert len(editor.told) == 1
+
+
+# --- the app -------------------------------------------------------------------------------------------------
+
+
+async def test_at_home_the_colours_change_with_the_file(data: Path, folder: Path, themes: Catalogue) -> None:
+    known(data, theme="mine")
+    async with sit_down(data, themes) as chair:
+        assert chair.app.theme == "sar-mine"
+        edit(folder, "#10171e", "#30171e")
+        await look(chair)
+        assert chair.app.screen.styles.background.hex.lower() == "#30171e"
+        assert chair.app.theme == "sar-mine"
+
+
+async def test_in_a_session_the_face_the_colours_and_what_is_said_change_and_the_words_that_stand_stay(
+    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
+) -> None:
+    async with sit_down(data, themes, plan(keyboard, theme="mine", feedback_form="qualitative")) as chair:
+        words = chair.said
+        assert HAPPY_EYES in chair.text
+        edit(folder, HAPPY_EYES, "│  Q   Q  │")
+        edit(folder, "#10171e", "#30171e")
+        phrases = (folder / "phrases.en.toml").read_text(encoding="utf-8")
+        start = phrases.index("positive_strong = [")
+        wordings = phrases[start : phrases.index("]", start) + 1]
+        edit(folder, wordings, 'positive_strong = ["Splendid."]', "phrases.en.toml")
+        await look(chair)
+        assert "│  Q   Q  │" in chair.text
+        assert HAPPY_EYES not in chair.text
+        assert chair.said == words
+        assert chair.app.screen.styles.background.hex.lower() == "#30171e"
+        await chair.do_attempt(await chair.to_first_prompt())
+        assert "Splendid." in chair.said
+        worn = chair.messages("theme/worn")
+        assert worn[-1]["theme"]["colors"]["background"] == "#30171e"
+
+
+async def test_a_session_in_spanish_stays_in_spanish_when_its_theme_is_edited(
+    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
+) -> None:
+    async with sit_down(data, themes, plan(keyboard, theme="mine", language="es")) as chair:
+        edit(folder, "#10171e", "#30171e")
+        await look(chair)
+        assert chair.session.theme.language == "es"
+        assert chair.session.theme.colors.background == "#30171e"
+
+
+async def test_what_is_wrong_with_an_edit_is_told_and_the_session_goes_on_as_before(
+    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
+) -> None:
+    async with sit_down(data, themes, plan(keyboard, theme="mine")) as chair:
+        edit(folder, "[colors]", "[colors")
+        await look(chair)
+        assert chair.sees("The theme mine cannot be read")
+        assert HAPPY_EYES in chair.text
+        prompt = await chair.to_first_prompt()
+        assert "cannot be read" not in chair.text
+        await chair.do_attempt(prompt)
+
+
+async def test_no_file_is_looked_at_from_the_quiet_before_a_prompt_to_its_response(
+    data: Path, themes: Catalogue, keyboard: type[Task], folder: Path
+) -> None:
+    async with sit_down(data, themes, plan(keyboard, theme=folder.name)) as chair:
+        timer = chair.app._edits
+        assert _runs(timer)
+        prompt = await chair.to_first_prompt()
+        while chair.waiting.stage == "trial":
+            assert not _runs(timer)
+            await chair.answer(prompt)
+            assert _runs(timer) == (chair.waiting.stage != "trial")
+            if chair.waiting.stage == "trial":
+                prompt = await chair.to_prompt()
+
+
+def _runs(timer: object) -> bool:
+    active: Callable[[], bool] = timer._active.is_set  # type: ignore[attr-defined]
+    return active()

@@ -1,0 +1,235 @@
+"""The agent on the screen: what moves, when, and when nothing does."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import pytest
+from textual.app import App, ComposeResult
+from textual.pilot import Pilot
+
+from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.framework.gesture import Gesture, Keyframe
+from sar_tui.framework.theme import Theme
+from sar_tui.plugins import Catalogue
+from sar_tui.widgets.agent import FRAME, MOUTH, Agent
+
+ARMS_UP = Gesture((Keyframe(at_ms=400, left_arm=1, right_arm=1), Keyframe(at_ms=1000)))
+
+
+class Room:
+    """An agent alone on a screen, and the clock that it moves by."""
+
+    def __init__(self, theme: Theme) -> None:
+        self.clock = VirtualClock()
+        self.agent = Agent(theme, self.clock)
+        self.pilot: Pilot[None]
+
+    @property
+    def drawing(self) -> list[str]:
+        return str(self.agent.query_one(".robot").render()).splitlines()  # type: ignore[attr-defined]
+
+    def words(self, name: str) -> str:
+        words = self.agent.query_one(f".{name}")
+        return str(words.render()) if words.display else ""  # type: ignore[attr-defined]
+
+    def watch(self, duration: int) -> list[list[str]]:
+        """The drawings that follow each other while time passes."""
+        seen, until = [self.drawing], self.clock.now() + duration
+        while self.clock.step(until):
+            if self.drawing != seen[-1]:
+                seen.append(self.drawing)
+        self.clock.set(until)
+        return seen
+
+    def draws_again(self) -> bool:
+        """Whether anything waits for its time to come."""
+        return self.clock.step()
+
+
+@asynccontextmanager
+async def enter(theme: Theme) -> AsyncIterator[Room]:
+    room = Room(theme)
+
+    class Hall(App[None]):
+        def compose(self) -> ComposeResult:
+            yield room.agent
+
+    async with Hall().run_test(size=(80, 24)) as room.pilot:
+        yield room
+
+
+async def test_at_first_it_is_at_rest_and_silent_and_waits_for_nothing(calm: Theme) -> None:
+    async with enter(calm) as room:
+        assert calm.faces["neutral"].splitlines()[1] in room.drawing[2]
+        assert (room.words("said"), room.words("more"), room.words("note")) == ("", "", "")
+        assert not room.draws_again()
+
+
+async def test_words_stand_until_the_next_and_without_any_only_the_face_changes(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.say("Well done.", "happy", "positive")
+        room.agent.say("", "speaking")
+        assert room.words("said") == "Well done."
+        assert room.agent.has_class("positive")
+        assert calm.faces["speaking"].splitlines()[2] in room.drawing[3]
+        room.agent.say("Go on.", "")
+        assert room.words("said") == "Go on."
+        assert not room.agent.has_class("positive")
+        assert calm.faces["speaking"].splitlines()[2] in room.drawing[3]
+
+
+async def test_words_that_join_stand_below_those_before_and_go_with_them(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.say("Well done.", "happy", "positive")
+        room.agent.say("Now have a rest.", "sleeping", joins=True)
+        assert (room.words("said"), room.words("more")) == ("Well done.", "Now have a rest.")
+        assert room.agent.has_class("positive")
+        await room.pilot.pause()
+        said, more = room.agent.query_one(".said"), room.agent.query_one(".more")
+        assert more.region.y > said.region.bottom - 1
+        room.agent.say("Again.", "happy")
+        assert (room.words("said"), room.words("more")) == ("Again.", "")
+
+
+async def test_words_that_join_nothing_stand_alone(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.say("Now have a rest.", "sleeping", joins=True)
+        assert (room.words("said"), room.words("more")) == ("Now have a rest.", "")
+
+
+async def test_cleared_it_has_no_words_and_looks_ahead(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.gaze("left")
+        room.agent.say("Well done.", "happy", "positive")
+        room.agent.clear("listening")
+        assert room.words("said") == ""
+        assert calm.faces["listening"].splitlines()[1] in room.drawing[2]
+
+
+async def test_an_expression_that_there_is_not_is_the_neutral_one(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.say("Well done.", "delighted")
+        assert calm.faces["neutral"].splitlines()[1] in room.drawing[2]
+
+
+async def test_a_gesture_moves_from_rest_to_rest_in_its_time_and_then_nothing_is_drawn(calm: Theme) -> None:
+    async with enter(calm) as room:
+        rest = room.drawing
+        room.agent.gesture(ARMS_UP)
+        seen = room.watch(1100 * MS)
+        assert any(drawing[0].count("●") == 2 for drawing in seen)
+        assert len(seen) >= 6  # hanging, out, slanted, up, and down again
+        assert seen[-1] == rest
+        assert not room.draws_again()
+
+
+async def test_a_gesture_is_drawn_at_about_fifteen_frames_a_second(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.gesture(ARMS_UP)
+        frames = 0
+        while room.clock.step():
+            frames += 1
+        assert frames == pytest.approx(ARMS_UP.duration_ms * MS / FRAME, abs=1)
+
+
+async def test_a_gesture_takes_the_place_of_another_without_a_jump(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.gesture(ARMS_UP)
+        before = room.watch(400 * MS)[-1]
+        room.agent.gesture(ARMS_UP)
+        assert room.drawing == before
+        room.watch(1100 * MS)
+        assert not room.draws_again()
+
+
+async def test_told_to_be_still_it_rests_at_once(calm: Theme) -> None:
+    async with enter(calm) as room:
+        rest = room.drawing
+        room.agent.gesture(ARMS_UP)
+        room.agent.gaze("left")
+        room.watch(300 * MS)
+        assert room.drawing != rest
+        room.agent.be_still()
+        assert room.drawing == rest
+        assert not room.draws_again()
+
+
+@pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
+@pytest.mark.parametrize("face", ["neutral", "happy", "speaking"])
+async def test_the_mouth_opens_and_shuts_while_a_voice_sounds(name: str, face: str, catalogue: Catalogue) -> None:
+    theme = catalogue.theme(name)
+    async with enter(theme) as room:
+        room.agent.say("Well done.", face)
+        silent = room.drawing
+        room.agent.speaking(True)
+        seen = room.watch(SECOND)
+        assert len(seen) == pytest.approx(SECOND / MOUTH, abs=1)
+        mouths = {drawing[1 + theme.mouth_line] for drawing in seen}
+        assert len(mouths) == 2
+        assert {tuple(line for row, line in enumerate(drawing) if row != 1 + theme.mouth_line) for drawing in seen} == {
+            tuple(line for row, line in enumerate(silent) if row != 1 + theme.mouth_line)
+        }
+        room.agent.speaking(False)
+        assert room.drawing == silent
+        assert not room.draws_again()
+
+
+async def test_a_voice_that_sounds_on_moves_the_mouth_at_one_pace_however_often_it_is_told(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.speaking(True)
+        frames = 0
+        while room.clock.now() < SECOND and room.clock.step():
+            room.agent.speaking(True)
+            frames += 1
+        assert frames == pytest.approx(SECOND / FRAME, abs=1)
+
+
+async def test_held_it_rests_with_its_mouth_shut_and_draws_nothing_whatever_it_is_told(calm: Theme) -> None:
+    async with enter(calm) as room:
+        rest = room.drawing
+        room.agent.gesture(ARMS_UP)
+        room.agent.speaking(True)
+        room.watch(300 * MS)
+        room.agent.hold()
+        assert room.drawing == rest
+        room.agent.gesture(ARMS_UP)
+        room.agent.gaze("left")
+        room.agent.speaking(True)
+        assert room.watch(2 * SECOND) == [rest]
+        assert not room.draws_again()
+
+
+async def test_let_go_again_the_mouth_goes_on_with_the_voice(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.speaking(True)
+        room.agent.hold()
+        room.agent.release()
+        assert len(room.watch(SECOND)) > 4
+
+
+async def test_another_theme_shows_the_face_that_stands_at_once_as_it_draws_it(
+    calm: Theme, catalogue: Catalogue
+) -> None:
+    plain = catalogue.theme("high-contrast")
+    async with enter(calm) as room:
+        room.agent.say("Well done.", "happy", "positive")
+        room.agent.wear(plain)
+        assert all(
+            line in drawn for line, drawn in zip(plain.faces["happy"].splitlines(), room.drawing[1:], strict=False)
+        )
+        assert room.words("said") == "Well done."
+
+
+async def test_a_note_stands_below_the_words_and_goes_when_it_is_empty(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.say("Well done.", "happy")
+        room.agent.note("Please read.")
+        assert room.words("note") == "Please read."
+        room.agent.note("")
+        assert room.words("note") == ""
+
+
+async def test_nothing_waits_for_its_time_when_the_agent_is_gone(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.speaking(True)
+    assert not room.draws_again()

@@ -1,0 +1,153 @@
+"""The drawn robot: what a pose looks like."""
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.cells import cell_len
+
+from sar_tui.framework.gesture import GESTURES, REST, Pose
+from sar_tui.framework.theme import FACES, GAZES, Theme
+from sar_tui.plugins import Catalogue
+from sar_tui.widgets.robot import HEIGHT, WIDTH, draw, posed, with_mouth
+
+FOLDER = Path(__file__).parent / "snapshots"
+THEMES = ("calm", "high-contrast", "playful")
+POSES = {
+    "at rest": REST,
+    "head down": Pose(nod=1),
+    "head up": Pose(nod=-1),
+    "turned left": Pose(turn=-0.5),
+    "turned far right": Pose(turn=1),
+    "leaning in": Pose(lean=1),
+    "right arm out": Pose(right_arm=0.3),
+    "both arms slanted": Pose(left_arm=0.6, right_arm=0.6),
+    "both arms up": Pose(left_arm=1, right_arm=1),
+    "cheering": Pose(left_arm=1, right_arm=1, nod=-1, lean=1),
+}
+poses = st.builds(Pose, *[st.floats(-1, 1)] * 5)
+
+
+def faces(theme: Theme) -> dict[str, list[str]]:
+    return {name: face.splitlines() for name, face in theme.faces.items()}
+
+
+def theme_sheet(theme: Theme) -> str:
+    """Every face with its mouth shut and open, and then the robot in its poses, side by side."""
+    drawn, speaking = faces(theme), faces(theme)["speaking"]
+    open_mouthed = {name: with_mouth(face, theme.mouth_line, speaking) for name, face in drawn.items()}
+    rows = [
+        {name: draw(drawn[name], REST) for name in FACES[:4]},
+        {f"{name}, speaks": draw(open_mouthed[name], REST) for name in FACES[:4]},
+        {name: draw(drawn[name], REST) for name in FACES[4:]},
+        {f"{name}, speaks": draw(open_mouthed[name], REST) for name in FACES[4:]},
+        {name: draw(drawn["neutral"], pose) for name, pose in list(POSES.items())[:5]},
+        {name: draw(drawn["happy"], pose) for name, pose in list(POSES.items())[5:]},
+    ]
+    return "\n".join(line for row in rows for line in _side_by_side(row)) + "\n"
+
+
+def _side_by_side(drawings: dict[str, list[str]]) -> list[str]:
+    heads = "  ".join(name.ljust(WIDTH) for name in drawings)
+    lines = ("  ".join(parts) for parts in zip(*drawings.values(), strict=True))
+    return [line.rstrip() for line in (heads, *lines)]
+
+
+@pytest.mark.parametrize("name", THEMES)
+def test_every_expression_and_pose_looks_as_it_did(name: str, catalogue: Catalogue) -> None:
+    """``SAR_TUI_UPDATE_SNAPSHOTS=1`` draws them anew; then look at what has changed."""
+    sheet, path = theme_sheet(catalogue.theme(name)), FOLDER / f"robot.{name}.txt"
+    if os.environ.get("SAR_TUI_UPDATE_SNAPSHOTS"):
+        path.write_text(sheet, encoding="utf-8")
+    assert path.read_text(encoding="utf-8") == sheet
+
+
+def test_there_is_a_snapshot_of_every_shipped_theme_and_no_other(catalogue: Catalogue) -> None:
+    assert {path.name for path in FOLDER.iterdir()} == {f"robot.{name}.txt" for name in catalogue.theme_names()}
+
+
+@pytest.mark.parametrize("name", THEMES)
+@given(pose=poses, gaze=st.sampled_from(GAZES))
+def test_a_drawing_has_one_size_and_one_cell_a_character_whatever_the_pose(
+    name: str, pose: Pose, gaze: str, catalogue: Catalogue
+) -> None:
+    for face in faces(catalogue.theme(name)).values():
+        drawing = draw(face, posed(pose, gaze))
+        assert len(drawing) == HEIGHT
+        assert all(len(line) == cell_len(line) == WIDTH for line in drawing)
+
+
+@pytest.mark.parametrize("name", THEMES)
+@given(pose=poses)
+def test_the_eyes_and_the_mouth_are_seen_whole_in_every_pose(name: str, pose: Pose, catalogue: Catalogue) -> None:
+    for face in faces(catalogue.theme(name)).values():
+        drawing = "\n".join(draw(face, pose))
+        assert all(line.strip(" │|").strip() in drawing for line in face[1:3])
+
+
+@pytest.mark.parametrize("gesture", GESTURES)
+@pytest.mark.parametrize("name", THEMES)
+def test_every_gesture_is_seen_to_move_and_ends_at_rest(name: str, gesture: str, catalogue: Catalogue) -> None:
+    theme = catalogue.theme(name)
+    face, way = faces(theme)["neutral"], theme.gestures[gesture]
+    moments = [draw(face, way.pose_at(ms)) for ms in range(0, way.duration_ms, 66)]
+    assert moments[0] == draw(face, REST)
+    assert any(moment != moments[0] for moment in moments)
+    assert draw(face, way.pose_at(way.duration_ms)) == draw(face, REST)
+
+
+def test_it_nods_downwards_and_looks_up_upwards(calm: Theme) -> None:
+    face = faces(calm)["neutral"]
+    top = [_row_of(face[0], draw(face, pose)) for pose in (Pose(nod=-1), REST, Pose(nod=1))]
+    assert top == [0, 1, 2]
+
+
+def test_it_turns_to_the_side_that_it_is_told_to(calm: Theme) -> None:
+    face = faces(calm)["neutral"]
+    left, ahead, right = (draw(face, Pose(turn=turn))[2].index("●") for turn in (-0.5, 0, 0.5))
+    assert left < ahead < right
+
+
+def test_a_face_without_room_to_the_side_keeps_all_of_its_drawing() -> None:
+    face = ["+---+", "|o o|", "| - |", "+---+"]
+    drawing = draw(face, Pose(turn=0.5))
+    assert any("|o o|" in line for line in drawing)
+    assert any("|  -|" in line for line in drawing)
+
+
+def test_the_participants_left_arm_rises_on_the_left_and_beside_the_head(calm: Theme) -> None:
+    drawing = draw(faces(calm)["neutral"], Pose(left_arm=1))
+    head = drawing[1].index("╭")
+    assert drawing[0].index("●") < head
+    assert all("│" in line[:head] for line in drawing[1:5])
+
+
+def test_leaning_in_it_is_broader_and_its_head_is_before_its_shoulders(calm: Theme) -> None:
+    face = faces(calm)["neutral"]
+    at_rest, leaning = draw(face, REST), draw(face, Pose(lean=0.5))
+    assert len(leaning[-1].strip()) > len(at_rest[-1].strip())
+    assert _row_of(face[-1], leaning) == _row_of(face[-1], at_rest) + 1
+
+
+def test_a_small_face_and_one_in_ascii_have_a_body_to_match() -> None:
+    drawing = draw(["(o_o)"], Pose(turn=1, right_arm=0.6))
+    assert "".join(drawing).isascii()
+    assert "(o_o)" in drawing[4]
+    assert drawing[4].index("(o_o)") == (WIDTH - 5) // 2 + 1
+
+
+def test_looking_somewhere_adds_to_a_gesture_and_never_goes_beyond_a_joint() -> None:
+    assert posed(Pose(turn=0.3, left_arm=0.7), "right") == Pose(turn=0.8, left_arm=0.7)
+    assert posed(Pose(turn=0.8), "right").turn == 1
+    assert posed(Pose(nod=0.2), "ahead") == Pose(nod=0.2)
+
+
+def test_a_mouth_is_taken_from_another_face_and_nothing_else() -> None:
+    assert with_mouth(["a", "b", "c"], 1, ["x", "y", "z"]) == ["a", "y", "c"]
+    assert with_mouth(["a"], 2, ["x", "y", "z"]) == ["a"]
+
+
+def _row_of(part: str, drawing: list[str]) -> int:
+    return next(row for row, line in enumerate(drawing) if part in line)
