@@ -1,5 +1,6 @@
 """Opens the database: private, durable, of a known version."""
 
+import contextlib
 import os
 import sqlite3
 import stat
@@ -16,7 +17,6 @@ from sar_tui.store.schema import VERSION, migrations
 
 FILE = "sar-tui.db"
 _NOT_OURS = "{path} is not a SQLite database. Move it away, or choose another --data folder."
-_MAGIC = b"SQLite format 3\x00"
 _TEMPORARY = {
     sqlite3.SQLITE_FULL,
     sqlite3.SQLITE_IOERR,
@@ -59,15 +59,11 @@ def connect(folder: Path) -> sqlite_utils.Database:
         raise StoreError(f"{folder} is a file, not a folder to keep data in.", bad_input=True)
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        os.close(os.open(path, os.O_RDWR | os.O_CREAT, 0o600))
+        _make(path)
         if os.name == "posix" and stat.S_IMODE(path.stat().st_mode) != 0o600:
             path.chmod(0o600)
-        with path.open("rb") as file:
-            start = file.read(len(_MAGIC))
     except OSError as error:
         raise _unwritable(folder, error) from error
-    if start and start != _MAGIC:
-        raise StoreError(_NOT_OURS.format(path=path), bad_input=True)
     try:
         connection = sqlite3.connect(path, timeout=10, isolation_level=None, check_same_thread=False)
         database = sqlite_utils.Database(connection)
@@ -82,6 +78,16 @@ def connect(folder: Path) -> sqlite_utils.Database:
     except sqlite3.Error as error:
         raise explain(error, path) from error
     return database
+
+
+def _make(path: Path) -> None:
+    """Make the file, if there is none.
+
+    One that is there is never opened but by SQLite: to close it would take from this program all locks that its other
+    connections hold on it (POSIX), and the next program to look at it would then take away the log they write to.
+    """
+    with contextlib.suppress(FileExistsError):
+        os.close(os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600))
 
 
 def _unwritable(folder: Path, error: OSError) -> StoreError:

@@ -14,6 +14,7 @@ import pytest
 import sqlite_utils
 
 from sar_tui.store import database as module
+from sar_tui.store import sessions
 from sar_tui.store.database import FILE, StoreError, connect, default_folder, explain, transaction
 from sar_tui.store.schema import VERSION, migrations
 
@@ -196,6 +197,19 @@ def test_a_database_of_the_first_version_keeps_its_attempts_and_can_take_a_senso
     assert {"imu_streams", "imu_chunks"} <= set(opened.table_names())
 
 
+def test_a_database_of_the_second_version_keeps_its_attempts_and_can_take_why_they_were_answered(data: Path) -> None:
+    data.mkdir()
+    second = sqlite_utils.Database(sqlite3.connect(data / FILE))
+    migrations.apply(second, stop_before="version_3")
+    second["attempts"].insert({"session": "s", "attempt": 1, "seat": "A", "feedback": "positive", "qualities": "{}"})
+    second.execute("PRAGMA user_version=2")
+    second.conn.close()
+    opened = connect(data)
+    assert pragma(opened, "user_version") == VERSION
+    (attempt,) = sessions.rows(opened, "attempts", "s")
+    assert (attempt["feedback"], attempt["qualities"], attempt["choice"]) == ("positive", {}, None)
+
+
 @posix
 def test_the_backup_is_as_private_as_the_database(older: Path) -> None:
     connect(older)
@@ -225,6 +239,44 @@ def test_programs_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) 
 def test_threads_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) -> None:
     with ThreadPoolExecutor(8) as pool:
         assert [pragma(db, "user_version") for db in pool.map(lambda _: connect(data), range(8))] == [VERSION] * 8
+
+
+_A_PROGRAM = """
+import os, sys
+from pathlib import Path
+from sar_tui.store.database import connect
+folder = Path(sys.argv[1])
+first, second = connect(folder), connect(folder)
+for line in sys.stdin:
+    second.conn.execute("INSERT INTO participants VALUES (?, 'now')", (line.strip(),))
+    print("stored", flush=True)
+"""
+
+
+def test_what_a_program_commits_is_there_for_others_and_after_kill_9_however_often_others_look(data: Path) -> None:
+    """As a session does, the program has the database open twice."""
+    look = "import sqlite3, sys; c = sqlite3.connect(sys.argv[1]); print(*c.execute('SELECT code FROM participants'))"
+
+    def seen_by_another() -> str:
+        done = subprocess.run(
+            [sys.executable, "-c", look, str(data / FILE)], capture_output=True, text=True, check=True
+        )
+        return done.stdout.strip()
+
+    program = subprocess.Popen(
+        [sys.executable, "-c", _A_PROGRAM, str(data)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    with program:
+        assert program.stdin
+        assert program.stdout
+        codes = []
+        for code in ("P01", "P02", "P03"):
+            print(code, file=program.stdin, flush=True)
+            assert program.stdout.readline() == "stored\n"
+            codes.append(f"('{code}',)")
+            assert seen_by_another() == " ".join(codes)
+        program.kill()
+    assert seen_by_another() == " ".join(codes)
 
 
 def test_a_transaction_is_all_or_nothing(database: sqlite_utils.Database) -> None:
