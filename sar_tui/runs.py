@@ -14,6 +14,7 @@ from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import ParameterError, TaskParameters, build
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.simulation.participant import SimulatedParticipant
@@ -22,6 +23,7 @@ from sar_tui.store import locks, participants, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.provenance import machine, measured_timing, software
 from sar_tui.store.recorder import Recorder
+from sar_tui.theme_folder import languages
 
 
 class Plan(msgspec.Struct, frozen=True):
@@ -85,7 +87,11 @@ class Run:
             self._database.conn.close()
 
 
-def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: Callable[[Task], Sequence[Node]]) -> Run:
+Extra = Callable[[Task, Theme], Sequence[Node]]
+"""Makes the input and output nodes for a task and a theme."""
+
+
+def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: Extra) -> Run:
     """Enter a new session, and put its nodes together.
 
     Args:
@@ -98,12 +104,13 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: C
     Raises:
         StoreError: the database cannot be used, or the participant is in a live session.
         PluginError: there is no such theme.
-        ParameterError: the task has no such level.
+        ParameterError: the task has no such level, or there is no such output.
         Failed: the task cannot be set up.
     """
-    theme = catalogue.theme(plan.theme)
-    task = _set_up(plan.task, plan.parameters)
-    session = Session(task, theme, clock, plan.seed, extra(task))
+    theme = catalogue.theme(plan.theme, plan.parameters.language)
+    _check_language(plan.parameters.language, catalogue.theme_folder(plan.theme))
+    task = _set_up(plan.task, plan.parameters, theme)
+    nodes = extra(task, theme)
     database = connect(folder)
     held: list[BaseFileLock] = []
     with _let_go_on_failure(database, held):
@@ -111,6 +118,8 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: C
         if plan.mode == "live":
             participant = participants.add(database, plan.participant)
             held.append(locks.hold(folder, "participant", participant))
+        best = sessions.best(database, participant, task.name, task.metric) if plan.mode == "live" else {}
+        session = Session(task, theme, clock, plan.seed, nodes, best)
         session_id = sessions.new_id()
         held.append(locks.hold(folder, "session", session_id))
         made_by = _made_by(plan.task, theme.name, folder, catalogue)
@@ -156,9 +165,7 @@ def _not_resumable(session_id: str, state: str) -> StoreError:
     )
 
 
-def resume(
-    session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, extra: Callable[[Task], Sequence[Node]]
-) -> Run:
+def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, extra: Extra) -> Run:
     """Bring an interrupted session back to where it was cut off, ready to begin.
 
     Raises:
@@ -177,8 +184,11 @@ def resume(
             raise _not_resumable(row["id"], status or "gone")
         kind = catalogue.task(row["task"])
         try:
-            task = _set_up(kind, build(kind.Parameters, row["parameters"]))
-            session = Session(task, catalogue.theme(row["theme"]), clock, row["seed"], extra(task))
+            parameters = build(kind.Parameters, row["parameters"])
+            theme = catalogue.theme(row["theme"], parameters.language)
+            task = _set_up(kind, parameters, theme)
+            best = sessions.best(database, row["participant"], task.name, task.metric, but=row["id"])
+            session = Session(task, theme, clock, row["seed"], extra(task, theme), best)
             session.replay(sessions.history(database, row["id"]))
         except (ParameterError, ReplayError) as error:
             raise Failed(f"The session {row['id']} cannot be gone on with. {error}") from error
@@ -186,8 +196,37 @@ def resume(
         return _enter(row["id"], number, session, folder, database, held)
 
 
-def _set_up(kind: type[Task], parameters: TaskParameters) -> Task:
+def _check_language(language: str, folder: Path) -> None:
+    """A language of which a theme has nothing at all is more likely a slip than a wish for English."""
+    known = languages(folder)
+    if language.partition("-")[0] not in {name.partition("-")[0] for name in known}:
+        raise ParameterError({"language": f"The theme {folder.name} has no {language}; it has: {', '.join(known)}."})
+
+
+def check_outputs(parameters: TaskParameters) -> None:
+    """Raise ParameterError if there is no output of a name that ``outputs`` has, or ``speech`` can go nowhere."""
+    from sar_tui.outputs.output import OutputError
+    from sar_tui.outputs.outputs import check_outputs as check
+
+    try:
+        check(parameters.outputs, parameters.speech)
+    except OutputError as error:
+        raise ParameterError({"outputs": str(error)}) from error
+
+
+def speaking(task: Task, theme: Theme) -> list[Node]:
+    """The nodes of a session's outputs, but for the screen's."""
+    if set(task.parameters.outputs) <= {"screen"}:
+        return []
+    from sar_tui.outputs.outputs import open_outputs
+
+    return [*open_outputs(task.parameters.outputs, task.parameters.speech, theme)]
+
+
+def _set_up(kind: type[Task], parameters: TaskParameters, theme: Theme) -> Task:
     """The task with its parameters; a start level that it does not have is refused."""
+    if parameters.outputs != ("screen",):
+        check_outputs(parameters)
     try:
         task = kind(parameters)
         levels = task.levels
@@ -241,18 +280,19 @@ def simulate(
     """
     clock = VirtualClock()
 
-    def sit_down(task: Task) -> list[Node]:
+    def sit_down(task: Task, theme: Theme) -> list[Node]:
         if not task.sensors:
-            return [SimulatedParticipant(person, task, plan.seed)]
+            return [SimulatedParticipant(person, task, plan.seed), *speaking(task, theme)]
         from sar_tui.sensing import simulated  # loads numpy
 
-        return simulated(person, task, plan.seed, clock)
+        return [*simulated(person, task, plan.seed, clock), *speaking(task, theme)]
 
     run = start(plan, folder, catalogue, clock, sit_down)
     try:
         run.session.bus.subscribe(ATTEMPT_ENDED, lambda ended: progress(ended.attempt))
         run.begin()
-        while not (run.session.ended or run.session.broken) and clock.step():
+        session = run.session
+        while (not session.ended or session.is_agent_acting) and not session.broken and clock.step():
             pass
         run.recorder.write()
         run.check()

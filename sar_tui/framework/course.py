@@ -5,18 +5,27 @@ from typing import NamedTuple
 import msgspec
 
 from sar_tui.framework.chance import Chance
-from sar_tui.framework.messages import AttemptEnded, AttemptStarted, Feedback, LevelChanged
+from sar_tui.framework.clock import MS
+from sar_tui.framework.messages import AttemptEnded, AttemptStarted, Feedback, FeedbackChoice, LevelChanged
 from sar_tui.framework.policies import difficulty, feedback
-from sar_tui.framework.task import Result, Situation, Task
+from sar_tui.framework.task import Result, Score, Situation, Target, Task
 from sar_tui.framework.trial import OpenTrial
 
 
 class Scored(NamedTuple):
-    """What follows from an attempt: its row, the change of level and the answer to it, where there are such."""
+    """What follows from an attempt: its row, the change of level and the answer to it, where there are such.
+
+    The answer is there whether it is due or not: the participant may ask for it.
+    """
 
     ended: AttemptEnded
     level: LevelChanged | None
-    feedback: Feedback | None
+    feedback: Feedback
+
+    @property
+    def is_answered(self) -> bool:
+        """Whether the answer is due."""
+        return self.ended.feedback != "none"
 
 
 class _Ended(NamedTuple):
@@ -26,8 +35,10 @@ class _Ended(NamedTuple):
     level: int
     overridden: bool
     difficulty: difficulty.Difficulty
+    history: feedback.History
     results: list[Result]
     scored: AttemptEnded
+    feedback: Feedback
 
 
 class Course:
@@ -42,6 +53,7 @@ class Course:
         self._task = task
         self._seed = seed
         self._difficulty = difficulty.start(task.parameters, task.levels)
+        self._history = feedback.History()
         self._overridden = False
         self._started = 0
         self._ended: _Ended | None = None
@@ -57,10 +69,10 @@ class Course:
     @property
     def name(self) -> str:
         """The attempt in words: "attempt 3 of 20"."""
-        practice = self._task.parameters.practice_attempts
+        practice, tr = self._task.parameters.practice_attempts, self._task.tr
         if self.is_practice:
-            return f"practice {self.attempt} of {practice}"
-        return f"attempt {self.attempt - practice} of {self._task.parameters.attempts}"
+            return tr("practice {number} of {total}", number=self.attempt, total=practice)
+        return tr("attempt {number} of {total}", number=self.attempt - practice, total=self._task.parameters.attempts)
 
     @property
     def trial(self) -> int:
@@ -108,8 +120,16 @@ class Course:
         level = self.level
         target = self._task.target(level)
         verdict = feedback.judge(score, self._task.metric, target, parameters.min_accuracy)
-        due = self.is_practice or feedback.is_due(self.attempt - parameters.practice_attempts, parameters)
-        qualities = self._qualities()
+        before = self._history
+        judged = feedback.Judged(score, target, verdict.outcome)
+        if not self.is_practice:
+            self._history = feedback.remember(before, judged, parameters)
+        content = self._task.feedback_on
+        choice = feedback.choose(self._history, judged, parameters, content, practice=self.is_practice)
+        answer = self._answer(score, verdict, target, choice, now)
+        if choice.due and not self.is_practice:
+            self._history = feedback.answered(self._history)
+        qualities = answer.qualities
         ended = AttemptEnded(
             attempt=self.attempt,
             practice=self.is_practice,
@@ -121,14 +141,35 @@ class Course:
             trials=score.trials,
             goal=target.threshold,
             outcome=verdict.outcome,
-            feedback=verdict.valence if due else "none",
+            feedback=answer.valence if choice.due else "none",
             qualities=qualities,
+            choice=answer.choice,
             started=self._started,
             ended=now,
         )
-        answer = Feedback(
+        self._ended = _Ended(
+            self.attempt, level, self._overridden, self._difficulty, before, self.results, ended, answer
+        )
+        changed = None
+        if not (self.is_practice or self._overridden):
+            self._difficulty = difficulty.step(self._difficulty, verdict.outcome, parameters, self._task.levels)
+            changed = self._change(level, verdict.outcome)
+        self.level = self._difficulty.level
+        return Scored(ended, changed, answer)
+
+    def _answer(
+        self, score: Score, verdict: feedback.Judgement, target: Target, choice: FeedbackChoice, now: int
+    ) -> Feedback:
+        """What there is to say of the attempt, or of the last ones where it sums them up."""
+        reached = int(verdict.outcome == "success")
+        if choice.attempts > 1:
+            mean, target, reached = feedback.summary(self._history.recent)
+            verdict = feedback.judge(mean, self._task.metric, target, 0.0)
+            choice = msgspec.structs.replace(choice, degree=feedback.degree(mean.metric, target))
+            score = msgspec.structs.replace(score, metric=mean.metric)
+        return Feedback(
             attempt=self.attempt,
-            level=level,
+            level=self.level,
             valence=verdict.valence,
             reason=verdict.reason,
             metric=score.metric,
@@ -136,16 +177,30 @@ class Course:
             accuracy=score.accuracy,
             correct=score.correct,
             trials=score.trials,
-            qualities=qualities,
-            remark=next((result.remark for result in reversed(self.results) if result.remark), ""),
+            reached=reached,
+            qualities=self._qualities(),
+            remark=self._task.tr(next((result.remark for result in reversed(self.results) if result.remark), "")),
+            due=now + choice.delay_ms * MS if choice.due else 0,
+            choice=choice,
         )
-        self._ended = _Ended(self.attempt, level, self._overridden, self._difficulty, self.results, ended)
-        changed = None
-        if not (self.is_practice or self._overridden):
-            self._difficulty = difficulty.step(self._difficulty, verdict.outcome, parameters, self._task.levels)
-            changed = self._change(level, verdict.outcome)
-        self.level = self._difficulty.level
-        return Scored(ended, changed, answer if due else None)
+
+    @property
+    def unanswered(self) -> Feedback | None:
+        """What there is to say of the last attempt, where the participant may ask for it and has not yet."""
+        if self._ended is None or self._ended.scored.feedback != "none":
+            return None
+        return self._ended.feedback if self._ended.feedback.choice.schedule == "request" else None
+
+    def ask(self, now: int) -> Scored | None:
+        """Answer the last attempt, because the participant asked to; None where there is nothing to be had."""
+        if (answer := self.unanswered) is None or self._ended is None:
+            return None
+        choice = msgspec.structs.replace(answer.choice, due=True, why="The participant asked for it.")
+        answer = msgspec.structs.replace(answer, due=now, choice=choice)
+        again = msgspec.structs.replace(self._ended.scored, feedback=answer.valence, choice=choice)
+        self._ended = self._ended._replace(scored=again, feedback=answer)
+        self._history = feedback.answered(self._history)
+        return Scored(again, None, answer)
 
     def _qualities(self) -> dict[str, float]:
         """The mean of each of the task's qualities over the correct trials that have it."""
@@ -173,14 +228,18 @@ class Course:
             self.results[-1:] = [result]
             return None
         level, was = self.level, self._ended
-        self.attempt, self.level, self._overridden, self._difficulty = was[:4]
+        self.attempt, self.level, self._overridden, self._difficulty, self._history = was[:5]
         self._started = was.scored.started
         self.results = [*was.results[:-1], result]
-        again = msgspec.structs.replace(self.score(was.scored.ended).ended, feedback=was.scored.feedback)
+        anew = self.score(was.scored.ended)
+        again = msgspec.structs.replace(anew.ended, feedback=was.scored.feedback, choice=was.scored.choice)
         self._ended = self._ended._replace(scored=again)
+        if not self.is_practice:
+            since = was.history.since + 1 if was.scored.feedback == "none" else 0
+            self._history = msgspec.structs.replace(self._history, since=since)
         self.advance()
         changed = LevelChanged(previous=level, level=self.level, reason="mark") if level != self.level else None
-        return Scored(again, changed, None)
+        return Scored(again, changed, anew.feedback)
 
     def advance(self) -> bool:
         """Go on to the next attempt; False if that was the last."""

@@ -52,7 +52,7 @@ class Graph(msgspec.Struct, frozen=True):
 
 
 def graph(nodes: Sequence[type[Node]], taps: Sequence[type[Listener]] = ()) -> Graph:
-    """Make the graph of a loop. Timers are left out: a node sets them for itself.
+    """Make the graph of a loop. What a node tells itself, its timers above all, is left out.
 
     Args:
         nodes: in the order in which they hear a message.
@@ -70,7 +70,7 @@ def graph(nodes: Sequence[type[Node]], taps: Sequence[type[Listener]] = ()) -> G
         for source in parts
         for name in source.emits
         for target in parts
-        if name in target.hears or (target.kind == "tap" and name not in heard)
+        if target is not source and (name in target.hears or (target.kind == "tap" and name not in heard))
     ]
     asked = [
         Edge(source.name, target.name, name, "service")

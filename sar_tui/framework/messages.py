@@ -8,7 +8,17 @@ from typing import Literal
 
 import msgspec
 
+from sar_tui.framework.theme import Theme
+
 Valence = Literal["positive", "neutral", "negative"]
+Degree = Literal["slight", "clear", "strong"]
+Schedule = Literal["every", "faded", "bandwidth", "summary", "request", "none"]
+Form = Literal["qualitative", "quantitative", "both"]
+Reference = Literal["last attempt", "best attempt", "session's mean", "goal"]
+Kind = Literal["greeting", "instruction", "encouragement", "feedback", "rest", "goodbye"]
+Policy = Literal["queue", "interrupt", "drop"]
+Deed = Literal["say", "show", "gesture", "gaze", "tone"]
+DeedState = Literal["queued", "started", "done", "aborted", "failed"]
 Outcome = Literal["success", "failure"]
 Json = dict[str, str | int | float | bool | None]
 """What a task may add to a trial's row."""
@@ -25,12 +35,22 @@ class Message(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class SessionStarted(Message, frozen=True, kw_only=True):
-    """A run of the program begins on a session. ``run`` counts from 1; above 1 the session is resumed."""
+    """A run of the program begins on a session. ``run`` counts from 1; above 1 the session is resumed.
+
+    ``best``: the participant's best results of earlier sessions, by level (as text).
+    """
 
     run: int
     task: str
     theme: str
     seed: int
+    best: dict[str, float] = {}
+
+
+class ThemeWorn(Message, frozen=True, kw_only=True):
+    """What the agent looks like and how it speaks, from here on: at the beginning of a run, and after each edit."""
+
+    theme: Theme
 
 
 class KeyPressed(Message, frozen=True, kw_only=True):
@@ -114,23 +134,40 @@ class Operator(Message, frozen=True, kw_only=True):
     """An act that steers the session.
 
     ``command``: ``pause``, ``resume``, ``end``, ``skip`` (this prompt), ``repeat`` (this prompt), ``level``
-    (``value``), ``mark`` (the trial under way, else the last). ``reason``: for a pause, how the person is: ``tired``,
+    (``value``), ``mark`` (the trial under way, else the last), ``stop`` (everything the agent says and does; ``at`` is
+    the key's stamp). ``reason``: for a pause, how the person is: ``tired``,
     ``pain``, ``finished``, or empty; for a mark, which (see `task.Mark`).
     """
 
-    command: Literal["pause", "resume", "end", "skip", "repeat", "level", "mark"]
+    command: Literal["pause", "resume", "end", "skip", "repeat", "level", "mark", "stop"]
     actor: str = "participant"
     reason: str = ""
     value: int | None = None
+    at: int = 0
 
 
 class OutputReport(Message, frozen=True, kw_only=True):
-    """An output tells what became of an action."""
+    """An output tells what became of a part of an action. ``detail`` says why it failed.
+
+    ``queued``: the output has taken it on; ``started``: it can be heard or seen; then ``done``, ``aborted`` (stopped
+    before its end) or ``failed``.
+    """
 
     action: str
     output: str
-    state: Literal["started", "done", "aborted", "failed"]
+    deed: Deed
+    state: DeedState
     at: int
+    detail: str = ""
+
+
+class OutputStopped(Message, frozen=True, kw_only=True):
+    """An output that was told to stop at ``asked`` is still since ``at``. ``detail`` says why, where it is not."""
+
+    output: str
+    asked: int
+    at: int
+    detail: str = ""
 
 
 class Stored(Message, frozen=True, kw_only=True):
@@ -194,20 +231,34 @@ class ReachPerceived(Percept, frozen=True, kw_only=True):
 class Waiting(Message, frozen=True, kw_only=True):
     """What the session waits for, so that a screen can say so and a simulated participant can answer.
 
-    ``what``: ``enter`` (Return), ``start`` (the key with which the participant starts a trial), ``quiet`` (no keys
-    for a moment), ``foreperiod``, ``storage`` (the disk), ``response``, ``resume`` (paused), ``sensor`` (it has come
-    loose), ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
-    ``trial``, ``paused``, ``review`` (all attempts are done), ``ended``, ``broken`` (something failed).
+    ``what``: ``enter`` (Return), ``start`` (the key with which the participant starts a trial), ``agent`` (until it
+    has spoken and is still), ``answer`` (until feedback is given, which comes after a delay), ``quiet`` (no keys for a
+    moment), ``foreperiod``, ``storage`` (the disk), ``response``, ``resume`` (paused), ``sensor`` (it has come loose),
+    ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
+    ``trial``, ``answer``, ``paused``, ``review`` (all attempts are done), ``ended``, ``broken`` (something failed).
     ``attempt_name`` is the attempt in words, "attempt 3 of 20"; ``goal`` what it aims at, but for trials.
     ``notice`` is what the participant has to know first: another level, a trial that has to be done again.
     ``reason``, when paused: how the person is (see `Operator`), ``interrupted`` (the program had ended),
     ``storage`` (the disk refuses; also at the end), ``restored`` (it no longer does), ``sensor`` (nothing comes from
     it); when quiet is awaited: ``held`` (keys are pressed all the time). ``detail`` is for the experimenter: the
-    disk's or the sensor's own words.
+    disk's or the sensor's own words. ``ask``: the key that asks for feedback on the last attempt, where there is some
+    to be had.
     """
 
-    what: Literal["enter", "start", "quiet", "foreperiod", "storage", "response", "resume", "sensor", "nothing"]
-    stage: Literal["instructions", "attempt", "trial", "paused", "review", "ended", "broken"]
+    what: Literal[
+        "enter",
+        "start",
+        "agent",
+        "answer",
+        "quiet",
+        "foreperiod",
+        "storage",
+        "response",
+        "resume",
+        "sensor",
+        "nothing",
+    ]
+    stage: Literal["instructions", "attempt", "trial", "answer", "paused", "review", "ended", "broken"]
     attempt: int = 0
     trial: int = 0
     level: int = 0
@@ -217,6 +268,7 @@ class Waiting(Message, frozen=True, kw_only=True):
     notice: str = ""
     reason: str = ""
     detail: str = ""
+    ask: str = ""
 
 
 class AttemptStarted(Message, frozen=True, kw_only=True):
@@ -305,8 +357,30 @@ class TrialMarked(Message, frozen=True, kw_only=True):
     correct: bool
 
 
+class FeedbackChoice(msgspec.Struct, frozen=True):
+    """Whether an attempt is answered, and why; and if so, how (see `policies.feedback.choose`).
+
+    ``why`` is one plain sentence. ``since``: how many scored attempts there were since the last answer, this one
+    included. ``interval``: after how many an answer is due, where the schedule counts them. ``tolerance``: how far from
+    the goal is still within the bandwidth, in the metric's unit. ``attempts``: how many attempts the answer sums up.
+    """
+
+    schedule: Schedule
+    due: bool
+    why: str
+    content: Literal["results", "performance", "both"]
+    form: Form
+    compared_with: Reference
+    degree: Degree
+    delay_ms: int = 0
+    since: int = 1
+    interval: int | None = None
+    tolerance: float | None = None
+    attempts: int = 1
+
+
 class AttemptEnded(Message, frozen=True, kw_only=True):
-    """One attempt, scored. ``feedback`` is ``none`` where none was due.
+    """One attempt, scored. ``feedback`` is ``none`` where none was due; ``choice`` says why, and how it is given.
 
     ``goal`` is what the metric was held against; ``qualities`` are the means of the task's qualities (knowledge of
     performance), by name.
@@ -324,6 +398,7 @@ class AttemptEnded(Message, frozen=True, kw_only=True):
     outcome: Outcome
     feedback: Literal["positive", "neutral", "negative", "none"]
     qualities: dict[str, float] = {}
+    choice: FeedbackChoice | None = None
     started: int
     ended: int
 
@@ -340,7 +415,9 @@ class Feedback(Message, frozen=True, kw_only=True):
     """The agent owes the participant an answer to an attempt.
 
     ``reason``: ``goal`` (reached), ``missed``, ``band`` (about the goal), ``accuracy`` (too low), ``empty``
-    (no response could be timed); ``remark``: what the task has to say of the last two.
+    (no response could be timed); ``remark``: what the task has to say of the last two. ``reached``: how many
+    attempts reached their goal, of those it sums up; then ``metric`` and ``goal`` are means. ``due``: when it is to be
+    given (ns); ``choice``: how, and why.
     """
 
     attempt: int
@@ -352,32 +429,77 @@ class Feedback(Message, frozen=True, kw_only=True):
     accuracy: float | None
     correct: int
     trials: int
+    reached: int
     qualities: dict[str, float] = {}
     remark: str = ""
+    due: int = 0
+    choice: FeedbackChoice
 
 
-class Proposal(Message, frozen=True, kw_only=True):
-    """What the agent would say. ``kind``: ``greeting``, ``feedback``, ``goodbye``."""
+class Saying(Message, frozen=True, kw_only=True):
+    """What the agent says and does at once. ``text`` is shown, ``spoken`` said; where one is empty it is left out.
+
+    ``face``, ``gesture``, ``gaze`` and ``tone`` are the theme's; empty where there is none. ``joins``: it adds to what
+    stands on the screen instead of taking its place. ``priority``: the higher comes first. ``policy``: ``queue`` (waits
+    its turn), ``interrupt`` (what is under way, if that is no more important), ``drop`` (if its turn does not come
+    before the session goes on). ``due``: not before this time (ns).
+    """
 
     id: str
-    kind: Literal["greeting", "feedback", "goodbye"]
+    kind: Kind
     text: str
-    face: str
+    spoken: str = ""
+    face: str = ""
+    gesture: str = ""
+    gaze: str = ""
+    tone: str = ""
     valence: Valence | None = None
+    degree: Degree | None = None
     attempt: int = 0
+    joins: bool = False
+    priority: int = 0
+    policy: Policy = "queue"
+    due: int = 0
 
 
-class Action(Message, frozen=True, kw_only=True):
+class Proposal(Saying, frozen=True, kw_only=True):
+    """What the agent would say."""
+
+
+class Action(Saying, frozen=True, kw_only=True):
     """What is said, and who decided it."""
 
-    id: str
-    kind: str
-    text: str
-    face: str
     decision: Literal["accepted", "edited", "rejected"]
     actor: str
-    valence: Valence | None = None
-    attempt: int = 0
+
+
+class Dropped(Message, frozen=True, kw_only=True):
+    """A proposal came to nothing: ``late`` (the session had gone on), ``stopped`` (by the stop key)."""
+
+    id: str
+    reason: Literal["late", "stopped"]
+
+
+class Halt(Message, frozen=True, kw_only=True):
+    """Outputs: be still. ``action``: which (empty: all); ``asked``: since when (ns)."""
+
+    action: str = ""
+    reason: Literal["stopped", "interrupted", "left"]
+    asked: int
+
+
+class OutputOpened(Message, frozen=True, kw_only=True):
+    """An output is there for this run, and what it can do; ``address`` is how it was asked for."""
+
+    output: str
+    address: str
+    can: tuple[Deed, ...]
+
+
+class AgentActing(Message, frozen=True, kw_only=True):
+    """Whether the agent speaks or moves, so that no prompt is shown meanwhile."""
+
+    acting: bool
 
 
 class SessionEnded(Message, frozen=True, kw_only=True):
@@ -406,6 +528,7 @@ class Recall(Message, frozen=True, kw_only=True):
 
 
 class Attempts(Message, frozen=True, kw_only=True):
-    """The answer to Recall."""
+    """The answer to Recall. ``earlier_best``: the best of earlier sessions at that level, if one was asked for."""
 
     attempts: tuple[AttemptEnded, ...]
+    earlier_best: float | None = None

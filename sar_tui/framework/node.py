@@ -44,7 +44,7 @@ class Node:
     ``serves``. `sar-tui graph` draws the system from these declarations, and ``emit`` holds a node to them.
     """
 
-    name: ClassVar[str]
+    name: str
     emits: ClassVar[tuple[Topic[Any], ...]] = ()
     asks: ClassVar[tuple[Service[Any, Any], ...]] = ()
 

@@ -90,13 +90,60 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
             help="thesis: one level up or down after successes or failures in a row. fixed: stays.",
         ),
     ] = "thesis"
+    feedback_schedule: Annotated[
+        Literal["every", "faded", "bandwidth", "summary", "request", "none"],
+        meta(
+            "Feedback",
+            help="every: each time, or each so many attempts. faded: less often with success. bandwidth: only away "
+            "from the goal. summary: of the last attempts. request: when the participant asks (Tab). none.",
+        ),
+    ] = "every"
     feedback_every: Annotated[
-        int, meta("Feedback every", "attempts", "The agent answers every so many attempts.", ge=1, le=100)
-    ] = 1
+        int,
+        meta("Feedback every", "attempts", "For every and summary: the agent answers every so many attempts.",
+             ge=1, le=100),
+    ] = 1  # fmt: skip
+    feedback_fade: Annotated[
+        int,
+        meta("Fading", "successes",
+             "For faded: so many more successes than failures make feedback rarer by one attempt.", ge=1, le=50),
+    ] = 2  # fmt: skip
+    feedback_tolerance: Annotated[
+        float,
+        meta("Bandwidth", "% of the goal", "For bandwidth: a result no farther from the goal is not answered.",
+             ge=0, le=100),
+    ] = 10.0  # fmt: skip
     feedback_form: Annotated[
         Literal["qualitative", "quantitative", "both"],
         meta("Feedback form", help="In words only, with figures, or both."),
     ] = "both"
+    feedback_compared_with: Annotated[
+        Literal["last attempt", "best attempt", "session's mean", "goal"],
+        meta("Compared with", help="What figures are held against: results at the same level, or the goal."),
+    ] = "last attempt"
+    feedback_delay_ms: Annotated[
+        int, meta("Feedback delay", "ms", "From the end of an attempt to its answer.", ge=0, le=60_000)
+    ] = 0
+    encouragement: Annotated[
+        bool, meta("Encouragement", help="A kind word before an attempt that is harder than those before.")
+    ] = True
+    rest_every: Annotated[
+        int, meta("Rest reminder every", "attempts", "The agent reminds of rest; 0: never.", ge=0, le=200)
+    ] = 10
+    language: Annotated[
+        str,
+        meta("Language", help="Of all the participant sees and hears: en, es, or another the theme has.",
+             pattern="^[a-z]{2,3}(-[a-z]{2,4})?$"),
+    ] = "en"  # fmt: skip
+    outputs: Annotated[
+        tuple[str, ...],
+        meta("Outputs", help="What the agent speaks and moves with: screen, speech, tones, servo, ros://HOST.",
+             max_length=8),
+    ] = ("screen",)  # fmt: skip
+    speech: Annotated[
+        str,
+        meta("Speech goes to", help="sound: the loudspeaker. file:FOLDER: a WAV for each utterance.", max_length=500),
+    ] = "sound"
     response_timeout_ms: Annotated[
         int,
         meta(

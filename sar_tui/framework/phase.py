@@ -8,12 +8,14 @@ class Phase(Enum):
 
     INSTRUCTIONS = auto()
     READY = auto()  # waits for Enter to begin an attempt
+    AGENT = auto()  # the agent speaks or moves; the trial goes on when it is still
     START = auto()  # waits for the participant to start the trial
     QUIET = auto()  # waits until no key has been pressed for a moment
     FOREPERIOD = auto()
     STORING = auto()  # the foreperiod is over; the last trial is not on disk yet
     ONSET = auto()  # the prompt is on its way to the screen
     RESPONSE = auto()
+    ANSWER = auto()  # the attempt is over; its answer comes after a delay
     PAUSED = auto()
     REVIEW = auto()  # every attempt is done and answered; waits for Enter
     CLOSING = auto()  # nothing more is done; the last trial is not on disk yet
@@ -22,21 +24,23 @@ class Phase(Enum):
 
 
 BEFORE_PROMPT = {Phase.QUIET, Phase.FOREPERIOD, Phase.STORING}
-IN_TRIAL = {Phase.START, *BEFORE_PROMPT, Phase.ONSET, Phase.RESPONSE}
+IN_TRIAL = {Phase.AGENT, Phase.START, *BEFORE_PROMPT, Phase.ONSET, Phase.RESPONSE}
 OVER = {Phase.CLOSING, Phase.ENDED, Phase.BROKEN}
 ENTER_GOES_ON = ("interrupted", "restored")
 PAUSES: dict[str, str] = {"interrupted": "enter", "restored": "enter", "sensor": "sensor"}
 """What a pause waits for, by its reason; else for somebody to say that it goes on."""
-MARKABLE = {Phase.START, Phase.READY, Phase.REVIEW}
+MARKABLE = {Phase.AGENT, Phase.START, Phase.ANSWER, Phase.READY, Phase.REVIEW}
 """Where a mark is the last trial's."""
 WAITS: dict[Phase, tuple[str, str]] = {
     Phase.INSTRUCTIONS: ("enter", "instructions"),
     Phase.READY: ("enter", "attempt"),
+    Phase.AGENT: ("agent", "trial"),
     Phase.START: ("start", "trial"),
     Phase.QUIET: ("quiet", "trial"),
     Phase.FOREPERIOD: ("foreperiod", "trial"),
     Phase.STORING: ("storage", "trial"),
     Phase.ONSET: ("response", "trial"),
+    Phase.ANSWER: ("answer", "answer"),
     Phase.REVIEW: ("enter", "review"),
     Phase.CLOSING: ("storage", "ended"),
     Phase.ENDED: ("nothing", "ended"),

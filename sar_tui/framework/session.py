@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from sar_tui.framework.bus import FAULT, Bus, Record
 from sar_tui.framework.clock import Clock, VirtualClock
-from sar_tui.framework.messages import Fault, SessionStarted
+from sar_tui.framework.messages import AgentActing, Fault, SessionStarted, ThemeWorn
 from sar_tui.framework.node import Node
 from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.nodes.action_center import ActionCenter
@@ -14,7 +14,7 @@ from sar_tui.framework.nodes.memory import Memory
 from sar_tui.framework.nodes.perception import Perception
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import SESSION, SESSION_ENDED
+from sar_tui.framework.topics import ACTING, SESSION, SESSION_ENDED, THEME
 
 
 class ReplayError(ValueError):
@@ -30,16 +30,30 @@ class Session:
         clock: live or virtual.
         seed: of all that is random.
         extra: input and output nodes: a screen, a simulated participant.
+        best: the participant's best results of earlier sessions, by level.
     """
 
-    def __init__(self, task: Task, theme: Theme, clock: Clock, seed: int, extra: Sequence[Node] = ()) -> None:
+    def __init__(
+        self,
+        task: Task,
+        theme: Theme,
+        clock: Clock,
+        seed: int,
+        extra: Sequence[Node] = (),
+        best: dict[str, float] | None = None,
+    ) -> None:
         self.task = task
         self.theme = theme
         self.seed = seed
+        self.best = best or {}
         self.clock = clock
         self.bus = Bus(clock)
         self.faults: list[Fault] = []
         self.ended = False
+        self.is_agent_acting = False
+        self._tr = task.tr
+        self._speak_as(theme)
+        self.bus.subscribe(THEME, lambda worn: self._speak_as(worn.theme))
         core = core_nodes(task, theme, seed)
         for node in core:
             node.attach(self.bus)
@@ -47,6 +61,7 @@ class Session:
         self._vital = next(node.vital for node in core if isinstance(node, EventHandler))
         self._extra = extra
         self.bus.subscribe(SESSION_ENDED, lambda _: self._end())
+        self.bus.subscribe(ACTING, self._hear_agent)
         self.bus.subscribe(FAULT, self.faults.append)
 
     @property
@@ -58,7 +73,14 @@ class Session:
         """Begin a run: attach the inputs and outputs, and start the loop."""
         for node in self._extra:
             node.attach(self.bus)
-        self.bus.publish(SESSION, SessionStarted(run=run, task=self.task.name, theme=self.theme.name, seed=self.seed))
+        self.wear(self.theme)
+        started = SessionStarted(run=run, task=self.task.name, theme=self.theme.name, seed=self.seed, best=self.best)
+        self.bus.publish(SESSION, started)
+
+    def wear(self, theme: Theme) -> None:
+        """Take on a theme: what is said from here on is said in its words."""
+        self.theme = theme
+        self.bus.publish(THEME, ThemeWorn(theme=theme))
 
     def replay(self, history: Iterable[Record]) -> None:
         """Derive again what was recorded, so that the nodes stand where they stood. Before ``begin``.
@@ -111,8 +133,15 @@ class Session:
             node.detach()
 
     def _end(self) -> None:
+        """Inputs end by themselves when they hear it; outputs still have a goodbye to say."""
         self.ended = True
-        self.detach()
+
+    def _speak_as(self, theme: Theme) -> None:
+        """The task's words are the theme's, where that has its own: in a replay, those it had then."""
+        self.task.tr = self._tr.including(theme.texts)
+
+    def _hear_agent(self, agent: AgentActing) -> None:
+        self.is_agent_acting = agent.acting
 
 
 def core_nodes(task: Task, theme: Theme, seed: int) -> tuple[Node, ...]:

@@ -4,17 +4,23 @@ A task is a pure description. It keeps no state between calls: what it needs is 
 can be repeated, resumed and replayed. The framework runs it: waits, shows, stamps, scores, adapts, answers.
 """
 
+import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 import msgspec
 
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS
+from sar_tui.framework.language import language
 from sar_tui.framework.messages import Json
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters
+
+_FRAMEWORK = Path(__file__).parent
+"""Where the translations of the framework's own words are."""
 
 
 class Metric(msgspec.Struct, frozen=True):
@@ -227,6 +233,9 @@ class Details(msgspec.Struct, frozen=True):
 class Task(ABC):
     """A motor task.
 
+    ``tr`` translates what people read into the session's language: ``self.tr("Reach {far} far.", far="15 cm")``. The
+    translations stand beside the task in ``words.<language>.toml``, and cover what it declares too (``title``, marks).
+
     Subclass it in ``tasks/NAME/task.py``: declare the class variables, and say how a prompt is made
     (``stimulus``) and what a percept means (``perceived``). The rest has defaults.
     """
@@ -245,6 +254,7 @@ class Task(ABC):
 
     def __init__(self, parameters: TaskParameters) -> None:
         self.parameters = parameters
+        self.tr = language(parameters.language, _FRAMEWORK, Path(inspect.getfile(type(self))).parent)
 
     @property
     def levels(self) -> int:
@@ -285,10 +295,16 @@ class Task(ABC):
 
     def goal(self, level: int) -> str:
         """The goal of an attempt, in the participant's words."""
-        than = "less" if self.metric.better == "lower" else "more"
-        goal = f"Your goal: {than} than {self.metric.show(self.target(level).threshold)}"
-        needed = self.parameters.min_accuracy
-        return f"{goal}, with at least {needed:.0%} right." if needed else f"{goal}."
+        goal = self.metric.show(self.target(level).threshold)
+        needed = f"{self.parameters.min_accuracy:.0%}" if self.parameters.min_accuracy else ""
+        match self.metric.better, bool(needed):
+            case "lower", True:
+                return self.tr("Your goal: less than {goal}, with at least {needed} right.", goal=goal, needed=needed)
+            case "lower", False:
+                return self.tr("Your goal: less than {goal}.", goal=goal)
+            case _, True:
+                return self.tr("Your goal: more than {goal}, with at least {needed} right.", goal=goal, needed=needed)
+        return self.tr("Your goal: more than {goal}.", goal=goal)
 
     def notice(self, level: int, before: int) -> str:
         """What the participant has to know when the level is another than before; empty where nothing."""
@@ -296,7 +312,7 @@ class Task(ABC):
 
     def start(self, level: int) -> str:
         """What the participant has to heed before starting a trial, where there is a ``start_key``."""
-        return "Start when you are ready."
+        return self.tr("Start when you are ready.")
 
     @abstractmethod
     def stimulus(self, situation: Situation) -> Stimulus:

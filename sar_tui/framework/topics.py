@@ -6,6 +6,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.bus import FAULT, Service, Topic
 
 SESSION = Topic("session/started", m.SessionStarted, origin="input", keep=True)
+THEME = Topic("theme/worn", m.ThemeWorn, origin="input", keep=True)
 KEY = Topic("input/key", m.KeyPressed, origin="input")
 PASTE = Topic("input/paste", m.Pasted, origin="input")
 FOCUS = Topic("input/focus", m.FocusChanged, origin="input")
@@ -15,6 +16,8 @@ SENSOR = Topic("input/sensor", m.SensorChanged, origin="input")
 TIMER = Topic("timer/fired", m.TimerFired, origin="input")
 OPERATOR = Topic("operator/act", m.Operator, origin="input")
 REPORT = Topic("output/report", m.OutputReport, origin="input")
+OUTPUT = Topic("output/opened", m.OutputOpened, origin="input")
+STOPPED = Topic("output/stopped", m.OutputStopped, origin="input")
 STORED = Topic("store/stored", m.Stored, origin="input")
 STORAGE = Topic("store/changed", m.StorageChanged, origin="input")
 
@@ -32,6 +35,9 @@ FEEDBACK = Topic("event_handler/feedback", m.Feedback)
 SESSION_ENDED = Topic("event_handler/session_ended", m.SessionEnded)
 PROPOSED = Topic("action_center/proposed", m.Proposal)
 ACTION = Topic("arbiter/action", m.Action)
+DROPPED = Topic("arbiter/dropped", m.Dropped)
+HALT = Topic("arbiter/halt", m.Halt)
+ACTING = Topic("arbiter/acting", m.AgentActing, keep=True)
 
 RECALL = Service("memory/recall", m.Recall, m.Attempts)
 

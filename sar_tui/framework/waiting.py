@@ -5,6 +5,9 @@ from sar_tui.framework.messages import Waiting
 from sar_tui.framework.phase import PAUSES, WAITS, Phase
 from sar_tui.framework.task import Task
 
+ASK_KEY = "tab"
+"""The key with which a participant asks how the last attempt went, where feedback is given on request."""
+
 
 def waiting(phase: Phase, course: Course, task: Task, *, notice: str, reason: str, detail: str) -> Waiting:
     """The message for a phase.
@@ -30,4 +33,5 @@ def waiting(phase: Phase, course: Course, task: Task, *, notice: str, reason: st
         notice=notice,
         reason=reason,
         detail=detail,
+        ask=ASK_KEY if phase in (Phase.READY, Phase.REVIEW) and course.unanswered else "",
     )

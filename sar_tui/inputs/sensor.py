@@ -4,9 +4,9 @@ import msgspec
 
 from sar_tui.framework.bus import Bus
 from sar_tui.framework.clock import MS, Handle
-from sar_tui.framework.messages import ImuBlock, SensorChanged
-from sar_tui.framework.node import Node
-from sar_tui.framework.topics import IMU, SENSOR
+from sar_tui.framework.messages import ImuBlock, SensorChanged, SessionEnded
+from sar_tui.framework.node import Node, on
+from sar_tui.framework.topics import IMU, SENSOR, SESSION_ENDED
 from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.imu import Info, Status
 from sar_tui.motion.samples import pack
@@ -36,6 +36,11 @@ class Imu(Node):
         """Join a bus, and begin as soon as the session has."""
         super().attach(bus)
         bus.clock.call_soon(self._begin)
+
+    @on(SESSION_ENDED)
+    def session_ended(self, _: SessionEnded) -> None:
+        """Nobody moves any more."""
+        self.detach()
 
     def detach(self) -> None:
         """Publish nothing more, and let go of the sensor."""

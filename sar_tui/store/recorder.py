@@ -37,13 +37,14 @@ _SQL = {
     "chunks": imu.INSERT_CHUNK,
     "attempts": (
         "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, metric, metric_unit, accuracy,"
-        " correct, trials, outcome, feedback, started_ns, ended_ns, goal, qualities)"
-        " VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
+        " correct, trials, outcome, feedback, started_ns, ended_ns, goal, qualities, choice)"
+        " VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
     ),
     "proposals": "INSERT INTO actions (session, id, kind, proposed, proposed_ns) VALUES (?,?,?,?,?)",
     "decisions": "UPDATE actions SET final=?, decision=?, actor=?, decided_ns=? WHERE session=? AND id=?",
-    "starts": "UPDATE actions SET started_ns=? WHERE session=? AND id=?",
-    "ends": "UPDATE actions SET ended_ns=? WHERE session=? AND id=?",
+    "drops": "UPDATE actions SET decision='dropped', actor=?, decided_ns=? WHERE session=? AND id=?",
+    "starts": "UPDATE actions SET started_ns=MIN(?, COALESCE(started_ns, 9e18)) WHERE session=? AND id=?",
+    "ends": "UPDATE actions SET ended_ns=MAX(?, COALESCE(ended_ns, 0)) WHERE session=? AND id=?",
     "closings": "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
 }
 """What is done with the rows of a batch, in this order."""
@@ -186,15 +187,18 @@ def _rows(session: str, run: int, records: list[Record]) -> Rows:
             case m.AttemptEnded() as a:
                 rows["attempts"].append(
                     (session, a.attempt, a.seat, run, a.practice, a.level, a.metric, a.metric_unit, a.accuracy,
-                     a.correct, a.trials, a.outcome, a.feedback, a.started, a.ended, a.goal, _text(a.qualities))
+                     a.correct, a.trials, a.outcome, a.feedback, a.started, a.ended, a.goal, _text(a.qualities),
+                     _text(a.choice))
                 )  # fmt: skip
             case m.Proposal() as p:
                 rows["proposals"].append((session, p.id, p.kind, _text(p), record.at))
             case m.Action() as a:
                 rows["decisions"].append((_text(a), a.decision, a.actor, record.at, session, a.id))
+            case m.Dropped() as d:
+                rows["drops"].append(("agent" if d.reason == "late" else "stop", record.at, session, d.id))
             case m.OutputReport(state="started") as r:
                 rows["starts"].append((r.at, session, r.action))
-            case m.OutputReport() as r:
+            case m.OutputReport(state="done" | "aborted" | "failed") as r:
                 rows["ends"].append((r.at, session, r.action))
             case m.SessionEnded() as e:
                 rows["closings"].append((e.status, datetime.now(UTC).isoformat(), session))

@@ -5,7 +5,7 @@ import sqlite_utils
 migrations = sqlite_utils.Migrations("sar-tui")
 """One function a version, in order; never changed once released."""
 
-VERSION = 2
+VERSION = 3
 """The number of migrations, kept in ``PRAGMA user_version``."""
 
 
@@ -160,3 +160,9 @@ def version_2(db: sqlite_utils.Database) -> None:
         },
         pk=("session", "stream", "seq"),
     )
+
+
+@migrations()
+def version_3(db: sqlite_utils.Database) -> None:
+    """Whether an attempt was answered, why, and how."""
+    db["attempts"].add_column("choice", str)  # type: ignore[union-attr]

@@ -13,6 +13,7 @@ import sqlite_utils
 
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import host_now
+from sar_tui.framework.task import Metric
 from sar_tui.framework.topics import ALL
 from sar_tui.store import imu
 from sar_tui.store.database import StoreError, transaction
@@ -26,7 +27,7 @@ Table = Literal["attempts", "trials", "actions", "runs", "imu_streams"]
 _JSON = {
     "sessions": ("parameters", "software", "machine"),
     "runs": ("clock_anchor", "software", "machine"),
-    "attempts": ("qualities",),
+    "attempts": ("qualities", "choice"),
     "trials": ("timing", "details"),
     "actions": ("proposed", "final"),
 }
@@ -75,6 +76,22 @@ def begin_run(db: sqlite_utils.Database, session: str, *, software: object, mach
         )
         connection.execute("UPDATE sessions SET status='running', ended_at=NULL WHERE id=?", (session,))
     return int(run)
+
+
+def best(db: sqlite_utils.Database, participant: str, task: str, metric: Metric, *, but: str = "") -> dict[str, float]:
+    """A participant's best results in a task, by level, over all live sessions ``but`` one; practice is left out,
+    and so is what was too inaccurate to count.
+    """
+    best_of = "min" if metric.better == "lower" else "max"
+    rows = db.execute(
+        f"SELECT level, {best_of}(metric) FROM attempts JOIN sessions ON sessions.id = attempts.session"
+        " JOIN seats USING (session, seat)"
+        " WHERE participant=? AND task=? AND mode='live' AND sessions.id<>? AND NOT practice AND metric IS NOT NULL"
+        " AND metric_unit=? AND COALESCE(accuracy, 1) >= COALESCE(json_extract(parameters, '$.min_accuracy'), 0)"
+        " GROUP BY level",
+        (participant, task, but, metric.unit),
+    )
+    return {str(level): value for level, value in rows}
 
 
 def interrupt(db: sqlite_utils.Database, session: str) -> None:

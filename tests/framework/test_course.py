@@ -6,9 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sar_tui.framework.clock import MS
 from sar_tui.framework.course import Course, Scored
 from sar_tui.framework.parameters import build
-from sar_tui.framework.task import Result
+from sar_tui.framework.policies.feedback import degree
+from sar_tui.framework.task import Result, Target
 from tests.lifting import Lift
 
 
@@ -81,7 +83,7 @@ def test_a_quality_that_no_correct_trial_has_is_left_out() -> None:
     }
 
 
-# --- amending ---------------------------------------------------------------------------------------------------
+# --- amending -------------------------------------------------------------------------------------------------
 
 
 def test_there_is_nothing_to_amend_before_the_first_trial_and_none_of_the_last_attempt_once_another_began() -> None:
@@ -120,7 +122,6 @@ def test_an_attempt_that_is_amended_is_scored_as_if_it_had_been_so_from_the_firs
     assert (under_way.attempt, under_way.trial, under_way.level) == (at_once.attempt, at_once.trial, at_once.level)
     assert amended.level is not None
     assert (amended.level.previous, amended.level.level, amended.level.reason) == (5, 3, "mark")
-    assert amended.feedback is None
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=6), st.booleans(), st.integers(1, 3), st.integers(1, 3))
@@ -159,3 +160,75 @@ def test_a_level_set_by_hand_in_an_attempt_survives_its_amendment() -> None:
     amended = under_way.amend(lift(500, correct=False))
     assert amended is not None
     assert (amended.ended.level, amended.ended.outcome, amended.level, under_way.level) == (3, "failure", None, 8)
+
+
+# --- what is answered -----------------------------------------------------------------------------------------
+
+SCHEDULES = ("every", "faded", "bandwidth", "summary", "request", "none")
+STEPS = st.lists(st.tuples(st.floats(300, 2000), st.none() | st.booleans(), st.booleans()), min_size=1, max_size=15)
+
+
+@given(st.sampled_from(SCHEDULES), STEPS, st.integers(1, 4), st.integers(0, 3))
+def test_an_attempt_counts_those_since_the_last_that_was_answered_however_often_they_are_amended_or_asked_about(
+    schedule: str, steps: list[tuple[float, bool | None, bool]], every: int, practice: int
+) -> None:
+    under_way = course(
+        attempts=15,
+        practice_attempts=practice,
+        feedback_schedule=schedule,
+        feedback_every=every,
+        feedback_fade=1,
+        difficulty_policy="fixed",
+    )
+    since = 0
+    for number, (value, amended, asks) in enumerate(steps, 1):
+        scored = attempt(under_way, lift(value))
+        choice = scored.ended.choice
+        assert choice is not None
+        since += number > practice
+        assert choice.since == since
+        assert scored.is_answered == choice.due == (scored.ended.feedback != "none")
+        if amended is not None:
+            again = under_way.amend(lift(value, correct=amended))
+            assert again is not None
+            assert (again.ended.choice, again.ended.feedback) == (choice, scored.ended.feedback)
+        asked = under_way.ask(now=3000) if asks else None
+        assert (asked is not None) == (asks and schedule == "request")
+        if (choice.due and number > practice) or asked:
+            since = 0
+
+
+@given(st.lists(st.floats(300, 2000), min_size=12, max_size=12), st.integers(2, 6))
+def test_a_summary_speaks_of_the_means_of_its_attempts_and_the_row_says_so(values: list[float], every: int) -> None:
+    settings = {"feedback_schedule": "summary", "feedback_every": every, "difficulty_policy": "fixed"}
+    under_way = course(attempts=12, **settings)
+    for number, value in enumerate(values, 1):
+        scored = attempt(under_way, lift(value))
+        assert scored.is_answered == (number % every == 0)
+        assert (scored.ended.metric, scored.ended.choice) == (value, scored.feedback.choice)
+        if scored.is_answered:
+            last = values[number - every : number]
+            mean = sum(last) / every
+            assert scored.feedback.metric == pytest.approx(mean)
+            assert scored.feedback.reached == sum(value < 1000 for value in last)
+            assert scored.feedback.choice.attempts == every
+            assert scored.feedback.choice.degree == degree(scored.feedback.metric, Target(1000.0, 10.0))
+            assert scored.ended.feedback == scored.feedback.valence
+
+
+def test_a_summary_at_levels_with_goals_of_their_own_is_held_against_the_mean_of_these() -> None:
+    under_way = course(feedback_schedule="summary", feedback_every=3)
+    answers = [attempt(under_way, lift(500)).feedback for _ in range(3)]
+    assert (answers[-1].goal, answers[-1].level) == (1100.0, 3), "the goals were 1000, 1100 and 1200"
+
+
+def test_a_summary_with_an_attempt_amended_speaks_of_what_it_is_now() -> None:
+    under_way = course(feedback_schedule="summary", feedback_every=2, difficulty_policy="fixed")
+    attempt(under_way, lift(400))
+    under_way.amend(lift(800))
+    assert attempt(under_way, lift(400)).feedback.metric == 600.0
+
+
+def test_an_answer_is_due_so_long_after_the_attempts_end() -> None:
+    scored = attempt(course(feedback_delay_ms=1500), lift(400))
+    assert scored.feedback.due == scored.ended.ended + 1500 * MS

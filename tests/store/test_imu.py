@@ -96,7 +96,7 @@ def test_the_layout_says_how_to_read_the_bytes_without_this_program() -> None:
     assert np.dtype(layout) == SAMPLE
 
 
-# --- a session in the database ---------------------------------------------------------------------------------
+# --- a session in the database --------------------------------------------------------------------------------
 
 
 class Kept:
@@ -206,7 +206,7 @@ def test_a_damaged_block_is_told_by_its_number_and_never_taken_for_samples(data:
     assert len(kept.samples(0, before)), "what is not damaged can still be read"
 
 
-# --- gone on with ------------------------------------------------------------------------------------------------
+# --- gone on with ---------------------------------------------------------------------------------------------
 
 
 def replayed(history: list[Record], table: Table) -> list[Record]:
@@ -282,7 +282,7 @@ def test_a_second_run_is_a_stream_of_its_own_numbered_on(data: Path) -> None:
     assert replayed(second.history, second.table) == [r for r in second.history if r.topic is not IMU]
 
 
-# --- a disk that refuses ---------------------------------------------------------------------------------------------
+# --- a disk that refuses --------------------------------------------------------------------------------------
 
 
 def test_while_the_disk_refuses_samples_wait_in_order_and_none_is_lost_or_doubled(data: Path) -> None:

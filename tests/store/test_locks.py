@@ -36,7 +36,7 @@ from sar_tui.runs import Plan, start
 catalogue = Catalogue()
 keyboard = catalogue.task("keyboard")
 plan = Plan(keyboard, build(keyboard.Parameters, {}), "calm", "P01", 1, "live")
-run = start(plan, Path(sys.argv[1]), catalogue, VirtualClock(), lambda task: [])
+run = start(plan, Path(sys.argv[1]), catalogue, VirtualClock(), lambda task, theme: [])
 run.begin()
 print(run.id, flush=True)
 os._exit(9)
@@ -121,7 +121,7 @@ def test_a_folder_that_cannot_be_written_to_is_told(tmp_path: Path) -> None:
 
 def begin(plan: Plan, data: Path, catalogue: Catalogue) -> str:
     """A live session that is begun and left: its id."""
-    run = start(plan, data, catalogue, VirtualClock(), lambda task: [])
+    run = start(plan, data, catalogue, VirtualClock(), lambda task, theme: [])
     run.begin()
     run.recorder.write()
     run.close()
@@ -129,18 +129,18 @@ def begin(plan: Plan, data: Path, catalogue: Catalogue) -> str:
 
 
 def test_a_participant_cannot_be_in_two_live_sessions(plan: Plan, data: Path, catalogue: Catalogue) -> None:
-    run = start(plan, data, catalogue, VirtualClock(), lambda task: [])
+    run = start(plan, data, catalogue, VirtualClock(), lambda task, theme: [])
     with pytest.raises(Held):
-        start(plan, data, catalogue, VirtualClock(), lambda task: [])
+        start(plan, data, catalogue, VirtualClock(), lambda task, theme: [])
     assert len(sessions.listing(connect(data), data)) == 1
     run.close()
-    start(plan, data, catalogue, VirtualClock(), lambda task: []).close()
+    start(plan, data, catalogue, VirtualClock(), lambda task, theme: []).close()
 
 
 def test_a_session_that_is_live_cannot_be_gone_on_with_elsewhere(plan: Plan, data: Path, catalogue: Catalogue) -> None:
-    run = start(plan, data, catalogue, VirtualClock(), lambda task: [])
+    run = start(plan, data, catalogue, VirtualClock(), lambda task, theme: [])
     with pytest.raises(StoreError, match=f"The session {run.id} is running"):
-        resume(run.id, data, catalogue, VirtualClock(), lambda task: [])
+        resume(run.id, data, catalogue, VirtualClock(), lambda task, theme: [])
     run.close()
 
 
@@ -156,7 +156,7 @@ def test_nobody_sees_a_new_session_that_is_not_held(
         seen.append(sessions.find(database, data, session)["status"])
 
     monkeypatch.setattr(sessions, "create", look)
-    start(plan, data, catalogue, VirtualClock(), lambda task: []).close()
+    start(plan, data, catalogue, VirtualClock(), lambda task, theme: []).close()
     assert seen == ["running"]
 
 
@@ -174,7 +174,7 @@ def test_a_session_that_ends_elsewhere_just_before_it_is_held_is_not_gone_on_wit
 
     monkeypatch.setattr(locks, "hold", late)
     with pytest.raises(StoreError, match=f"The session {session} is {state}") as caught:
-        resume(session, data, catalogue, VirtualClock(), lambda task: [])
+        resume(session, data, catalogue, VirtualClock(), lambda task, theme: [])
     assert caught.value.bad_input
     assert len(sessions.rows(connect(data), "runs", session)) == 1
     assert not is_held(data, "session", session)
@@ -190,7 +190,7 @@ def test_a_session_whose_program_was_killed_is_interrupted_and_can_be_gone_on_wi
     database = connect(data)
     assert database.execute("SELECT status FROM sessions").fetchone() == ("running",)
     assert sessions.find(database, data, session)["status"] == "interrupted"
-    run = resume(session, data, catalogue, VirtualClock(), lambda task: [])
+    run = resume(session, data, catalogue, VirtualClock(), lambda task, theme: [])
     assert run.number == 2
     assert sessions.find(database, data, session)["status"] == "running"
     run.close()
@@ -203,10 +203,10 @@ def test_a_session_that_cannot_be_brought_back_leaves_its_participant_free(
     session = begin(plan, data, catalogue)
     connect(data).execute("UPDATE events SET message=replace(message, 'Your goal', 'The goal')")
     with pytest.raises(Failed, match="cannot be gone on with") as caught:
-        resume(session, data, catalogue, VirtualClock(), lambda task: [])
+        resume(session, data, catalogue, VirtualClock(), lambda task, theme: [])
     assert "has changed since" in str(caught.value)
     assert not locks.is_held(data, "participant", "P01")
-    start(plan, data, catalogue, VirtualClock(), lambda task: []).close()
+    start(plan, data, catalogue, VirtualClock(), lambda task, theme: []).close()
 
 
 def test_a_session_whose_parameters_the_task_no_longer_takes_is_told(
@@ -215,11 +215,11 @@ def test_a_session_whose_parameters_the_task_no_longer_takes_is_told(
     session = begin(plan, data, catalogue)
     connect(data).execute("""UPDATE sessions SET parameters='{"attempts": 2, "speed": 3}'""")
     with pytest.raises(Failed, match=r"cannot be gone on with\. There is no parameter speed"):
-        resume(session, data, catalogue, VirtualClock(), lambda task: [])
+        resume(session, data, catalogue, VirtualClock(), lambda task, theme: [])
 
 
 def test_a_theme_that_is_not_there_leaves_no_session_and_no_lock(plan: Plan, data: Path, catalogue: Catalogue) -> None:
     with pytest.raises(PluginError):
-        start(msgspec.structs.replace(plan, theme="loud"), data, catalogue, VirtualClock(), lambda task: [])
+        start(msgspec.structs.replace(plan, theme="loud"), data, catalogue, VirtualClock(), lambda task, theme: [])
     assert not locks.is_held(data, "participant", "P01")
     assert sessions.listing(connect(data), data) == []

@@ -11,19 +11,22 @@ import pytest
 import sqlite_utils
 
 from sar_tui.framework.bus import Bus, Record, Topic
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import KeyPressed, StorageChanged, Stored, Timing, TrialEnded
+from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.framework.messages import KeyPressed, Operator, StorageChanged, Stored, Timing, TrialEnded
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, STORAGE, STORED, TRIAL, WAITING
+from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, OPERATOR, STORAGE, STORED, TRIAL, WAITING
+from sar_tui.outputs.node import OutputNode
+from sar_tui.outputs.output import Output, Report
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.recorder import Recorder
+from tests.outputs.fakes import Puppet, Speaker
 
 A_TRIAL = TrialEnded(
     attempt=1,
@@ -43,13 +46,24 @@ A_TRIAL = TrialEnded(
 class Recorded:
     """A simulated session with a recorder: inline, or with a thread that is run by hand."""
 
-    def __init__(self, data: Path, *, inline: bool = True, seed: int = 3, **parameters: Any) -> None:
+    def __init__(
+        self,
+        data: Path,
+        *,
+        inline: bool = True,
+        seed: int = 3,
+        speech: Output | None = None,
+        robot: Output | None = None,
+        **parameters: Any,
+    ) -> None:
         catalogue = Catalogue()
         kind = catalogue.task("keyboard")
         task: Task = kind(build(kind.Parameters, {"attempts": 2, "prompts_per_attempt": 3, **parameters}))
         extra: list[Node] = [SimulatedParticipant(PEOPLE["average"], task, seed)]
+        theme = catalogue.theme("calm")
+        extra += [OutputNode(output, output.name, theme) for output in (speech, robot) if output]
         self.clock = VirtualClock()
-        self.session = Session(task, catalogue.theme("calm"), self.clock, seed, extra)
+        self.session = Session(task, theme, self.clock, seed, extra)
         self.database = connect(data)
         self.id = sessions.new_id()
         sessions.create(
@@ -143,12 +157,53 @@ def test_an_action_has_its_proposal_its_decision_and_each_moment(data: Path) -> 
     recorded.finish()
     recorded.recorder.write()
     rows = sessions.rows(recorded.eyes, "actions", recorded.id)
-    assert [row["kind"] for row in rows] == ["greeting", "feedback", "feedback", "goodbye"]
+    kinds = ["greeting", "instruction", "feedback", "feedback", "goodbye"]
+    assert [row["kind"] for row in rows] == kinds
     for row, action in zip(rows, recorded.all(ACTION), strict=True):
         assert row["final"] == msgspec.to_builtins(action)
         assert row["proposed"]["text"] == row["final"]["text"]
         assert (row["decision"], row["actor"]) == ("accepted", "agent")
         assert row["proposed_ns"] <= row["decided_ns"] <= row["started_ns"] <= row["ended_ns"]
+
+
+def test_what_was_not_said_is_kept_with_who_kept_it_from_being_said(data: Path) -> None:
+    speech = Speaker(60_000)
+    recorded = Recorded(data, speech=speech)
+    recorded.session.begin()
+    recorded.clock.advance(2 * SECOND)
+    stopped_at = recorded.clock.now()
+    recorded.session.bus.publish(OPERATOR, Operator(command="stop", at=stopped_at))
+    recorded.finish()
+    recorded.recorder.write()
+    rows = {row["kind"]: row for row in sessions.rows(recorded.eyes, "actions", recorded.id)}
+    greeting, instruction = rows["greeting"], rows["instruction"]
+    assert (greeting["decision"], greeting["started_ns"], greeting["ended_ns"]) == ("accepted", 0, stopped_at)
+    assert (instruction["decision"], instruction["actor"], instruction["final"]) == ("dropped", "stop", None)
+    assert (instruction["decided_ns"], instruction["started_ns"]) == (stopped_at, None)
+    assert instruction["proposed"]["spoken"] == recorded.session.task.instructions()
+
+
+def test_what_came_too_late_to_be_said_was_dropped_by_the_agent(data: Path) -> None:
+    recorded = Recorded(data, speech=Speaker(5000))
+    recorded.session.begin()
+    recorded.finish()
+    recorded.recorder.write()
+    rows = {row["kind"]: row for row in sessions.rows(recorded.eyes, "actions", recorded.id)}
+    assert (rows["instruction"]["decision"], rows["instruction"]["actor"]) == ("dropped", "agent")
+
+
+def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_whatever_order_they_come(data: Path) -> None:
+    robot = Puppet("robot", frozenset({"say"}))
+    recorded = Recorded(data, speech=Speaker(2000), robot=robot)
+    recorded.session.begin()
+    recorded.clock.advance(SECOND // 2)
+    robot.tell("a1", "say", "started")
+    recorded.clock.advance(2 * SECOND)
+    robot._tell(Report("a1", "say", "done", SECOND))
+    recorded.clock.advance(0)
+    recorded.recorder.write()
+    greeting = sessions.rows(recorded.eyes, "actions", recorded.id)[0]
+    assert (greeting["started_ns"], greeting["ended_ns"]) == (0, 2 * SECOND)
 
 
 def test_the_last_trial_closes_the_session(data: Path) -> None:

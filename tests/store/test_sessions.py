@@ -1,14 +1,18 @@
 """Given sessions in the database, when they are looked for, then they are found as what they are."""
 
+import tempfile
 from pathlib import Path
 from typing import Any
 
 import pytest
 import sqlite_utils
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from sar_tui.framework.task import Metric
 from sar_tui.framework.topics import ALL
 from sar_tui.store import sessions
-from sar_tui.store.database import StoreError
+from sar_tui.store.database import StoreError, connect
 from sar_tui.store.locks import hold
 
 
@@ -122,6 +126,65 @@ def test_a_message_that_cannot_be_read_is_told(database: sqlite_utils.Database, 
     database.execute("INSERT INTO events VALUES (?,1,1,0,?,?)", (session, topic, message))
     with pytest.raises(StoreError, match=f"Message 1 of session {session} cannot be read"):
         list(sessions.history(database, session))
+
+
+# --- the best results so far ----------------------------------------------------------------------------------
+
+TIME, TAPS = Metric("time", "ms", "lower"), Metric("taps", "taps/s", "higher")
+ROWS = st.lists(
+    st.fixed_dictionaries(
+        {
+            "participant": st.sampled_from(["P01", "P02"]),
+            "task": st.sampled_from(["keyboard", "reaching"]),
+            "mode": st.sampled_from(["live", "live", "simulated", "replayed"]),
+            "level": st.integers(1, 3),
+            "metric": st.none() | st.floats(1, 3000),
+            "unit": st.sampled_from(["ms", "ms", "taps/s"]),
+            "practice": st.booleans(),
+        }
+    ),
+    max_size=12,
+)
+
+
+@settings(max_examples=25)
+@given(ROWS, st.sampled_from([TIME, TAPS]))
+def test_the_best_is_of_the_live_sessions_of_a_participant_in_a_task_by_level_without_practice(
+    rows: list[dict[str, Any]], metric: Metric
+) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        database = connect(Path(folder))
+        entered = []
+        for number, row in enumerate(rows, 1):
+            session = enter(database, row["participant"], task=row["task"], mode=row["mode"])
+            entered.append(session)
+            database["attempts"].insert(
+                {
+                    "session": session,
+                    "attempt": number,
+                    "seat": "A",
+                    "practice": row["practice"],
+                    "level": row["level"],
+                    "metric": row["metric"],
+                    "metric_unit": row["unit"],
+                }
+            )
+
+        def expected(but: str = "") -> dict[str, float]:
+            best: dict[str, float] = {}
+            for session, row in zip(entered, rows, strict=True):
+                level, value = str(row["level"]), row["metric"]
+                whose = (row["participant"], row["task"], row["mode"], row["unit"])
+                mine = whose == ("P01", "keyboard", "live", metric.unit)
+                if mine and not row["practice"] and value is not None and session != but:
+                    known = best.get(level)
+                    best[level] = value if known is None or metric.is_better(value, known) else known
+            return best
+
+        assert sessions.best(database, "P01", "keyboard", metric) == expected()
+        for session in entered:
+            assert sessions.best(database, "P01", "keyboard", metric, but=session) == expected(but=session)
+        database.conn.close()
 
 
 def test_every_topic_can_be_found_by_its_name() -> None:

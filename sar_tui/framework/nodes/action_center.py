@@ -1,28 +1,48 @@
 """The Action Center: decides how the agent says what is due (thesis 3.2.4)."""
 
-import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
+from sar_tui.framework.answers import Answers
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.messages import (
-    AttemptEnded,
     Feedback,
+    Kind,
+    Policy,
     Proposal,
     Recall,
     SessionEnded,
     SessionStarted,
-    Valence,
+    ThemeWorn,
+    Waiting,
 )
 from sar_tui.framework.node import Node, on
+from sar_tui.framework.policies import encouragement
 from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme, face_for
-from sar_tui.framework.topics import FEEDBACK, PROPOSED, RECALL, SESSION, SESSION_ENDED
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import FEEDBACK, PROPOSED, RECALL, SESSION, SESSION_ENDED, THEME, WAITING
 
-ALIKE = 0.2
-"""Results that differ by no more than this share are near enough for the ways they came about to be compared."""
+
+class _Rule(NamedTuple):
+    """How important a kind of words is, and what becomes of it when something else is under way."""
+
+    priority: int
+    policy: Policy
+
+
+RULES: dict[Kind, _Rule] = {
+    "greeting": _Rule(30, "queue"),
+    "instruction": _Rule(20, "drop"),
+    "feedback": _Rule(40, "interrupt"),
+    "encouragement": _Rule(20, "drop"),
+    "rest": _Rule(10, "drop"),
+    "goodbye": _Rule(50, "interrupt"),
+}
+"""Feedback and the goodbye break off what is less important; what only helps is left out when it comes late."""
 
 
 class ActionCenter(Node):
-    """Turns a feedback event into words and a face, after the form the Task Base asks for."""
+    """Turns what happens into words, a face, a gesture: each with its importance."""
 
     name = "action_center"
     emits = (PROPOSED,)
@@ -31,117 +51,114 @@ class ActionCenter(Node):
     def __init__(self, task: Task, theme: Theme, seed: int) -> None:
         super().__init__()
         self._task = task
-        self._theme = theme
-        self._chance = Chance(seed)
-        self._count = 0
-        self._last_wording: dict[str, str] = {}
+        self._words = _Words(theme, Chance(seed))
+        self._answers = Answers(task, self._words)
+        self._instructed = False
+        self._ready_for = 0
+
+    @on(THEME)
+    def wear(self, worn: ThemeWorn) -> None:
+        """A theme that was edited is spoken from here on."""
+        self._words.theme = worn.theme
 
     @on(SESSION)
-    def greet(self, _: SessionStarted) -> None:
-        self._propose("greeting", self._word("greeting"))
+    def greet(self, session: SessionStarted) -> None:
+        self._instructed = False
+        self._propose("greeting", self._words("greeting" if session.run == 1 else "welcome_back"))
 
     @on(SESSION_ENDED)
     def say_goodbye(self, _: SessionEnded) -> None:
-        self._propose("goodbye", self._word("goodbye"))
+        self._propose("goodbye", self._words("goodbye"))
 
     @on(FEEDBACK)
     def answer(self, feedback: Feedback) -> None:
-        form, about = self._task.parameters.feedback_form, self._task.feedback_on
-        performance = self._performance(feedback) if about != "results" else ""
-        failed = feedback.reason in ("accuracy", "empty")
-        words = []
-        if failed and feedback.remark:
-            words.append(feedback.remark)
-        elif not (performance and about == "performance"):
-            words += [self._qualitative(feedback)] if form != "quantitative" else []
-            words += [self._quantitative(feedback)] if form != "qualitative" else []
-        words += [performance] if performance and not failed else []
-        self._propose("feedback", " ".join(words), feedback.valence, feedback.attempt)
-
-    def _qualitative(self, feedback: Feedback) -> str:
-        situation = feedback.reason if feedback.reason in ("accuracy", "empty") else feedback.valence
-        return self._word(situation)
-
-    def _quantitative(self, feedback: Feedback) -> str:
-        """Compare with the last attempt at that level; where there is none, give the result and the goal."""
-        if feedback.reason in ("accuracy", "empty") or feedback.metric is None:
-            situation = "empty" if feedback.reason == "empty" else "accuracy"
-            return self._word(f"{situation}_figures", correct=str(feedback.correct), trials=str(feedback.trials))
-        metric = self._task.metric
-        value, goal = metric.show(feedback.metric), metric.show(feedback.goal)
-        before = self._last(feedback)
-        if before is None or before.metric is None:
-            return self._word(f"{feedback.valence}_first", value=value, goal=goal)
-        difference = metric.show(abs(feedback.metric - before.metric))
-        if difference == metric.show(0):
-            return self._word(f"{feedback.valence}_same", value=value, goal=goal)
-        improved = metric.is_better(feedback.metric, before.metric)
-        return self._word(
-            f"{feedback.valence}_{'improved' if improved else 'worsened'}",
-            value=value,
-            goal=goal,
-            difference=difference,
-            change=metric.improved if improved else metric.worsened,
+        recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level))
+        degree = feedback.choice.degree
+        graded = feedback.valence if degree == "clear" else f"{feedback.valence}_{degree}"
+        self._propose(
+            "feedback",
+            self._answers.words(feedback, recalled),
+            "neutral" if feedback.valence == "neutral" else graded,
+            valence=feedback.valence,
+            degree=degree,
+            attempt=feedback.attempt,
+            due=feedback.due,
         )
 
-    def _performance(self, feedback: Feedback) -> str:
-        """What was better about *how* it was done than the last time it was done alike; else what to heed next.
+    @on(WAITING)
+    def waiting(self, waiting: Waiting) -> None:
+        """Between attempts there is time for more: what to do, a kind word, a rest."""
+        if waiting.stage == "instructions" and not self._instructed:
+            self._instructed = True
+            self._propose("instruction", "", spoken=self._task.instructions())
+        if waiting.stage == "attempt" and waiting.attempt > max(1, self._ready_for):
+            self._ready_for = waiting.attempt
+            self._before_attempt(waiting)
 
-        Alike is at the same level, and with nearly the same result: a slower movement has more of everything. Empty
-        where nothing was measured.
-        """
-        measured = [quality for quality in self._task.qualities if quality.field in feedback.qualities]
-        if not measured:
-            return ""
-        before = self._last(feedback, alike=True)
-        changes = [
-            (quality.change(feedback.qualities[quality.field], before.qualities[quality.field]), quality)
-            for quality in measured
-            if before and quality.field in before.qualities
-        ]
-        aim = self._chance.choice([quality.aim for quality in measured], "aim", self._count)
-        if not changes:
-            return self._word("performance_first", aim=aim)
-        best, worst = max(changes, key=lambda change: change[0]), min(changes, key=lambda change: change[0])
-        if best[0] >= 1:
-            return self._word("performance_improved", change=best[1].improved)
-        if worst[0] <= -1:
-            return self._word("performance_worsened", aim=worst[1].aim)
-        return self._word("performance_same", aim=aim)
+    def _before_attempt(self, waiting: Waiting) -> None:
+        parameters = self._task.parameters
+        attempts = self.ask(RECALL, Recall(seat=waiting.seat)).attempts
+        if encouragement.rest_due(len(attempts), parameters.rest_every):
+            self._propose("rest", self._words("rest"), attempt=waiting.attempt, joins=True)
+        elif parameters.encouragement and encouragement.is_hard(attempts, waiting.level):
+            self._propose("encouragement", self._words("encouragement"), attempt=waiting.attempt, joins=True)
 
-    def _last(self, feedback: Feedback, *, alike: bool = False) -> AttemptEnded | None:
-        """The last attempt before at that level that has a result; one alike, if asked for."""
-        recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level)).attempts
-        reach = math.inf if not alike or feedback.metric is None else ALIKE * abs(feedback.metric)
-        return next(
-            (
-                attempt
-                for attempt in reversed(recalled)
-                if attempt.attempt < feedback.attempt
-                and attempt.metric is not None
-                and (feedback.metric is None or abs(attempt.metric - feedback.metric) <= reach)
-            ),
-            None,
-        )
-
-    def _word(self, situation: str, **slots: str) -> str:
-        """A wording for a situation, not the same twice running, its slots filled."""
-        wordings = self._theme.phrases[situation]
-        fresh = [w for w in wordings if w != self._last_wording.get(situation)] or list(wordings)
-        wording = self._chance.choice(fresh, "wording", situation, self._count)
-        self._last_wording[situation] = wording
-        return wording.format(**slots)
-
-    def _propose(self, kind: str, text: str, valence: Valence | None = None, attempt: int = 0) -> None:
-        self._count += 1
+    def _propose(
+        self,
+        kind: Kind,
+        text: str,
+        manner: str = "",
+        *,
+        spoken: str | None = None,
+        valence: str | None = None,
+        degree: str | None = None,
+        attempt: int = 0,
+        due: int = 0,
+        joins: bool = False,
+    ) -> None:
+        self._words.count += 1
+        theme = self._words.theme
+        how = theme.manner(manner or kind)
         self.emit(
             PROPOSED,
             Proposal(
-                id=f"a{self._count}",
-                kind=kind,  # type: ignore[arg-type]
+                id=f"a{self._words.count}",
+                kind=kind,
                 text=text,
-                face=face_for(valence),
-                valence=valence,
+                spoken=theme.spoken(text if spoken is None else spoken),
+                face=how.face,
+                gesture=how.gesture,
+                gaze=how.gaze,
+                tone=how.tone,
+                valence=valence,  # type: ignore[arg-type]
+                degree=degree,  # type: ignore[arg-type]
                 attempt=attempt,
+                joins=joins,
+                priority=RULES[kind].priority,
+                policy=RULES[kind].policy,
+                due=due,
             ),
         )
+
+
+class _Words:
+    """Wordings of a theme: at random, but not the same twice running."""
+
+    def __init__(self, theme: Theme, chance: Chance) -> None:
+        self.theme = theme
+        self.count = 0
+        self._chance = chance
+        self._last: dict[str, str] = {}
+
+    def __call__(self, situation: str, **slots: str) -> str:
+        wordings = self.theme.phrases[situation]
+        fresh = [wording for wording in wordings if wording != self._last.get(situation)] or list(wordings)
+        wording = self._chance.choice(fresh, "wording", situation, self.count)
+        self._last[situation] = wording
+        return wording.format(**slots)
+
+    def choose(self, choices: Sequence[str]) -> str:
+        return self._chance.choice(choices, "aim", self.count)
+
+    def call(self, name: str) -> str:
+        return self.theme.vocabulary[name]

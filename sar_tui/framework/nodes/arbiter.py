@@ -1,48 +1,143 @@
 """The Arbiter: stands between what the agent proposes and what the participant gets."""
 
-from sar_tui.framework.messages import Action, Proposal, Waiting
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.topics import ACTION, PROPOSED, WAITING
+from sar_tui.framework.agenda import LASTING, Agenda
+from sar_tui.framework.clock import SECOND
+from sar_tui.framework.messages import (
+    Action,
+    AgentActing,
+    Deed,
+    Dropped,
+    Halt,
+    Operator,
+    OutputOpened,
+    OutputReport,
+    Proposal,
+    Saying,
+    SessionEnded,
+    SessionStarted,
+    Waiting,
+)
+from sar_tui.framework.node import TimedNode, on
+from sar_tui.framework.topics import (
+    ACTING,
+    ACTION,
+    DROPPED,
+    HALT,
+    OPERATOR,
+    OUTPUT,
+    PROPOSED,
+    REPORT,
+    SESSION,
+    SESSION_ENDED,
+    TIMER,
+    WAITING,
+)
+
+PATIENCE = 90 * SECOND
+"""An action of which no output says that it is over is taken to be over by then: no session hangs on a robot."""
+_OVER = ("done", "aborted", "failed")
 
 
-class Arbiter(Node):
-    """Passes every proposal on, but nothing in a trial: what comes late waits until the trial is over."""
+class Arbiter(TimedNode):
+    """Passes proposals on, one at a time, but none in a trial: what comes late waits until the trial is over."""
 
     name = "arbiter"
-    emits = (ACTION,)
+    emits = (TIMER, ACTION, DROPPED, HALT, ACTING)
 
     def __init__(self) -> None:
         super().__init__()
-        self._held: list[Proposal] = []
+        self._agenda = Agenda()
+        self._announced: list[OutputOpened] = []
+        self._outputs: list[OutputOpened] = []
         self._in_trial = False
+        self._acting = False
+
+    @on(OUTPUT)
+    def output_opened(self, opened: OutputOpened) -> None:
+        """Outputs announce themselves before a run begins."""
+        self._announced.append(opened)
+
+    @on(SESSION)
+    def session_started(self, _: SessionStarted) -> None:
+        """A run begins: what was under way in another is over."""
+        self._outputs, self._announced = self._announced, []
+        self.cancel_timers()
+        self._agenda.abandon()
+        self._drop("late")
+        self._in_trial = False
+        self._tell_acting()
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        self._in_trial = waiting.what in ("foreperiod", "storage", "response")
-        if not self._in_trial:
-            held, self._held = self._held, []
-            for proposal in held:
-                self._pass(proposal)
+        """Nothing begins in a trial; and who has gone on from the instructions need not hear them to the end."""
+        self._in_trial = waiting.what in ("foreperiod", "storage", "response") and waiting.stage == "trial"
+        if waiting.stage == "trial":
+            self._drop("late", only="drop")
+        current = self._agenda.current
+        if current and current.kind == "instruction" and waiting.stage not in ("instructions", "paused"):
+            self.emit(HALT, Halt(action=current.id, reason="left", asked=self.now))
+        self._go_on()
+
+    @on(SESSION_ENDED)
+    def session_ended(self, _: SessionEnded) -> None:
+        """Nothing is said after the goodbye."""
+        self._drop("late")
 
     @on(PROPOSED)
     def proposed(self, proposal: Proposal) -> None:
-        if self._in_trial:
-            self._held.append(proposal)
-        else:
-            self._pass(proposal)
+        self._agenda.add(proposal)
+        self._go_on()
 
-    def _pass(self, proposal: Proposal) -> None:
-        self.emit(
-            ACTION,
-            Action(
-                seat=proposal.seat,
-                id=proposal.id,
-                kind=proposal.kind,
-                text=proposal.text,
-                face=proposal.face,
-                valence=proposal.valence,
-                attempt=proposal.attempt,
-                decision="accepted",
-                actor="agent",
-            ),
-        )
+    @on(REPORT)
+    def reported(self, report: OutputReport) -> None:
+        if report.state in _OVER and self._agenda.close(report.action, report.output, report.deed):
+            self._go_on()
+
+    @on(OPERATOR)
+    def operator_acted(self, act: Operator) -> None:
+        """The stop key: everything that is said and done, and all that waits for its turn."""
+        if act.command == "stop":
+            self._drop("stopped")
+            self.emit(HALT, Halt(reason="stopped", asked=act.at or self.now))
+
+    def timer(self, name: str, late: int) -> None:
+        if name == "patience":
+            self._agenda.abandon()
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Let those act whose turn it is."""
+        while not self._in_trial and (proposal := self._agenda.next(self.now)):
+            if current := self._agenda.current:
+                self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
+            self._agenda.begin(proposal, self._parts(proposal))
+            self.emit(ACTION, _accepted(proposal))
+            self.set_timer("patience", self.now + PATIENCE)
+        if not self._agenda.is_acting:
+            self.cancel_timer("patience")
+        if (due := self._agenda.next_due(self.now)) is not None:
+            self.set_timer("due", due)
+        self._tell_acting()
+
+    def _parts(self, saying: Saying) -> list[tuple[str, Deed]]:
+        """Which outputs have something to do for it that takes a while."""
+        wanted = {deed for deed in LASTING if getattr(saying, _FIELDS[deed])}
+        return [(opened.output, deed) for opened in self._outputs for deed in opened.can if deed in wanted]
+
+    def _tell_acting(self) -> None:
+        if self._agenda.is_acting != self._acting:
+            self._acting = self._agenda.is_acting
+            self.emit(ACTING, AgentActing(acting=self._acting))
+
+    def _drop(self, reason: str, *, only: str = "") -> None:
+        for proposal in self._agenda.clear(only=only):
+            self.emit(DROPPED, Dropped(id=proposal.id, reason=reason))  # type: ignore[arg-type]
+
+
+_FIELDS: dict[Deed, str] = {"say": "spoken", "gesture": "gesture", "gaze": "gaze", "tone": "tone"}
+"""What of a saying each deed takes."""
+
+
+def _accepted(proposal: Proposal) -> Action:
+    said = {name: getattr(proposal, name) for name in proposal.__struct_fields__}
+    return Action(**said, decision="accepted", actor="agent")

@@ -3,33 +3,26 @@
 from collections.abc import Collection
 from typing import Literal
 
-import msgspec
-
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import FAULT
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.course import Course
-from sar_tui.framework.node import STALLED, TimedNode, on
+from sar_tui.framework.course import Course, Scored
+from sar_tui.framework.node import on
 from sar_tui.framework.nodes import VITAL
+from sar_tui.framework.nodes.trials import Trials
 from sar_tui.framework.obstacles import Obstacles
-from sar_tui.framework.phase import BEFORE_PROMPT, ENTER_GOES_ON, IN_TRIAL, MARKABLE, OVER, PAUSES, Phase
-from sar_tui.framework.task import Again, Mark, Result, Task
+from sar_tui.framework.phase import ENTER_GOES_ON, IN_TRIAL, MARKABLE, OVER, PAUSES, Phase
+from sar_tui.framework.task import Mark, Result, Task
 from sar_tui.framework.topics import (
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
     FEEDBACK,
-    FOCUS,
     LEVEL,
     MARKED,
     OPERATOR,
-    PASTE,
-    PERCEIVED,
     PROMPT,
-    REACH,
     SENSOR,
     SESSION,
     SESSION_ENDED,
-    SHOWN,
     STORAGE,
     STORED,
     TIMER,
@@ -37,28 +30,14 @@ from sar_tui.framework.topics import (
     VOIDED,
     WAITING,
 )
-from sar_tui.framework.trial import OpenTrial
-from sar_tui.framework.waiting import waiting
+from sar_tui.framework.waiting import ASK_KEY, waiting
 
-GRACE = 50 * MS
-"""A response stamped in time may be handled this much after the time-out was, however late that itself came."""
-MOST_AGAIN = 3
-"""After so many times of which nothing can be said a trial counts as missed: nobody is asked without end."""
-HELD_KEY = 700 * MS
-"""The key that starts a trial, so soon after itself, is held: keyboards repeat first after 250 to 660 ms."""
-HELD = 3 * SECOND
-"""After this long without quiet the participant is asked to let go of the keys."""
 _WITHOUT_SENSOR = (Phase.INSTRUCTIONS, Phase.REVIEW)
 """Where no movement is about to be made, and so no sensor is needed."""
 
 
-class EventHandler(TimedNode):
-    """Attempts and prompts: what comes when. The course scores and adapts, the open trial keeps what was seen.
-
-    A trial runs (start) → quiet → foreperiod → (storing) → onset → response; a key in the foreperiod begins it anew;
-    a pause, a sensor that comes loose, or the end of the program, voids it, and it is repeated under the same number
-    with the same prompt.
-    """
+class EventHandler(Trials):
+    """The session and its attempts: what comes when. The course scores and adapts; how a trial runs is the base's."""
 
     name = "event_handler"
     emits = (
@@ -76,26 +55,16 @@ class EventHandler(TimedNode):
     )
 
     def __init__(self, task: Task, seed: int, vital: Collection[str] = VITAL) -> None:
-        super().__init__()
-        self.task = task
+        super().__init__(task)
         self.vital = vital
-        self.parameters = task.parameters
-        self._phase = Phase.INSTRUCTIONS
         self._course = Course(task, seed)
-        self._focused = True
-        self._trial: OpenTrial
-        self._stored = (0, 0)
-        self._last_trial = (0, 0)
         self._unmarked: Result
         self._marked: Mark | None = None
-        self._agains = 0
-        self._last_key: int | None = None
-        self._start_key_at: int | None = None
-        self._restless_since = 0
         self._paused_from = Phase.INSTRUCTIONS
         self._pause_reason = ""
         self._obstacles = Obstacles(needs_sensor=bool(task.sensors))
-        self._notice = ""
+        self._after_answer = Phase.READY
+        self._answer_due = 0
         self._told_level = 0
         self._status: Literal["completed", "aborted"] = "completed"
 
@@ -107,6 +76,8 @@ class EventHandler(TimedNode):
         self._last_key = None
         self._start_key_at = None
         self._focused = True
+        self._is_agent_acting = False
+        self._answer_due = 0
         self.cancel_timers()
         self._stored = self._last_trial
         self._obstacles.begin_run()
@@ -178,10 +149,8 @@ class EventHandler(TimedNode):
 
     @on(STORED)
     def stored(self, stored: m.Stored) -> None:
-        self._stored = (stored.attempt, stored.trial)
-        if self._phase is Phase.STORING and self._stored == self._last_trial:
-            self._show()
-        elif self._phase is Phase.CLOSING and self._stored == self._last_trial:
+        super().stored(stored)
+        if self._phase is Phase.CLOSING and self._stored == self._last_trial:
             self._end()
 
     def _pause(self, reason: str) -> None:
@@ -197,6 +166,8 @@ class EventHandler(TimedNode):
         elif self._is_under_way:
             self._last_key = self.now
             self._begin_trial()
+        elif self._paused_from is Phase.ANSWER:
+            self._await_answer()
         else:
             self._wait(self._paused_from)
 
@@ -211,6 +182,21 @@ class EventHandler(TimedNode):
     def _end(self) -> None:
         self._wait(Phase.ENDED)
         self.emit(SESSION_ENDED, m.SessionEnded(status=self._status))
+
+    def _key_between_trials(self, percept: m.KeyPerceived) -> None:
+        match self._phase, percept.key:
+            case Phase.INSTRUCTIONS, "enter":
+                self._wait(Phase.READY)
+                if self._obstacles.sensor_lost:
+                    self._pause("sensor")
+            case Phase.READY, "enter" if not percept.repeat:
+                self._begin_attempt()
+            case Phase.REVIEW, "enter" if not percept.repeat:
+                self._close("completed")
+            case Phase.READY | Phase.REVIEW, key if key == ASK_KEY:
+                self._ask()
+            case Phase.PAUSED, "enter" if self._reason in ENTER_GOES_ON:
+                self._resume()
 
     # --- attempts -----------------------------------------------------------------------------------------
 
@@ -228,12 +214,38 @@ class EventHandler(TimedNode):
     def _end_attempt(self) -> None:
         """Score, adapt, answer: in this order, so that memory holds the attempt before it is spoken of."""
         scored = self._course.score(self.now)
+        self._tell(scored)
+        if scored.is_answered:
+            self.emit(FEEDBACK, scored.feedback)
+        self._after_answer = Phase.READY if self._course.advance() else Phase.REVIEW
+        self._answer_due = scored.feedback.due
+        self._await_answer()
+
+    def _await_answer(self) -> None:
+        """An answer that comes after a delay is waited for; the next attempt does not begin before."""
+        if self._answer_due > self.now:
+            self._wait(Phase.ANSWER)
+            self.set_timer("answer", self._answer_due)
+        else:
+            self._wait(self._after_answer)
+
+    def timer(self, name: str, late: int) -> None:
+        if name == "answer":
+            self._wait(self._after_answer)
+        else:
+            super().timer(name, late)
+
+    def _ask(self) -> None:
+        """The participant wants to know how the last attempt went."""
+        if asked := self._course.ask(self.now):
+            self._tell(asked)
+            self.emit(FEEDBACK, asked.feedback)
+            self._wait(self._phase)
+
+    def _tell(self, scored: Scored) -> None:
         self.emit(ATTEMPT_ENDED, scored.ended)
         if scored.level:
             self.emit(LEVEL, scored.level)
-        if scored.feedback:
-            self.emit(FEEDBACK, scored.feedback)
-        self._wait(Phase.READY if self._course.advance() else Phase.REVIEW)
 
     def _set_level(self, level: int) -> None:
         if changed := self._course.set_level(level, under_way=self._is_under_way):
@@ -241,178 +253,17 @@ class EventHandler(TimedNode):
         if self._phase is Phase.READY:
             self._wait(Phase.READY)
 
-    # --- trials --------------------------------------------------------------------------------------------
+    # --- trials and marks -----------------------------------------------------------------------------------
 
-    def _begin_trial(self, notice: str = "") -> None:
-        """Let the participant start the trial, where that is theirs to do; else let it come by itself."""
-        self._notice = notice
-        if self.task.start_key:
-            self._wait(Phase.START)
-        else:
-            self._lead_up()
-
-    def _start_trial(self, at: int) -> None:
-        self._trial.started = at
-        self._lead_up()
-
-    def _lead_up(self) -> None:
-        if self.task.has_foreperiod:
-            self._await_quiet()
-        else:
-            self._show_when_stored()
-
-    def _show_when_stored(self) -> None:
-        if self._stored == self._last_trial:
-            self._show()
-        else:
-            self._wait(Phase.STORING)
-
-    def _await_quiet(self) -> None:
-        """Let the foreperiod begin when no key has been pressed for a moment."""
-        self._restless_since = self.now
-        self._wait(Phase.QUIET)
-        self._set_quiet_timer()
-
-    def _set_quiet_timer(self) -> None:
-        quiet = self.parameters.quiet_ms * MS
-        self.set_timer("quiet", self.now if self._last_key is None else max(self.now, self._last_key + quiet))
-
-    def timer(self, name: str, late: int) -> None:
-        match name:
-            case "quiet":
-                wait = self._trial.draw_foreperiod(self.parameters.foreperiod_min_ms, self.parameters.foreperiod_max_ms)
-                self._wait(Phase.FOREPERIOD)
-                self.set_timer("foreperiod", self.now + wait)
-            case "foreperiod":
-                self._show_when_stored()
-            case "timeout" if late > STALLED:
-                self._void("stalled")
-                self._begin_trial()
-            case "timeout":
-                self._trial.lag = late
-                self.set_timer("grace", self.now + GRACE)
-            case "grace":
-                self._finish(self.task.timed_out(self._trial.view()))
-
-    def _show(self) -> None:
-        if not self._focused:
-            self._trial.flag("focus_lost")
-        self.emit(PROMPT, self._trial.prompt(self.parameters.response_timeout_ms * MS))
-        self._wait(Phase.ONSET)
-
-    @on(SHOWN)
-    def shown(self, shown: m.Shown) -> None:
-        """The prompt is on the screen: judge what was pressed while it was on its way, and wait."""
-        if self._phase is not Phase.ONSET or not self._trial.is_shown_by(shown):
-            return
-        self._phase = Phase.RESPONSE
-        self._trial.set_onset(shown)
-        self.set_timer("timeout", shown.at + self.parameters.response_timeout_ms * MS)
-        for percept in self._trial.early:
-            if self._phase is Phase.RESPONSE:
-                self._judge(percept)
-
-    @on(PERCEIVED)
-    def perceived(self, percept: m.KeyPerceived) -> None:
-        self._last_key = percept.at
-        self._judge_key(percept)
-        if percept.key == self.task.start_key:
-            self._start_key_at = percept.at
-
-    def _is_held(self, at: int) -> bool:
-        return self._start_key_at is not None and at - self._start_key_at < HELD_KEY
-
-    def _judge_key(self, percept: m.KeyPerceived) -> None:
-        match self._phase:
-            case Phase.INSTRUCTIONS if percept.key == "enter":
-                self._wait(Phase.READY)
-                if self._obstacles.sensor_lost:
-                    self._pause("sensor")
-            case Phase.READY if percept.key == "enter" and not percept.repeat:
-                self._begin_attempt()
-            case Phase.REVIEW if percept.key == "enter" and not percept.repeat:
-                self._close("completed")
-            case Phase.PAUSED if percept.key == "enter" and self._reason in ENTER_GOES_ON:
-                self._resume()
-            case Phase.START if percept.key == self.task.start_key and not self._is_held(percept.at):
-                self._start_trial(percept.at)
-            case phase if phase in BEFORE_PROMPT and self.task.has_foreperiod:
-                self._disturbed()
-            case Phase.ONSET:
-                self._trial.early.append(percept)
-            case Phase.RESPONSE:
-                self._judge(percept)
-
-    @on(REACH)
-    def reach_perceived(self, percept: m.ReachPerceived) -> None:
-        match self._phase:
-            case Phase.ONSET:
-                self._trial.early.append(percept)
-            case Phase.RESPONSE:
-                self._judge(percept)
-
-    @on(PASTE)
-    def pasted(self, paste: m.Pasted) -> None:
-        self._last_key = paste.at
-        if self._phase in IN_TRIAL:
-            self._trial.flag("paste")
-        if self._phase in BEFORE_PROMPT and self.task.has_foreperiod:
-            self._disturbed()
-
-    @on(FOCUS)
-    def focus_changed(self, focus: m.FocusChanged) -> None:
-        self._focused = focus.focused
-        if self._phase in IN_TRIAL and not focus.focused:
-            self._trial.flag("focus_lost")
-
-    def _disturbed(self) -> None:
-        """A key where none belongs: wait for quiet, and begin the foreperiod anew."""
-        if self._phase is not Phase.QUIET:
-            self._trial.false_starts += 1
-            self.cancel_timer("foreperiod")
-            self._await_quiet()
-        else:
-            self._set_quiet_timer()
-            if self.now - self._restless_since > HELD:
-                self._restless_since = self.now
-                self._wait(Phase.QUIET, "held")
-
-    def _judge(self, percept: m.Percept) -> None:
-        if percept.repeat:
-            self._trial.flag("repeat_key")
-            return
-        trial = self._trial.view()
-        self._trial.remember(percept)
-        if trial.latency_ms(percept.at) > self.parameters.response_timeout_ms:
-            self._trial.flag("late_key")
-            self._finish(self.task.timed_out(trial))
-        elif isinstance(result := self.task.perceived(trial, percept), Again):
-            self._try_again(result)
-        elif result is not None:
-            self._finish(result)
-
-    def _try_again(self, again: Again) -> None:
-        self._agains += 1
-        if self._agains < MOST_AGAIN:
-            self._void(again.reason)
-            self._begin_trial(again.words)
-        else:
-            self._finish(Result(correct=False, flags=("unmeasured", again.reason), remark=again.words))
-
-    def _finish(self, result: Result) -> None:
-        """Record the trial, and go on to the next or to the end of the attempt."""
-        self.cancel_timers()
-        latency = self._trial.latency_ms(result)
-        if latency is not None and latency < self.parameters.min_rt_ms:
-            result = msgspec.structs.replace(result, flags=(*result.flags, "anticipation"))
-        self._agains = 0
+    def _trial_done(self, result: Result) -> Result:
         self._unmarked = result
         self._marked = self._trial.mark
-        if self._marked:
-            result = self._marked.applied(result)
-        self.emit(TRIAL, self._trial.ended(result))
+        result = self._marked.applied(result) if self._marked else result
         self._course.results.append(result)
         self._last_trial = self._course.last_trial
+        return result
+
+    def _next(self) -> None:
         if self._course.is_attempt_done:
             self._end_attempt()
         else:
@@ -421,8 +272,8 @@ class EventHandler(TimedNode):
 
     def _mark(self, mark: Mark) -> None:
         """Mark the trial under way, or the last one, which is then scored once more; again: take the mark back."""
-        if self._phase in IN_TRIAL and self._phase is not Phase.START:
-            self._mark_open(None if self._trial.mark is mark else mark)
+        if self._phase in IN_TRIAL and self._phase not in MARKABLE:
+            self._marked_open(None if self._trial.mark is mark else mark)
             return
         if self._phase not in MARKABLE:
             return
@@ -434,25 +285,14 @@ class EventHandler(TimedNode):
         name = self._marked.name if self._marked else ""
         self.emit(MARKED, m.TrialMarked(attempt=attempt, trial=trial, mark=name, correct=marked.correct))
         if scored := self._course.amend(marked):
-            self.emit(ATTEMPT_ENDED, scored.ended)
-            if scored.level:
-                self.emit(LEVEL, scored.level)
+            self._tell(scored)
             self._wait(self._phase)
 
-    def _mark_open(self, mark: Mark | None) -> None:
+    def _marked_open(self, mark: Mark | None) -> None:
         self._trial.mark = mark
         attempt, trial = self._course.attempt, self._course.trial
         name, correct = (mark.name, mark.counts) if mark else ("", True)
         self.emit(MARKED, m.TrialMarked(attempt=attempt, trial=trial, mark=name, correct=correct))
-
-    def _void(self, reason: str) -> None:
-        """Break a trial off; it will be repeated."""
-        self.cancel_timers()
-        if self._phase in IN_TRIAL:
-            if self._trial.mark:
-                self._mark_open(None)
-            self.emit(VOIDED, self._trial.voided(reason))
-            self._trial = self._trial.anew()
 
     # --- waiting ------------------------------------------------------------------------------------------------
 
@@ -464,7 +304,6 @@ class EventHandler(TimedNode):
         return self._pause_reason if self._phase is Phase.PAUSED else ""
 
     def _wait(self, phase: Phase, reason: str = "") -> None:
-        """Enter a phase, and say what the session waits for."""
         self._phase = phase
         why = reason or self._reason
         notice = self._notice_for(phase)

@@ -1,8 +1,8 @@
 """Memory: what happened so far in this session, for those who ask."""
 
-from sar_tui.framework.messages import AttemptEnded, Attempts, Recall
+from sar_tui.framework.messages import AttemptEnded, Attempts, Recall, SessionStarted
 from sar_tui.framework.node import Node, on, serves
-from sar_tui.framework.topics import ATTEMPT_ENDED, RECALL
+from sar_tui.framework.topics import ATTEMPT_ENDED, RECALL, SESSION
 
 
 class Memory(Node):
@@ -13,6 +13,12 @@ class Memory(Node):
     def __init__(self) -> None:
         super().__init__()
         self._attempts: dict[tuple[str, int], AttemptEnded] = {}
+        self._earlier_best: dict[str, float] = {}
+
+    @on(SESSION)
+    def session_started(self, session: SessionStarted) -> None:
+        """What was achieved in earlier sessions is told at the beginning."""
+        self._earlier_best = session.best
 
     @on(ATTEMPT_ENDED)
     def attempt_ended(self, attempt: AttemptEnded) -> None:
@@ -26,5 +32,6 @@ class Memory(Node):
                 attempt
                 for attempt in self._attempts.values()
                 if attempt.seat == request.seat and not attempt.practice and request.level in (None, attempt.level)
-            )
+            ),
+            earlier_best=self._earlier_best.get(str(request.level)),
         )

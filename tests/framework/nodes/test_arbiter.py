@@ -1,67 +1,432 @@
-"""Given a proposal, when a trial runs, then it waits; when none does, it passes straight through."""
+"""Given what the agent proposes, when outputs take their time, then it does one thing at a time, none in a trial."""
 
-from sar_tui.framework.bus import Bus, Topic
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import Action, Message, Proposal, Waiting
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.bus import Bus, Record, Topic
+from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.node import Node, on
-from sar_tui.framework.nodes.arbiter import Arbiter
-from sar_tui.framework.topics import ACTION, PROPOSED, WAITING
+from sar_tui.framework.nodes.arbiter import PATIENCE, Arbiter
+from sar_tui.framework.topics import (
+    ACTING,
+    ACTION,
+    DROPPED,
+    HALT,
+    OPERATOR,
+    OUTPUT,
+    PROPOSED,
+    REPORT,
+    SESSION,
+    WAITING,
+)
+from sar_tui.outputs.node import OutputNode
+from tests.outputs.contract import THEME as BARE
+from tests.outputs.fakes import Speaker
 
 
-class Told(Message, frozen=True, kw_only=True):
-    what: str = ""
-    word: str = ""
+class Told(m.Message, frozen=True, kw_only=True):
+    waiting: m.Waiting | None = None
+    proposals: tuple[m.Proposal, ...] = ()
 
 
 TOLD = Topic("test/told", Told, origin="input")
+IN_TRIAL = ("foreperiod", "storage", "response")
 
 
 class Teller(Node):
+    """Stands in for the event handler and the action center."""
+
     name = "teller"
     emits = (WAITING, PROPOSED)
 
     @on(TOLD)
     def told(self, told: Told) -> None:
-        if told.what:
-            self.emit(WAITING, Waiting(what=told.what, stage="trial"))  # type: ignore[arg-type]
-        if told.word:
-            self.emit(PROPOSED, Proposal(id=told.word, kind="feedback", text=told.word, face="happy", seat="B"))
+        if told.waiting:
+            self.emit(WAITING, told.waiting)
+        for proposal in told.proposals:
+            self.emit(PROPOSED, proposal)
 
 
-def played(*script: Told) -> list[list[Action]]:
-    bus = Bus(VirtualClock())
-    for node in (Teller(), Arbiter()):
-        node.attach(bus)
-    actions: list[Action] = []
-    bus.subscribe(ACTION, actions.append)
-    after = []
-    for told in script:
-        bus.publish(TOLD, told)
-        after.append(list(actions))
-        actions.clear()
-    return after
+class Floor:
+    """An arbiter, and outputs that can do this and that: they report what a test has them report."""
+
+    def __init__(self, outputs: dict[str, tuple[m.Deed, ...]] | None = None, extra: tuple[Node, ...] = ()) -> None:
+        self.clock = VirtualClock(SECOND)
+        self.bus = Bus(self.clock)
+        self.records: list[Record] = []
+        self.bus.tap(self.records.extend)
+        for node in (Teller(), Arbiter(), *extra):
+            node.attach(self.bus)
+        self.begin(outputs or {})
+
+    def begin(self, outputs: dict[str, tuple[m.Deed, ...]], run: int = 1) -> None:
+        for name, can in outputs.items():
+            self.bus.publish(OUTPUT, m.OutputOpened(output=name, address=name, can=can))
+        self.bus.publish(SESSION, m.SessionStarted(run=run, task="lift", theme="calm", seed=1))
+
+    def wait_for(self, what: Any, stage: Any = "trial") -> None:
+        """The session comes to wait for something."""
+        self.bus.publish(TOLD, Told(waiting=m.Waiting(what=what, stage=stage)))
+
+    def propose(self, *names: str, **how: Any) -> None:
+        made = [proposal(name, **how) for name in names]
+        self.bus.publish(TOLD, Told(proposals=tuple(made)))
+
+    def report(self, action: str, state: Any = "done", output: str = "speech", deed: m.Deed = "say") -> None:
+        told = m.OutputReport(action=action, output=output, deed=deed, state=state, at=self.clock.now())
+        self.bus.publish(REPORT, told)
+
+    def stop(self, at: int = 0) -> None:
+        self.bus.publish(OPERATOR, m.Operator(command="stop", at=at))
+
+    def all(self, topic: Topic[Any]) -> list[Any]:
+        return [record.message for record in self.records if record.topic is topic]
+
+    @property
+    def acted(self) -> list[str]:
+        return [action.id for action in self.all(ACTION)]
+
+    @property
+    def dropped(self) -> list[tuple[str, str]]:
+        return [(dropped.id, dropped.reason) for dropped in self.all(DROPPED)]
+
+    @property
+    def halted(self) -> list[tuple[str, str]]:
+        return [(halt.action, halt.reason) for halt in self.all(HALT)]
+
+    @property
+    def acting(self) -> list[bool]:
+        return [agent.acting for agent in self.all(ACTING)]
+
+
+def proposal(name: str, **how: Any) -> m.Proposal:
+    return m.Proposal(**{"id": name, "kind": "feedback", "text": name, "spoken": name, **how})
+
+
+@pytest.fixture
+def floor() -> Floor:
+    """With one output that speaks."""
+    return Floor({"speech": ("say",)})
+
+
+# --- passed on as it is, and not in a trial -------------------------------------------------------------------
 
 
 def test_outside_a_trial_everything_is_passed_on_as_it_is() -> None:
-    ((action,),) = played(Told(word="hello"))
-    assert action == Action(
-        seat="B",
-        id="hello",
-        kind="feedback",
-        text="hello",
-        face="happy",
-        decision="accepted",
-        actor="agent",
+    floor = Floor()
+    whole: dict[str, Any] = {
+        "seat": "B",
+        "face": "happy",
+        "gesture": "wave",
+        "gaze": "left",
+        "tone": "success",
+        "valence": "positive",
+        "degree": "strong",
+        "attempt": 3,
+        "joins": True,
+        "priority": 7,
+        "policy": "drop",
+    }
+    floor.propose("hello", **whole)
+    (action,) = floor.all(ACTION)
+    assert action == m.Action(
+        id="hello", kind="feedback", text="hello", spoken="hello", decision="accepted", actor="agent", **whole
     )
 
 
-def test_nothing_is_passed_on_in_a_trial_and_all_of_it_in_order_once_it_is_over() -> None:
-    for what in ("foreperiod", "storage", "response"):
-        *held, passed = played(Told(what=what), Told(word="a"), Told(what=what, word="b"), Told(what="enter"))
-        assert held == [[], [], []]
-        assert [action.text for action in passed] == ["a", "b"]
+@pytest.mark.parametrize("what", IN_TRIAL)
+def test_nothing_is_passed_on_in_a_trial_and_all_of_it_in_order_once_it_is_over(what: str) -> None:
+    floor = Floor()
+    floor.wait_for(what)
+    floor.propose("a")
+    floor.wait_for(what)
+    floor.propose("b")
+    assert floor.acted == []
+    floor.wait_for("enter", "attempt")
+    assert floor.acted == ["a", "b"]
+    floor.wait_for("quiet")
+    assert floor.acted == ["a", "b"], "not again"
 
 
-def test_what_was_passed_on_is_not_passed_on_again() -> None:
-    *_, first, second = played(Told(what="response"), Told(word="a"), Told(what="quiet"), Told(what="enter"))
-    assert ([action.text for action in first], second) == (["a"], [])
+def test_what_stores_the_last_trial_of_a_session_is_no_trial() -> None:
+    floor = Floor()
+    floor.wait_for("storage", "ended")
+    floor.propose("bye")
+    assert floor.acted == ["bye"]
+
+
+# --- one at a time --------------------------------------------------------------------------------------------
+
+
+def test_what_queues_waits_until_what_is_under_way_is_over(floor: Floor) -> None:
+    floor.propose("a", "b", "c")
+    assert (floor.acted, floor.acting) == (["a"], [True])
+    floor.report("a", "queued")
+    floor.report("a", "started")
+    assert floor.acted == ["a"]
+    for number, (name, end) in enumerate([("a", "done"), ("b", "failed"), ("c", "aborted")], 1):
+        floor.report(name, end)
+        assert floor.acted == ["a", "b", "c"][: number + 1]
+    assert floor.acting == [True, False], "told when it changes, not with each action"
+
+
+def test_the_more_important_goes_before_what_came_earlier(floor: Floor) -> None:
+    floor.propose("a")
+    floor.propose("b", priority=1)
+    floor.propose("c", priority=2)
+    floor.report("a")
+    floor.report("c")
+    assert floor.acted == ["a", "c", "b"]
+
+
+def test_an_action_is_over_when_every_output_has_done_its_part_of_it() -> None:
+    floor = Floor({"speech": ("say",), "robot": ("gesture", "gaze", "say"), "screen": ("show",)})
+    floor.propose("a", gesture="wave")
+    for output, deed in (("speech", "say"), ("robot", "say"), ("robot", "gaze"), ("screen", "show")):
+        floor.report("a", "done", output, deed)  # type: ignore[arg-type]
+        assert floor.acting == [True], "its gesture goes on"
+    floor.report("a", "done", "robot", "gesture")
+    assert floor.acting == [True, False]
+
+
+def test_words_on_the_screen_are_waited_for_by_nobody() -> None:
+    floor = Floor({"screen": ("show",)})
+    floor.propose("a", "b")
+    assert (floor.acted, floor.acting) == (["a", "b"], [])
+
+
+# --- breaking off ---------------------------------------------------------------------------------------------
+
+
+def test_what_interrupts_breaks_off_what_is_no_more_important(floor: Floor) -> None:
+    floor.propose("a", priority=3)
+    floor.propose("b", priority=3, policy="interrupt")
+    assert floor.halted == [("a", "interrupted")]
+    assert [record.topic for record in floor.records if record.topic in (HALT, ACTION)] == [ACTION, HALT, ACTION]
+    floor.report("a", "aborted")
+    assert floor.acting == [True], "b goes on"
+    floor.report("b")
+    assert floor.acting == [True, False]
+
+
+def test_what_interrupts_waits_for_what_is_more_important(floor: Floor) -> None:
+    floor.propose("a", priority=3)
+    floor.propose("b", priority=2, policy="interrupt")
+    assert (floor.acted, floor.halted) == (["a"], [])
+    floor.report("a")
+    assert floor.acted == ["a", "b"]
+
+
+def test_what_would_interrupt_does_not_do_so_in_a_trial(floor: Floor) -> None:
+    floor.wait_for("response")
+    floor.propose("a", policy="interrupt")
+    assert (floor.acted, floor.halted) == ([], [])
+
+
+@pytest.mark.parametrize(
+    ("what", "stage", "halted"),
+    [
+        ("enter", "instructions", []),
+        ("resume", "paused", []),
+        ("enter", "attempt", [("a", "left")]),
+        ("agent", "trial", [("a", "left")]),
+    ],
+)
+def test_who_has_gone_on_need_not_hear_the_instructions_to_their_end(
+    floor: Floor, what: str, stage: str, halted: list[tuple[str, str]]
+) -> None:
+    floor.propose("a", kind="instruction")
+    floor.wait_for(what, stage)
+    assert floor.halted == halted
+
+
+# --- too late, too early --------------------------------------------------------------------------------------
+
+
+def test_what_only_helps_is_dropped_when_a_trial_comes_first(floor: Floor) -> None:
+    floor.propose("a")
+    floor.propose("b", policy="drop")
+    floor.propose("c")
+    floor.wait_for("enter", "attempt")
+    assert floor.dropped == []
+    floor.wait_for("agent")
+    assert floor.dropped == [("b", "late")]
+    floor.report("a")
+    assert floor.acted == ["a", "c"]
+
+
+def test_what_only_helps_is_said_to_its_end_once_it_has_begun(floor: Floor) -> None:
+    floor.propose("a", policy="drop")
+    floor.wait_for("agent")
+    assert (floor.dropped, floor.halted) == ([], [])
+
+
+def test_what_is_due_later_comes_then_to_the_nanosecond(floor: Floor) -> None:
+    floor.propose("a", due=floor.clock.now() + 2500 * MS)
+    floor.clock.advance(2500 * MS - 1)
+    assert floor.acted == []
+    floor.clock.advance(1)
+    assert floor.acted == ["a"]
+
+
+def test_what_falls_due_in_a_trial_comes_after_it(floor: Floor) -> None:
+    floor.propose("a", due=floor.clock.now() + 10)
+    floor.wait_for("response")
+    floor.clock.advance(SECOND)
+    assert floor.acted == []
+    floor.wait_for("enter", "attempt")
+    assert floor.acted == ["a"]
+
+
+def test_what_falls_due_breaks_in_even_while_something_else_waits_its_turn(floor: Floor) -> None:
+    floor.propose("a", "b")
+    floor.propose("c", priority=5, policy="interrupt", due=floor.clock.now() + SECOND)
+    floor.clock.advance(SECOND)
+    assert floor.acted == ["a", "c"]
+
+
+# --- stopped --------------------------------------------------------------------------------------------------
+
+
+def test_the_stop_key_halts_everything_and_gives_up_what_waits(floor: Floor) -> None:
+    floor.propose("a", "b")
+    floor.propose("c", due=floor.clock.now() + SECOND)
+    pressed = floor.clock.now() - 5 * MS
+    floor.stop(pressed)
+    assert sorted(floor.dropped) == [("b", "stopped"), ("c", "stopped")]
+    (halt,) = floor.all(HALT)
+    assert (halt.action, halt.reason, halt.asked) == ("", "stopped", pressed)
+    floor.report("a", "aborted")
+    floor.clock.advance(10 * SECOND)
+    assert (floor.acted, floor.acting) == (["a"], [True, False])
+    floor.propose("d")
+    assert floor.acted == ["a", "d"], "and it can speak again"
+
+
+def test_the_stop_key_works_in_a_trial_too(floor: Floor) -> None:
+    floor.wait_for("response")
+    floor.propose("a")
+    floor.stop()
+    floor.wait_for("enter", "attempt")
+    assert (floor.acted, floor.dropped) == ([], [("a", "stopped")])
+    assert floor.all(HALT)[0].asked == floor.clock.now(), "without a stamp of its own it counts from its handling"
+
+
+def test_other_acts_of_an_operator_stop_nothing(floor: Floor) -> None:
+    floor.propose("a")
+    for command in ("pause", "resume", "skip", "mark"):
+        floor.bus.publish(OPERATOR, m.Operator(command=command))  # type: ignore[arg-type]
+    assert floor.halted == []
+
+
+# --- outputs that fall silent, and another run ----------------------------------------------------------------
+
+
+def test_no_session_hangs_on_an_output_that_never_answers(floor: Floor) -> None:
+    floor.propose("a", "b")
+    floor.clock.advance(PATIENCE - 1)
+    assert floor.acted == ["a"]
+    floor.clock.advance(1)
+    assert floor.acted == ["a", "b"]
+    floor.clock.advance(PATIENCE)
+    assert floor.acting == [True, False]
+
+
+def test_patience_begins_anew_with_each_action(floor: Floor) -> None:
+    floor.propose("a", "b")
+    floor.clock.advance(PATIENCE - 1)
+    floor.report("a")
+    floor.clock.advance(PATIENCE - 1)
+    assert floor.acting == [True]
+
+
+def test_another_run_starts_with_nothing_under_way_and_with_its_own_outputs(floor: Floor) -> None:
+    floor.wait_for("response")
+    floor.propose("late")
+    floor.wait_for("enter", "attempt")
+    floor.propose("waits")
+    floor.propose("due", due=floor.clock.now() + SECOND)
+    floor.begin({"robot": ("gesture",)}, run=2)
+    assert sorted(floor.dropped) == [("due", "late"), ("waits", "late")]
+    assert floor.acting == [True, False]
+    floor.clock.advance(2 * PATIENCE)
+    assert floor.acted == ["late"]
+    floor.propose("b")
+    assert floor.acting == [True, False], "nobody speaks in this run"
+    floor.propose("c", gesture="wave")
+    assert floor.acting == [True, False, True]
+
+
+def test_a_run_that_was_cut_off_in_a_trial_leaves_none_behind() -> None:
+    floor = Floor()
+    floor.wait_for("response")
+    floor.begin({}, run=2)
+    floor.propose("welcome")
+    assert floor.acted == ["welcome"]
+
+
+# --- whatever happens -----------------------------------------------------------------------------------------
+
+EVENTS = st.one_of(
+    st.tuples(
+        st.just("propose"),
+        st.integers(0, 3),
+        st.sampled_from(["queue", "interrupt", "drop"]),
+        st.sampled_from([0, 0, 700, 2500]),
+    ),
+    st.tuples(st.just("trial"), st.sampled_from(IN_TRIAL)),
+    st.tuples(st.just("between"), st.sampled_from(["enter", "agent", "quiet"])),
+    st.tuples(st.just("wait"), st.integers(1, 3000)),
+    st.tuples(st.just("stop")),
+)
+
+
+@given(st.lists(EVENTS, max_size=40), st.integers(1, 3000), st.integers(1, 3000))
+def test_whatever_is_proposed_one_thing_is_said_at_a_time_none_begins_in_a_trial_and_nothing_is_lost(
+    events: list[Any], takes_ms: int, robot_takes_ms: int
+) -> None:
+    robot = Speaker(robot_takes_ms)
+    robot.name = "robot"
+    extra = tuple(OutputNode(output, output.name, BARE) for output in (Speaker(takes_ms), robot))
+    floor = Floor(extra=extra)
+    in_trial = False
+    for number, (what, *how) in enumerate(events):
+        before = len(floor.acted)
+        match what:
+            case "propose":
+                priority, policy, delay_ms = how
+                due = floor.clock.now() + delay_ms * MS
+                floor.propose(f"a{number}", priority=priority, policy=policy, due=due)
+            case "trial":
+                in_trial = True
+                floor.wait_for(how[0])
+                before = len(floor.acted)
+            case "between":
+                in_trial = False
+                floor.wait_for(how[0])
+            case "wait":
+                floor.clock.advance(how[0] * MS)
+            case "stop":
+                floor.stop()
+        floor.clock.advance(0)
+        if in_trial:
+            assert len(floor.acted) == before
+    floor.wait_for("enter", "attempt")
+    floor.clock.advance(100 * len(events) * SECOND)
+
+    proposed = [f"a{number}" for number, event in enumerate(events) if event[0] == "propose"]
+    assert sorted([*floor.acted, *(name for name, _ in floor.dropped)]) == sorted(proposed)
+    assert floor.acting == [True, False] * (len(floor.acting) // 2)
+    for output in ("speech", "robot"):
+        said: list[str] = []
+        for report in floor.all(REPORT):
+            if report.output == output and report.state == "started":
+                assert said == [], "one utterance is over before the next begins"
+                said.append(report.action)
+            elif report.output == output and report.state != "queued":
+                said = [name for name in said if name != report.action]
+        assert said == []

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.nodes.event_handler import MOST_AGAIN
+from sar_tui.framework.nodes.trials import MOST_AGAIN
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, PROMPT, TRIAL, VOIDED, WAITING
 from tests.lifting import SLIPPED, Bench, Lift
@@ -300,7 +300,7 @@ def test_a_movement_that_begins_before_the_signal_is_an_anticipation_without_a_r
     assert trial.response_at - trial.onset == 503 * MS
 
 
-# --- a trial of which nothing can be said ----------------------------------------------------------------------
+# --- a trial of which nothing can be said ---------------------------------------------------------------------
 
 
 def test_a_trial_of_which_nothing_can_be_said_is_done_once_more_and_the_participant_is_told_why(sit: Sit) -> None:
@@ -372,7 +372,7 @@ def test_a_trial_of_which_nothing_can_be_said_is_not_asked_for_without_end(sit: 
     assert len(desk.all(TRIAL)) == 1, "and each trial has as many tries"
 
 
-# --- what has to be known first --------------------------------------------------------------------------------
+# --- what has to be known first -------------------------------------------------------------------------------
 
 
 def test_a_level_is_announced_before_the_first_attempt_and_when_it_is_another(sit: Sit) -> None:

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.parameters import TaskParameters, build
-from sar_tui.framework.policies.feedback import Judgement, is_due, judge
+from sar_tui.framework.policies.feedback import Judgement, degree, judge
 from sar_tui.framework.task import Metric, Score, Target
 
 TIME = Metric("time", unit="ms", better="lower")
@@ -94,7 +94,39 @@ def test_praise_is_never_given_for_failure_nor_blame_for_success(
     assert (verdict.valence == "neutral") == (enough and near)
 
 
-@given(st.integers(1, 10), st.integers(1, 100))
-def test_feedback_is_due_after_every_nth_attempt(every: int, attempt: int) -> None:
-    parameters = build(TaskParameters, {"feedback_every": every})
-    assert is_due(attempt, parameters) == (attempt in range(every, 101, every))
+# --- how far from the goal ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("metric", "expected"),
+    [
+        (1000.0, "slight"),
+        (901.0, "slight"),
+        (1099.0, "slight"),
+        (900.0, "clear"),
+        (1100.0, "clear"),
+        (751.0, "clear"),
+        (1249.0, "clear"),
+        (750.0, "strong"),
+        (1250.0, "strong"),
+        (5000.0, "strong"),
+    ],
+)
+def test_the_degree_tells_how_far_a_result_lies_from_its_goal(metric: float, expected: str) -> None:
+    assert degree(metric, Target(1000.0, 10.0)) == expected
+
+
+@pytest.mark.parametrize(("metric", "goal"), [(None, 1000.0), (12.0, 0.0)])
+def test_without_a_result_or_a_goal_to_hold_it_against_the_degree_is_in_the_middle(
+    metric: float | None, goal: float
+) -> None:
+    assert degree(metric, Target(goal, 0.0)) == "clear"
+
+
+@given(st.floats(1, 1e4), st.floats(0, 2e4), st.floats(0, 2e4))
+def test_the_farther_from_the_goal_the_higher_the_degree_on_either_side(goal: float, one: float, other: float) -> None:
+    degrees = ("slight", "clear", "strong")
+    near, far = sorted((one, other))
+    for side in (1, -1):
+        ranks = [degrees.index(degree(goal + side * off, Target(goal, 0.0))) for off in (near, far)]
+        assert ranks == sorted(ranks)

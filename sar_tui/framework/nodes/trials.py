@@ -1,0 +1,267 @@
+"""How a trial runs: from its start, or the quiet before its prompt, to its row (thesis 3.2.3)."""
+
+from collections.abc import Callable
+
+import msgspec
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.node import STALLED, TimedNode, on
+from sar_tui.framework.phase import BEFORE_PROMPT, IN_TRIAL, Phase
+from sar_tui.framework.task import Again, Mark, Result, Task
+from sar_tui.framework.topics import ACTING, FOCUS, PASTE, PERCEIVED, PROMPT, REACH, SHOWN, STORED, TRIAL, VOIDED
+from sar_tui.framework.trial import OpenTrial
+
+GRACE = 50 * MS
+"""A response stamped in time may be handled this much after the time-out was, however late that itself came."""
+MOST_AGAIN = 3
+"""After so many times of which nothing can be said a trial counts as missed: nobody is asked without end."""
+HELD_KEY = 700 * MS
+"""The key that starts a trial, so soon after itself, is held: keyboards repeat first after 250 to 660 ms."""
+HELD = 3 * SECOND
+"""After this long without quiet the participant is asked to let go of the keys."""
+
+
+class Trials(TimedNode):
+    """One trial after the other. The open trial keeps what was seen; what comes between attempts is a subclass's.
+
+    A trial runs (start) → quiet → foreperiod → (storing) → onset → response; a key in the foreperiod begins it anew;
+    a pause, a sensor that comes loose, or the end of the program, voids it, and it is repeated under the same number
+    with the same prompt. It does not go on towards its prompt while the agent speaks or moves.
+    """
+
+    def __init__(self, task: Task) -> None:
+        super().__init__()
+        self.task = task
+        self.parameters = task.parameters
+        self._phase = Phase.INSTRUCTIONS
+        self._trial: OpenTrial
+        self._stored = (0, 0)
+        self._last_trial = (0, 0)
+        self._focused = True
+        self._agains = 0
+        self._last_key: int | None = None
+        self._start_key_at: int | None = None
+        self._restless_since = 0
+        self._notice = ""
+        self._is_agent_acting = False
+        self._after_agent: Callable[[], None] = self._lead_up
+
+    def _wait(self, phase: Phase, reason: str = "") -> None:
+        """Enter a phase, and say what the session waits for."""
+        raise NotImplementedError
+
+    def _key_between_trials(self, percept: m.KeyPerceived) -> None:
+        """A key where no trial is under way."""
+        raise NotImplementedError
+
+    def _trial_done(self, result: Result) -> Result:
+        """A trial has its result. Returns it as it is to be kept."""
+        raise NotImplementedError
+
+    def _next(self) -> None:
+        """A trial is recorded: go on with the next, or end the attempt."""
+        raise NotImplementedError
+
+    def _marked_open(self, mark: Mark | None) -> None:
+        """The open trial is marked, or its mark is taken back."""
+        raise NotImplementedError
+
+    # --- towards the prompt ----------------------------------------------------------------------------------
+
+    def _begin_trial(self, notice: str = "") -> None:
+        """Let the participant start the trial, where that is theirs to do; else let it come by itself."""
+        self._notice = notice
+        self._when_agent_is_still(self._let_start if self.task.start_key else self._lead_up)
+
+    def _when_agent_is_still(self, step: Callable[[], None]) -> None:
+        """Nobody is asked to move while they are spoken to."""
+        if self._is_agent_acting:
+            self._after_agent = step
+            self._wait(Phase.AGENT)
+        else:
+            step()
+
+    @on(ACTING)
+    def agent_acted(self, agent: m.AgentActing) -> None:
+        self._is_agent_acting = agent.acting
+        if not agent.acting and self._phase is Phase.AGENT:
+            self._after_agent()
+
+    def _let_start(self) -> None:
+        self._wait(Phase.START)
+
+    def _start_trial(self, at: int) -> None:
+        self._trial.started = at
+        self._lead_up()
+
+    def _lead_up(self) -> None:
+        if self.task.has_foreperiod:
+            self._await_quiet()
+        else:
+            self._when_agent_is_still(self._show_when_stored)
+
+    def _show_when_stored(self) -> None:
+        if self._stored == self._last_trial:
+            self._show()
+        else:
+            self._wait(Phase.STORING)
+
+    @on(STORED)
+    def stored(self, stored: m.Stored) -> None:
+        self._stored = (stored.attempt, stored.trial)
+        if self._phase is Phase.STORING and self._stored == self._last_trial:
+            self._show()
+
+    def _await_quiet(self) -> None:
+        """Let the foreperiod begin when no key has been pressed for a moment."""
+        self._restless_since = self.now
+        self._wait(Phase.QUIET)
+        self._set_quiet_timer()
+
+    def _set_quiet_timer(self) -> None:
+        quiet = self.parameters.quiet_ms * MS
+        self.set_timer("quiet", self.now if self._last_key is None else max(self.now, self._last_key + quiet))
+
+    def _begin_foreperiod(self) -> None:
+        wait = self._trial.draw_foreperiod(self.parameters.foreperiod_min_ms, self.parameters.foreperiod_max_ms)
+        self._wait(Phase.FOREPERIOD)
+        self.set_timer("foreperiod", self.now + wait)
+
+    def timer(self, name: str, late: int) -> None:
+        match name:
+            case "quiet" if self._is_agent_acting:
+                self._when_agent_is_still(self._await_quiet)
+            case "quiet":
+                self._begin_foreperiod()
+            case "foreperiod":
+                self._show_when_stored()
+            case "timeout" if late > STALLED:
+                self._void("stalled")
+                self._begin_trial()
+            case "timeout":
+                self._trial.lag = late
+                self.set_timer("grace", self.now + GRACE)
+            case "grace":
+                self._finish(self.task.timed_out(self._trial.view()))
+
+    def _disturbed(self) -> None:
+        """A key where none belongs: wait for quiet, and begin the foreperiod anew."""
+        if self._phase is not Phase.QUIET:
+            self._trial.false_starts += 1
+            self.cancel_timer("foreperiod")
+            self._await_quiet()
+        else:
+            self._set_quiet_timer()
+            if self.now - self._restless_since > HELD:
+                self._restless_since = self.now
+                self._wait(Phase.QUIET, "held")
+
+    # --- the prompt, and what is done -----------------------------------------------------------------------
+
+    def _show(self) -> None:
+        if not self._focused:
+            self._trial.flag("focus_lost")
+        self.emit(PROMPT, self._trial.prompt(self.parameters.response_timeout_ms * MS))
+        self._wait(Phase.ONSET)
+
+    @on(SHOWN)
+    def shown(self, shown: m.Shown) -> None:
+        """The prompt is on the screen: judge what was pressed while it was on its way, and wait."""
+        if self._phase is not Phase.ONSET or not self._trial.is_shown_by(shown):
+            return
+        self._phase = Phase.RESPONSE
+        self._trial.set_onset(shown)
+        self.set_timer("timeout", shown.at + self.parameters.response_timeout_ms * MS)
+        for percept in self._trial.early:
+            if self._phase is Phase.RESPONSE:
+                self._judge(percept)
+
+    @on(PERCEIVED)
+    def perceived(self, percept: m.KeyPerceived) -> None:
+        self._last_key = percept.at
+        if self._phase in IN_TRIAL:
+            self._key_in_trial(percept)
+        else:
+            self._key_between_trials(percept)
+        if percept.key == self.task.start_key:
+            self._start_key_at = percept.at
+
+    def _is_held(self, at: int) -> bool:
+        return self._start_key_at is not None and at - self._start_key_at < HELD_KEY
+
+    def _key_in_trial(self, percept: m.KeyPerceived) -> None:
+        match self._phase:
+            case Phase.START if percept.key == self.task.start_key and not self._is_held(percept.at):
+                self._start_trial(percept.at)
+            case phase if phase in BEFORE_PROMPT and self.task.has_foreperiod:
+                self._disturbed()
+            case Phase.ONSET:
+                self._trial.early.append(percept)
+            case Phase.RESPONSE:
+                self._judge(percept)
+
+    @on(REACH)
+    def reach_perceived(self, percept: m.ReachPerceived) -> None:
+        match self._phase:
+            case Phase.ONSET:
+                self._trial.early.append(percept)
+            case Phase.RESPONSE:
+                self._judge(percept)
+
+    @on(PASTE)
+    def pasted(self, paste: m.Pasted) -> None:
+        self._last_key = paste.at
+        if self._phase in IN_TRIAL:
+            self._trial.flag("paste")
+        if self._phase in BEFORE_PROMPT and self.task.has_foreperiod:
+            self._disturbed()
+
+    @on(FOCUS)
+    def focus_changed(self, focus: m.FocusChanged) -> None:
+        self._focused = focus.focused
+        if self._phase in IN_TRIAL and not focus.focused:
+            self._trial.flag("focus_lost")
+
+    def _judge(self, percept: m.Percept) -> None:
+        if percept.repeat:
+            self._trial.flag("repeat_key")
+            return
+        trial = self._trial.view()
+        self._trial.remember(percept)
+        if trial.latency_ms(percept.at) > self.parameters.response_timeout_ms:
+            self._trial.flag("late_key")
+            self._finish(self.task.timed_out(trial))
+        elif isinstance(result := self.task.perceived(trial, percept), Again):
+            self._try_again(result)
+        elif result is not None:
+            self._finish(result)
+
+    # --- over -------------------------------------------------------------------------------------------------
+
+    def _try_again(self, again: Again) -> None:
+        self._agains += 1
+        if self._agains < MOST_AGAIN:
+            self._void(again.reason)
+            self._begin_trial(again.words)
+        else:
+            self._finish(Result(correct=False, flags=("unmeasured", again.reason), remark=again.words))
+
+    def _finish(self, result: Result) -> None:
+        """Record the trial, and go on to the next or to the end of the attempt."""
+        self.cancel_timers()
+        latency = self._trial.latency_ms(result)
+        if latency is not None and latency < self.parameters.min_rt_ms:
+            result = msgspec.structs.replace(result, flags=(*result.flags, "anticipation"))
+        self._agains = 0
+        self.emit(TRIAL, self._trial.ended(self._trial_done(result)))
+        self._next()
+
+    def _void(self, reason: str) -> None:
+        """Break a trial off; it will be repeated."""
+        self.cancel_timers()
+        if self._phase in IN_TRIAL:
+            if self._trial.mark:
+                self._marked_open(None)
+            self.emit(VOIDED, self._trial.voided(reason))
+            self._trial = self._trial.anew()

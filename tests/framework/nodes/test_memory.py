@@ -1,0 +1,98 @@
+"""Given attempts that ended, when memory is asked, then it tells those that count, and what was best before."""
+
+from typing import Any
+
+import pytest
+
+from sar_tui.framework.bus import Bus, Topic
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.messages import AttemptEnded, Attempts, Message, Recall, SessionStarted
+from sar_tui.framework.node import Node, on
+from sar_tui.framework.nodes.memory import Memory
+from sar_tui.framework.topics import ATTEMPT_ENDED, RECALL, SESSION
+
+
+class Done(Message, frozen=True, kw_only=True):
+    ended: AttemptEnded
+
+
+DONE = Topic("test/done", Done, origin="input")
+
+
+class Handler(Node):
+    """Stands in for the event handler."""
+
+    name = "handler"
+    emits = (ATTEMPT_ENDED,)
+
+    @on(DONE)
+    def done(self, done: Done) -> None:
+        self.emit(ATTEMPT_ENDED, done.ended)
+
+
+@pytest.fixture
+def bus() -> Bus:
+    """Of a session in whose earlier ones 500 ms was the best at level 1, and 700 ms at level 3."""
+    bus = Bus(VirtualClock())
+    for node in (Memory(), Handler()):
+        node.attach(bus)
+    best = {"1": 500.0, "3": 700.0}
+    bus.publish(SESSION, SessionStarted(run=1, task="lift", theme="calm", seed=1, best=best))
+    return bus
+
+
+def end(bus: Bus, attempt: int, level: int = 1, metric: float | None = 600.0, **more: Any) -> None:
+    facts: dict[str, Any] = {
+        "metric_unit": "ms",
+        "accuracy": 1.0,
+        "correct": 1,
+        "trials": 1,
+        "outcome": "success",
+        "feedback": "none",
+        "started": 0,
+        "ended": 1,
+        "practice": False,
+    }
+    bus.publish(DONE, Done(ended=AttemptEnded(attempt=attempt, level=level, metric=metric, **{**facts, **more})))
+
+
+def recall(bus: Bus, level: int | None = None, seat: str = "A") -> Attempts:
+    return bus.call(RECALL, Recall(level=level, seat=seat))
+
+
+def test_it_tells_the_attempts_oldest_first_practice_left_out(bus: Bus) -> None:
+    end(bus, 1, practice=True)
+    for attempt in (2, 3, 4):
+        end(bus, attempt)
+    assert [told.attempt for told in recall(bus).attempts] == [2, 3, 4]
+
+
+def test_asked_for_a_level_it_tells_of_that_alone(bus: Bus) -> None:
+    for attempt, level in ((1, 1), (2, 2), (3, 1)):
+        end(bus, attempt, level)
+    assert [told.attempt for told in recall(bus, 1).attempts] == [1, 3]
+    assert recall(bus, 4).attempts == ()
+
+
+def test_an_attempt_that_is_scored_once_more_takes_its_own_place(bus: Bus) -> None:
+    end(bus, 1, metric=600.0)
+    end(bus, 2)
+    end(bus, 1, metric=900.0)
+    assert [(told.attempt, told.metric) for told in recall(bus).attempts] == [(1, 900.0), (2, 600.0)]
+
+
+def test_each_seat_has_attempts_of_its_own(bus: Bus) -> None:
+    end(bus, 1)
+    end(bus, 1, seat="B")
+    assert [told.seat for told in recall(bus, seat="B").attempts] == ["B"]
+
+
+@pytest.mark.parametrize(("level", "best"), [(1, 500.0), (2, None), (3, 700.0), (None, None)])
+def test_the_best_of_earlier_sessions_is_told_for_a_level(bus: Bus, level: int | None, best: float | None) -> None:
+    end(bus, 1, metric=300.0)
+    assert recall(bus, level).earlier_best == best
+
+
+def test_another_run_is_told_what_is_the_best_by_then(bus: Bus) -> None:
+    bus.publish(SESSION, SessionStarted(run=2, task="lift", theme="calm", seed=1, best={"1": 450.0}))
+    assert recall(bus, 1).earlier_best == 450.0

@@ -1,0 +1,54 @@
+"""Given the attempts so far, when the next one comes, then a kind word and a rest come where they help."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.messages import AttemptEnded, Outcome
+from sar_tui.framework.policies.encouragement import is_hard, rest_due
+
+LEVELS = st.integers(1, 10)
+
+
+def attempt(level: int, outcome: Outcome) -> AttemptEnded:
+    return AttemptEnded(
+        attempt=1,
+        practice=False,
+        level=level,
+        metric=None,
+        metric_unit="ms",
+        accuracy=None,
+        correct=0,
+        trials=0,
+        outcome=outcome,
+        feedback="none",
+        started=0,
+        ended=0,
+    )
+
+
+ATTEMPTS = st.lists(st.builds(attempt, LEVELS, st.sampled_from(["success", "failure"])), max_size=10)
+
+
+@given(LEVELS)
+def test_the_first_attempt_is_not_called_hard(level: int) -> None:
+    assert not is_hard([], level)
+
+
+@given(ATTEMPTS.filter(bool), LEVELS)
+def test_an_attempt_is_hard_at_a_level_never_reached_before_or_after_failing_twice_running(
+    attempts: list[AttemptEnded], level: int
+) -> None:
+    new = all(earlier.level < level for earlier in attempts)
+    failing = len(attempts) > 1 and all(earlier.outcome == "failure" for earlier in attempts[-2:])
+    assert is_hard(attempts, level) == (new or failing)
+
+
+def test_one_failure_is_not_two() -> None:
+    assert not is_hard([attempt(3, "failure")], 2)
+    assert is_hard([attempt(3, "failure"), attempt(2, "failure")], 1)
+    assert not is_hard([attempt(3, "failure"), attempt(2, "success")], 3)
+
+
+@given(st.integers(0, 200), st.integers(0, 200))
+def test_a_rest_is_offered_after_each_so_many_attempts_never_before_the_first(attempts: int, every: int) -> None:
+    assert rest_due(attempts, every) == (every > 0 and attempts in range(every, 201, every))

@@ -1,0 +1,167 @@
+"""Given what waits and what is under way, when turns are taken, then one thing goes on, the weightiest first."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+
+from sar_tui.framework.agenda import Agenda
+from sar_tui.framework.messages import Deed, Policy, Proposal
+
+POLICIES: tuple[Policy, ...] = ("queue", "interrupt", "drop")
+OPEN: set[tuple[str, Deed]] = {("speech", "say"), ("robot", "gesture"), ("robot", "say")}
+
+
+def proposal(name: str, priority: int = 0, policy: Policy = "queue", due: int = 0) -> Proposal:
+    return Proposal(id=name, kind="feedback", text=name, priority=priority, policy=policy, due=due)
+
+
+def begun(agenda: Agenda, one: Proposal) -> Agenda:
+    agenda.add(one)
+    agenda.begin(one, OPEN)
+    return agenda
+
+
+def test_the_more_important_comes_first_and_of_equals_the_earlier() -> None:
+    agenda = Agenda()
+    for name, priority in (("a", 1), ("b", 3), ("c", 3), ("d", 2)):
+        agenda.add(proposal(name, priority))
+    assert [waiting.id for waiting in agenda.waiting] == ["b", "c", "d", "a"]
+
+
+@given(st.integers(0, 9), st.integers(0, 9), st.sampled_from(POLICIES))
+def test_only_what_interrupts_and_is_no_less_important_breaks_off_what_is_under_way(
+    under_way: int, priority: int, policy: Policy
+) -> None:
+    agenda = begun(Agenda(), proposal("first", under_way))
+    second = proposal("second", priority, policy)
+    agenda.add(second)
+    assert agenda.next(0) == (second if policy == "interrupt" and priority >= under_way else None)
+
+
+def test_what_is_not_due_lets_what_is_less_important_go_before_it() -> None:
+    agenda = Agenda()
+    late, soon = proposal("late", 9, due=100), proposal("soon", 1)
+    agenda.add(late)
+    agenda.add(soon)
+    assert (agenda.next(99), agenda.next(100)) == (soon, late)
+
+
+def test_the_next_that_falls_due_is_told_whatever_waits_behind_what_is_under_way() -> None:
+    agenda = begun(Agenda(), proposal("first"))
+    agenda.add(proposal("behind"))
+    assert agenda.next_due(5) is None
+    for due in (300, 200):
+        agenda.add(proposal(f"at {due}", 9, "interrupt", due))
+    assert [agenda.next_due(now) for now in (5, 199, 200, 299, 300)] == [200, 200, 300, 300, None]
+
+
+def test_what_nobody_takes_a_while_for_is_over_as_it_begins() -> None:
+    agenda = Agenda()
+    shown = proposal("shown")
+    agenda.add(shown)
+    agenda.begin(shown, [])
+    assert (agenda.is_acting, agenda.waiting) == (False, ())
+
+
+def test_it_is_over_when_each_output_has_done_its_part() -> None:
+    agenda = begun(Agenda(), proposal("a"))
+    assert not agenda.close("a", "speech", "say")
+    assert not agenda.close("a", "speech", "say"), "told twice is no more than told once"
+    assert not agenda.close("b", "robot", "say"), "another action"
+    assert not agenda.close("a", "robot", "gesture")
+    assert agenda.is_acting
+    assert agenda.close("a", "robot", "say")
+    assert not agenda.is_acting
+
+
+def test_what_of_one_policy_is_given_up_leaves_the_rest() -> None:
+    agenda = begun(Agenda(), proposal("under way", policy="drop"))
+    kept, helps = proposal("kept"), proposal("helps", policy="drop")
+    agenda.add(kept)
+    agenda.add(helps)
+    assert agenda.clear(only="drop") == (helps,)
+    assert agenda.waiting == (kept,)
+    assert agenda.is_acting, "what is under way is not given up by it"
+    assert agenda.clear() == (kept,)
+
+
+class AgendaMachine(RuleBasedStateMachine):
+    """An agenda as the Arbiter uses it, against what has to hold of it at any time."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.agenda = Agenda()
+        self.now = 0
+        self.count = 0
+        self.waiting: dict[str, Proposal] = {}
+        self.open: set[tuple[str, Deed]] = set()
+        self.current: Proposal | None = None
+
+    @rule(
+        priority=st.integers(0, 3),
+        policy=st.sampled_from(POLICIES),
+        delay=st.one_of(st.just(0), st.integers(0, 50)),
+    )
+    def propose(self, priority: int, policy: Policy, delay: int) -> None:
+        self.count += 1
+        new = proposal(f"a{self.count}", priority, policy, self.now + delay)
+        self.waiting[new.id] = new
+        self.agenda.add(new)
+
+    @rule(passed=st.integers(1, 60))
+    def wait(self, passed: int) -> None:
+        self.now += passed
+
+    @rule(deeds=st.sets(st.sampled_from(sorted(OPEN))))
+    def take_a_turn(self, deeds: set[tuple[str, Deed]]) -> None:
+        chosen = self.agenda.next(self.now)
+        ready = [waiting for waiting in self.waiting.values() if waiting.due <= self.now]
+        if chosen is None:
+            assert self.current is not None or not ready, "nothing waits that could begin"
+            return
+        assert chosen in ready
+        assert chosen.priority == max(waiting.priority for waiting in ready)
+        if self.current is not None:
+            assert chosen.policy == "interrupt"
+            assert chosen.priority >= self.current.priority
+        self.agenda.begin(chosen, deeds)
+        del self.waiting[chosen.id]
+        self.open = set(deeds)
+        self.current = chosen if deeds else None
+
+    @precondition(lambda self: self.current is not None)
+    @rule(part=st.sampled_from(sorted(OPEN)), mine=st.booleans())
+    def report(self, part: tuple[str, Deed], mine: bool) -> None:
+        assert self.current is not None
+        over = self.agenda.close(self.current.id if mine else "another", *part)
+        if mine:
+            self.open.discard(part)
+        assert over == (mine and not self.open)
+        if over:
+            self.current = None
+
+    @rule()
+    def abandon(self) -> None:
+        self.agenda.abandon()
+        self.current = None
+        self.open.clear()
+
+    @rule(only=st.sampled_from(["", *POLICIES]))
+    def give_up(self, only: str) -> None:
+        gone = {given_up.id for given_up in self.agenda.clear(only=only)}
+        assert gone == {name for name, waiting in self.waiting.items() if only in ("", waiting.policy)}
+        self.waiting = {name: waiting for name, waiting in self.waiting.items() if name not in gone}
+
+    @invariant()
+    def one_thing_at_most_is_under_way_and_nothing_is_lost(self) -> None:
+        assert self.agenda.current == self.current
+        assert self.agenda.is_acting == bool(self.open)
+        assert {waiting.id for waiting in self.agenda.waiting} == set(self.waiting)
+
+    @invariant()
+    def it_knows_when_to_look_again(self) -> None:
+        later = [waiting.due for waiting in self.waiting.values() if waiting.due > self.now]
+        assert self.agenda.next_due(self.now) == (min(later) if later else None)
+
+
+TestAgenda = AgendaMachine.TestCase
