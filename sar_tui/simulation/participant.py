@@ -5,7 +5,7 @@ from typing import Any
 
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS, Handle
-from sar_tui.framework.messages import Action, KeyPressed, OutputReport, Prompt, Shown, Waiting
+from sar_tui.framework.messages import Action, DeedState, KeyPressed, OutputReport, Prompt, Shown, Waiting
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.task import Act, Stimulus, Task
 from sar_tui.framework.topics import ACTION, KEY, PROMPT, REPORT, SHOWN, WAITING
@@ -15,6 +15,7 @@ SHOWING = 4 * MS
 """From a prompt's publication to its being seen."""
 READING = 1200 * MS
 """From a screen that waits for Enter to the Enter."""
+_SEEN: tuple[DeedState, ...] = ("queued", "started", "done")
 
 
 def acts(person: Person, task: Task, seed: int, prompt: Prompt) -> list[Act]:
@@ -47,10 +48,16 @@ class SimulatedParticipant(Node):
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Press what the screen asks for while it is up, not when it has gone."""
+        """Press what the screen asks for while it is up, not when it has gone; ask how it went, if one wants to know.
+
+        Once that is answered, the screen asks for Enter again.
+        """
         if self._next:
             self._next.cancel()
         key = {"enter": "enter", "start": self._task.start_key}.get(waiting.what)
+        chance = Chance(self._seed, "person", waiting.attempt, waiting.stage)
+        if waiting.ask and self._person.wants_to_know(chance):
+            key = waiting.ask
         self._next = self._press(key, self.now + READING) if key else None
 
     @on(PROMPT)
@@ -74,8 +81,8 @@ class SimulatedParticipant(Node):
     @on(ACTION)
     def answered(self, action: Action) -> None:
         """Words appear at once."""
-        for state in ("started", "done"):
-            self.emit(REPORT, OutputReport(action=action.id, output="screen", state=state, at=self.now))
+        for state in _SEEN:
+            self.emit(REPORT, OutputReport(action=action.id, output="screen", deed="show", state=state, at=self.now))
 
     def _press(self, key: str, at: int) -> Handle:
         return self.bus.clock.call_at(at, lambda: self.emit(KEY, KeyPressed(key=key, at=at)))

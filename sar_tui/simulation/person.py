@@ -30,6 +30,7 @@ class Person(msgspec.Struct, frozen=True):
         pace_sd: how much that varies from one to the next: the standard deviation of its logarithm.
         unsteadiness: 0 for a hand that goes straight, 1 for one that halts and dwells.
         hand: how the hand trembles, and how its sensor sits: one of `motion.synthesis.PROFILES`.
+        asks: the share of attempts after which they ask how it went, where feedback is given on request.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Person(msgspec.Struct, frozen=True):
     pace_sd: float = 0.05
     unsteadiness: float = 0.0
     hand: str = "steady"
+    asks: float = 0.35
 
     def perform(self, choices: int, attempt: int, chance: Chance) -> Performance:
         """How one prompt among ``choices`` is done in an attempt (1, 2, …)."""
@@ -80,17 +82,21 @@ class Person(msgspec.Struct, frozen=True):
         """Whether this prompt is answered wrongly."""
         return chance.uniform("slip", self.name) < self.errors
 
+    def wants_to_know(self, chance: Chance) -> bool:
+        """Whether they ask how an attempt went."""
+        return chance.uniform("ask", self.name) < self.asks
+
 
 PEOPLE = {
     person.name: person
     for person in (
         Person(
             "poor",
-            560,
+            600,
             205,
             150,
-            200,
-            errors=0.05,
+            230,
+            errors=0.06,
             misses=0.015,
             pace=1.45,
             pace_sd=0.12,
@@ -109,7 +115,20 @@ PEOPLE = {
             pace_sd=0.08,
             unsteadiness=0.2,
         ),
-        Person("competent", 310, 137, 70, 100, errors=0.02, misses=0.001, pace=0.9, pace_sd=0.05),
+        Person(
+            "competent",
+            310,
+            129,
+            90,
+            120,
+            errors=0.02,
+            misses=0.001,
+            practice=0.1,
+            practice_attempts=6.0,
+            fatigue=0.002,
+            pace=0.9,
+            pace_sd=0.05,
+        ),
     )
 }
 """The thesis' poor and competent users, and its typical average one."""

@@ -11,6 +11,7 @@ import pytest
 from filelock import FileLock
 
 from sar_tui.framework.parameters import build
+from sar_tui.framework.situations import PERFORMANCE, QUALITATIVE
 from sar_tui.framework.task import Task
 from sar_tui.motion.analysis import Window, analyse
 from sar_tui.plugins import Catalogue
@@ -187,7 +188,8 @@ def test_with_a_signal_to_go_every_user_has_reaction_times(data: Path, catalogue
 
 
 def test_feedback_on_how_the_hand_moved_is_said_and_kept(data: Path, catalogue: Catalogue) -> None:
-    session = simulate(plan(3, attempts=3, feedback_on="performance"), PEOPLE["competent"], data, catalogue)
+    settings = {"feedback_on": "performance", "feedback_form": "qualitative"}
+    session = simulate(plan(3, attempts=3, **settings), PEOPLE["competent"], data, catalogue)
     words = [
         action["final"]["text"]
         for action in sessions.rows(connect(data), "actions", session)
@@ -195,9 +197,9 @@ def test_feedback_on_how_the_hand_moved_is_said_and_kept(data: Path, catalogue: 
     ]
     calm = catalogue.theme("calm")
     known = [
-        wording.format(aim=quality.aim, change=quality.improved)
+        wording.format(aim=quality.aim, change=quality.improved, reference=calm.vocabulary["last_attempt"])
         for situation in calm.phrases
-        if situation.startswith("performance_")
+        if situation in PERFORMANCE and situation in QUALITATIVE
         for wording in calm.phrases[situation]
         for quality in reaching().qualities
     ]

@@ -1,0 +1,193 @@
+"""Given whole simulated sessions, when the database is looked at, then feedback came when and as it was set."""
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from sar_tui.framework.parameters import build
+from sar_tui.framework.policies.feedback import RAREST
+from sar_tui.framework.topics import ALL, ATTEMPT_ENDED, FEEDBACK, KEY, PROPOSED
+from sar_tui.framework.waiting import ASK_KEY
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, simulate
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+
+SCHEDULES = ("every", "faded", "bandwidth", "summary", "request", "none")
+SEEDS = range(1, 13)
+pytestmark = pytest.mark.xdist_group("feedback of simulated users")
+
+
+class Kept:
+    """A simulated session, as the database keeps it."""
+
+    def __init__(self, data: Path, user: str, seed: int, task: str = "keyboard", **parameters: Any) -> None:
+        catalogue = Catalogue()
+        kind = catalogue.task(task)
+        plan = Plan(kind, build(kind.Parameters, parameters), "calm", "SIM", seed, "simulated")
+        self.parameters = plan.parameters
+        self.id = simulate(plan, PEOPLE[user], data, catalogue)
+        database = connect(data)
+        self.attempts = sessions.rows(database, "attempts", self.id)
+        self.actions = sessions.rows(database, "actions", self.id)
+        self.records = list(sessions.history(database, self.id))
+        database.conn.close()
+
+    def all(self, topic: Any) -> list[Any]:
+        return [record.message for record in self.records if record.topic is topic]
+
+    @property
+    def answered(self) -> list[int]:
+        return [row["attempt"] for row in self.attempts if row["feedback"] != "none"]
+
+    @property
+    def valences(self) -> Counter[str]:
+        return Counter(row["feedback"] for row in self.attempts)
+
+
+# --- the thesis' Figures 4.11 to 4.14 -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("every", [1, 3])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_competent_users_are_praised_more_often_than_poor_ones_in_every_session(
+    data: Path, seed: int, every: int
+) -> None:
+    """Answered at each attempt (Figures 4.11, 4.12), and at every third (4.13, 4.14)."""
+    settings = {"attempts": 20, "prompts_per_attempt": 8, "difficulty_policy": "fixed", "start_level": 3}
+    users = {user: Kept(data, user, seed, feedback_every=every, **settings) for user in ("poor", "competent")}
+    poor, competent = users["poor"].valences, users["competent"].valences
+    assert competent["positive"] > poor["positive"]
+    assert poor["negative"] > competent["negative"]
+    for session in users.values():
+        assert session.answered == list(range(every, 21, every))
+
+
+def test_with_every_three_feedback_stands_on_three_six_nine_and_nowhere_else(data: Path) -> None:
+    session = Kept(data, "average", 1, attempts=20, prompts_per_attempt=5, feedback_every=3)
+    assert session.answered == [3, 6, 9, 12, 15, 18]
+    assert [feedback.attempt for feedback in session.all(FEEDBACK)] == session.answered
+    said = [action["proposed"]["attempt"] for action in session.actions if action["kind"] == "feedback"]
+    assert said == session.answered
+
+
+def test_practice_is_answered_each_time_and_does_not_shift_what_follows(data: Path) -> None:
+    session = Kept(data, "average", 1, attempts=7, practice_attempts=2, prompts_per_attempt=5, feedback_every=3)
+    assert session.answered == [1, 2, 5, 8]
+
+
+# --- each schedule: when, what and why ------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module", params=SCHEDULES)
+def session(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Kept:
+    """A session under a schedule, with all else about feedback set to something that does not go without saying."""
+    return Kept(
+        tmp_path_factory.mktemp("data"),
+        "average",
+        4,
+        attempts=16,
+        prompts_per_attempt=5,
+        start_level=3,
+        feedback_schedule=request.param,
+        feedback_every=4,
+        feedback_fade=1,
+        feedback_tolerance=12,
+        feedback_form="quantitative",
+        feedback_compared_with="best attempt",
+        feedback_delay_ms=700,
+    )
+
+
+def test_every_attempt_has_when_what_and_why_in_its_row(session: Kept) -> None:
+    schedule = session.parameters.feedback_schedule
+    assert len(session.attempts) == 16
+    for row in session.attempts:
+        choice = row["choice"]
+        assert (choice["schedule"], choice["delay_ms"]) == (schedule, 700)
+        assert choice["due"] == (row["feedback"] != "none")
+        assert (choice["content"], choice["form"], choice["compared_with"]) == (
+            "results", "quantitative", "best attempt",
+        )  # fmt: skip
+        assert choice["degree"] in ("slight", "clear", "strong")
+        assert choice["why"].endswith(".")
+
+
+def test_why_is_true(session: Kept) -> None:
+    """From the row alone it can be told whether the attempt had to be answered."""
+    unanswered = 0
+    for row in session.attempts:
+        choice = row["choice"]
+        unanswered += 1
+        assert choice["since"] == unanswered
+        match choice["schedule"]:
+            case "every" | "summary":
+                assert choice["interval"] == 4
+                assert choice["due"] == (unanswered == 4)
+                assert f"{unanswered} since the last" in choice["why"]
+            case "faded":
+                assert 1 <= choice["interval"] <= RAREST
+                assert choice["due"] == (unanswered >= choice["interval"])
+            case "bandwidth":
+                assert choice["tolerance"] == pytest.approx(0.12 * row["goal"])
+                off = abs(row["metric"] - row["goal"])
+                failed = row["accuracy"] < session.parameters.min_accuracy
+                assert choice["due"] == (failed or off > choice["tolerance"])
+            case "request":
+                asked, waits = "The participant asked for it.", "Feedback is given when the participant asks for it."
+                assert choice["why"] == (asked if choice["due"] else waits)
+            case "none":
+                assert (choice["due"], choice["why"]) == (False, "No feedback is given.")
+        if row["feedback"] != "none":
+            unanswered = 0
+
+
+def test_the_row_is_the_last_message_and_the_answer_has_the_same_choice(session: Kept) -> None:
+    by_attempt = {message.attempt: message for message in session.all(ATTEMPT_ENDED)}
+    assert [row["choice"] for row in session.attempts] == [
+        msgspec.to_builtins(by_attempt[row["attempt"]].choice) for row in session.attempts
+    ]
+    answers = session.all(FEEDBACK)
+    assert [answer.attempt for answer in answers] == session.answered
+    for answer in answers:
+        assert answer.choice == by_attempt[answer.attempt].choice
+        assert answer.valence == by_attempt[answer.attempt].feedback
+
+
+def test_what_was_said_is_what_was_chosen_at_the_time_it_was_chosen_for(session: Kept) -> None:
+    rows = {row["attempt"]: row for row in session.attempts}
+    asked = [key.at for key in session.all(KEY) if key.key == ASK_KEY]
+    on_request = session.parameters.feedback_schedule == "request"
+    said = [action for action in session.actions if action["kind"] == "feedback"]
+    assert [action["proposed"]["attempt"] for action in said] == session.answered
+    due = asked if on_request else [rows[attempt]["ended_ns"] + 700_000_000 for attempt in session.answered]
+    assert [action["decided_ns"] for action in said] == due
+    for action in said:
+        row = rows[action["proposed"]["attempt"]]
+        assert action["decision"] == "accepted"
+        assert action["final"]["valence"] == row["feedback"]
+        assert action["final"]["degree"] == row["choice"]["degree"]
+        assert any(character.isdigit() for character in action["final"]["text"])
+
+
+def test_each_schedule_answers_some_attempts_and_not_others_and_none_answers_none(session: Kept) -> None:
+    how_many = len(session.answered)
+    assert how_many == 0 if session.parameters.feedback_schedule == "none" else 0 < how_many < 16
+
+
+def test_everything_that_was_proposed_was_said_or_is_there_with_why_it_was_not(session: Kept) -> None:
+    assert [action["id"] for action in session.actions] == [proposal.id for proposal in session.all(PROPOSED)]
+    for action in session.actions:
+        assert action["decision"] in ("accepted", "dropped")
+        assert (action["final"] is None) == (action["decision"] == "dropped")
+
+
+def test_every_message_can_be_read_back(session: Kept) -> None:
+    for record in session.records:
+        assert msgspec.json.decode(msgspec.json.encode(record.message), type=ALL[record.topic.name].type) == (
+            record.message
+        )
