@@ -13,7 +13,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
-from benchmarks import paint, report, response, scale, sensor
+from benchmarks import agent, paint, report, response, scale, sensor
 
 RESULTS = Path(__file__).parent / "results"
 
@@ -25,7 +25,7 @@ def main() -> int:
     parser.add_argument("--trials", type=int, help="reaction times for each program")
     given = parser.parse_args()
     trials = given.trials or (50 if given.quick else 300)
-    starts, attempts = (3, 10) if given.quick else (10, 50)
+    starts, attempts, stops = (3, 10, 5) if given.quick else (10, 50, 25)
     console = Console()
     root = RESULTS.parent.parent / "build"
     root.mkdir(exist_ok=True)
@@ -46,15 +46,18 @@ def main() -> int:
         started = progress("first paint", 2 * (starts + 1))
         simulated = progress("simulated attempts", attempts)
         streamed = progress("seconds of a sensor's stream", sensor.total_seconds(given.quick))
+        stopped = progress("stops of the agent", stops)
+        spoken = progress("reaction times beside the agent", 2 * trials)
         results["response"] = response.measure(trials, place, lambda name: pressed())
         results["paint"] = paint.measure(starts, place, started)
         results["scale"] = scale.measure(attempts, place, simulated)
         results["sensor"] = sensor.measure(given.quick, place, streamed)
+        results["agent"] = agent.measure(stops, trials, place, stopped, spoken)
     for title, rows in report.tables(results).items():
         console.print(report.drawn(title, rows))
     if not given.quick:
         console.print(f"Kept in benchmarks/results/{_keep(results, now)}.")
-    return 0 if all((results["response"]["checks"] | results["sensor"]["checks"]).values()) else 1
+    return 0 if all(report.checks(results).values()) else 1
 
 
 def _keep(results: report.Results, now: datetime) -> str:

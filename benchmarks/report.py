@@ -48,18 +48,21 @@ def _processor() -> str:
     return models[0] if models else platform.processor()
 
 
+def checks(results: Results) -> dict[str, bool]:
+    """What was checked, and whether it holds."""
+    found: dict[str, bool] = {}
+    for name in ("response", "sensor", "agent"):
+        found |= results[name]["checks"]
+    return found
+
+
 def tables(results: Results) -> dict[str, Rows]:
     """Each table by its title; the first row is its head."""
-    response, paint, scale, sensor = (results[name] for name in ("response", "paint", "scale", "sensor"))
-    checks = response["checks"] | sensor["checks"]
+    response, paint, scale, sensor, agent = (
+        results[name] for name in ("response", "paint", "scale", "sensor", "agent")
+    )
     return {
-        "Recorded minus true reaction time (ms)": [
-            ["program", *_FIGURES.values()],
-            *(
-                [name, *(_number(figures[figure]) for figure in _FIGURES)]
-                for name, figures in response["programs"].items()
-            ),
-        ],
+        "Recorded minus true reaction time (ms)": _errors(response["programs"]),
         "Start to first paint (s)": [
             ["program", "median"],
             *([name, f"{seconds:.3f}"] for name, seconds in paint["median_s"].items()),
@@ -84,8 +87,26 @@ def tables(results: Results) -> dict[str, Rows]:
                 for run in sensor["runs"]
             ),
         ],
-        "Checks": [["check", "result"], *([name, "pass" if ok else "FAIL"] for name, ok in checks.items())],
+        "Stop key to stillness (ms)": [
+            ["what", "presses", "median", "worst"],
+            *(
+                [name, str(figures["n"]), f"{figures['median_ms']:.1f}", f"{figures['max_ms']:.1f}"]
+                for name, figures in agent["stops"].items()
+            ),
+        ],
+        "Recorded minus true reaction time (ms), beside the agent": _errors(agent["programs"]),
+        "Checks": [
+            ["check", "result"],
+            *([name, "pass" if ok else "FAIL"] for name, ok in checks(results).items()),
+        ],
     }
+
+
+def _errors(programs: Mapping[str, Mapping[str, float]]) -> Rows:
+    return [
+        ["program", *_FIGURES.values()],
+        *([name, *(_number(figures[figure]) for figure in _FIGURES)] for name, figures in programs.items()),
+    ]
 
 
 def _number(value: float) -> str:

@@ -16,7 +16,7 @@ from sar_tui.cli.reanalyse import reanalyse
 from sar_tui.cli.sessions import sessions, show
 from sar_tui.cli.simulate import simulate
 from sar_tui.cli.tasks import app as tasks_app
-from sar_tui.cli.themes import themes
+from sar_tui.cli.themes import app as themes_app
 from sar_tui.cli.validate import validate
 
 app = typer.Typer(
@@ -71,10 +71,11 @@ def measure_timing(
     raise typer.Exit(timing.run(Home.of(context, data, tasks).folder, trials, as_json))
 
 
-for command in (run, resume, simulate, sessions, show, detect, reanalyse, validate, graph, themes, doctor):
+for command in (run, resume, simulate, sessions, show, detect, reanalyse, validate, graph, doctor):
     app.command()(command)
 app.command("timing")(measure_timing)
 app.add_typer(tasks_app, name="tasks")
+app.add_typer(themes_app, name="themes")
 
 
 def main() -> None:

@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from sar_tui.cli.agent import Language, Outputs, Speech, agent_parameters
 from sar_tui.cli.common import Data, Home, Pairs, Seed, Tasks, need_terminal, new_seed
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.setting import pairs, parameters
+from sar_tui.cli.setting import pairs
 
 if TYPE_CHECKING:
     from sar_tui.framework.task import Task
@@ -35,13 +36,17 @@ def run(
         str | None,
         typer.Option(metavar="NAME", show_default=False, help="How the agent looks and speaks; else as saved."),
     ] = None,
+    outputs: Outputs = None,
+    speech: Speech = None,
+    language: Language = None,
     seed: Seed = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
     """Go straight into a session.
 
-    It starts from the participant's saved settings; --set, --imu and --theme hold for this session alone.
+    It starts from the participant's saved settings; --set, --imu, --theme, --outputs, --speech and --language hold for
+    this session alone.
     """
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
@@ -50,18 +55,20 @@ def run(
     if imu is not None:
         _refuse_without_sensor(kind)
         given["imu"] = imu
-    parameters(kind, given)
+    agent_parameters(kind, given, outputs, speech, language)
 
-    from sar_tui.runs import Plan
+    from sar_tui.runs import Plan, check_outputs
     from sar_tui.store import participants
 
     code = participants.check_code(participant)
     with home.database() as database:
         saved = participants.settings(database, code, task)
+    parameters = agent_parameters(kind, {**saved.parameters, **given}, outputs, speech, language)
+    check_outputs(parameters)
     plan = Plan(
         task=kind,
-        parameters=parameters(kind, {**saved.parameters, **given}),
-        theme=catalogue.theme(theme or saved.theme).name,
+        parameters=parameters,
+        theme=catalogue.theme(theme or saved.theme, parameters.language).name,
         participant=code,
         seed=new_seed() if seed is None else seed,
     )

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from sar_tui.cli.agent import Language, Outputs, Speech, agent_parameters
 from sar_tui.cli.common import AsJson, Data, Home, Pairs, Seed, Tasks, console, new_seed, print_json
-from sar_tui.cli.setting import pairs, parameters
+from sar_tui.cli.setting import pairs
 
 if TYPE_CHECKING:
     from sar_tui.simulation.person import Person
@@ -37,6 +38,9 @@ def simulate(
     seed: Seed = None,
     settings: Pairs = None,
     theme: Annotated[str, typer.Option(metavar="NAME", help="How the agent speaks.")] = "calm",
+    outputs: Outputs = None,
+    speech: Speech = None,
+    language: Language = None,
     practice_effect: Annotated[
         float | None,
         typer.Option(
@@ -71,7 +75,7 @@ def simulate(
 
     plan = runs.Plan(
         task=kind,
-        parameters=parameters(kind, values),
+        parameters=agent_parameters(kind, values, outputs, speech, language),
         theme=theme,
         participant=participants.check_code(participant),
         seed=new_seed() if seed is None else seed,

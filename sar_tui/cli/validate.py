@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
 
     from sar_tui.validation.report import Report
 
+_PAGE = 120
+"""Characters in a line of what is kept."""
 Progress = Callable[[str, int, int], None]
 
 
@@ -21,7 +24,18 @@ def validate(
     context: typer.Context,
     only: Annotated[
         str | None,
-        typer.Option(metavar="NAME,NAME", show_default=False, help="table-4.1, reach, modularity; else all of them."),
+        typer.Option(
+            metavar="NAME,NAME",
+            show_default=False,
+            help="figure-4.11, figure-4.12, figure-4.13, figure-4.14, table-4.1, reach, policies, modularity; "
+            "else all of them.",
+        ),
+    ] = None,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", show_default=False, help="Keep all rows (NAME.csv) and what is printed (NAME.txt)."
+        ),
     ] = None,
     reaches: Annotated[
         int, typer.Option(metavar="N", min=1, max=100_000, help="How many reaches each difficulty is tried with.")
@@ -39,10 +53,14 @@ def validate(
 
     catalogue = Home.of(context, data, tasks).catalogue()
     names = _names(only, list(VALIDATIONS))
+    if to is not None:
+        _make_room(to, names)
     reports = {}
     with _progress() as progress:
         for name in names:
             reports[name] = VALIDATIONS[name].run(Conditions(catalogue, reaches, progress))
+            if to is not None:
+                _keep(to, name, VALIDATIONS[name].title, reports[name])
     if as_json:
         print_json({name: report.rows for name, report in reports.items()})
     else:
@@ -69,16 +87,41 @@ def _names(only: str | None, known: Sequence[str]) -> list[str]:
     return [name for name in known if name in asked]
 
 
+def _make_room(folder: Path, names: Sequence[str]) -> None:
+    """A folder that holds none of the files to be written. Raises Refused."""
+    for file in (f"{name}.{kind}" for name in names for kind in ("csv", "txt")):
+        if (folder / file).exists():
+            raise Refused(f"{folder} holds a {file} already, and nothing is written over. Name another folder.")
+    folder.mkdir(parents=True, exist_ok=True)
+
+
+def _keep(folder: Path, name: str, title: str, report: "Report") -> None:
+    """Write a validation's rows, and what is printed of it."""
+    import csv
+
+    from rich.console import Console
+
+    with (folder / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(report.rows[0]) if report.rows else [])
+        writer.writeheader()
+        writer.writerows(report.rows)
+    with (folder / f"{name}.txt").open("w", encoding="utf-8") as file:
+        _print(Console(file=file, width=_PAGE), title, report)
+
+
 def _print(out: "Console", title: str, report: "Report") -> None:
     from sar_tui.cli.tables import add, table
 
     out.print(f"{title}\n", markup=False)
+    for drawing in report.drawings:
+        out.print(drawing, markup=False, soft_wrap=True)
+        out.print()
     for columns in report.tables:
         made = table()
         made.padding = (0, 1, 0, 0)
         for column in columns:
             made.add_column(column.head, justify="right" if column.is_number else "left", overflow="fold")
-        for row in report.rows:
+        for row in report.rows if report.seen is None else report.seen:
             add(made, *(column.show(row) for column in columns))
         out.print(made)
         out.print()

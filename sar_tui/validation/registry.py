@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sar_tui.validation import modularity, reach, table_4_1
+from sar_tui.validation import feedback, modularity, policies, reach, table_4_1
 from sar_tui.validation.report import Conditions, Report
 
 
@@ -15,7 +15,12 @@ class Validation(NamedTuple):
 
 
 VALIDATIONS: dict[str, Validation] = {
+    "figure-4.11": Validation("The thesis' Figure 4.11: feedback for a poor user over twenty attempts", feedback.poor),
+    "figure-4.12": Validation("The thesis' Figure 4.12: feedback for a competent user", feedback.competent),
+    "figure-4.13": Validation("The thesis' Figure 4.13: what is said, in words and in figures", feedback.examples),
+    "figure-4.14": Validation("The thesis' Figure 4.14: feedback every attempt, and every three", feedback.frequency),
     "table-4.1": Validation("The thesis' Table 4.1: eight simulated reaches, measured", table_4_1.run),
     "reach": Validation("Reaches under difficulties, by both detectors", reach.run),
+    "policies": Validation("When each schedule of feedback answers, what, and why", policies.run),
     "modularity": Validation("How much of the code that a session runs is the framework's", modularity.run),
 }

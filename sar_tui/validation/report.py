@@ -29,11 +29,16 @@ class Column(NamedTuple):
 
 
 class Report(NamedTuple):
-    """Figures as rows of named values, the tables in which people see them, and the claims about them."""
+    """Figures as rows of named values, the tables in which people see them, and the claims about them.
+
+    ``drawings``: what people see before the tables, as text; ``seen``: the rows of the tables, where those are fewer.
+    """
 
     rows: Sequence[Row]
     tables: Sequence[Sequence[Column]]
     claims: Sequence[Claim]
+    drawings: Sequence[str] = ()
+    seen: Sequence[Row] | None = None
 
 
 class Conditions(NamedTuple):

@@ -12,7 +12,7 @@ from tests.cli.conftest import Call
 AVERAGE = ("simulate", "keyboard", "--user", "average")
 COLUMNS = {
     "session", "attempt", "seat", "run", "practice", "level", "metric", "metric_unit", "accuracy", "correct", "trials",
-    "outcome", "feedback", "started_ns", "ended_ns", "goal", "qualities",
+    "outcome", "feedback", "started_ns", "ended_ns", "goal", "qualities", "choice",
 }  # fmt: skip
 
 
@@ -98,7 +98,7 @@ def test_fatigue_slows_and_practice_speeds_up(call: Call) -> None:
         (["--set", "attempts=many"], "Attempts is a whole number, 1 to 200, not many."),
         (["--attempts", "0"], "Attempts is a whole number, 1 to 200, not 0."),
         (["--set", "start_level=4", "--set", "max_level=2"], "Start level (4) has to lie between 1 and 2."),
-        (["--theme", "nope"], "There is no theme nope. There is: calm, high-contrast."),
+        (["--theme", "nope"], "There is no theme nope. There is: calm, high-contrast, playful."),
         (["-p", "Jane Doe"], "Never use a name."),
         (["--seed", "-1"], "--seed"),
         (["--fatigue", "9"], "--fatigue"),

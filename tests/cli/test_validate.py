@@ -1,5 +1,8 @@
 """``sar-tui validate``: figures and claims, for people and programs."""
 
+import csv
+from pathlib import Path
+
 import pytest
 
 from sar_tui.validation import reach, table_4_1
@@ -60,6 +63,26 @@ def test_modularity_is_counted_for_each_task(call: Call) -> None:
     assert rows["reaching"]["strict_shared"] < rows["keyboard"]["strict_shared"]
 
 
+def test_the_thesis_feedback_is_drawn_counted_and_judged(call: Call) -> None:
+    called = call("validate", "--only", "figure-4.14")
+    assert (called.code, called.err) == (0, "")
+    assert called.out.count("reaction time (ms)") == 2
+    assert "✓ With every three, it stands on the attempts 3, 6, 9 … and nowhere else." in called.out
+    rows = call("validate", "--only", "figure-4.14", "--json").json["figure-4.14"]
+    assert {(row["every"], row["attempt"]) for row in rows if row["feedback"] == "none"} == {
+        (3, attempt) for attempt in range(1, 21) if attempt % 3
+    }
+
+
+def test_people_see_one_example_of_each_kind_and_programs_see_all(call: Call) -> None:
+    rows = call("validate", "--only", "figure-4.13", "--json").json["figure-4.13"]
+    assert len(rows) == 120
+    printed = call("validate", "--only", "figure-4.13").out
+    kinds = {(row["form"], row["feedback"], row["degree"]) for row in rows}
+    lines = [line for line in printed.splitlines() if line.startswith(("qualitative ", "quantitative "))]
+    assert len(lines) == len(kinds)
+
+
 def test_several_can_be_asked_for_in_any_order(call: Call) -> None:
     printed = call("validate", "--only", "reach, table-4.1", "--reaches", 1, "--json").json
     assert list(printed) == ["table-4.1", "reach"]
@@ -107,5 +130,40 @@ def test_a_detector_that_finds_too_few_fails_its_claim(call: Call, monkeypatch: 
     assert "reach 8: none" in called.out
 
 
+def test_rows_and_what_is_printed_can_be_kept(call: Call, tmp_path: Path) -> None:
+    to = tmp_path / "new" / "results"
+    called = call("validate", "--only", "table-4.1,policies", "--to", to)
+    assert called.code == 0
+    assert sorted(path.name for path in to.iterdir()) == [
+        "policies.csv", "policies.txt", "table-4.1.csv", "table-4.1.txt",
+    ]  # fmt: skip
+    with (to / "policies.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 120
+    summed_up = [row for row in rows if row["schedule"] == "summary" and row["feedback"]]
+    assert [(row["attempt"], row["why"]) for row in summed_up[:2]] == [
+        ("5", "Due every 5 attempts; 5 since the last."),
+        ("10", "Due every 5 attempts; 5 since the last."),
+    ]
+    assert "✓ The thesis detector finds eight reaches." in (to / "table-4.1.txt").read_text(encoding="utf-8")
+
+
+def test_nothing_is_written_over(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "table-4.1.csv").write_text("mine")
+    called = call("validate", "--only", "table-4.1", "--to", tmp_path)
+    assert (called.code, called.out) == (2, "")
+    assert "holds a table-4.1.csv already" in called.err
+    assert (tmp_path / "table-4.1.csv").read_text() == "mine"
+    assert not (tmp_path / "table-4.1.txt").exists()
+
+
+def test_a_folder_that_cannot_be_made_is_told_of(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    called = call("validate", "--only", "table-4.1", "--to", tmp_path / "file" / "results")
+    assert (called.code, called.out) == (1, "")
+    assert called.err == f"{tmp_path / 'file' / 'results'} cannot be used: Not a directory.\n"
+
+
 def test_help_names_every_validation(call: Call) -> None:
-    assert all(name in call("validate", "--help").out for name in VALIDATIONS)
+    told = call("validate", "--help").out
+    assert [name for name in VALIDATIONS if name not in told] == []

@@ -1,0 +1,245 @@
+"""The agent beside the task: how fast one key makes it still, and whether it disturbs the timing of prompts."""
+
+import json
+import sqlite3
+import sys
+import time
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from pathlib import Path
+from statistics import median
+from typing import Any, NamedTuple
+
+import msgspec
+
+from benchmarks.speaking import MOTOR, PLAYER
+from sar_tui.simulation.closed_loop import SAR_TUI, Block, Mismatch, Program, Row, take_turns
+from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
+from sar_tui.simulation.spread import Spread, spread
+from sar_tui.simulation.terminal import Terminal
+from sar_tui.store.database import FILE
+
+WORST_STOP_MS = 100.0
+MEDIAN_ALLOWANCE_MS, IQR_RATIO = 0.2, 1.5
+"""How much the agent may add to the median error of a reaction time, and by what its spread may be larger."""
+BLOCKS = 5
+PER_ATTEMPT = 10
+MOST_ATTEMPTS = 200
+_F2 = b"\x1bOQ"
+_UNDER_WAY = {("speech", "say"), ("screen", "gesture"), ("servo", "gesture")}
+_PATIENCE_S = 30.0
+_OVER = ("done", "aborted", "failed")
+
+
+class NotStopped(RuntimeError):
+    """The agent could not be stopped as it should."""
+
+
+class Stop(NamedTuple):
+    """One press of the stop key: ms from the key to each output's own word that it is still, and to each witness."""
+
+    told: dict[str, float]
+    witnessed: dict[str, float]
+
+    @property
+    def worst(self) -> float:
+        return max(*self.told.values(), *self.witnessed.values())
+
+
+def measure(
+    stops: int, trials: int, folder: Path, on_stop: Callable[[], None], on_press: Callable[[], None]
+) -> dict[str, Any]:
+    """Both figures, and the checks.
+
+    Args:
+        stops: how often the stop key is pressed.
+        trials: reaction times with the agent, and as many without.
+        folder: on the disk to write to.
+        on_stop, on_press: called after each.
+
+    Raises:
+        NotStopped, Mismatch, NoPrompt: something did not go as it should.
+    """
+    stopped = _stops(stops, folder / "stops", on_stop)
+    measured = take_turns((SILENT, SPEAKING), trials, BLOCKS, folder, lambda name: on_press())
+    errors = {name: [trial.error_ms for trial in done] for name, done in measured.items()}
+    figures = {name: spread(of_program) for name, of_program in errors.items()}
+    return {
+        "stops": {name: _summary(values) for name, values in _by_name(stopped).items()},
+        "stops_ms": [stop.told | stop.witnessed for stop in stopped],
+        "programs": {name: msgspec.structs.asdict(of_program) for name, of_program in figures.items()},
+        "errors_ms": {name: [round(error, 4) for error in of_program] for name, of_program in errors.items()},
+        "checks": {
+            f"everything still within {WORST_STOP_MS:g} ms of the key": max(s.worst for s in stopped) < WORST_STOP_MS,
+            **_checks(figures[SPEAKING.name], figures[SILENT.name]),
+        },
+    }
+
+
+def _checks(speaking: Spread, silent: Spread) -> dict[str, bool]:
+    added = abs(speaking.median_ms) - abs(silent.median_ms)
+    return {
+        f"the agent adds ≤ {MEDIAN_ALLOWANCE_MS} ms to |median|": added <= MEDIAN_ALLOWANCE_MS,
+        f"IQR with the agent ≤ {IQR_RATIO} × without": speaking.iqr_ms <= IQR_RATIO * silent.iqr_ms,
+    }
+
+
+# --- the onset, with and without the agent ---------------------------------------------------------------------
+
+
+def _program(name: str, outputs: str) -> Program:
+    """sar-tui in attempts of ten prompts, each answered by the agent through some outputs."""
+
+    def command(folder: Path, block: Block) -> list[str]:
+        attempts = -(-block.prompts // PER_ATTEMPT)
+        per_attempt = -(-block.prompts // attempts)
+        ordered = SAR_TUI.command(folder, block)
+        settings = [f"outputs={outputs}", f"attempts={attempts}", f"prompts_per_attempt={per_attempt}"]
+        said = [word for setting in settings for word in ("--set", setting)]
+        return [sys.executable, "-m", "benchmarks.speaking", str(folder), *ordered[3:], *said]
+
+    def recorded(folder: Path) -> list[Row]:
+        rows = SAR_TUI.recorded(folder)
+        _check_heard(folder, outputs, len(rows))
+        return rows
+
+    return Program(name, command, recorded, SAR_TUI.leave)
+
+
+def _check_heard(folder: Path, outputs: str, trials: int) -> None:
+    """A tone with every prompt, and words that were spoken, where there are such; raises Mismatch if not."""
+    reports = _Log(folder).read("SELECT message FROM events WHERE topic='output/report'")
+    done = [report["deed"] for report in reports if report["state"] == "done"]
+    if "tones" in outputs and done.count("tone") < trials:
+        raise Mismatch(f"Of {trials} prompts only {done.count('tone')} had their tone.")
+    if ("speech" in outputs) != ("say" in done):
+        raise Mismatch(f"With the outputs {outputs or 'none'}, speech was {'' if 'say' in done else 'not '}heard.")
+
+
+SILENT = _program("without the agent", "")
+SPEAKING = _program("face, speech and tones", "screen,speech,tones")
+
+
+# --- the stop key ---------------------------------------------------------------------------------------------------
+
+
+def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:
+    """Press the stop key in answers of the agent, while it speaks and moves."""
+    folder.mkdir()
+    settings = {
+        "attempts": MOST_ATTEMPTS,
+        "prompts_per_attempt": 1,
+        "threshold": 5000,
+        "difficulty_policy": "fixed",
+        "encouragement": "no",
+        "rest_every": 0,
+        "quiet_ms": 20,
+        "foreperiod_min_ms": 40,
+        "foreperiod_max_ms": 80,
+    }
+    command = [sys.executable, "-m", "benchmarks.speaking", str(folder), "run", "keyboard", "-p", "BENCH"]
+    command += ["--data", str(folder), "--seed", "1", "--outputs", "screen,speech,servo"]
+    command += [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
+    stopped: list[Stop] = []
+    with Terminal(command) as terminal:
+        participant = ScriptedParticipant(terminal, random_answers(1, 150, 350))
+        log = _Log(folder)
+        for attempt in range(1, MOST_ATTEMPTS + 1):
+            if attempt > 1:
+                terminal.press("enter")  # it was asked for while somebody else looked at the terminal
+            participant.run(attempt)
+            if log.wait_until_acting(terminal, attempt):
+                stopped.append(_stop(terminal, log, folder))
+                on_stop()
+            if len(stopped) == count:
+                break
+        terminal.press("ctrl+q")
+        terminal.wait()
+    if len(stopped) < count:
+        raise NotStopped(f"The agent spoke and moved at once only {len(stopped)} times of {count}.")
+    return stopped
+
+
+def _stop(terminal: Terminal, log: "_Log", folder: Path) -> Stop:
+    """Press the key; wait for the outputs' word, and for the witnesses."""
+    pressed = terminal.write(_F2)
+    terminal.settle(silence_ms=300, seconds=3)
+    painted = terminal.read_at
+    told = log.wait_for_stops(terminal, pressed)
+    return Stop(
+        {output: (at - pressed) / 1e6 for output, at in told.items()},
+        {
+            "the player stopped": (_first(folder / PLAYER, pressed, -1) - pressed) / 1e6,
+            "the motor was let go": (_first(folder / MOTOR, pressed, 0) - pressed) / 1e6,
+            "the screen stood still": (painted - pressed) / 1e6,
+        },
+    )
+
+
+def _first(file: Path, since: int, column: int) -> int:
+    """The first moment after ``since`` that a witness wrote down. Raises NotStopped."""
+    deadline = time.monotonic() + _PATIENCE_S
+    while time.monotonic() < deadline:
+        lines = file.read_text().splitlines() if file.exists() else []
+        for line in lines:
+            if (at := int(line.split()[column])) >= since:
+                return at
+        time.sleep(0.02)
+    raise NotStopped(f"{file.stem} has not stopped.")
+
+
+class _Log:
+    """What the session has written down so far, read from its database."""
+
+    def __init__(self, folder: Path) -> None:
+        self._file = f"file:{folder / FILE}?mode=ro"
+
+    def read(self, query: str, *given: object) -> list[dict[str, Any]]:
+        """The messages that a query finds."""
+        with closing(sqlite3.connect(self._file, uri=True)) as database:
+            return [json.loads(message) for (message,) in database.execute(query, given)]
+
+    def wait_until_acting(self, terminal: Terminal, attempt: int) -> bool:
+        """Wait until the answer to an attempt sounds and moves everywhere; False if part of it is over by then."""
+        deadline = time.monotonic() + _PATIENCE_S
+        query = "SELECT message FROM events WHERE topic='arbiter/action' ORDER BY seq DESC LIMIT 1"
+        while time.monotonic() < deadline:
+            terminal.read(time.monotonic_ns() + 10_000_000)
+            said = self.read(query)
+            if said and (said[0]["kind"], said[0]["attempt"]) == ("feedback", attempt):
+                reports = self.read(
+                    "SELECT message FROM events WHERE topic='output/report' AND json_extract(message, '$.action')=?",
+                    said[0]["id"],
+                )
+                states = {(report["output"], report["deed"]): report["state"] for report in reports}
+                found = [states.get(deed, "queued") for deed in _UNDER_WAY]
+                if "failed" in found:
+                    raise NotStopped(next(report["detail"] for report in reports if report["state"] == "failed"))
+                if any(state in _OVER for state in found):
+                    return False
+                if all(state == "started" for state in found):
+                    return True
+        raise NotStopped(f"The agent did not answer attempt {attempt}.")
+
+    def wait_for_stops(self, terminal: Terminal, since: int) -> dict[str, int]:
+        """When each output says that it was still, after ``since``. Raises NotStopped."""
+        outputs = {output for output, _ in _UNDER_WAY}
+        deadline = time.monotonic() + _PATIENCE_S
+        while time.monotonic() < deadline:
+            terminal.read(time.monotonic_ns() + 10_000_000)
+            stops = self.read("SELECT message FROM events WHERE topic='output/stopped'")
+            told = {stop["output"]: stop for stop in stops if stop["asked"] >= since}
+            if set(told) == outputs:
+                if details := [stop["detail"] for stop in told.values() if stop.get("detail")]:
+                    raise NotStopped(details[0])
+                return {output: stop["at"] for output, stop in told.items()}
+        raise NotStopped("Not every output told that it is still.")
+
+
+def _by_name(stops: Sequence[Stop]) -> dict[str, list[float]]:
+    found = [{f"{output} says so": ms for output, ms in stop.told.items()} | stop.witnessed for stop in stops]
+    return {name: [stop[name] for stop in found] for name in found[0]}
+
+
+def _summary(values: Sequence[float]) -> dict[str, float]:
+    return {"n": len(values), "median_ms": median(values), "max_ms": max(values)}

@@ -1,0 +1,238 @@
+"""The thesis' augmented feedback (4.4.2): its Figures 4.11 to 4.14, from simulated users over twenty attempts."""
+
+import re
+from collections.abc import Iterable, Sequence
+from functools import partial
+
+from sar_tui.framework.number_words import holds_number
+from sar_tui.validation.feedback_drawing import draw
+from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
+from sar_tui.validation.simulated import SEEDS, Laboratory, Simulated, laboratory
+
+VALENCES = ("positive", "neutral", "negative")
+BAND_MS, LEAST_ACCURACY = 10.0, 0.8
+"""About the goal is neutral; with fewer right responses there is nothing to praise."""
+EVERY = 3
+"""The thesis' other frequency."""
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
+
+
+def poor(conditions: Conditions) -> Report:
+    """Figure 4.11. A row an attempt of a poor user."""
+    return _of_users(conditions, "figure-4.11", ("poor",))
+
+
+def competent(conditions: Conditions) -> Report:
+    """Figure 4.12. A row an attempt of a competent user, and of a poor one to compare with."""
+    report = _of_users(conditions, "figure-4.12", ("competent", "poor"))
+    fewer = [
+        f"seed {seed}: {theirs} against {poors}"
+        for seed, theirs, poors in _by_seed(report.rows, "positive")
+        if theirs <= poors
+    ]
+    negative = [sum(counts) for counts in zip(*(row[1:] for row in _by_seed(report.rows, "negative")), strict=True)]
+    claims = [
+        *report.claims,
+        Claim(f"Competent users get more positives than poor ones in all {len(SEEDS)} seeds.", "; ".join(fewer)),
+        Claim(
+            "Poor users get more negatives than competent ones, over all seeds.",
+            "" if negative[1] > negative[0] else f"they get {negative[1]} against {negative[0]}",
+        ),
+    ]
+    return report._replace(claims=claims)
+
+
+def examples(conditions: Conditions) -> Report:
+    """Figure 4.13. A row an answer that was given, in words and in figures."""
+    rows = []
+    with laboratory(conditions.catalogue) as place:
+        for number, form in enumerate(("qualitative", "quantitative")):
+            conditions.progress("figure-4.13", number, 2)
+            for seed in SEEDS[:3]:
+                rows += _said(form, seed, place.run("average", seed, feedback_form=form))
+    words = [row["text"] for row in rows if row["form"] == "qualitative" and holds_number(row["text"])]
+    figures = [row["text"] for row in rows if row["form"] == "quantitative" and not _NUMBER.search(row["text"])]
+    untrue = [row["text"] for row in rows if row["form"] == "quantitative" and not _is_true(row)]
+    claims = [
+        Claim("No qualitative answer holds a number, in digits or in words.", "; ".join(words)),
+        Claim("Every quantitative answer gives a figure.", "; ".join(figures)),
+        Claim(
+            "Every figure is the result, the goal, or how far the result is from the last at that level.",
+            "; ".join(untrue),
+        ),
+    ]
+    return Report(rows, [_EXAMPLES], claims, seen=_one_of_each(rows))
+
+
+def frequency(conditions: Conditions) -> Report:
+    """Figure 4.14. A row an attempt of a competent user: with feedback after each, and after every three."""
+    rows: list[Row] = []
+    unsaid: list[str] = []
+    with laboratory(conditions.catalogue) as place:
+        for number, seed in enumerate(SEEDS):
+            conditions.progress("figure-4.14", number, len(SEEDS))
+            for every in (1, EVERY):
+                done = place.run("competent", seed, feedback_every=every)
+                found = [{"every": every, **row} for row in _attempts(done, "competent", seed)]
+                marked = {row["attempt"] for row in found if row["feedback"] != "none"}
+                if set(done.answers) != marked:
+                    unsaid.append(f"seed {seed}, every {every}")
+                rows += found
+    claims = [
+        _stands_on(rows, 1, "With feedback after every attempt, it stands on each."),
+        _stands_on(rows, EVERY, "With every three, it stands on the attempts 3, 6, 9 … and nowhere else."),
+        Claim("What the agent said stands in the log on those attempts, and on no others.", "; ".join(unsaid)),
+    ]
+    drawings = [
+        draw(_only(rows, seed=SEEDS[0], every=every), f"Competent user, seed {SEEDS[0]}: feedback {how}")
+        for every, how in ((1, "after every attempt"), (EVERY, "after every three attempts"))
+    ]
+    return Report(rows, [], claims, drawings)
+
+
+# --- sessions as rows ----------------------------------------------------------------------------------------
+
+
+def _of_users(conditions: Conditions, name: str, users: Sequence[str]) -> Report:
+    rows: list[Row] = []
+    with laboratory(conditions.catalogue) as place:
+        for number, seed in enumerate(SEEDS):
+            conditions.progress(name, number, len(SEEDS))
+            rows += _of_seed(place, users, seed)
+    wrong = [f"{row['user']}, seed {row['seed']}, attempt {row['attempt']}" for row in rows if not _fits(row)]
+    claim = Claim(
+        f"Feedback is positive under the goal, negative over it, and neutral within {BAND_MS:g} ms of it.",
+        "; ".join(wrong),
+    )
+    drawn = draw(_only(rows, user=users[0], seed=SEEDS[0]), f"{users[0].capitalize()} user, seed {SEEDS[0]}")
+    seen = [_counted(rows, user, seed) for seed in SEEDS for user in users]
+    return Report(rows, [_COUNTS], [claim], [drawn], seen)
+
+
+def _of_seed(place: Laboratory, users: Sequence[str], seed: int) -> list[Row]:
+    return [row for user in users for row in _attempts(place.run(user, seed), user, seed)]
+
+
+def _attempts(done: Simulated, user: str, seed: int) -> list[Row]:
+    return [
+        {
+            "user": user,
+            "seed": seed,
+            "attempt": attempt["attempt"],
+            "level": attempt["level"],
+            "reaction_time_ms": attempt["metric"],
+            "goal_ms": attempt["goal"],
+            "accuracy": attempt["accuracy"],
+            "feedback": attempt["feedback"],
+        }
+        for attempt in done.attempts
+    ]
+
+
+def _only(rows: Iterable[Row], **fields: object) -> list[Row]:
+    return [row for row in rows if all(row[name] == value for name, value in fields.items())]
+
+
+def _counted(rows: Sequence[Row], user: str, seed: int) -> Row:
+    answered = [row["feedback"] for row in _only(rows, user=user, seed=seed)]
+    return {"seed": seed, "user": user} | {valence: answered.count(valence) for valence in VALENCES}
+
+
+def _by_seed(rows: Sequence[Row], valence: str) -> list[tuple[int, int, int]]:
+    """Seed, and how often a competent and a poor user got such feedback."""
+    return [(seed, _counted(rows, "competent", seed)[valence], _counted(rows, "poor", seed)[valence]) for seed in SEEDS]
+
+
+def _fits(row: Row) -> bool:
+    """Whether an attempt got the feedback that the thesis describes, and too few right responses no praise."""
+    if row["reaction_time_ms"] is None or row["accuracy"] < LEAST_ACCURACY:
+        return bool(row["feedback"] == "negative")
+    over = row["reaction_time_ms"] - row["goal_ms"]
+    expected = "neutral" if abs(over) <= BAND_MS else "negative" if over > 0 else "positive"
+    return bool(row["feedback"] == expected)
+
+
+def _stands_on(rows: Sequence[Row], every: int, sentence: str) -> Claim:
+    wrong = [
+        f"seed {row['seed']}, attempt {row['attempt']}"
+        for row in _only(rows, every=every)
+        if (row["feedback"] != "none") != (row["attempt"] % every == 0)
+    ]
+    return Claim(sentence, "; ".join(wrong))
+
+
+# --- what was said --------------------------------------------------------------------------------------------
+
+
+def _said(form: str, seed: int, done: Simulated) -> list[Row]:
+    rows: list[Row] = []
+    last: dict[int, float | None] = {}
+    for attempt in done.attempts:
+        said = done.answers[attempt["attempt"]]["final"]
+        rows.append(
+            {
+                "form": form,
+                "seed": seed,
+                "attempt": attempt["attempt"],
+                "level": attempt["level"],
+                "reaction_time_ms": attempt["metric"],
+                "last_at_level_ms": last.get(attempt["level"]),
+                "goal_ms": attempt["goal"],
+                "correct": attempt["correct"],
+                "trials": attempt["trials"],
+                "feedback": attempt["feedback"],
+                "degree": said["degree"],
+                "text": said["text"],
+            }
+        )
+        last[attempt["level"]] = attempt["metric"] or last.get(attempt["level"])
+    return rows
+
+
+def _is_true(row: Row) -> bool:
+    """Whether each figure that was said belongs to the attempt."""
+    result, last = row["reaction_time_ms"], row["last_at_level_ms"]
+    difference = None if result is None or last is None else abs(result - last)
+    measured = [f"{value:.0f}" for value in (result, difference, row["goal_ms"]) if value is not None]
+    return set(_NUMBER.findall(row["text"])) <= {*measured, str(row["correct"]), str(row["trials"])}
+
+
+def _one_of_each(rows: Iterable[Row]) -> list[Row]:
+    """The first answer of each form, valence and degree; the best first."""
+    found: dict[tuple[str, str, str], Row] = {}
+    for row in rows:
+        found.setdefault((row["form"], row["feedback"], row["degree"]), row)
+    forms = [row["form"] for row in found.values()]
+    return sorted(found.values(), key=lambda row: (forms.index(row["form"]), VALENCES.index(row["feedback"])))
+
+
+# --- columns ---------------------------------------------------------------------------------------------------
+
+
+def _count(valence: str, row: Row) -> str:
+    return str(row[valence])
+
+
+def _graded(row: Row) -> str:
+    return str(row["feedback"]) if row["feedback"] == "neutral" else f"{row['feedback']}, {row['degree']}"
+
+
+def _compared(row: Row) -> str | None:
+    """The result in ms, and the last at that level, if there is one."""
+    result, last = row["reaction_time_ms"], row["last_at_level_ms"]
+    if result is None:
+        return None
+    return f"{result:.0f}" if last is None else f"{result:.0f} ({last:.0f})"
+
+
+_COUNTS = [
+    Column("seed", lambda row: str(row["seed"])),
+    Column("user", lambda row: str(row["user"]), is_number=False),
+    *(Column(valence, partial(_count, valence)) for valence in VALENCES),
+]
+_EXAMPLES = [
+    Column("form", lambda row: str(row["form"]), is_number=False),
+    Column("feedback", _graded, is_number=False),
+    Column("ms (last)", _compared),
+    Column("what was said", lambda row: str(row["text"]), is_number=False),
+]

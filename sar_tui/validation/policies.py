@@ -1,0 +1,179 @@
+"""The schedules of feedback: a simulated session under each, and whether the log says when, what and why."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
+from sar_tui.validation.simulated import SEEDS, Simulated, laboratory
+
+USER = "competent"
+EVERY, FADE, BANDWIDTH_PERCENT, SUMMARY = 2, 2, 10.0, 5
+DELAY_MS = 1500
+LEAST_ACCURACY = 0.8
+_NEAR_MS = 1.0
+
+
+class Schedule(NamedTuple):
+    """How a schedule is set, and what it promises: on which attempts it answers."""
+
+    settings: dict[str, object]
+    promise: str
+    answers: Callable[[Sequence[Row]], list[int]]
+
+
+def run(conditions: Conditions) -> Report:
+    """A row an attempt under each schedule; the same user, the same seed."""
+    rows: list[Row] = []
+    claims: list[Claim] = []
+    with laboratory(conditions.catalogue) as place:
+        for number, (name, schedule) in enumerate(SCHEDULES.items()):
+            conditions.progress(f"policies: {name}", number, len(SCHEDULES))
+            settings = {"feedback_schedule": name, "feedback_delay_ms": DELAY_MS, **schedule.settings}
+            done = place.run(USER, SEEDS[0], **settings)
+            found = _rows(name, done)
+            wrong = sorted(set(schedule.answers(found)) ^ {row["attempt"] for row in found if row["feedback"]})
+            claims.append(Claim(schedule.promise, f"attempts {_listed(wrong)} are otherwise" if wrong else ""))
+            rows += found
+    claims += [
+        _claim(rows, "The log gives a reason for each attempt.", lambda row: bool(row["why"].strip().endswith("."))),
+        _claim(
+            rows,
+            "Where the log says that an attempt was answered, and nowhere else, it holds what was said.",
+            lambda row: bool(row["text"]) == bool(row["feedback"]),
+        ),
+        _claim(
+            rows,
+            f"An answer that falls due comes {DELAY_MS} ms after its attempt, and one that is asked for at once.",
+            lambda row: (
+                row["answered_after_ms"] is None
+                or abs(row["answered_after_ms"] - (0 if row["asked"] else DELAY_MS)) <= _NEAR_MS
+            ),
+        ),
+        _claim(rows, "No attempt begins before the one before is answered.", lambda row: not row["next_began_before"]),
+        _claim(
+            [row for row in rows if row["schedule"] == "summary" and row["feedback"]],
+            f"A summary is of {SUMMARY} attempts, and says how many of them reached the goal.",
+            lambda row: row["attempts"] == SUMMARY and str(row["reached_of_them"]) in row["text"].split(),
+        ),
+    ]
+    return Report(rows, [_COLUMNS], claims, seen=[_summed_up(rows, name) for name in SCHEDULES])
+
+
+# --- what each schedule promises, worked out from what the participant did --------------------------------------
+
+
+def _each(every: int) -> Callable[[Sequence[Row]], list[int]]:
+    return lambda rows: [row["attempt"] for row in rows if row["attempt"] % every == 0]
+
+
+def _faded(rows: Sequence[Row]) -> list[int]:
+    """Rarer by one attempt with each so many successes more than failures at the last answer, unless fewer are left."""
+    answered, ahead, at_last, last = [], 0, 0, 0
+    for row in rows:
+        ahead = max(0, ahead + (1 if row["outcome"] == "success" else -1))
+        if row["attempt"] - last >= 1 + min(ahead, at_last) // FADE:
+            last, at_last = row["attempt"], ahead
+            answered.append(last)
+    return answered
+
+
+def _outside(rows: Sequence[Row]) -> list[int]:
+    return [
+        row["attempt"]
+        for row in rows
+        if row["reaction_time_ms"] is None
+        or row["accuracy"] < LEAST_ACCURACY
+        or abs(row["reaction_time_ms"] - row["goal_ms"]) > row["goal_ms"] * BANDWIDTH_PERCENT / 100
+    ]
+
+
+SCHEDULES: dict[str, Schedule] = {
+    "every": Schedule(
+        {"feedback_every": EVERY}, f"every: each {EVERY} attempts are answered, and no other.", _each(EVERY)
+    ),
+    "faded": Schedule(
+        {"feedback_fade": FADE},
+        f"faded: rarer by an attempt with each {FADE} successes more than failures.",
+        _faded,
+    ),
+    "bandwidth": Schedule(
+        {"feedback_tolerance": BANDWIDTH_PERCENT},
+        f"bandwidth: only results more than {BANDWIDTH_PERCENT:g} % off the goal, or with too few right responses.",
+        _outside,
+    ),
+    "summary": Schedule(
+        {"feedback_every": SUMMARY}, f"summary: each {SUMMARY} attempts are summed up.", _each(SUMMARY)
+    ),
+    "request": Schedule(
+        {},
+        "request: the attempts after which the participant asked, and no other.",
+        lambda rows: [row["attempt"] for row in rows if row["asked"]],
+    ),
+    "none": Schedule({}, "none: nothing is said of any attempt.", lambda rows: []),
+}
+
+
+# --- sessions as rows -----------------------------------------------------------------------------------------------
+
+
+def _rows(schedule: str, done: Simulated) -> list[Row]:
+    rows: list[Row] = []
+    begins = [attempt["started_ns"] for attempt in done.attempts[1:]]
+    outcomes = [attempt["outcome"] for attempt in done.attempts]
+    for attempt, next_begins in zip(done.attempts, [*begins, None], strict=True):
+        number, choice = attempt["attempt"], attempt["choice"]
+        answer = done.answers.get(number)
+        asked = next((at for at in done.asked if at >= attempt["ended_ns"] and (next_begins or at + 1) > at), None)
+        since = attempt["ended_ns"] if asked is None else asked
+        rows.append(
+            {
+                "schedule": schedule,
+                "attempt": number,
+                "level": attempt["level"],
+                "reaction_time_ms": attempt["metric"],
+                "goal_ms": attempt["goal"],
+                "accuracy": attempt["accuracy"],
+                "outcome": attempt["outcome"],
+                "feedback": None if attempt["feedback"] == "none" else attempt["feedback"],
+                **{name: choice[name] for name in CHOICE},
+                "reached_of_them": outcomes[max(0, number - choice["attempts"]) : number].count("success"),
+                "asked": asked is not None,
+                "answered_after_ms": (answer["decided_ns"] - since) / 1e6 if answer else None,
+                "next_began_before": bool(answer and next_begins and next_begins < answer["decided_ns"]),
+                "text": answer["final"]["text"] if answer else "",
+            }
+        )
+    return rows
+
+
+CHOICE = ("due", "why", "since", "interval", "tolerance", "attempts", "content", "form", "compared_with", "degree")
+"""What is told of `messages.FeedbackChoice`, by the same names."""
+
+
+def _claim(rows: Sequence[Row], sentence: str, holds: Callable[[Row], bool]) -> Claim:
+    wrong = [f"{row['schedule']}, attempt {row['attempt']}" for row in rows if not holds(row)]
+    return Claim(sentence, "; ".join(wrong) if rows else "there was none")
+
+
+def _summed_up(rows: Sequence[Row], name: str) -> Row:
+    own = [row for row in rows if row["schedule"] == name]
+    answered = [row for row in own if row["feedback"]]
+    silent = [row for row in own if not row["feedback"]]
+    return {
+        "schedule": name,
+        "answered": _listed([row["attempt"] for row in answered]),
+        "why": next((row["why"] for row in reversed(answered)), None),
+        "why_not": next((row["why"] for row in reversed(silent)), None),
+    }
+
+
+def _listed(attempts: Sequence[int]) -> str:
+    return ", ".join(map(str, attempts))
+
+
+_COLUMNS = [
+    Column("schedule", lambda row: str(row["schedule"]), is_number=False),
+    Column("attempts answered", lambda row: str(row["answered"]) or None, is_number=False),
+    Column("why the last of them was", lambda row: row["why"], is_number=False),
+    Column("why the last of the others was not", lambda row: row["why_not"], is_number=False),
+]

@@ -1,0 +1,81 @@
+"""Sessions of simulated participants, as the database keeps them: what validations of the agent look at."""
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+from sar_tui.framework.messages import KeyPressed
+from sar_tui.framework.parameters import build
+from sar_tui.framework.task import Task
+from sar_tui.framework.waiting import ASK_KEY
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, simulate
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+from sar_tui.validation.report import Row
+
+TASK, THEME = "keyboard", "calm"
+SEEDS = range(1, 11)
+"""How often a claim about people is tried."""
+
+
+class Simulated(NamedTuple):
+    """One session: its attempts, what the agent did by kind, and when the participant asked how it went (ns)."""
+
+    task: Task
+    attempts: list[Row]
+    actions: list[Row]
+    asked: list[int]
+
+    @property
+    def answers(self) -> dict[int, Row]:
+        """What was said of an attempt, by its number."""
+        return {row["final"]["attempt"]: row for row in self.actions if row["kind"] == "feedback" and row["final"]}
+
+
+class Laboratory:
+    """Runs sessions into a database of its own.
+
+    Args:
+        catalogue: where the task and the theme are found.
+        folder: where the database is.
+    """
+
+    def __init__(self, catalogue: Catalogue, folder: Path) -> None:
+        self._catalogue = catalogue
+        self._folder = folder
+        self._kind = catalogue.task(TASK)
+
+    def run(self, user: str, seed: int, **parameters: object) -> Simulated:
+        """A session of twenty attempts.
+
+        Args:
+            user: one of `simulation.person.PEOPLE`.
+            seed: of all that is random.
+            parameters: of the task, where they differ from the defaults.
+        """
+        built = build(self._kind.Parameters, {"attempts": 20, **parameters})
+        plan = Plan(self._kind, built, THEME, "SIM", seed, "simulated")
+        name = simulate(plan, PEOPLE[user], self._folder, self._catalogue)
+        database = connect(self._folder)
+        with closing(database.conn):
+            return Simulated(
+                task=self._kind(built),
+                attempts=sessions.rows(database, "attempts", name),
+                actions=sessions.rows(database, "actions", name),
+                asked=[
+                    record.message.at
+                    for record in sessions.history(database, name)
+                    if isinstance(record.message, KeyPressed) and record.message.key == ASK_KEY
+                ],
+            )
+
+
+@contextmanager
+def laboratory(catalogue: Catalogue) -> Iterator[Laboratory]:
+    """A place to run sessions in; what they leave behind is gone afterwards."""
+    with tempfile.TemporaryDirectory(prefix="sar-tui-validate-") as folder:
+        yield Laboratory(catalogue, Path(folder))

@@ -1,0 +1,129 @@
+"""``--outputs``, ``--speech`` and ``--language``: what a session is spoken with, told on the command line."""
+
+import json
+import sqlite3
+import wave
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan
+from sar_tui.store import participants
+from sar_tui.store.database import connect
+from tests.cli.conftest import Call
+
+SIMULATE = ("simulate", "keyboard", "--user", "average", "--seed", 1, "--attempts", 1, "--set", "prompts_per_attempt=2")
+RUN = ("run", "keyboard", "-p", "P01")
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> list[Plan]:
+    """A terminal, and an app that only notes the session it was opened with."""
+    plans: list[Plan] = []
+
+    def run_app(folder: Path, catalogue: Catalogue, plan: Plan) -> int:
+        plans.append(plan)
+        return 0
+
+    monkeypatch.setattr("sar_tui.app.app.run_app", run_app)
+    monkeypatch.setenv("TERM", "xterm-256color")
+    stream = SimpleNamespace(isatty=lambda: True)
+    monkeypatch.setattr("sar_tui.cli.common.sys", SimpleNamespace(stdin=stream, stdout=stream, stderr=stream))
+    return plans
+
+
+def stored(folder: Path) -> dict[str, Any]:
+    """The parameters of the latest session."""
+    with sqlite3.connect(folder / "data" / "sar-tui.db") as connection:
+        (text,) = connection.execute("SELECT parameters FROM sessions ORDER BY rowid DESC").fetchone()
+    found: dict[str, Any] = json.loads(text)
+    return found
+
+
+@pytest.mark.parametrize("how", [("--outputs", "screen,speech"), ("--set", "outputs=screen,speech")])
+def test_outputs_are_named_either_way(call: Call, opened: list[Plan], how: tuple[str, str]) -> None:
+    assert call(*RUN, *how).code == 0
+    assert opened[0].parameters.outputs == ("screen", "speech")
+
+
+def test_who_says_where_speech_goes_wants_to_hear_it(call: Call, opened: list[Plan], tmp_path: Path) -> None:
+    where = f"file:{tmp_path}"
+    call(*RUN, "--speech", where)
+    call(*RUN, "--speech", where, "--outputs", "tones,speech")
+    call(*RUN, "--set", f"speech={where}")
+    assert [(plan.parameters.outputs, plan.parameters.speech) for plan in opened] == [
+        (("screen", "speech"), where),
+        (("tones", "speech"), where),
+        (("screen",), where),
+    ]
+
+
+def test_the_options_stand_over_what_was_saved_and_keep_the_rest(
+    call: Call, opened: list[Plan], tmp_path: Path
+) -> None:
+    saved = participants.Settings({"outputs": ["screen", "tones"], "language": "es", "attempts": 3}, "playful")
+    database = connect(tmp_path / "data")
+    participants.save_settings(database, "P01", "keyboard", saved)
+    database.conn.close()
+    call(*RUN)
+    call(*RUN, "--speech", "sound", "--language", "en")
+    found = [(plan.parameters.outputs, plan.parameters.language, plan.parameters.attempts) for plan in opened]
+    assert found == [(("screen", "tones"), "es", 3), (("screen", "tones", "speech"), "en", 3)]
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("--outputs", "screen,sceen"), 'There is no output "sceen". Did you mean screen?'),
+        (("--outputs", "tones:bang"), 'There is no tone "bang".'),
+        (("--outputs", "screen,tones,tones:go"), "The output tones is named twice."),
+        (("--outputs", "servo:not-a-number"), "servo"),
+        (("--speech", "nowhere"), "nowhere"),
+        (("--speech", "file:"), "file:"),
+        (("--language", "English"), "Language cannot be English."),
+    ],
+)
+@pytest.mark.parametrize("command", [RUN, SIMULATE], ids=["run", "simulate"])
+def test_what_cannot_be_is_refused_before_anything_begins(
+    call: Call, opened: list[Plan], tmp_path: Path, command: tuple[str, ...], options: tuple[str, str], says: str
+) -> None:
+    called = call(*command, *options)
+    assert (called.code, called.out) == (2, "")
+    assert says in called.err
+    assert called.err.count("\n") == 1
+    assert opened == []
+    if (tmp_path / "data" / "sar-tui.db").exists():
+        with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
+            assert connection.execute("SELECT count(*) FROM sessions").fetchone() == (0,)
+
+
+def test_a_simulated_session_speaks_into_files_and_says_so(call: Call, tmp_path: Path) -> None:
+    to = tmp_path / "said"
+    assert call(*SIMULATE, "--speech", f"file:{to}").code == 0
+    assert (stored(tmp_path)["outputs"], stored(tmp_path)["speech"]) == (["screen", "speech"], f"file:{to}")
+    files = sorted(to.rglob("*.wav"))
+    assert len(files) >= 3, "a greeting, an answer, a goodbye"
+    for file in files:
+        with wave.open(str(file)) as sound:
+            assert sound.getnframes() / sound.getframerate() > 0.3
+
+
+def test_a_simulated_session_speaks_the_language_that_it_is_told(call: Call, tmp_path: Path) -> None:
+    said = []
+    for language in ("en", "es"):
+        assert call(*SIMULATE, "--language", language).code == 0
+        with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
+            finals = connection.execute("SELECT final FROM actions WHERE kind='goodbye' ORDER BY rowid").fetchall()
+        said.append(json.loads(finals[-1][0])["text"])
+    assert "Thank you" in said[0]
+    assert "racias" in said[1]
+    assert stored(tmp_path)["language"] == "es"
+
+
+def test_the_options_are_in_the_help(call: Call) -> None:
+    for command in ("run", "simulate"):
+        told = call(command, "--help").out
+        assert [option for option in ("--outputs", "--speech", "--language") if option not in told] == []

@@ -1,0 +1,69 @@
+"""The data dictionary names all that is stored: each column, each topic, each field of a choice, each parameter."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from sar_tui.framework import messages
+from sar_tui.framework.messages import FeedbackChoice
+from sar_tui.framework.topics import ALL
+from sar_tui.store.database import connect
+from sar_tui.validation.feedback import competent, examples, frequency
+from sar_tui.validation.policies import run as policies
+from sar_tui.validation.report import Conditions, Report
+
+PAGE = (Path(__file__).parents[1] / "docs" / "data-dictionary.md").read_text(encoding="utf-8")
+
+
+def named(text: str) -> set[str]:
+    """What stands in a text as code."""
+    return set(re.findall(r"`([^`\n]+)`", text))
+
+
+def section(table: str) -> str:
+    return PAGE.partition(f"### {table}\n")[2].partition("\n### ")[0].partition("\n## ")[0]
+
+
+def test_every_column_of_every_table_is_in_its_section(data: Path) -> None:
+    database = connect(data)
+    tables = [table for table in database.tables if not table.name.startswith(("sqlite_", "_"))]
+    missing = {table.name: set(table.columns_dict) - named(section(table.name)) for table in tables}
+    database.conn.close()
+    assert len(missing) >= 10
+    assert {name: columns for name, columns in missing.items() if columns} == {}
+
+
+def test_every_topic_is_told_of() -> None:
+    assert sorted(set(ALL) - named(section("events"))) == []
+
+
+def test_every_field_of_a_choice_and_every_schedule_is_told_of() -> None:
+    told = named(section("attempts"))
+    assert set(FeedbackChoice.__struct_fields__) - told == set()
+    assert set(get_args(messages.Schedule)) - told == set()
+
+
+def test_kinds_and_decisions_of_actions_are_told_of() -> None:
+    told = named(section("actions"))
+    assert {*get_args(messages.Kind), *get_args(messages.Policy), "accepted", "dropped"} - told == set()
+    assert set(messages.Proposal.__struct_fields__) - told == set()
+
+
+def test_every_state_and_deed_of_a_report_is_told_of() -> None:
+    assert {*get_args(messages.DeedState), *get_args(messages.Deed)} - named(section("events")) == set()
+
+
+@pytest.mark.parametrize(
+    ("name", "validate"),
+    [("figure-4.12", competent), ("figure-4.13", examples), ("figure-4.14", frequency), ("policies", policies)],
+)
+def test_every_field_of_a_validation_is_told_of(
+    name: str, validate: Callable[[Conditions], Report], request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.validation.feedback.SEEDS", range(1, 2))
+    fields = set(validate(Conditions(request.getfixturevalue("catalogue"))).rows[0])
+    lines = [line for line in PAGE.splitlines() if line.startswith((f"| `{name}`", "| `figure-4.11`"))]
+    assert fields - set().union(*map(named, lines)) == set()
