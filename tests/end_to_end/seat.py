@@ -1,7 +1,9 @@
 """A seat in front of the real program: a pseudo-terminal, eyes that read its screen, and the database afterwards."""
 
+import json
 import sqlite3
 import sys
+import time
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -30,6 +32,17 @@ def see_the_summary(terminal: Terminal) -> None:
     terminal.press("enter")
     terminal.wait_for("Press Enter to finish.")
     terminal.settle()
+
+
+def see_the_agent_still(terminal: Terminal, data: Path, seconds: float = 30) -> None:
+    """Wait until the agent has waved, and looks on."""
+    deadline = time.monotonic() + seconds
+    acting: list[bool] = []
+    while not acting or acting[-1]:
+        assert time.monotonic() < deadline, "the agent goes on and on"
+        terminal.settle(silence_ms=50)
+        told = rows(data, "SELECT message FROM events WHERE topic='arbiter/acting' ORDER BY seq")
+        acting = [json.loads(message)["acting"] for (message,) in told]
 
 
 class Eyes:

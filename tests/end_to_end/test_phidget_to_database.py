@@ -12,9 +12,10 @@ from sar_tui.framework.messages import ImuBlock, SensorChanged
 from sar_tui.framework.parameters import build
 from sar_tui.framework.topics import IMU, SENSOR
 from sar_tui.inputs.feed import ImuFeed
-from sar_tui.inputs.phidget import PhidgetSource, new_channel
+from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.inputs.sensor import Imu
 from sar_tui.motion.samples import unpack
+from sar_tui.phidget_library import new_channel
 from sar_tui.plugins import Catalogue
 from sar_tui.runs import Plan, Run, start
 from sar_tui.simulation.driven import DrivenSpatial
@@ -74,7 +75,7 @@ def test_five_seconds_of_samples_are_all_kept_and_a_sensor_that_is_plugged_in_ag
     tmp_path: Path, interval_ms: int
 ) -> None:
     count = 5000 // interval_ms
-    driven = DrivenSpatial(new_channel(), interval_ms)
+    driven = DrivenSpatial(new_channel("Spatial"), interval_ms)
     catalogue = Catalogue()
     task = catalogue.task("reaching")
     plan = Plan(task, build(task.Parameters, {}), "calm", "P01", seed=1)
@@ -82,7 +83,7 @@ def test_five_seconds_of_samples_are_all_kept_and_a_sensor_that_is_plugged_in_ag
     async def session() -> tuple[str, list[str]]:
         clock = LiveClock(asyncio.get_running_loop())
         feed = ImuFeed(PhidgetSource(make=lambda: driven.spatial, denied=lambda: False), clock.now)
-        run = start(plan, tmp_path, catalogue, clock, lambda task: [Imu(feed)])
+        run = start(plan, tmp_path, catalogue, clock, lambda task, theme: [Imu(feed)])
         stop = threading.Event()
         writer = threading.Thread(target=run.recorder.run, args=(stop.is_set,))
         writer.start()

@@ -8,7 +8,15 @@ from pathlib import Path
 from sar_tui.framework.clock import MS
 from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
 from sar_tui.simulation.terminal import Terminal
-from tests.end_to_end.seat import Eyes, command, only_session, rows, run_command, see_the_summary
+from tests.end_to_end.seat import (
+    Eyes,
+    command,
+    only_session,
+    rows,
+    run_command,
+    see_the_agent_still,
+    see_the_summary,
+)
 
 
 def _slowly(foreperiod_ms: int) -> dict[str, int]:
@@ -91,6 +99,7 @@ def test_keys_that_answer_no_prompt_are_kept_as_keys_and_never_as_reaction_times
         t.press("enter")
         t.wait_for("Press Enter to begin")
         t.settle()
+        see_the_agent_still(t, data)
         t.press("enter")
         t.settle()
         for _ in range(20):
