@@ -122,7 +122,7 @@ def best_of(data: Path, *names: str) -> dict[str, float]:
     best: dict[str, float] = {}
     for name in names:
         for row in sessions.rows(connect(data), "attempts", name):
-            if row["metric"] is not None:
+            if row["metric"] is not None and row["accuracy"] >= 0.8:
                 level = str(row["level"])
                 best[level] = min(best.get(level, row["metric"]), row["metric"])
     return best

@@ -42,8 +42,8 @@ def sound_card(program: Sequence[str] = (), backends: Sequence[str] = ()) -> Fin
 
 def _examined(name: str, program: Sequence[str], backends: Sequence[str] = ()) -> "Examined | Finding":
     """What the child process that would use them finds."""
-    from sar_tui.outputs.sound.path import examine
     from sar_tui.outputs.sound.child import PROGRAM
+    from sar_tui.outputs.sound.path import examine
     from sar_tui.outputs.sound.protocol import SoundError
 
     try:

@@ -96,7 +96,7 @@ def test_samples_that_were_never_stored_are_told(call: Call, tmp_path: Path, rea
     change(tmp_path, "DELETE FROM imu_chunks")
     called = call("reanalyse", reached)
     assert called.code == 0
-    assert "Attempt 1, trial 1: 1515 of the samples that it was found in were never stored." in called.out
+    assert "Attempt 1, trial 1: 1941 of the samples that it was found in were never stored." in called.out
     assert "0 of 3 trials are exactly as recorded, and in 3 there is no reach now." in called.out
     first, *_ = call("reanalyse", reached, "--json").json["trials"]
     assert (first["reach_time_ms"], first["difference_ms"]) == (None, None)

@@ -1,4 +1,4 @@
-"""``sar-tui tasks``: listed, shown, begun, checked; and ``sar-tui themes``."""
+"""``sar-tui tasks``: listed, shown, begun, checked."""
 
 import shutil
 from collections.abc import Callable
@@ -75,13 +75,6 @@ def test_what_can_be_set_as_json(call: Call) -> None:
 
 def test_showing_an_unknown_task_is_bad_input(call: Call) -> None:
     assert call("tasks", "show", "juggling").code == 2
-
-
-def test_themes_are_listed(call: Call) -> None:
-    called = call("themes")
-    assert called.code == 0
-    assert "High contrast" in called.out
-    assert [row["name"] for row in call("themes", "--json").json["themes"]] == ["calm", "high-contrast"]
 
 
 # --- begun ---------------------------------------------------------------------------------------------------

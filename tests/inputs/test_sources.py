@@ -129,7 +129,7 @@ def test_a_name_that_is_none_is_told_with_what_there_is(name: str, said: str) ->
 @pytest.mark.usefixtures("_plugins")
 def test_a_plug_in_is_opened_by_its_name_with_the_text_after_the_colon() -> None:
     assert isinstance(open_source("camera:473001"), PhidgetSource)
-    assert source_names() == ["absent", "camera", "faulty", "hollow", "phidget", "recorded", "simulated"]
+    assert source_names() == ["absent", "camera", "faulty", "hollow", "phidget", "recorded", "ros", "simulated"]
 
 
 @pytest.mark.usefixtures("_plugins")

@@ -39,7 +39,8 @@ class History(msgspec.Struct, frozen=True):
     """What the schedules keep of the scored attempts.
 
     ``since``: how many there were since the last answer. ``skill``: by how many the successes outnumber the failures,
-    never below 0; ``paced_by``: what it was at the last answer. ``recent``: the last attempts, oldest first, as many as a summary takes.
+    never below 0; ``paced_by``: what it was at the last answer. ``recent``: the last attempts, oldest
+    first, as many as a summary takes.
     """
 
     since: int = 0
