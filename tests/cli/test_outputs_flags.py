@@ -14,6 +14,7 @@ from sar_tui.runs import Plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from tests.cli.conftest import Call
+from tests.speech import needs_speech
 
 SIMULATE = ("simulate", "keyboard", "--user", "average", "--seed", 1, "--attempts", 1, "--set", "prompts_per_attempt=2")
 RUN = ("run", "keyboard", "-p", "P01")
@@ -100,6 +101,7 @@ def test_what_cannot_be_is_refused_before_anything_begins(
             assert connection.execute("SELECT count(*) FROM sessions").fetchone() == (0,)
 
 
+@needs_speech
 def test_a_simulated_session_speaks_into_files_and_says_so(call: Call, tmp_path: Path) -> None:
     to = tmp_path / "said"
     assert call(*SIMULATE, "--speech", f"file:{to}").code == 0

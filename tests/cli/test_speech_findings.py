@@ -5,8 +5,10 @@ import sys
 from sar_tui.cli.finding import Finding
 from sar_tui.cli.speech_findings import sound_card, speech_engine
 from tests.outputs.listening import ENGINE, NOBODY, program_with
+from tests.speech import needs_speech
 
 
+@needs_speech
 def test_an_engine_with_voices_for_each_language_is_fine() -> None:
     found = speech_engine()
     assert (found.name, found.state, found.mend) == ("Speech", "ok", "")

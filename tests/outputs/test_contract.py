@@ -15,6 +15,7 @@ from tests.outputs.listening import speech_in_real_time_rig, speech_rig, tones_r
 from tests.outputs.ros_bench import ros_rig
 from tests.outputs.screen_bench import screen_rig
 from tests.outputs.servo_bench import servo_rig
+from tests.speech import needs_speech
 
 
 @contextmanager
@@ -40,7 +41,9 @@ RIGS: dict[str, Callable[[], AbstractContextManager[Rig]]] = {
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
-@pytest.mark.parametrize("name", RIGS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=needs_speech) if name.startswith("speech") else name for name in RIGS]
+)
 def test_the_contract_holds(name: str, check: Callable[[Rig], None]) -> None:
     with RIGS[name]() as rig:
         check(rig)

@@ -13,6 +13,9 @@ from sar_tui.outputs.sound.path import Sound
 from sar_tui.outputs.sound.samples import RATE, peak
 from sar_tui.outputs.speech import LONGEST
 from tests.outputs.listening import LONG, NOBODY, listening
+from tests.speech import needs_speech
+
+pytestmark = needs_speech
 
 WORDS = {"en": "You were forty milliseconds faster.", "es": "Fuiste cuarenta milisegundos más rápido."}
 

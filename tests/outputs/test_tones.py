@@ -11,6 +11,7 @@ from sar_tui.framework.theme import TONES, Note, Theme
 from sar_tui.outputs.sound.path import Sound
 from sar_tui.outputs.sound.samples import tone
 from tests.outputs.listening import NOBODY, listening
+from tests.speech import needs_speech
 
 
 def frames(path: Path) -> bytes:
@@ -27,6 +28,7 @@ def test_each_of_the_themes_tones_sounds(calm: Theme, tmp_path: Path) -> None:
     assert [frames(path) for path in written] == [tone(calm.notes(name)).tobytes() for name in TONES]
 
 
+@needs_speech
 def test_tones_follow_each_other_and_speech(calm: Theme) -> None:
     with listening(Sound(backends=NOBODY), calm) as ear:
         ear.tones.tone("t1", "go")

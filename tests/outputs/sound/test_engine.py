@@ -10,6 +10,9 @@ from sar_tui.outputs.sound.engine import Engine
 from sar_tui.outputs.sound.protocol import SoundError, Unreadable, Voicing
 from sar_tui.outputs.sound.samples import RATE, peak, seconds
 from tests.outputs.listening import ENGINE
+from tests.speech import needs_speech
+
+pytestmark = needs_speech
 
 ENGLISH, SPANISH = Voicing("en"), Voicing("es")
 TEXTS = {

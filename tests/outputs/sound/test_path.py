@@ -32,6 +32,9 @@ CRASHES = f"{ENGINE}\ndef speak(engine):\n    os._exit(3) if 'crash' in engine.t
 HANGS = f"{ENGINE}\ndef speak(engine):\n    time.sleep(600) if 'hang' in engine.text else beep(engine)"
 HANGS_IN_C = f"""{ENGINE}
 import ctypes
+from tests.speech import needs_speech
+
+pytestmark = needs_speech
 def speak(engine):
     if 'hang' in engine.text:
         ctypes.PyDLL(None).sleep(600)  # without letting any other thread of the process run

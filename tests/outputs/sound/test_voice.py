@@ -34,6 +34,9 @@ PARENT = """
 import sys, time
 from sar_tui.outputs.sound.child import Child
 from sar_tui.outputs.sound.protocol import *
+from tests.speech import needs_speech
+
+pytestmark = needs_speech
 child = Child(Setup(backends=("NULL",)), lambda child, reply: print(reply, flush=True), sys.argv[1:])
 child.send(Say(1, "a1", "One word after the other. " * 40, Voicing("en")))
 time.sleep(600)
