@@ -118,7 +118,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: E
         if plan.mode == "live":
             participant = participants.add(database, plan.participant)
             held.append(locks.hold(folder, "participant", participant))
-        best = sessions.best(database, participant, task.name, task.metric) if plan.mode == "live" else {}
+        best = sessions.best(database, participant, task) if plan.mode == "live" else {}
         session = Session(task, theme, clock, plan.seed, nodes, best)
         session_id = sessions.new_id()
         held.append(locks.hold(folder, "session", session_id))
@@ -187,7 +187,7 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ex
             parameters = build(kind.Parameters, row["parameters"])
             theme = catalogue.theme(row["theme"], parameters.language)
             task = _set_up(kind, parameters, theme)
-            best = sessions.best(database, row["participant"], task.name, task.metric, but=row["id"])
+            best = sessions.best(database, row["participant"], task, but=row["id"])
             session = Session(task, theme, clock, row["seed"], extra(task, theme), best)
             session.replay(sessions.history(database, row["id"]))
         except (ParameterError, ReplayError) as error:

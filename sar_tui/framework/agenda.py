@@ -1,6 +1,6 @@
 """What the agent is about to say and do: one thing at a time, the most important first."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from sar_tui.framework.messages import Deed, Proposal
 
@@ -70,8 +70,8 @@ class Agenda:
         self._open.clear()
         self.current = None
 
-    def clear(self, *, only: str = "") -> tuple[Proposal, ...]:
-        """Give up what waits, or ``only`` that of a policy; returns it."""
-        gone = tuple(proposal for proposal in self._waiting if only in ("", proposal.policy))
+    def clear(self, gives_up: Callable[[Proposal], bool] = lambda _: True) -> tuple[Proposal, ...]:
+        """Give up what waits, or some of it; returns that."""
+        gone = tuple(filter(gives_up, self._waiting))
         self._waiting = [proposal for proposal in self._waiting if proposal not in gone]
         return gone

@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
-from sar_tui.framework.messages import AttemptEnded, Attempts, Feedback
+from sar_tui.framework.messages import AttemptEnded, Attempts, Degree, Feedback, Form, Valence
 from sar_tui.framework.task import Quality, Task
 
 ALIKE = 0.2
@@ -31,6 +31,33 @@ class Wordings(Protocol):
         ...
 
 
+class Answer(NamedTuple):
+    """The words of an answer, and how they are meant: what face and gesture go with them."""
+
+    text: str
+    valence: Valence
+    degree: Degree
+
+
+class _Pair(NamedTuple):
+    """The same, in words and in figures."""
+
+    words: str
+    figures: str
+
+
+class _Done(NamedTuple):
+    """How it was done, in words and in figures, and whether that was better than before."""
+
+    words: str
+    figures: str
+    valence: Valence
+
+    def text(self, form: Form) -> str:
+        """One sentence in any form: the figures say all that the words do."""
+        return self.words if form == "qualitative" else self.figures
+
+
 class Answers:
     """Puts an answer into words.
 
@@ -43,31 +70,30 @@ class Answers:
         self._task = task
         self._word = word
 
-    def words(self, feedback: Feedback, recalled: Attempts) -> str:
-        """What there is to say, in the form and about what the choice says."""
+    def answer(self, feedback: Feedback, recalled: Attempts) -> Answer:
+        """What there is to say, in the form and about what the choice says; and the manner that goes with it."""
         choice = feedback.choice
         if choice.attempts > 1:
-            return self._join(self._summary(feedback), feedback)
+            return Answer(self._formed(self._summary(feedback), choice.form), feedback.valence, choice.degree)
         failed = feedback.reason in ("accuracy", "empty")
-        performance = self._performance(feedback, recalled) if choice.content != "results" and not failed else []
-        if performance and choice.content == "performance":
-            return self._join(performance, feedback)
+        done = self._performance(feedback, recalled) if choice.content != "results" and not failed else None
+        if done and choice.content == "performance":
+            return Answer(done.text(choice.form), done.valence, "clear" if done.valence == "positive" else "slight")
         results = self._results(feedback, recalled)
         if failed and feedback.remark:
-            results = [feedback.remark, results[1]]
-        return self._join(results, feedback, performance)
+            results = _Pair(feedback.remark, results.figures)
+        texts = [self._formed(results, choice.form), *([done.text(choice.form)] if done else [])]
+        return Answer(" ".join(texts), feedback.valence, choice.degree)
 
-    def _join(self, told: list[str], feedback: Feedback, more: Sequence[str] = ()) -> str:
-        """Words and figures as the form wants them. Each is a pair: in words, in figures."""
-        pick = {"qualitative": slice(0, 1), "quantitative": slice(1, 2), "both": slice(0, 2)}[feedback.choice.form]
-        figures = slice(1, 2) if feedback.choice.form != "qualitative" else slice(0, 1)
-        return " ".join(filter(None, [*told[pick], *more[figures]]))
+    def _formed(self, told: "_Pair", form: Form) -> str:
+        """Words, figures or both, as the form wants it."""
+        return {"qualitative": told.words, "quantitative": told.figures, "both": f"{told.words} {told.figures}"}[form]
 
     # --- knowledge of results ------------------------------------------------------------------------------
 
-    def _results(self, feedback: Feedback, recalled: Attempts) -> list[str]:
+    def _results(self, feedback: Feedback, recalled: Attempts) -> "_Pair":
         situation = feedback.reason if feedback.reason in ("accuracy", "empty") else _graded(feedback)
-        return [self._word(situation), self._figures(feedback, recalled)]
+        return _Pair(self._word(situation), self._figures(feedback, recalled))
 
     def _figures(self, feedback: Feedback, recalled: Attempts) -> str:
         """Compare with what is asked for; where there is nothing to compare with, give the result and the goal."""
@@ -79,7 +105,8 @@ class Answers:
         if before is None:
             return self._word(f"{feedback.valence}_first", value=value, goal=goal)
         metric, reference = self._task.metric, self._word.call(_VOCABULARY[feedback.choice.compared_with])
-        difference = self._show(abs(feedback.metric - before))
+        decimals = self._task.metric.decimals  # people subtract the figures they are shown
+        difference = self._show(abs(round(feedback.metric, decimals) - round(before, decimals)))
         if difference == self._show(0):
             return self._word(f"{feedback.valence}_same", value=value, goal=goal, reference=reference)
         improved = metric.is_better(feedback.metric, before)
@@ -110,29 +137,29 @@ class Answers:
             return before[-1] if before else None
         return sum(before) / len(before) if before else None
 
-    def _summary(self, feedback: Feedback) -> list[str]:
+    def _summary(self, feedback: Feedback) -> "_Pair":
         counts = {"reached": str(feedback.reached), "attempts": str(feedback.choice.attempts)}
         if feedback.metric is None:
             figures = self._word("summary_empty_figures", **counts)
         else:
             shown = {"value": self._show(feedback.metric), "goal": self._show(feedback.goal)}
             figures = self._word("summary_figures", **counts, **shown)
-        return [self._word(f"summary_{feedback.valence}"), figures]
+        return _Pair(self._word(f"summary_{feedback.valence}"), figures)
 
     def _show(self, value: float) -> str:
         return self._task.tr.figures(self._task.metric.show(value))
 
     # --- knowledge of performance --------------------------------------------------------------------------
 
-    def _performance(self, feedback: Feedback, recalled: Attempts) -> list[str]:
+    def _performance(self, feedback: Feedback, recalled: Attempts) -> "_Done | None":
         """What was better about *how* it was done than when it was last done alike; else what to heed next.
 
-        Alike is at the same level, and with nearly the same result: a slower movement has more of everything. Empty
+        Alike is at the same level, and with nearly the same result: a slower movement has more of everything. None
         where nothing was measured.
         """
         measured = [quality for quality in self._task.qualities if quality.field in feedback.qualities]
         if not measured or feedback.metric is None:
-            return []
+            return None
         tr, aims = self._task.tr, self._word.choose([quality.aim for quality in measured])
         before = _alike(feedback, recalled)
         changes = [
@@ -141,23 +168,43 @@ class Answers:
             if before and quality.field in before.qualities
         ]
         if not changes or before is None:
-            if feedback.choice.content == "both":  # the results have told the figures already
-                return [self._word("performance_first", aim=tr(aims))] * 2
-            shown = {"value": self._show(feedback.metric), "goal": self._show(feedback.goal)}
-            return self._both("performance_first", {"aim": tr(aims)}, shown)
+            return self._told(feedback, "neutral", "performance_first", {"aim": tr(aims)})
         reference = {"reference": self._word.call("last_attempt")}
         best, worst = max(changes, key=lambda change: change[0]), min(changes, key=lambda change: change[0])
         if best[0] >= 1:
             words = {"change": tr(best[1].improved), **reference}
-            return self._both("performance_improved", words, _percent(best[1], feedback, before))
+            share = _share(best[1], feedback, before)
+            return self._told(feedback, "positive", "performance_improved", words, share, aim=tr(aims))
         if worst[0] <= -1:
             words = {"aim": tr(worst[1].aim), **reference}
-            return self._both("performance_worsened", words, _percent(worst[1], feedback, before))
+            share = _share(worst[1], feedback, before)
+            return self._told(feedback, "negative", "performance_worsened", words, share)
         words = {"aim": tr(aims), **reference}
-        return self._both("performance_same", words, _percent(worst[1], feedback, before))
+        share = _share(worst[1], feedback, before)
+        return self._told(
+            feedback, "neutral", "performance_same", words, share if share is not None and share <= ALIKE else None
+        )
 
-    def _both(self, situation: str, words: dict[str, str], figures: dict[str, str]) -> list[str]:
-        return [self._word(situation, **words), self._word(f"{situation}_figures", **words, **figures)]
+    def _told(
+        self,
+        feedback: Feedback,
+        valence: Valence,
+        situation: str,
+        words: dict[str, str],
+        share: float | None = None,
+        aim: str = "",
+    ) -> "_Done":
+        """In words; and in figures: the change as a share, where people can make something of it, else the result."""
+        said = self._word(situation, **words)
+        if share is not None and share <= 1:
+            figures = self._word(f"{situation}_figures", **words, percent=f"{100 * share:.0f} %")
+        elif feedback.choice.content == "both":  # the results have told the figures already
+            figures = said
+        else:
+            assert feedback.metric is not None
+            shown = {"value": self._show(feedback.metric), "goal": self._show(feedback.goal)}
+            figures = self._word("performance_first_figures", aim=words.get("aim", aim), **shown)
+        return _Done(said, figures, valence)
 
 
 def _graded(feedback: Feedback) -> str:
@@ -182,8 +229,7 @@ def _alike(feedback: Feedback, recalled: Attempts) -> AttemptEnded | None:
     )
 
 
-def _percent(quality: Quality, feedback: Feedback, before: AttemptEnded) -> dict[str, str]:
-    """How much a quality has changed, as a share of what it was."""
+def _share(quality: Quality, feedback: Feedback, before: AttemptEnded) -> float | None:
+    """How much a quality has changed, as a share of what it was; None where it was nothing."""
     now, then = feedback.qualities[quality.field], before.qualities[quality.field]
-    share = abs(now - then) / abs(then) if then else float(now != then)
-    return {"percent": f"{100 * share:.0f} %"}
+    return abs(now - then) / abs(then) if then else None

@@ -163,8 +163,8 @@ class Course:
         """What there is to say of the attempt, or of the last ones where it sums them up."""
         reached = int(verdict.outcome == "success")
         if choice.attempts > 1:
-            mean, target, reached = feedback.summary(self._history.recent)
-            verdict = feedback.judge(mean, self._task.metric, target, 0.0)
+            enough = self._task.parameters.min_accuracy
+            verdict, mean, target, reached = feedback.judge_summary(self._history.recent, self._task.metric, enough)
             choice = msgspec.structs.replace(choice, degree=feedback.degree(mean.metric, target))
             score = msgspec.structs.replace(score, metric=mean.metric)
         return Feedback(
@@ -219,10 +219,11 @@ class Course:
             return (self._ended.attempt, len(self._ended.results))
         return self.last_trial if self.results and not self.is_attempt_done else None
 
-    def amend(self, result: Result) -> Scored | None:
+    def amend(self, result: Result, *, is_told: bool = True) -> Scored | None:
         """Put another result in the place of the last, and score its attempt once more if it has ended.
 
-        That can be done until the next attempt begins, or the level is set by hand. What was said of it stands.
+        That can be done until the next attempt begins, or the level is set by hand. What was said of it stands; what
+        was not told yet is another answer then.
         """
         if self._ended is None:
             self.results[-1:] = [result]
@@ -232,9 +233,11 @@ class Course:
         self._started = was.scored.started
         self.results = [*was.results[:-1], result]
         anew = self.score(was.scored.ended)
-        again = msgspec.structs.replace(anew.ended, feedback=was.scored.feedback, choice=was.scored.choice)
+        again = anew.ended
+        if is_told:
+            again = msgspec.structs.replace(anew.ended, feedback=was.scored.feedback, choice=was.scored.choice)
         self._ended = self._ended._replace(scored=again)
-        if not self.is_practice:
+        if is_told and not self.is_practice:
             since = was.history.since + 1 if was.scored.feedback == "none" else 0
             self._history = msgspec.structs.replace(self._history, since=since)
         self.advance()

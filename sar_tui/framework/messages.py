@@ -474,10 +474,12 @@ class Action(Saying, frozen=True, kw_only=True):
 
 
 class Dropped(Message, frozen=True, kw_only=True):
-    """A proposal came to nothing: ``late`` (the session had gone on), ``stopped`` (by the stop key)."""
+    """A proposal came to nothing: ``late`` (the session had gone on), ``stopped`` (by the stop key), ``amended`` (the
+    attempt was scored anew before its answer was given).
+    """
 
     id: str
-    reason: Literal["late", "stopped"]
+    reason: Literal["late", "stopped", "amended"]
 
 
 class Halt(Message, frozen=True, kw_only=True):

@@ -195,7 +195,7 @@ def _rows(session: str, run: int, records: list[Record]) -> Rows:
             case m.Action() as a:
                 rows["decisions"].append((_text(a), a.decision, a.actor, record.at, session, a.id))
             case m.Dropped() as d:
-                rows["drops"].append(("agent" if d.reason == "late" else "stop", record.at, session, d.id))
+                rows["drops"].append(("stop" if d.reason == "stopped" else "agent", record.at, session, d.id))
             case m.OutputReport(state="started") as r:
                 rows["starts"].append((r.at, session, r.action))
             case m.OutputReport(state="done" | "aborted" | "failed") as r:

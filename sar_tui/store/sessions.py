@@ -13,7 +13,8 @@ import sqlite_utils
 
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import host_now
-from sar_tui.framework.task import Metric
+from sar_tui.framework.parameters import TaskParameters, fields
+from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ALL
 from sar_tui.store import imu
 from sar_tui.store.database import StoreError, transaction
@@ -78,18 +79,33 @@ def begin_run(db: sqlite_utils.Database, session: str, *, software: object, mach
     return int(run)
 
 
-def best(db: sqlite_utils.Database, participant: str, task: str, metric: Metric, *, but: str = "") -> dict[str, float]:
-    """A participant's best results in a task, by level, over all live sessions ``but`` one; practice is left out,
-    and so is what was too inaccurate to count.
+def best(db: sqlite_utils.Database, participant: str, task: Task, *, but: str = "") -> dict[str, float]:
+    """A participant's best results in a task, by level, over all live sessions ``but`` one.
+
+    Only sessions count in which a level was the same: in which what the task itself declares was set alike. Practice
+    is left out, and so is what was too inaccurate.
     """
+    metric = task.metric
+    own = {field.name for field in fields(type(task.parameters))} - {field.name for field in fields(TaskParameters)}
+    set_here = msgspec.json.decode(msgspec.json.encode(task.parameters))
+    here = {name: value for name, value in set_here.items() if name in own}
+    live = db.query(
+        "SELECT sessions.id, parameters FROM sessions JOIN seats ON seats.session = sessions.id"
+        " WHERE participant=? AND task=? AND mode='live' AND sessions.id<>?",
+        (participant, task.name, but),
+    )
+    alike = [
+        row["id"]
+        for row in live
+        if {name: value for name, value in msgspec.json.decode(row["parameters"]).items() if name in own} == here
+    ]
     best_of = "min" if metric.better == "lower" else "max"
     rows = db.execute(
         f"SELECT level, {best_of}(metric) FROM attempts JOIN sessions ON sessions.id = attempts.session"
-        " JOIN seats USING (session, seat)"
-        " WHERE participant=? AND task=? AND mode='live' AND sessions.id<>? AND NOT practice AND metric IS NOT NULL"
+        f" WHERE session IN ({','.join('?' * len(alike))}) AND NOT practice AND metric IS NOT NULL"
         " AND metric_unit=? AND COALESCE(accuracy, 1) >= COALESCE(json_extract(parameters, '$.min_accuracy'), 0)"
         " GROUP BY level",
-        (participant, task, but, metric.unit),
+        (*alike, metric.unit),
     )
     return {str(level): value for level, value in rows}
 

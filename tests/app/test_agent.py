@@ -75,7 +75,8 @@ async def test_a_trial_goes_on_when_the_agent_has_spoken_and_its_words_stand_til
         await chair.wait(5000)
         assert chair.waiting.what == "agent"
         assert chair.said == words
-        assert "\n".join(chair.rows[1:15]).strip() == ""
+        assert chair.sees("One moment…")
+        assert "Press" not in "\n".join(chair.rows[1:15])
         await voice.end(chair)
         assert chair.waiting.what in ("quiet", "foreperiod")
         assert chair.said == ""
@@ -110,6 +111,7 @@ async def test_the_goodbye_is_spoken_while_the_summary_stands_and_the_voice_is_l
         await voice.end(chair)
         await chair.see_the_summary()
         assert chair.sees("Press Enter to finish.")
+        await voice.end(chair)
         assert voice.asked[-1][1] == chair.said
         await voice.begin(chair)
         assert chair.app.screen.query_one(Agent).is_moving

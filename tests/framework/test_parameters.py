@@ -28,7 +28,9 @@ class Parameters(TaskParameters, frozen=True, kw_only=True):
     hand: Annotated[Literal["left", "right"], meta("Hand")] = "right"
     mirrored: Annotated[bool, meta("Mirrored")] = False
     words: Annotated[tuple[str, ...], meta("Words")] = ("one", "two")
-    nickname: Annotated[str, meta("Nickname")] = "x"
+    nickname: Annotated[str, meta("Nickname", max_length=70)] = "x"
+    code: Annotated[str, meta("Code", takes="two capitals, such as AB", pattern="^[A-Z]{2}$")] = "AB"
+    marks: Annotated[tuple[float, ...], meta("Marks", min_length=2, max_length=3)] = (1.0, 2.0)
     undescribed: int = 4
 
 
@@ -134,7 +136,14 @@ def test_the_bounds_are_inclusive() -> None:
         ({"repetitions": True}, "Repetitions is a whole number, 1 to 12, not yes."),
         ({"reach": "nan"}, "Reach is a number, 0 to 100, not nan."),
         ({"hand": "both"}, "Hand is one of right, left, not both."),
-        ({"mirrored": "perhaps"}, "Mirrored cannot be perhaps (yes or no)."),
+        ({"words": 5}, "Words takes words, spaced, not 5."),
+        ({"marks": "1"}, "Marks takes 2 to 3 numbers, spaced, not 1."),
+        ({"marks": "1 x"}, "Marks takes 2 to 3 numbers, spaced, not 1 x."),
+        ({"code": "ab"}, "Code takes two capitals, such as AB, not ab."),
+        ({"nickname": "y" * 71}, f"Nickname takes at most 70 letters, not {'y' * 60}…."),
+        ({"outputs": "a b c d e f g h i"}, "Outputs takes at most 8 words, spaced, not a b c d e f g h i."),
+        ({"language": "ES"}, "Language takes a code of small letters, such as en, es or es-mx, not ES."),
+        ({"mirrored": "perhaps"}, "Mirrored is yes or no, not perhaps."),
         ({"repetition": 2}, "There is no parameter repetition. Did you mean repetitions?"),
         ({"qqq": 2}, "There is no parameter qqq."),
         ({"min_level": 6, "max_level": 5}, "Lowest level (6) is above the highest (5)."),

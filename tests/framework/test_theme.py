@@ -208,6 +208,12 @@ def test_the_wordings_in_words_fill_no_slot_with_a_figure() -> None:
         ("es", "0,25 s, un 12 % más suave", "0,25 segundos, un 12 por ciento más suave"),
         ("en", "3 sheep, 4 msec, ms", "3 sheep, 4 msec, ms"),
         ("en", "15cm.", "15 centimetres."),
+        ("en", "1 s, 3.5 s, 1.1 s, 0.1 s", "1 second, 3.5 seconds, 1.1 seconds, 0.1 seconds"),
+        ("en", "11 s; 21 ms; 1,001 ms; 1.0 s", "11 seconds; 21 milliseconds; 1,001 milliseconds; 1.0 seconds"),
+        ("en", "1 taps/s, 1 %", "1 tap per second, 1 percent"),
+        ("es", "1 s, 3,5 s, 1,1 s, 0,1 s", "1 segundo, 3,5 segundos, 1,1 segundos, 0,1 segundos"),
+        ("es", "1 Hz, 21 ms, 1 toque", "1 hercio, 21 milisegundos, 1 toque"),
+        ("en", "3 1/s, but 31/s", "3 per second, but 31/s"),
     ],
 )
 def test_units_after_numbers_are_spoken_in_full(catalogue: Catalogue, language: str, text: str, spoken: str) -> None:

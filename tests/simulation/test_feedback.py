@@ -108,7 +108,7 @@ def test_every_attempt_has_when_what_and_why_in_its_row(session: Kept) -> None:
     assert len(session.attempts) == 16
     for row in session.attempts:
         choice = row["choice"]
-        assert (choice["schedule"], choice["delay_ms"]) == (schedule, 700)
+        assert (choice["schedule"], choice["delay_ms"]) == (schedule, 0 if schedule == "request" else 700)
         assert choice["due"] == (row["feedback"] != "none")
         assert (choice["content"], choice["form"], choice["compared_with"]) == (
             "results", "quantitative", "best attempt",

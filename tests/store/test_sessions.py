@@ -2,14 +2,17 @@
 
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import msgspec
 import pytest
 import sqlite_utils
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sar_tui.framework.task import Metric
+from sar_tui.framework.parameters import TaskParameters, build
+from sar_tui.framework.task import Metric, Task
 from sar_tui.framework.topics import ALL
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
@@ -181,10 +184,25 @@ def test_the_best_is_of_the_live_sessions_of_a_participant_in_a_task_by_level_wi
                     best[level] = value if known is None or metric.is_better(value, known) else known
             return best
 
-        assert sessions.best(database, "P01", "keyboard", metric) == expected()
+        task: Any = SimpleNamespace(name="keyboard", metric=metric, parameters=TaskParameters())
+        assert sessions.best(database, "P01", task) == expected()
         for session in entered:
-            assert sessions.best(database, "P01", "keyboard", metric, but=session) == expected(but=session)
+            assert sessions.best(database, "P01", task, but=session) == expected(but=session)
         database.conn.close()
+
+
+def test_what_was_done_with_other_keys_or_too_inaccurately_is_no_best(
+    database: sqlite_utils.Database, keyboard: type[Task]
+) -> None:
+    done = [("both hands", 1.0, 900.0), ("left hand", 1.0, 500.0), ("both hands", 0.4, 300.0)]
+    for keys, accuracy, metric in done:
+        parameters = build(keyboard.Parameters, {"choice_set": keys, "feedback_form": "qualitative"})
+        row = {"session": enter(database, parameters=msgspec.to_builtins(parameters)), "attempt": 1, "seat": "A"}
+        row |= {"practice": 0, "level": 1, "metric": metric, "metric_unit": "ms", "accuracy": accuracy}
+        database["attempts"].insert(row)
+    for keys, best in (("both hands", 900.0), ("left hand", 500.0)):
+        task = keyboard(build(keyboard.Parameters, {"choice_set": keys}))
+        assert sessions.best(database, "P01", task) == {"1": best}
 
 
 def test_every_topic_can_be_found_by_its_name() -> None:

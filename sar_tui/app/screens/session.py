@@ -68,7 +68,9 @@ class SessionScreen(AgentScreen):
         therapist = (
             "\n" + self.tr("For the therapist, during or after a trial: {marks}.", marks=marks) + "\n" if marks else ""
         )
-        return f"{task.instructions()}\n\n{pause}{therapist}"
+        ask = self.tr("To hear how an attempt went, press Tab before the next one.") + "\n"
+        asked = ask if task.parameters.feedback_schedule == "request" else ""
+        return f"{task.instructions()}\n\n{pause}{asked}{therapist}"
 
     def compose(self) -> ComposeResult:
         session = self._live.run.session
@@ -216,13 +218,9 @@ class SessionScreen(AgentScreen):
             if waiting.what == "response":
                 self._quiet.begin_trial()
             return
-        said = self._words(waiting)
+        said = words(waiting, self._live.run.session.task)
         if waiting.reason == "held":
             self.ask(self.tr("Please let go of the keys for a moment."))
-        elif waiting.what == "agent":
-            self._count(waiting.trial - 1)
-            self._where(waiting)
-            self._stage(None)
         elif said is not None:
             self._tell(waiting, said)
         elif waiting.stage == "trial" and (entered or self._shown != "prompt"):
@@ -238,11 +236,6 @@ class SessionScreen(AgentScreen):
         is_awaited = waiting.stage == "trial" and waiting.what in _AWAITED
         self.app.look_for_edits(not is_awaited and waiting.what != "quiet")
         self.let_agent_move(not is_awaited)
-
-    def _words(self, waiting: Waiting) -> Words | None:
-        if waiting.stage == "answer":
-            return Words(self.tr("One moment…"), "", "")
-        return words(waiting, self._live.run.session.task)
 
     def end(self, ended: SessionEnded) -> None:
         session = self._live.run.session
@@ -265,7 +258,7 @@ class SessionScreen(AgentScreen):
             self._where(waiting)
         if waiting.stage in ("review", "trial", "paused"):
             self._count(waiting.trial - 1)
-        if waiting.stage == "trial":
+        if waiting.stage == "trial" and waiting.what != "agent":
             self.clear_agent("listening")
         elif waiting.stage == "answer":
             self.agent.look("thinking")

@@ -28,6 +28,10 @@ def words(waiting: Waiting, task: Task) -> Words | None:  # noqa: PLR0911
         case "review":
             press = tr("Press Enter to see how it went.")
             return Words(tr("You have done it"), tr("That was the last attempt."), press)
+        case "answer":
+            return Words(tr("One moment…"), "", "")
+        case "trial" if waiting.what == "agent":
+            return Words(tr("One moment…"), tr("We go on as soon as I have finished."), "")
         case "trial" if waiting.what == "start":
             press = tr("Press {key} to start.", key=key_name(task.start_key, tr))
             if waiting.notice:

@@ -36,9 +36,9 @@ RULES: dict[Kind, _Rule] = {
     "feedback": _Rule(40, "interrupt"),
     "encouragement": _Rule(20, "drop"),
     "rest": _Rule(10, "drop"),
-    "goodbye": _Rule(50, "interrupt"),
+    "goodbye": _Rule(10, "queue"),
 }
-"""Feedback and the goodbye break off what is less important; what only helps is left out when it comes late."""
+"""Feedback breaks off what is less important; what only helps is left out when it comes late; the goodbye is last."""
 
 
 class ActionCenter(Node):
@@ -73,14 +73,14 @@ class ActionCenter(Node):
     @on(FEEDBACK)
     def answer(self, feedback: Feedback) -> None:
         recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level))
-        degree = feedback.choice.degree
-        graded = feedback.valence if degree == "clear" else f"{feedback.valence}_{degree}"
+        answer = self._answers.answer(feedback, recalled)
+        plain = answer.valence == "neutral" or answer.degree == "clear"
         self._propose(
             "feedback",
-            self._answers.words(feedback, recalled),
-            "neutral" if feedback.valence == "neutral" else graded,
-            valence=feedback.valence,
-            degree=degree,
+            answer.text,
+            answer.valence if plain else f"{answer.valence}_{answer.degree}",
+            valence=answer.valence,
+            degree=answer.degree,
             attempt=feedback.attempt,
             due=feedback.due,
         )

@@ -1,10 +1,13 @@
 """The Arbiter: stands between what the agent proposes and what the participant gets."""
 
+from collections.abc import Callable
+
 from sar_tui.framework.agenda import LASTING, Agenda
-from sar_tui.framework.clock import SECOND
+from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
     Action,
     AgentActing,
+    AttemptEnded,
     Deed,
     Dropped,
     Halt,
@@ -21,6 +24,7 @@ from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.topics import (
     ACTING,
     ACTION,
+    ATTEMPT_ENDED,
     DROPPED,
     HALT,
     OPERATOR,
@@ -33,13 +37,15 @@ from sar_tui.framework.topics import (
     WAITING,
 )
 
-PATIENCE = 90 * SECOND
-"""An action of which no output says that it is over is taken to be over by then: no session hangs on a robot."""
+PATIENCE = 40 * SECOND
+"""An action of which no output says that it is over is halted by then: no session hangs on a robot. Speaking takes
+longer with the text; outputs give up sooner (`outputs.node`)."""
+PER_CHARACTER = 150 * MS
 _OVER = ("done", "aborted", "failed")
 
 
 class Arbiter(TimedNode):
-    """Passes proposals on, one at a time, but none in a trial: what comes late waits until the trial is over."""
+    """Passes proposals on, one at a time, but none in a trial or a pause: what comes then waits until it is over."""
 
     name = "arbiter"
     emits = (TIMER, ACTION, DROPPED, HALT, ACTING)
@@ -49,7 +55,7 @@ class Arbiter(TimedNode):
         self._agenda = Agenda()
         self._announced: list[OutputOpened] = []
         self._outputs: list[OutputOpened] = []
-        self._in_trial = False
+        self._is_closed = False
         self._acting = False
 
     @on(OUTPUT)
@@ -64,19 +70,29 @@ class Arbiter(TimedNode):
         self.cancel_timers()
         self._agenda.abandon()
         self._drop("late")
-        self._in_trial = False
+        self._is_closed = False
         self._tell_acting()
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Nothing begins in a trial; and who has gone on from the instructions need not hear them to the end."""
-        self._in_trial = waiting.what in ("foreperiod", "storage", "response") and waiting.stage == "trial"
+        """Nothing begins in a trial, and a pause is quiet; who goes on from the instructions need not hear them out."""
+        in_trial = waiting.what in ("foreperiod", "storage", "response") and waiting.stage == "trial"
+        self._is_closed = in_trial or (waiting.stage == "paused" and waiting.reason != "interrupted")
         if waiting.stage == "trial":
-            self._drop("late", only="drop")
+            self._drop("late", lambda proposal: proposal.policy == "drop")
         current = self._agenda.current
-        if current and current.kind == "instruction" and waiting.stage not in ("instructions", "paused"):
+        if waiting.stage not in ("instructions", "paused"):
+            self._drop("late", lambda proposal: proposal.kind == "instruction")
+            if current and current.kind == "instruction":
+                self.emit(HALT, Halt(action=current.id, reason="left", asked=self.now))
+        if waiting.stage == "paused" and self._is_closed and current:
             self.emit(HALT, Halt(action=current.id, reason="left", asked=self.now))
         self._go_on()
+
+    @on(ATTEMPT_ENDED)
+    def attempt_ended(self, ended: AttemptEnded) -> None:
+        """An attempt that is scored once more is answered anew, if it has not been answered yet."""
+        self._drop("amended", lambda proposal: (proposal.kind, proposal.attempt) == ("feedback", ended.attempt))
 
     @on(SESSION_ENDED)
     def session_ended(self, _: SessionEnded) -> None:
@@ -101,18 +117,19 @@ class Arbiter(TimedNode):
             self.emit(HALT, Halt(reason="stopped", asked=act.at or self.now))
 
     def timer(self, name: str, late: int) -> None:
-        if name == "patience":
+        if name == "patience" and (current := self._agenda.current):
+            self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
             self._agenda.abandon()
         self._go_on()
 
     def _go_on(self) -> None:
         """Let those act whose turn it is."""
-        while not self._in_trial and (proposal := self._agenda.next(self.now)):
+        while not self._is_closed and (proposal := self._agenda.next(self.now)):
             if current := self._agenda.current:
                 self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
             self._agenda.begin(proposal, self._parts(proposal))
             self.emit(ACTION, _accepted(proposal))
-            self.set_timer("patience", self.now + PATIENCE)
+            self.set_timer("patience", self.now + PATIENCE + PER_CHARACTER * len(proposal.spoken))
         if not self._agenda.is_acting:
             self.cancel_timer("patience")
         if (due := self._agenda.next_due(self.now)) is not None:
@@ -129,8 +146,8 @@ class Arbiter(TimedNode):
             self._acting = self._agenda.is_acting
             self.emit(ACTING, AgentActing(acting=self._acting))
 
-    def _drop(self, reason: str, *, only: str = "") -> None:
-        for proposal in self._agenda.clear(only=only):
+    def _drop(self, reason: str, what: Callable[[Proposal], bool] = lambda _: True) -> None:
+        for proposal in self._agenda.clear(what):
             self.emit(DROPPED, Dropped(id=proposal.id, reason=reason))  # type: ignore[arg-type]
 
 

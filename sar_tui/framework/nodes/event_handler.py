@@ -32,9 +32,6 @@ from sar_tui.framework.topics import (
 )
 from sar_tui.framework.waiting import ASK_KEY, waiting
 
-_WITHOUT_SENSOR = (Phase.INSTRUCTIONS, Phase.REVIEW)
-"""Where no movement is about to be made, and so no sensor is needed."""
-
 
 class EventHandler(Trials):
     """The session and its attempts: what comes when. The course scores and adapts; how a trial runs is the base's."""
@@ -138,7 +135,7 @@ class EventHandler(Trials):
             return
         lost = self._obstacles.sensor_lost
         waits_for_sensor = self._phase is Phase.PAUSED and self._pause_reason == "sensor"
-        if lost and self._phase not in (Phase.PAUSED, *_WITHOUT_SENSOR):
+        if lost and self._phase is not Phase.PAUSED and self._needs_sensor(self._phase):
             self._pause("sensor")
         elif lost and waits_for_sensor:
             self._wait(Phase.PAUSED)
@@ -161,7 +158,7 @@ class EventHandler(Trials):
         self._wait(Phase.PAUSED)
 
     def _resume(self) -> None:
-        if self._obstacles.sensor_lost and self._paused_from not in _WITHOUT_SENSOR:
+        if self._obstacles.sensor_lost and self._needs_sensor(self._paused_from):
             self._pause("sensor")
         elif self._is_under_way:
             self._last_key = self.now
@@ -170,6 +167,11 @@ class EventHandler(Trials):
             self._await_answer()
         else:
             self._wait(self._paused_from)
+
+    def _needs_sensor(self, phase: Phase) -> bool:
+        """Whether a movement is about to be made: not in the instructions, nor when all attempts are done."""
+        is_done = phase is Phase.REVIEW or (phase is Phase.ANSWER and self._after_answer is Phase.REVIEW)
+        return not (is_done or phase is Phase.INSTRUCTIONS)
 
     def _close(self, status: Literal["completed", "aborted"]) -> None:
         """End the session, once its last trial is on the disk."""
@@ -284,8 +286,11 @@ class EventHandler(Trials):
         marked = self._marked.applied(self._unmarked) if self._marked else self._unmarked
         name = self._marked.name if self._marked else ""
         self.emit(MARKED, m.TrialMarked(attempt=attempt, trial=trial, mark=name, correct=marked.correct))
-        if scored := self._course.amend(marked):
+        is_pending = self._phase is Phase.ANSWER and self._answer_due > self.now
+        if scored := self._course.amend(marked, is_told=not is_pending):
             self._tell(scored)
+            if is_pending and scored.is_answered:
+                self.emit(FEEDBACK, scored.feedback)
             self._wait(self._phase)
 
     def _marked_open(self, mark: Mark | None) -> None:

@@ -63,7 +63,7 @@ def judge(score: Score, metric: Metric, target: Target, min_accuracy: float) -> 
         return Judgement("failure", "negative", "accuracy")
     success = metric.is_better(score.metric, target.threshold)
     outcome: Outcome = "success" if success else "failure"
-    if abs(score.metric - target.threshold) <= target.neutral_band + _ROUNDING * target.threshold:
+    if abs(score.metric - target.threshold) <= target.neutral_band + _ROUNDING * abs(target.threshold):
         return Judgement(outcome, "neutral", "band")
     return Judgement(outcome, "positive", "goal") if success else Judgement(outcome, "negative", "missed")
 
@@ -131,7 +131,7 @@ def choose(
         form=parameters.feedback_form,
         compared_with=parameters.feedback_compared_with,
         degree="clear" if _has_failed(judged.score, parameters) else degree(judged.score.metric, judged.target),
-        delay_ms=parameters.feedback_delay_ms,
+        delay_ms=0 if schedule == "request" else parameters.feedback_delay_ms,
         since=history.since,
         interval=interval,
         tolerance=tolerance,
@@ -145,15 +145,33 @@ def answered(history: History) -> History:
 
 
 def summary(recent: tuple[Judged, ...]) -> tuple[Score, Target, int]:
-    """Some attempts as one: the means of their results and goals, and how many reached theirs."""
+    """Some attempts as one: the means of their results, accuracies and goals, and how many reached theirs."""
     measured = [judged for judged in recent if judged.score.metric is not None]
+    accuracies = [judged.score.accuracy for judged in recent if judged.score.accuracy is not None]
+    accuracy = sum(accuracies) / len(accuracies) if accuracies else None
     reached = sum(judged.outcome == "success" for judged in recent)
     if not measured:
-        return (Score(None, None, 0, 0), recent[-1].target, reached)
+        return (Score(None, accuracy, 0, 0), recent[-1].target, reached)
     mean = sum(judged.score.metric or 0.0 for judged in measured) / len(measured)
     goal = sum(judged.target.threshold for judged in measured) / len(measured)
     band = sum(judged.target.neutral_band for judged in measured) / len(measured)
-    return (Score(mean, None, 0, 0), Target(goal, band), reached)
+    return (Score(mean, accuracy, 0, 0), Target(goal, band), reached)
+
+
+def judge_summary(
+    recent: tuple[Judged, ...], metric: Metric, min_accuracy: float
+) -> tuple[Judgement, Score, Target, int]:
+    """Judge some attempts as one, as ``judge`` does; but no praise where fewer than half reached their goal, and no
+    consolation where more than half did, whatever the mean: one very fast or slow attempt is not the rest.
+
+    Returns the judgement, the mean score, the mean goal, and how many reached theirs.
+    """
+    score, target, reached = summary(recent)
+    judged = judge(score, metric, target, min_accuracy)
+    against = {"positive": 2 * reached < len(recent), "negative": 2 * reached > len(recent), "neutral": False}
+    if against[judged.valence]:
+        judged = msgspec.structs.replace(judged, valence="neutral")
+    return judged, score, target, reached
 
 
 def _interval(history: History, parameters: TaskParameters) -> int | None:

@@ -10,7 +10,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.node import Node, on
-from sar_tui.framework.nodes.arbiter import PATIENCE, Arbiter
+from sar_tui.framework.nodes.arbiter import PATIENCE, PER_CHARACTER, Arbiter
 from sar_tui.framework.topics import (
     ACTING,
     ACTION,
@@ -68,9 +68,9 @@ class Floor:
             self.bus.publish(OUTPUT, m.OutputOpened(output=name, address=name, can=can))
         self.bus.publish(SESSION, m.SessionStarted(run=run, task="lift", theme="calm", seed=1))
 
-    def wait_for(self, what: Any, stage: Any = "trial") -> None:
+    def wait_for(self, what: Any, stage: Any = "trial", reason: str = "") -> None:
         """The session comes to wait for something."""
-        self.bus.publish(TOLD, Told(waiting=m.Waiting(what=what, stage=stage)))
+        self.bus.publish(TOLD, Told(waiting=m.Waiting(what=what, stage=stage, reason=reason)))
 
     def propose(self, *names: str, **how: Any) -> None:
         made = [proposal(name, **how) for name in names]
@@ -231,7 +231,7 @@ def test_what_would_interrupt_does_not_do_so_in_a_trial(floor: Floor) -> None:
     ("what", "stage", "halted"),
     [
         ("enter", "instructions", []),
-        ("resume", "paused", []),
+        ("resume", "paused", [("a", "left")]),
         ("enter", "attempt", [("a", "left")]),
         ("agent", "trial", [("a", "left")]),
     ],
@@ -327,13 +327,45 @@ def test_other_acts_of_an_operator_stop_nothing(floor: Floor) -> None:
 
 
 def test_no_session_hangs_on_an_output_that_never_answers(floor: Floor) -> None:
+    patience = PATIENCE + PER_CHARACTER
     floor.propose("a", "b")
-    floor.clock.advance(PATIENCE - 1)
+    floor.clock.advance(patience - 1)
     assert floor.acted == ["a"]
     floor.clock.advance(1)
     assert floor.acted == ["a", "b"]
-    floor.clock.advance(PATIENCE)
+    assert floor.halted == [("a", "interrupted")], "and it is told to be quiet"
+    floor.clock.advance(patience)
     assert floor.acting == [True, False]
+
+
+def test_a_long_text_is_waited_for_longer(floor: Floor) -> None:
+    floor.propose("a", spoken="a" * 800)
+    floor.clock.advance(PATIENCE + 799 * PER_CHARACTER)
+    assert floor.acting == [True]
+
+
+@pytest.mark.parametrize("reason", ["", "pain", "sensor"])
+def test_nothing_begins_in_a_pause(floor: Floor, reason: str) -> None:
+    floor.wait_for("resume", "paused", reason=reason)
+    floor.propose("a")
+    assert floor.acted == []
+    floor.wait_for("enter", "attempt")
+    assert floor.acted == ["a"]
+
+
+def test_who_comes_back_is_greeted(floor: Floor) -> None:
+    floor.wait_for("enter", "paused", reason="interrupted")
+    floor.propose("a", kind="greeting")
+    assert floor.acted == ["a"]
+
+
+def test_instructions_that_wait_are_not_read_out_on_the_next_screen(floor: Floor) -> None:
+    floor.wait_for("enter", "instructions")
+    floor.propose("hello")
+    floor.propose("a", kind="instruction")
+    floor.wait_for("enter", "attempt")
+    floor.report("hello")
+    assert (floor.acted, floor.dropped) == (["hello"], [("a", "late")])
 
 
 def test_patience_begins_anew_with_each_action(floor: Floor) -> None:

@@ -137,6 +137,22 @@ def test_once_all_is_done_the_sensor_may_be_taken_off(sit: Sit) -> None:
     assert [ended.status for ended in desk.all(SESSION_ENDED)] == ["completed"]
 
 
+def test_while_the_last_answer_is_waited_for_the_sensor_may_be_taken_off(sit: Sit) -> None:
+    desk = sit(attempts=1, feedback_delay_ms=3000)
+    sensor(desk, "attached")
+    desk.begin_lifts()
+    desk.lift()
+    desk.lift()
+    assert stands(desk) == ("answer", "answer", "")
+    sensor(desk, "detached")
+    desk.operate("pause")
+    desk.operate("resume")
+    desk.wait(3000)
+    assert stands(desk) == ("enter", "review", "")
+    desk.press("enter")
+    assert desk.last(SESSION_ENDED).status == "completed"
+
+
 def test_a_sensor_lost_in_the_instructions_is_asked_for_after_them(sit: Sit) -> None:
     desk = sit()
     sensor(desk, "attached")

@@ -102,6 +102,24 @@ def test_a_summary_holds_the_means_of_what_was_measured_and_counts_what_reached_
         assert (score.metric, target) == (None, recent[-1].target)
 
 
+@given(
+    st.lists(
+        st.tuples(st.one_of(st.none(), st.floats(200, 3000)), st.sampled_from([0.25, 0.75, 0.8, 1.0])),
+        min_size=1,
+        max_size=12,
+    )
+)
+def test_a_summary_neither_praises_what_was_mostly_missed_nor_consoles_for_what_was_mostly_reached(
+    attempts: list[tuple[float | None, float]],
+) -> None:
+    recent = tuple(judged(metric, accuracy) for metric, accuracy in attempts)
+    verdict, _, _, reached = feedback.judge_summary(recent, TIME, 0.8)
+    if verdict.valence == "positive":
+        assert 2 * reached >= len(recent)
+    if verdict.valence == "negative":
+        assert 2 * reached <= len(recent)
+
+
 # --- faded ----------------------------------------------------------------------------------------------------
 
 
@@ -230,7 +248,7 @@ def test_every_attempt_says_whether_it_is_answered_how_and_why(
         attempt = judged(result, accuracy)
         history, choice = step(history, attempt, parameters, practice)
         assert (choice.schedule, choice.content, choice.form) == (schedule, "results", "quantitative")
-        assert (choice.compared_with, choice.delay_ms) == ("best attempt", 1500)
+        assert (choice.compared_with, choice.delay_ms) == ("best attempt", 0 if schedule == "request" else 1500)
         assert choice.why.endswith(".")
         assert choice.why[0].isupper() or choice.why[0].isdigit()
         failed = result is None or accuracy < 0.8
