@@ -5,6 +5,7 @@ thousands of times faster, in a simulation, a replay or a test.
 """
 
 import asyncio
+import contextlib
 import heapq
 import itertools
 import sys
@@ -59,7 +60,7 @@ class LiveClock:
         return self._loop.call_later(max(0, when - host_now()) / SECOND, self._due.put_nowait, callback)
 
     def call_soon(self, callback: Callable[[], object]) -> None:
-        if not self._loop.is_closed():
+        with contextlib.suppress(RuntimeError):  # the loop is closed: the session is over
             self._loop.call_soon_threadsafe(self._due.put_nowait, callback)
 
     async def run(self) -> None:

@@ -1,7 +1,7 @@
 """An output on the bus: hands actions over to it, and reports what becomes of them."""
 
 import contextlib
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple, get_args
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Topic
@@ -10,14 +10,34 @@ from sar_tui.framework.messages import Deed, DeedState
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
-from sar_tui.outputs.output import Output, Report
+from sar_tui.outputs.hearing import heard, told_by, words
+from sar_tui.outputs.output import Output, OutputError, Report
 
 GIVES_UP = 20 * SECOND
 """An output that has not told what became of a deed by then is told to stop; speaking takes longer with the text."""
 PER_CHARACTER = 150 * MS
 STILL = 2 * SECOND
-"""An output that has not told by then that it is still is taken to have failed at it."""
+"""What an output has not told to be over by then, after it was told to stop, is taken to have failed."""
 _OVER: tuple[DeedState, ...] = ("done", "aborted", "failed")
+_Key = tuple[str, Deed]
+"""An action, and which part of it."""
+
+
+class _Open(NamedTuple):
+    """A deed that is not over: since when, and what gives it up."""
+
+    since: int
+    give_up: Handle
+
+
+class _Stop:
+    """A stop that was asked for: since when, what is not over yet, when the last of it was, and what went wrong."""
+
+    def __init__(self, asked: int, now: int) -> None:
+        self.asked = asked
+        self.left: dict[_Key, _Open] = {}
+        self.at = now
+        self.details: list[str] = []
 
 
 class OutputNode(Node):
@@ -43,9 +63,8 @@ class OutputNode(Node):
         self._theme = theme
         self._cues = cues
         self._can = output.can if not cues or "success" in cues else output.can - {"tone"}
-        self._open: dict[tuple[str, Deed], Handle] = {}
-        self._stopping: tuple[int, Handle] | None = None
-        self._last_end = 0
+        self._open: dict[_Key, _Open] = {}
+        self._stopping: _Stop | None = None
         self._unopened = ""
         self._closed = False
 
@@ -55,7 +74,7 @@ class OutputNode(Node):
         try:
             self.output.open(self._theme, bus.clock, self._hear)
         except Exception as error:
-            self._unopened = f"It could not be opened ({_told_by(error)})."
+            self._unopened = f"It could not be opened ({told_by(error)})."
         self.emit(OUTPUT, m.OutputOpened(output=self.name, address=self._address, can=tuple(sorted(self._can))))
 
     def detach(self) -> None:
@@ -96,19 +115,23 @@ class OutputNode(Node):
 
     @on(HALT)
     def halt(self, halt: m.Halt) -> None:
-        """Be still; how long that took is told once nothing is under way any more."""
-        if halt.reason == "stopped" and self._stopping is None:
-            failed = self.bus.clock.call_at(self.bus.clock.now() + STILL, self._never_still)
-            self._stopping = (halt.asked, failed)
-        self._last_end = self.bus.clock.now()
+        """Be still; how long that took, and whether it failed, is told once nothing of it is under way any more."""
+        clock = self.bus.clock
+        halted = {key: held for key, held in self._open.items() if halt.action in ("", key[0])}
+        lasting = {key: held for key, held in halted.items() if key[1] != "show"}  # words may stay where they are
+        if halt.reason == "stopped":
+            self._stopping = self._stopping or _Stop(halt.asked, clock.now())
+            self._stopping.left |= lasting
         try:
             self.output.stop(halt.action)
         except Exception as error:
-            why = f"It could not be stopped ({_told_by(error)})."
-            self._tell_stopped(self.bus.clock.now(), why)
-            for action, deed in list(self._open):
-                if halt.action in ("", action):
-                    self._end(action, deed, "failed", why)
+            why = words(error) if isinstance(error, OutputError) else f"It could not be stopped ({told_by(error)})."
+            if self._stopping and halt.reason == "stopped":
+                self._stopping.details.append(why)
+            for key in halted:
+                self._end(*key, "failed", why)
+        if lasting:
+            clock.call_at(clock.now() + STILL, lambda: self._never_still(lasting))
         self._tell_if_still()
 
     def _do(self, action: str, deed: Deed, *what: str) -> None:
@@ -116,19 +139,20 @@ class OutputNode(Node):
             self._begin(action, deed, *what)
 
     def _begin(self, action: str, deed: Deed, *what: str) -> None:
-        self._report(action, deed, "queued", self.bus.clock.now())
+        now = self.bus.clock.now()
+        self._report(action, deed, "queued", now)
         limit = GIVES_UP + PER_CHARACTER * (len(what[0]) if deed == "say" else 0)
-        give_up = self.bus.clock.call_at(self.bus.clock.now() + limit, lambda: self._give_up(action, deed))
+        give_up = self.bus.clock.call_at(now + limit, lambda: self._give_up(action, deed))
         if deed == "show":  # words stand for as long as nothing takes their place
             give_up.cancel()
-        self._open[action, deed] = give_up
+        self._open[action, deed] = _Open(now, give_up)
         if self._unopened:
             self._end(action, deed, "failed", self._unopened)
             return
         try:
             getattr(self.output, deed)(action, *what)
         except Exception as error:
-            self._end(action, deed, "failed", f"{_told_by(error)}.")
+            self._end(action, deed, "failed", f"{told_by(error)}.")
 
     # --- what the output tells -------------------------------------------------------------------------------
 
@@ -137,20 +161,33 @@ class OutputNode(Node):
         self.bus.clock.call_soon(lambda: self._told(report))
 
     def _told(self, report: Report) -> None:
-        if self._closed or (report.action, report.deed) not in self._open:
+        if self._closed:
             return
-        if report.state in _OVER:
-            self._end(report.action, report.deed, report.state, report.detail, report.at)
-        else:
-            self._report(report.action, report.deed, report.state, report.at, report.detail)
+        for key, held in self._meant(report).items():
+            if (said := heard(report, held.since, self.bus.clock.now())) is None:
+                self._end(*key, "failed", "It reported what cannot be understood.")
+            elif said.state in _OVER:
+                self._end(*key, said.state, said.detail, said.at)
+            else:
+                self._report(*key, said.state, said.at, said.detail)
+
+    def _meant(self, report: Report) -> dict[_Key, _Open]:
+        """Which deeds a report is about: all of its action, where there is no such deed."""
+        action, deed = getattr(report, "action", None), getattr(report, "deed", None)
+        known = isinstance(deed, str) and deed in get_args(Deed)
+        return {key: held for key, held in self._open.items() if key[0] == action and (key[1] == deed or not known)}
 
     def _end(self, action: str, deed: Deed, state: DeedState, detail: str = "", at: int | None = None) -> None:
-        if give_up := self._open.pop((action, deed), None):
-            give_up.cancel()
+        if held := self._open.pop((action, deed), None):
+            held.give_up.cancel()
             ended = self.bus.clock.now() if at is None else at
-            self._last_end = max(self._last_end, ended)
             self._report(action, deed, state, ended, detail)
-            self._tell_if_still()
+            stop = self._stopping
+            if stop and stop.left.pop((action, deed), None):
+                stop.at = max(stop.at, ended)
+                if state != "done" and detail:
+                    stop.details.append(detail)
+                self._tell_if_still()
 
     def _give_up(self, action: str, deed: Deed) -> None:
         if (action, deed) in self._open and not self._closed:
@@ -158,28 +195,19 @@ class OutputNode(Node):
             with contextlib.suppress(Exception):  # it has failed already
                 self.output.stop(action)
 
+    def _never_still(self, halted: dict[_Key, _Open]) -> None:
+        for key, held in halted.items():
+            if self._open.get(key) is held and not self._closed:
+                self._end(*key, "failed", "It did not become still.")
+
     def _tell_if_still(self) -> None:
-        """Words may stay where they are; nothing else may go on."""
-        if all(deed == "show" for _, deed in self._open):
-            self._tell_stopped(self._last_end)
-
-    def _never_still(self) -> None:
-        if not self._closed:
-            self._tell_stopped(self.bus.clock.now(), "It did not tell that it is still.")
-
-    def _tell_stopped(self, at: int, detail: str = "") -> None:
-        """Tell once what came of a stop, if one was asked for."""
-        if self._stopping:
-            asked, never = self._stopping
-            never.cancel()
+        """Tell once what came of a stop: when all that was under way then is over."""
+        if (stop := self._stopping) and not stop.left:
             self._stopping = None
-            self.bus.post(STOPPED, m.OutputStopped(output=self.name, asked=asked, at=at, detail=detail))
+            detail = " ".join(dict.fromkeys(stop.details))
+            self.bus.post(STOPPED, m.OutputStopped(output=self.name, asked=stop.asked, at=stop.at, detail=detail))
 
     def _report(self, action: str, deed: Deed, state: DeedState, at: int, detail: str = "") -> None:
         self.bus.post(
             REPORT, m.OutputReport(action=action, output=self.name, deed=deed, state=state, at=at, detail=detail)
         )
-
-
-def _told_by(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}"

@@ -13,8 +13,8 @@ Gaze = Literal["ahead", "left", "right", "up", "down"]
 class Report(NamedTuple):
     """What became of a deed: ``action`` and ``deed`` say which, ``at`` when (ns of the session's clock).
 
-    ``state``: ``started`` (it can be heard or seen), ``done``, ``aborted`` (stopped before its end), ``failed``
-    (``detail`` says why, and what to do about it).
+    ``state``: ``started`` (it can be heard or seen), ``done``, ``aborted`` (stopped before its end: when it was still;
+    a ``detail`` says why it may not be), ``failed`` (``detail`` says why, and what to do about it).
     """
 
     action: str
@@ -70,7 +70,10 @@ class Output:
         raise NotImplementedError
 
     def stop(self, action: str = "") -> None:
-        """Be still: one action, or all of them. Harmless when nothing is under way."""
+        """Be still: one action, or all of them. Harmless when nothing is under way.
+
+        Raises OutputError, a clear sentence for the log, if something may be going on that no deed tells of any more.
+        """
 
     def close(self) -> None:
         """Be still, and let go of devices, threads and processes. Nothing is reported afterwards. Harmless twice."""

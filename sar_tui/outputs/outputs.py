@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 GROUP = "sar_tui.outputs"
 SCREEN = "screen"
 """The face and the words on the screen: made by the app, which alone can draw."""
+_checked: dict[tuple[str, str], tuple[object, Output]] = {}
+"""What plug-ins have made for a check, and with what: it is what is opened then, for to make one may take its time."""
 
 
 def output_names() -> list[str]:
@@ -39,7 +41,7 @@ def check_outputs(addresses: Sequence[str], speech: str = "sound") -> None:
         check_sound(speech)
     except SoundError as error:
         raise OutputError(str(error)) from error
-    _make(addresses, speech)
+    _make(addresses, speech, keep=True)
 
 
 def open_outputs(addresses: Sequence[str], speech: str, theme: Theme) -> list[OutputNode]:
@@ -57,18 +59,33 @@ def open_outputs(addresses: Sequence[str], speech: str, theme: Theme) -> list[Ou
     return [OutputNode(output, address, theme, cues) for output, address, cues in _make(addresses, speech)]
 
 
-def _make(addresses: Sequence[str], speech: str) -> list[tuple[Output, str, tuple[str, ...]]]:
+def _make(addresses: Sequence[str], speech: str, keep: bool = False) -> list[tuple[Output, str, tuple[str, ...]]]:
     from sar_tui.outputs.sound.path import Sound
 
+    for forgotten in _checked.keys() - {_split(address) for address in addresses}:
+        del _checked[forgotten]
     made: list[tuple[Output, str, tuple[str, ...]]] = []
     sound = Sound(speech)  # one for both, so that a tone and words never sound at once
     for address in sorted(addresses, key=lambda address: _split(address)[0] != "tones"):  # a tone goes before words
         kind, text = _split(address)
+        if kind == SCREEN and text:
+            raise OutputError(f'The screen has nothing after its name; it was given "{text}".')
         if kind in _SHIPPED:
             made.append((_SHIPPED[kind](text, sound), address, _cues(text) if kind == "tones" else ()))
         elif kind != SCREEN:
             made.append((_plugged_in(kind, text), address, ()))
+    _check_names(made, [SCREEN] if SCREEN in addresses else [])
+    if not keep:
+        _checked.clear()
     return made
+
+
+def _check_names(made: list[tuple[Output, str, tuple[str, ...]]], taken: list[str]) -> None:
+    """What each output is called is how the log tells them apart."""
+    for output, address, _ in made:
+        if output.name in taken:
+            raise OutputError(f'Another output is called "{output.name}" as well as {address}: leave one of them out.')
+        taken.append(output.name)
 
 
 def _split(address: str) -> tuple[str, str]:
@@ -89,7 +106,10 @@ def _plugged_in(kind: str, text: str) -> Output:
     for entry in entry_points(group=GROUP):
         if entry.name == kind:
             try:
-                output = entry.load()(text)
+                make = entry.load()
+                made_by, output = _checked.get((kind, text), (None, None))
+                if made_by is not make:
+                    output = make(text)
             except OutputError:
                 raise
             except Exception as error:
@@ -97,8 +117,9 @@ def _plugged_in(kind: str, text: str) -> Output:
                 raise OutputError(f"The output {kind} ({entry.value}) cannot be loaded: {why}.") from error
             if not isinstance(output, Output):
                 raise OutputError(f"The output {kind} ({entry.value}) is no Output.")
-            if not getattr(output, "name", ""):
+            if not isinstance(name := getattr(output, "name", ""), str) or not name:
                 raise OutputError(f"The output {kind} ({entry.value}) has no name.")
+            _checked[kind, text] = make, output
             return output
     raise OutputError(f'There is no output "{kind}". There is: {", ".join(output_names())}.')
 

@@ -3,13 +3,14 @@
 import secrets
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from typing import Any, cast
 
 from sar_tui.framework.clock import MS, SECOND, Clock, Handle
 from sar_tui.framework.messages import Deed, DeedState
 from sar_tui.framework.theme import Theme
-from sar_tui.outputs.output import Output, Report
+from sar_tui.outputs.output import Output, OutputError, Report
 from sar_tui.outputs.ros_topics import STRING, Answer, parse_address, plain, understand
 from sar_tui.rosbridge import Bridge
 
@@ -19,12 +20,12 @@ SETTLE = 500 * MS
 """How long after a connection nothing is sent: on a ROS system it takes a moment until a new publisher is heard."""
 ANSWER = 2 * SECOND
 """How long a robot may take to tell that it has begun."""
+CONFIRM = 1500 * MS
+"""How long it may take to tell that it has stopped; less than `node.STILL`, so that this is what is told of it."""
 LONGEST = 15 * SECOND
 """How much longer a deed may take than it should."""
 A_CHARACTER = 100 * MS
 """How long speaking one takes, at the slowest."""
-
-_UNSURE = "The robot did not confirm the last stop."
 
 
 class _Asked:
@@ -34,6 +35,7 @@ class _Asked:
         self.action, self.deed, self.topic, self.message, self.lasts = action, deed, topic, message, lasts
         self.sent: int | None = None
         self.started: int | None = None
+        self.is_stopping = False
         self.timer: Handle | None = None
 
 
@@ -57,8 +59,7 @@ class Ros(Output):
         self._lines: dict[Deed, deque[_Asked]] = {"say": deque(), "gesture": deque(), "gaze": deque()}
         self._token = secrets.token_hex(3)
         self._ready_at: int | None = None
-        self._stop_owed = False
-        self._stops: dict[tuple[str, Deed], int] = {}
+        self._stop_owed = self._was_lost = False
         self._muddle = ""
 
     def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
@@ -98,7 +99,11 @@ class Ros(Output):
         self._ask(action, "gaze", self._topics.gaze, {"gaze": where}, where, 0)
 
     def stop(self, action: str = "") -> None:
-        """Ask the robot to be still, and count on it. A stop that cannot be sent now is sent before anything else."""
+        """Ask the robot to be still: what it does is aborted when it confirms that, or after a while as not confirmed.
+
+        What comes next waits for that. A stop that cannot be sent now is sent before anything else; and raises
+        OutputError if the robot was lost in the middle of something that it may still be doing.
+        """
         if self._bridge is None:
             return
         stopped = [asked for line in self._lines.values() for asked in line if action in ("", asked.action)]
@@ -109,16 +114,23 @@ class Ros(Output):
             self._stop_owed |= not told
         now = self.clock.now()
         for asked in stopped:
-            if asked in sent and told:
-                self._stops[asked.action, asked.deed] = now
-            self._end(asked, "aborted", now, self._about_stop(told) if asked in sent else "")
+            if asked.sent is None:
+                self._end(asked, "aborted", now)
+            elif not told:
+                self._end(asked, "failed", now, self._unasked)
+            elif not asked.is_stopping:
+                asked.is_stopping = True
+                self._set_timer(asked, now + CONFIRM, partial(self._overdue, self._bridge, asked))
         if action:
             self._advance_all(self._bridge)
+        elif self._was_lost and not told:
+            raise OutputError(self._unasked)
 
     def close(self) -> None:
         """Have the robot be still, and let go of the connection."""
         if self._bridge is not None:
-            self.stop()
+            with suppress(OutputError):  # nobody is told any more
+                self.stop()
             bridge, self._bridge = self._bridge, None
             bridge.close()
 
@@ -142,6 +154,7 @@ class Ros(Output):
             return
         now = self.clock.now()
         if connected:
+            self._was_lost = False
             if self._stop_owed:
                 self._stop_owed = not self._send_stop("")
             self._ready_at = now + SETTLE
@@ -149,11 +162,13 @@ class Ros(Output):
             return
         self._ready_at = None
         for asked in self._under_way:
+            self._was_lost = True
+            self._stop_owed |= asked.is_stopping
             self._end(asked, "failed", now, f"The connection to the robot at {self._address} was lost meanwhile.")
         self._advance_all(bridge)
 
     def _heard(self, bridge: Bridge, answer: Answer, at: int) -> None:
-        if bridge is not self._bridge or self._confirms_stop(answer, at):
+        if bridge is not self._bridge:
             return
         sent = [asked for asked in self._under_way if asked.sent is not None and asked.sent <= at]
         about = [asked for asked in sent if self._is_about(answer, asked.action, asked.deed)]
@@ -165,7 +180,7 @@ class Ros(Output):
                 self._report(asked, "started", at)
             if answer.state != "started":
                 why = answer.detail or ("The robot failed." if answer.state == "failed" else "")
-                self._end(asked, answer.state, at, why)
+                self._end(asked, "aborted" if asked.is_stopping and not why else answer.state, at, why)
                 self._advance(asked.deed)
 
     def _ask(self, action: str, deed: Deed, topic: str, what: dict[str, Any], bare: str, lasts: int) -> None:
@@ -192,7 +207,7 @@ class Ros(Output):
                 return
             if bridge.publish(asked.topic, asked.message):
                 asked.sent, self._muddle = now, ""
-                asked.timer = self.clock.call_at(now + ANSWER, partial(self._overdue, bridge, asked))
+                self._set_timer(asked, now + ANSWER, partial(self._overdue, bridge, asked))
             else:
                 self._end(asked, "failed", now, bridge.problem or self._away)
 
@@ -205,15 +220,23 @@ class Ros(Output):
         line, now = self._lines[asked.deed], self.clock.now()
         if bridge is not self._bridge or not line or line[0] is not asked:
             return
-        if asked.started is None:
+        state: DeedState = "failed"
+        if asked.is_stopping:
+            state, why = "aborted", f"The robot at {self._address} did not confirm that it stopped."
+        elif asked.started is None:
             why = f"Sent to the robot at {self._address}, which did not acknowledge it."
         elif now < (until := asked.started + asked.lasts + LONGEST):
-            asked.timer = self.clock.call_at(until, partial(self._overdue, bridge, asked))
+            self._set_timer(asked, until, partial(self._overdue, bridge, asked))
             return
         else:
             why = f"The robot at {self._address} began, and did not tell that it was done."
-        self._end(asked, "failed", now, why + self._muddle)
+        self._end(asked, state, now, why + self._muddle)
         self._advance(asked.deed)
+
+    def _set_timer(self, asked: _Asked, when: int, ring: Callable[[], None]) -> None:
+        if asked.timer:
+            asked.timer.cancel()
+        asked.timer = self.clock.call_at(when, ring)
 
     def _end(self, asked: _Asked, state: DeedState, at: int, detail: str = "") -> None:
         self._lines[asked.deed].remove(asked)
@@ -222,9 +245,6 @@ class Ros(Output):
         self._report(asked, state, at, detail)
 
     def _report(self, asked: _Asked, state: DeedState, at: int, detail: str = "") -> None:
-        if any(at - stop > ANSWER for stop in self._stops.values()):
-            self._stops.clear()
-            detail = f"{detail} {_UNSURE}".strip()
         self._tell(Report(asked.action, asked.deed, state, at, detail))
 
     # --- stopping, and small things --------------------------------------------------------------------------
@@ -232,22 +252,6 @@ class Ros(Output):
     def _send_stop(self, action: str) -> bool:
         message = self._topics.message(action and self._id(action), {}, "stop")
         return cast(Bridge, self._bridge).publish(self._topics.stop, message)
-
-    def _about_stop(self, told: bool) -> str:
-        return "The robot was asked to stop." if told else f"The robot could not be asked to stop. {self._away}"
-
-    def _confirms_stop(self, answer: Answer, at: int) -> bool:
-        """Whether it tells of the end of what was stopped: without an id, rather than of what came after that."""
-        if answer.state == "started":
-            return False
-        about = [
-            (action, deed)
-            for (action, deed), asked in self._stops.items()
-            if self._is_about(answer, action, deed) and (answer.id or at - asked <= ANSWER)
-        ]
-        for key in about if answer.id else about[:1]:
-            del self._stops[key]
-        return bool(about)
 
     def _is_about(self, answer: Answer, action: str, deed: Deed) -> bool:
         unnamed = self._topics.form == "text" and not answer.id
@@ -262,6 +266,10 @@ class Ros(Output):
         """What was sent and is not over, the oldest first."""
         sent = (line[0] for line in self._lines.values() if line and line[0].sent is not None)
         return sorted(sent, key=lambda asked: asked.sent or 0)
+
+    @property
+    def _unasked(self) -> str:
+        return f"The robot could not be asked to stop. {self._away}"
 
     @property
     def _away(self) -> str:

@@ -14,6 +14,7 @@ from sar_tui.framework.clock import MS, Clock, VirtualClock
 from sar_tui.framework.gesture import Gesture, Keyframe
 from sar_tui.framework.messages import Deed
 from sar_tui.framework.theme import FACES, Colors, Note, Theme
+from sar_tui.outputs.hearing import heard
 from sar_tui.outputs.output import Output, Report
 
 WAIT_S = 30.0
@@ -140,6 +141,11 @@ class Rig:
         for deed in self.output.can:
             times = [report.at for report in self.reports if report.deed == deed]
             assert times == sorted(times)
+        for report in self.reports:
+            kept = heard(report, 0, self.clock.now())
+            assert kept, "it can be understood"
+            assert kept[:4] == report[:4]
+            assert isinstance(report.detail, str)
 
 
 def each_deed_ends_exactly_once_and_done_ones_began(rig: Rig) -> None:

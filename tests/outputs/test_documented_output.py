@@ -14,15 +14,16 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.clock import MS, VirtualClock
+from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.outputs import outputs
+from sar_tui.outputs.hearing import LONGEST_DETAIL
+from sar_tui.outputs.node import GIVES_UP, PER_CHARACTER, STILL
 from sar_tui.outputs.output import OutputError
 from sar_tui.plugins import Catalogue
 from sar_tui.runs import Plan, simulate
 from sar_tui.simulation.person import PEOPLE
-from sar_tui.validation.source_lines import count
 from tests.outputs.contract import CHECKS, Rig
 
 PAGE = (Path(__file__).parents[2] / "docs" / "add-an-output.md").read_text(encoding="utf-8")
@@ -130,5 +131,23 @@ def test_in_a_session_it_waves_at_both_ends_and_the_pages_query_tells_so(
     assert f"robot:{robot}" in opened[0]
 
 
-def test_it_is_about_forty_lines_of_code() -> None:
-    assert count(block("python")) <= 45
+def test_a_robot_that_cannot_be_told_to_stop_is_told_of(serial_robot: ModuleType, tmp_path: Path) -> None:
+    path = tmp_path / "ttyUSB0"
+    path.touch()
+    rig = Rig(serial_robot.SerialRobot(str(path)), VirtualClock(), ["gesture"])
+    rig.ask("gesture", "a")
+    path.unlink()
+    rig.output.stop()
+    assert rig.states("a", "gesture") == ["started", "aborted"]
+    assert rig.detail("a", "gesture") == "The robot could not be told to be still."
+
+
+def test_it_is_forty_lines() -> None:
+    assert sum(bool(line.strip()) for line in block("python").splitlines()) <= 40
+
+
+def test_the_page_tells_how_long_an_output_may_be_silent() -> None:
+    page = " ".join(PAGE.split())
+    assert f"given up after {GIVES_UP // SECOND} seconds; for `say`, after {PER_CHARACTER // MS} ms a character" in page
+    assert f"What is not over after {STILL // SECOND} seconds has failed." in page
+    assert f"Of a detail, {LONGEST_DETAIL} characters are kept." in page

@@ -1,6 +1,7 @@
 """Given an output on the bus, when it raises, stays silent or says too much, then each deed is told of once."""
 
 import threading
+from types import SimpleNamespace
 from typing import Any
 
 import msgspec
@@ -14,7 +15,7 @@ from sar_tui.framework.node import Node, on
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
 from sar_tui.outputs.node import GIVES_UP, PER_CHARACTER, STILL, OutputNode
-from sar_tui.outputs.output import Output, Report
+from sar_tui.outputs.output import Output, OutputError, Report
 from tests.outputs.contract import THEME as BARE
 from tests.outputs.fakes import EVERYTHING, Puppet, Speaker
 
@@ -216,6 +217,85 @@ def test_a_report_of_what_nobody_asked_for_is_nothing() -> None:
     assert [report.state for report in stage.reports] == ["queued"]
 
 
+class Unreadable(Exception):
+    def __str__(self) -> str:
+        raise ValueError("not even that")
+
+
+@pytest.mark.parametrize(
+    ("detail", "kept"),
+    [
+        (RuntimeError("jammed"), "jammed"),
+        ("\ud800 is half a character", "? is half a character"),
+        ("x" * 501, "x" * 500),
+        (7, "7"),
+        (Unreadable(), "a Unreadable that cannot be read"),
+    ],
+)
+def test_a_detail_is_kept_as_text_that_can_be_written(detail: Any, kept: str) -> None:
+    stage = Stage(Puppet())
+    stage.act(gesture="wave")
+    stage.tell("gesture", "failed", detail=detail)
+    assert stage.reports[-1].detail == kept
+    assert stage.states(deed="gesture") == ["queued", "failed"]
+
+
+def test_an_exception_that_cannot_be_written_is_told_so_that_it_can() -> None:
+    class Jammed(Puppet):
+        def gesture(self, action: str, name: str) -> None:
+            raise OSError("\udcff" * 1000)
+
+    stage = Stage(Jammed())
+    stage.act(gesture="wave")
+    assert msgspec.json.encode(stage.reports[-1])
+    assert stage.reports[-1].detail == f"OSError: {'?' * 491}."
+
+
+def test_a_time_that_is_no_whole_number_is_made_one() -> None:
+    stage = Stage(Puppet())
+    stage.act(gesture="wave")
+    stage.tell("gesture", "done", at=stage.clock.now() + 0.25)  # type: ignore[arg-type]
+    assert stage.reports[-1].at == stage.clock.now()
+    assert type(stage.reports[-1].at) is int
+
+
+@pytest.mark.parametrize(
+    "report",
+    [
+        Report("a1", "gesture", "nonsense", SECOND),  # type: ignore[arg-type]
+        Report("a1", "gesture", ["done"], SECOND),  # type: ignore[arg-type]
+        Report("a1", "dance", "done", SECOND),  # type: ignore[arg-type]
+        Report("a1", ["gesture"], "done", SECOND),  # type: ignore[arg-type]
+        Report("a1", "gesture", "done", None),  # type: ignore[arg-type]
+        Report("a1", "gesture", "done", "soon"),  # type: ignore[arg-type]
+        Report("a1", "gesture", "done", float("nan")),  # type: ignore[arg-type]
+        Report("a1", "gesture", "done", SECOND - 1),
+        Report("a1", "gesture", "done", 2**70),
+        SimpleNamespace(action="a1", deed="gesture"),
+    ],
+)
+def test_a_report_that_cannot_be_understood_ends_what_it_is_about(report: Any) -> None:
+    stage = Stage(Puppet())
+    stage.act(gesture="wave")
+    stage.act("a2", gesture="wave")
+    stage.node.output._tell(report)
+    stage.clock.advance(0)
+    assert stage.states(deed="gesture") == ["queued", "failed"]
+    assert stage.reports[-1].detail == "It reported what cannot be understood."
+    assert stage.states("a2", "gesture") == ["queued"]
+    for told in stage.reports:
+        assert msgspec.json.decode(msgspec.json.encode(told), type=m.OutputReport) == told
+
+
+@pytest.mark.parametrize("report", [None, "done", ("a1", "gesture", "done", SECOND, ""), Report([], "say", "done", 0)])  # type: ignore[arg-type]
+def test_a_report_that_is_about_nothing_is_nothing(report: Any) -> None:
+    stage = Stage(Puppet())
+    stage.act(gesture="wave")
+    stage.node.output._tell(report)
+    stage.clock.advance(0)
+    assert stage.states(deed="gesture") == ["queued"]
+
+
 def test_a_report_from_another_thread_arrives_on_the_loops_own() -> None:
     stage = Stage(Puppet())
     stage.act(spoken="Well done.")
@@ -317,18 +397,70 @@ def test_two_stops_in_a_row_are_one_that_is_told_once() -> None:
     assert [(stopped.asked, stopped.at) for stopped in stage.stopped] == [(first, first + 30 * MS)]
 
 
-def test_one_that_never_stills_is_told_as_such_and_can_be_stopped_again() -> None:
+@pytest.mark.parametrize("reason", ["stopped", "interrupted", "left"])
+def test_what_does_not_become_still_has_failed_whatever_it_was_to_be_still_for(reason: str) -> None:
+    stage = Stage(Puppet())
+    stage.act(**EVERY_PART)
+    stage.halt("" if reason == "stopped" else "a1", reason)
+    stage.act("a2", gesture="wave")
+    stage.wait(STILL - 1)
+    assert {*(report.state for report in stage.reports)} == {"queued"}
+    assert stage.stopped == []
+    stage.wait(1)
+    for deed in LASTING:
+        assert stage.states(deed=deed) == ["queued", "failed"]
+    assert stage.states(deed="show") == ["queued"], "words may stay where they are"
+    assert stage.states("a2", "gesture") == ["queued"], "what came after that was not told to be still"
+    assert {report.detail for report in stage.reports if report.state == "failed"} == {"It did not become still."}
+    assert [(stopped.at - stopped.asked, stopped.detail) for stopped in stage.stopped] == (
+        [(STILL, "It did not become still.")] if reason == "stopped" else []
+    )
+
+
+def test_one_that_did_not_become_still_can_be_stopped_again() -> None:
     stage = Stage(Puppet())
     stage.act(gesture="wave")
     stage.halt()
-    stage.wait(STILL - 1)
-    assert stage.stopped == []
-    stage.wait(1)
-    (stopped,) = stage.stopped
-    assert (stopped.at - stopped.asked, stopped.detail) == (STILL, "It did not tell that it is still.")
+    stage.wait(STILL)
+    stage.act("a2", gesture="wave")
     stage.halt()
-    stage.tell("gesture", "aborted")
-    assert [stopped.detail for stopped in stage.stopped] == ["It did not tell that it is still.", ""]
+    stage.tell("gesture", "aborted", "a2")
+    stage.wait(STILL)
+    assert [stopped.detail for stopped in stage.stopped] == ["It did not become still.", ""]
+
+
+def test_a_stop_says_what_failed_in_it_and_what_may_not_be_still_each_once() -> None:
+    stage = Stage(Puppet())
+    stage.act(**EVERY_PART)
+    stage.halt()
+    at = stage.clock.now() + 5 * MS
+    stage.wait(5 * MS)
+    stage.tell("tone", "done", detail="It was over in any case.")
+    stage.tell("gesture", "failed", detail="The arm could not be made limp.")
+    stage.tell("say", "aborted", detail="The robot did not confirm that it stopped.")
+    stage.tell("gaze", "aborted", detail="The robot did not confirm that it stopped.")
+    (stopped,) = stage.stopped
+    assert stopped.at == at
+    assert stopped.detail == "The arm could not be made limp. The robot did not confirm that it stopped."
+
+
+def test_a_stop_is_told_without_waiting_for_what_came_after_it() -> None:
+    stage = Stage(Puppet())
+    stage.act("a1", gesture="wave")
+    stage.halt()
+    stage.act("a2", gesture="wave")
+    stage.tell("gesture", "aborted", "a1")
+    assert len(stage.stopped) == 1
+
+
+def test_an_output_may_say_in_its_own_words_that_it_may_not_be_still() -> None:
+    class Away(Puppet):
+        def stop(self, action: str = "") -> None:
+            raise OutputError("The robot could not be asked to stop.")
+
+    stage = Stage(Away())
+    stage.halt()
+    assert [stopped.detail for stopped in stage.stopped] == ["The robot could not be asked to stop."]
 
 
 def test_one_that_raises_when_it_is_stopped_is_told_not_to_be_still() -> None:

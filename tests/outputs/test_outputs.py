@@ -107,6 +107,12 @@ def test_what_follows_the_name_has_to_fit(address: str, says: str) -> None:
     assert says in problem(address)
 
 
+def test_nothing_follows_the_name_of_the_screen() -> None:
+    assert problem("screen:big") == 'The screen has nothing after its name; it was given "big".'
+    with pytest.raises(OutputError):
+        open_outputs(["screen:big"], "sound", BARE)
+
+
 @pytest.mark.parametrize("address", ["servo:?joint=", "servo:x", "ros", "ros:", "ros://", "ros://host:port"])
 def test_an_address_that_cannot_be_is_told_in_a_sentence(address: str) -> None:
     told = problem(address)
@@ -152,11 +158,47 @@ def _refuses(_: str) -> Output:
         (_refuses, "There is no lamp of that colour."),
         (lambda text: text, "The output lamp (somewhere:lamp) is no Output."),
         (lambda text: Output(), "The output lamp (somewhere:lamp) has no name."),
+        (lambda text: Puppet(7), "The output lamp (somewhere:lamp) has no name."),  # type: ignore[arg-type]
     ],
 )
 def test_a_plug_in_that_cannot_be_used_is_told_in_a_sentence(plug_in: PlugIn, make: Any, says: str) -> None:
     plug_in("lamp", make)
     assert problem("lamp") == says
+
+
+def test_what_a_plug_in_makes_for_a_check_is_what_is_opened_and_then_it_makes_another(plug_in: PlugIn) -> None:
+    lamps: list[Puppet] = []
+
+    def lamp(text: str) -> Output:
+        lamps.append(Puppet(text))
+        return lamps[-1]
+
+    plug_in("lamp", lamp)
+    for session in (1, 2):
+        check_outputs(["lamp:red"])
+        check_outputs(["screen", "lamp:red"])
+        (node,) = open_outputs(["lamp:red"], "sound", BARE)
+        assert node.output is lamps[-1]
+        assert len(lamps) == session
+    check_outputs(["lamp:red"])
+    check_outputs(["lamp:blue"])
+    assert [lamp.name for lamp in lamps] == ["red", "red", "red", "blue"]
+
+
+def test_a_plug_in_that_is_installed_anew_makes_its_own(plug_in: PlugIn, monkeypatch: pytest.MonkeyPatch) -> None:
+    plug_in("lamp", lambda text: Puppet("old"))
+    check_outputs(["lamp"])
+    new = [SimpleNamespace(name="lamp", value="somewhere:lamp", load=lambda: lambda text: Puppet("new"))]
+    monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: new)
+    assert [name for name, _ in made("lamp")] == ["new"]
+
+
+@pytest.mark.parametrize(("name", "beside"), [("servo", "servo"), ("screen", "screen"), ("twin", "other")])
+def test_two_that_are_called_the_same_are_refused(plug_in: PlugIn, name: str, beside: str) -> None:
+    plug_in("lamp", lambda text: Puppet(name))
+    plug_in("other", lambda text: Puppet("twin"))
+    assert f'is called "{name}" as well as ' in problem(beside, "lamp")
+    check_outputs(["speech", "lamp"])
 
 
 def test_a_plug_in_cannot_take_the_place_of_what_ships(plug_in: PlugIn) -> None:

@@ -7,15 +7,16 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import msgspec
 import pytest
 
 from sar_tui import rosbridge
 from sar_tui.framework.clock import MS, SECOND, LiveClock
+from sar_tui.outputs.node import STILL
 from sar_tui.outputs.output import OutputError, Report
-from sar_tui.outputs.ros import ANSWER, LONGEST, PATIENCE, SETTLE, Ros
+from sar_tui.outputs.ros import ANSWER, CONFIRM, LONGEST, PATIENCE, SETTLE, Ros
 from sar_tui.outputs.ros_topics import Topics, understand
 from tests.outputs.contract import THEME, WAIT_S, Rig
 from tests.outputs.ros_bench import BenchClock, RosRig, is_ready, robot_bench
@@ -161,20 +162,46 @@ def test_a_report_that_is_not_of_what_is_under_way_changes_nothing(report: Any) 
         assert rig.states("praise", "say") == ["started", "aborted"]
 
 
-def test_a_stop_reaches_the_robot_and_everything_is_told_as_aborted_at_once() -> None:
+def test_a_stop_reaches_the_robot_and_what_it_did_is_aborted_when_it_says_so() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.ask("say", "a", "Hello.")
         rig.ask("say", "b", "Well done.")
         rig.ask("gesture", "a")
         rig.wait(lambda: len(rig.reports) == 2)
+        robot.manner = "silent"
         rig.output.stop()
-        assert [(report.action, report.deed, report.state, report.detail) for report in rig.reports[2:]] == [
-            ("a", "say", "aborted", "The robot was asked to stop."),
-            ("b", "say", "aborted", ""),
-            ("a", "gesture", "aborted", "The robot was asked to stop."),
-        ]
+        assert told(rig)[2:] == [("b", "say", "aborted")], "what the robot knows nothing of is over at once"
         wait_until(lambda: asked(robot, "stop") == [{"id": ""}])
+        rig.clock.advance(CONFIRM - 1)
+        assert len(rig.reports) == 3
+        at = rig.clock.now()
+        for deed in ("say", "gesture"):
+            its = asked(robot, "speech")[0]["id"]
+            robot.publish("/sar_tui/report", {"data": json.dumps({"state": "aborted", "id": its, "deed": deed})})
+        rig.wait_for("say", "a")
+        rig.wait_for("gesture", "a")
+        assert [(report[:3], report.at, report.detail) for report in rig.reports[3:]] == [
+            (("a", "say", "aborted"), at, ""),
+            (("a", "gesture", "aborted"), at, ""),
+        ]
         assert [said["text"] for said in asked(robot, "speech")] == ["Hello."]
+
+
+def test_a_deed_that_is_done_as_it_is_stopped_was_aborted_and_one_that_fails_then_has_failed() -> None:
+    with robot_bench("slow") as (rig, robot):
+        for action, state, detail in (("a", "done", ""), ("b", "failed", "My arm is stuck.")):
+            robot.manner = "slow"
+            rig.ask("gesture", action)
+            rig.wait(lambda action=action: rig.states(action, "gesture") == ["started"])
+            robot.manner = "silent"
+            rig.output.stop()
+            its = asked(robot, "gesture")[-1]["id"]
+            answer = {"state": state, "id": its, "deed": "gesture", "detail": detail}
+            robot.publish("/sar_tui/report", {"data": json.dumps(answer)})
+            rig.wait_for("gesture", action)
+        assert rig.states("a", "gesture") == ["started", "aborted"]
+        assert rig.states("b", "gesture") == ["started", "failed"]
+        assert rig.detail("b", "gesture") == "My arm is stuck."
 
 
 def test_a_stop_of_one_action_names_it_and_what_waits_comes_after_it() -> None:
@@ -189,20 +216,68 @@ def test_a_stop_of_one_action_names_it_and_what_waits_comes_after_it() -> None:
         assert second["text"] == "Well done."
 
 
-def test_a_robot_that_does_not_confirm_a_stop_is_told_of_with_what_comes_next() -> None:
+def test_a_robot_that_does_not_confirm_a_stop_is_told_of_and_what_comes_next_is_sent_after_that() -> None:
+    with robot_bench("slow") as (rig, robot):
+        rig.ask("gesture", "a")
+        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        robot.manner = "silent"
+        asked_at = rig.clock.now()
+        rig.output.stop()
+        rig.clock.advance(SECOND)
+        rig.output.stop()
+        wait_until(lambda: len(asked(robot, "stop")) == 2)
+        robot.manner = "obliging"
+        rig.ask("gesture", "b")
+        rig.clock.advance(CONFIRM - SECOND)
+        assert rig.states("a", "gesture") == ["started", "aborted"]
+        assert rig.reports[-1].at == asked_at + CONFIRM
+        where = f"127.0.0.1, port {robot.port}"
+        assert rig.detail("a", "gesture") == f"The robot at {where} did not confirm that it stopped."
+        rig.wait_for("gesture", "b")
+        assert rig.states("b", "gesture") == ["started", "done"]
+
+
+def test_the_output_itself_says_that_a_stop_was_not_confirmed_before_it_is_given_up() -> None:
+    assert CONFIRM < STILL
+
+
+def test_a_robot_that_is_lost_before_it_confirmed_a_stop_has_failed_and_is_stopped_when_it_is_back() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.ask("gesture", "a")
         rig.wait(lambda: rig.states("a", "gesture") == ["started"])
         robot.manner = "silent"
         rig.output.stop()
-        wait_until(lambda: asked(robot, "stop"))
-        rig.clock.advance(ANSWER + 1)
-        robot.manner = "obliging"
-        rig.ask("gesture", "b")
-        rig.wait_for("gesture", "b")
-        details = {(report.action, report.state): report.detail for report in rig.reports}
-        assert details["b", "started"] == "The robot did not confirm the last stop."
-        assert details["b", "done"] == ""
+        robot.leave()
+        rig.wait_for("gesture", "a")
+        assert rig.states("a", "gesture") == ["started", "failed"]
+        before = len(asked(robot, "stop"))
+        robot.arrive()
+        rig.wait(lambda: len(asked(robot, "stop")) == before + 1)
+
+
+def test_a_stop_of_a_robot_that_was_lost_as_it_moved_says_that_it_was_not_asked() -> None:
+    with robot_bench("slow") as (rig, robot):
+        rig.clock.advance(PATIENCE)
+        rig.output.stop()
+        rig.ask("gesture", "a")
+        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        robot.leave()
+        rig.wait_for("gesture", "a")
+        with pytest.raises(OutputError, match=r"^The robot could not be asked to stop\. The robot is not connected"):
+            rig.output.stop()
+
+
+def test_a_stop_that_cannot_be_sent_as_the_connection_breaks_has_failed() -> None:
+    with robot_bench("slow") as (rig, robot):
+        rig.ask("gesture", "a")
+        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        bridge = cast(Ros, rig.output)._bridge
+        assert bridge
+        robot.leave()
+        wait_until(lambda: not bridge.is_connected)  # and the output has not been told yet
+        rig.output.stop()
+        assert rig.states("a", "gesture") == ["started", "failed"]
+        assert rig.detail("a", "gesture").startswith("The robot could not be asked to stop. ")
 
 
 @pytest.mark.parametrize(("manner", "form"), [("obliging", "json"), ("terse", "text")])
@@ -279,7 +354,8 @@ def test_a_stop_that_cannot_be_sent_is_sent_first_of_all_when_the_bridge_is_back
         rig.wait(lambda: rig.states("a", "gesture") == ["started"])
         robot.leave()
         rig.wait_for("gesture", "a")
-        rig.output.stop()
+        with pytest.raises(OutputError):
+            rig.output.stop()
         robot.arrive()
         rig.wait(lambda: asked(robot, "stop") == [{"id": ""}])
         assert robot.received[-1]["topic"] == "/sar_tui/stop"
@@ -342,7 +418,7 @@ def test_closing_leaves_a_robot_that_was_told_to_be_still() -> None:
         rig.wait(lambda: rig.states("a", "gesture") == ["started"])
         rig.output.close()
         rig.output.say("b", "Hello.")
-        assert told(rig) == [("a", "gesture", "started"), ("a", "gesture", "aborted")]
+        assert told(rig) == [("a", "gesture", "started")]
         wait_until(lambda: asked(robot, "stop") == [{"id": ""}])
 
 

@@ -20,6 +20,7 @@ _ADVICE = {
     1: " Install the same version of Phidget22 here and on the network server.",
     2: " Close the other program that uses it.",
 }
+_TRIES = 3
 _FAILSAFE_TEXT = "Its failsafe let go of it, since this program did not run for a second."
 
 
@@ -98,18 +99,33 @@ class ServoChannel:
             self._call(self._channel.setTargetPosition, target)
             self._target = target
 
-    def release(self) -> None:
-        """Make the motor limp. A motor that is unplugged is."""
-        if self.engaged and self.attached:
+    def release(self) -> str:
+        """Make the motor limp. A motor that is unplugged is.
+
+        One that refuses is told again; then its channel is closed and no longer fed, so that a failsafe lets go of it.
+
+        Returns:
+            Why it may not be limp, and what to do; empty where it is.
+        """
+        refusal = ""
+        for _ in range(_TRIES if self.engaged and self.attached else 0):
             try:
                 self._call(self._channel.setEngaged, False)
             except Exception as error:
-                if getattr(error, "code", None) not in (_NOT_ATTACHED, _FAILSAFE):
-                    raise
+                gone = getattr(error, "code", None) in (_NOT_ATTACHED, _FAILSAFE)
+                refusal = "" if gone else words(error)
+            else:
+                refusal = ""
+            if not refusal:
+                break
         self.engaged = False
+        return refusal and self._forsake(refusal)
 
     def reopen(self) -> bool:
-        """Open anew a channel whose failsafe has let go, since it refuses everything; whether there was need."""
+        """Open anew a channel that refuses everything, since its failsafe let go, or that was closed; whether it was.
+
+        Not before it is needed: a motor that could not be made limp is not fed until then.
+        """
         if not self._let_go:
             return False
         self._let_go, self.trouble = False, ""
@@ -126,6 +142,18 @@ class ServoChannel:
             self._fed_at = now
             with suppress(Exception):
                 self._call(self._channel.resetFailsafe)
+
+    def _forsake(self, refusal: str) -> str:
+        """Close the channel of a motor that does not let go, and do not feed it any more."""
+        closed = "its channel was closed"
+        try:
+            self._channel.close()
+        except Exception:
+            closed = "its channel could not be closed"
+        failsafe = " Its failsafe lets go of it within some seconds." if self.has_failsafe else ""
+        what = f"The servo for {self.place} could not be made limp ({refusal}), and {closed}: unplug it.{failsafe}"
+        self._lose(what)
+        return what
 
     def _call(self, function: Callable[..., None], *arguments: Any) -> None:
         try:
@@ -179,7 +207,7 @@ class ServoChannel:
         self._changed()
 
     def _lose(self, why: str) -> None:
-        """Note that the failsafe has let go: the channel refuses everything until it is opened anew."""
+        """Note that the channel is of no use until it is opened anew."""
         self.trouble = why
         self.attached = self.engaged = False
         self._let_go = True

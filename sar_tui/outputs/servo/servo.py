@@ -136,7 +136,7 @@ class Servo(Output):
         self._drop_stopped()
         for channel in self._channels:
             channel.feed(now)
-            if channel.reopen():
+            if self._waiting and channel.reopen():
                 self._opened = now
         while self._underway is None and self._waiting:
             if (patience := self._patience(now)) > 0:
@@ -242,19 +242,14 @@ class Servo(Output):
             why = lost[0].trouble or "It was unplugged: plug it in again."
             what = f"The servo for {lost[0].place} was lost while it moved. {why}"
         else:
-            what = f"The servo for {underway.channels[0].place} does not do what it is told: {error}"
+            what = f"The servo for {underway.channels[0].place} does not do what it is told: {error}."
         self._end(underway, "failed", what)
 
     def _end(self, underway: _Underway, state: DeedState, detail: str = "") -> None:
         """Make the motors limp, all of them whatever becomes of one, and tell how the gesture ended."""
-        for channel in underway.channels:
-            try:
-                channel.release()
-            except Exception as error:
-                state = "failed"
-                detail = f"The servo for {channel.place} could not be made limp; unplug it: {words(error)}"
+        held = list(filter(None, [channel.release() for channel in underway.channels]))
         self._underway = None
-        self._tell_of(underway.deed, state, detail)
+        self._tell_of(underway.deed, "failed" if held else state, " ".join(filter(None, [detail, *held])))
 
     def _let_go(self) -> None:
         """The last step: whatever is under way ends, and the channels are closed."""

@@ -5,6 +5,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Literal, NamedTuple
 
 from sar_tui.framework.clock import host_now
@@ -219,7 +220,8 @@ class Keeper:
     def _tell(self, ask: Ask, state: DeedState, at: int, detail: str = "", seconds: float = 0.0) -> None:
         """Times never go back, though a child's may have been on their way while something else was told."""
         self._latest = max(self._latest, at)
-        self._told(News(ask, state, self._latest, detail, seconds))
+        with suppress(Exception):  # whatever becomes of the news, the deeds to come need this thread
+            self._told(News(ask, state, self._latest, detail, seconds))
 
     def _end_child(self) -> None:
         child, self._child = self._child, None

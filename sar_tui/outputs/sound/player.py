@@ -5,6 +5,7 @@ import threading
 import wave
 from array import array
 from collections.abc import Callable, Generator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -158,7 +159,7 @@ class Folder:
     def __init__(self, folder: str, in_real_time: bool) -> None:
         self._folder = Path(folder)
         self._in_real_time = in_real_time
-        self._number = 0
+        self._number: int | None = None
 
     def play(self, name: str, samples: "array[int]", turn: Turn, began: Began) -> None:
         try:
@@ -173,10 +174,7 @@ class Folder:
 
     def _write(self, name: str, samples: "array[int]") -> None:
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        starts = (each.name.partition("-")[0] for each in self._folder.iterdir())
-        self._number = 1 + max([self._number, *(int(start) for start in starts if start.isdecimal())])
-        path = self._folder / f"{self._number:03d}-{name}.wav"
-        handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        path, handle = self._next(name)
         try:
             with os.fdopen(handle, "wb") as file, wave.open(file, "wb") as sound:
                 sound.setnchannels(1)
@@ -186,6 +184,17 @@ class Folder:
         except OSError:
             path.unlink(missing_ok=True)
             raise
+
+    def _next(self, name: str) -> tuple[Path, int]:
+        """Make the next file. Another session may write to the same folder: what it has taken is passed over."""
+        if self._number is None:
+            starts = (each.name.partition("-")[0] for each in self._folder.iterdir())
+            self._number = max((int(start) for start in starts if start.isdecimal()), default=0)
+        while True:
+            self._number += 1
+            path = self._folder / f"{self._number:03d}-{name}.wav"
+            with suppress(FileExistsError):
+                return path, os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
 
 
 class Nowhere:

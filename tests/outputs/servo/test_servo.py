@@ -178,8 +178,59 @@ def test_a_motor_that_cannot_be_made_limp_is_told_and_the_others_are() -> None:
     bench.servo.stop()
     bench.rig.wait_for("gesture", "a")
     assert second.facts["Engaged"] is False
+    assert second.told("close") == []
+    assert first.told("close") == [None]
     assert bench.rig.states("a", "gesture") == ["started", "failed"]
-    assert "unplug it" in bench.rig.detail("a", "gesture")
+    assert bench.rig.detail("a", "gesture") == (
+        f"The servo for {bench.servo._channels[0].place} could not be made limp (Input/Output Error), "
+        "and its channel was closed: unplug it."
+    )
+
+
+def test_a_motor_that_refuses_to_be_made_limp_is_told_again(bench: ServoBench) -> None:
+    begin(bench)
+    [motor] = bench.channels
+    motor.failing["setEngaged"] = PhidgetError(3, "Timed Out")
+    tried: list[str] = []
+
+    def fail_once_more() -> None:
+        tried.append("first")
+        motor.during["setEngaged"] = motor.failing.clear
+
+    motor.during["setEngaged"] = fail_once_more
+    bench.servo.stop()
+    bench.rig.wait_for("gesture", "a")
+    assert tried == ["first"]
+    assert motor.facts["Engaged"] is False
+    assert motor.told("close") == []
+    assert (bench.rig.states("a", "gesture"), bench.rig.detail("a", "gesture")) == (["started", "aborted"], "")
+
+
+@pytest.mark.parametrize("closes", [True, False])
+def test_a_motor_that_cannot_be_made_limp_is_not_fed_any_more_until_it_is_to_move_again(
+    live_clock: LiveClock, closes: bool
+) -> None:
+    bench = ServoBench(clock=live_clock)
+    [motor] = bench.channels
+    bench.rig.ask("gesture", "a", "wave")
+    bench.rig.wait(lambda: motor.facts["Engaged"])
+    motor.failing["setEngaged"] = PhidgetError(5, "Input/Output Error")
+    if not closes:
+        motor.failing["close"] = PhidgetError(5, "Input/Output Error")
+    bench.servo.stop()
+    bench.rig.wait_for("gesture", "a")
+    detail = bench.rig.detail("a", "gesture")
+    assert ("its channel was closed" in detail, "its channel could not be closed" in detail) == (closes, not closes)
+    assert detail.endswith("unplug it. Its failsafe lets go of it within some seconds.")
+    fed = len(motor.told("resetFailsafe"))
+    bench.servo._channels[0].feed(live_clock.now() + 60 * SECOND)
+    assert len(motor.told("resetFailsafe")) == fed
+    motor.failing.clear()
+    motor.during["open"] = motor.plug_in
+    bench.rig.ask("gesture", "b", "wave")
+    bench.rig.wait_for("gesture", "b")
+    assert bench.rig.states("b", "gesture") == ["started", "done"]
+    bench.servo.close()
 
 
 def test_close_makes_the_motor_limp_ends_what_was_asked_for_and_closes_the_channel(bench: ServoBench) -> None:
@@ -281,6 +332,7 @@ def test_a_motor_that_refuses_fails_the_gesture_in_its_words(bench: ServoBench, 
     assert make(bench) == "failed"
     assert "Input/Output Error" in bench.rig.detail("a", "gesture")
     bench.failing.clear()
+    bench.channels[0].during["open"] = bench.channels[0].plug_in
     assert make(bench, action="b") == "done"
 
 

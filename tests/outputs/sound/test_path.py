@@ -23,21 +23,21 @@ from tests.outputs.listening import (
     real_program,
     until,
 )
+from tests.speech import needs_speech
+
+pytestmark = needs_speech
 
 LACKING = """
 def init():
     raise RuntimeError("This means you probably do not have eSpeak or eSpeak-ng installed!")
 """
 CRASHES = f"{ENGINE}\ndef speak(engine):\n    os._exit(3) if 'crash' in engine.text else beep(engine)"
-HANGS = f"{ENGINE}\ndef speak(engine):\n    time.sleep(600) if 'hang' in engine.text else beep(engine)"
+HANGS = f"{ENGINE}\ndef speak(engine):\n    time.sleep(120) if 'hang' in engine.text else beep(engine)"
 HANGS_IN_C = f"""{ENGINE}
 import ctypes
-from tests.speech import needs_speech
-
-pytestmark = needs_speech
 def speak(engine):
     if 'hang' in engine.text:
-        ctypes.PyDLL(None).sleep(600)  # without letting any other thread of the process run
+        ctypes.PyDLL(None).sleep(120)  # without letting any other thread of the process run
     beep(engine)
 """
 WRITES_RUBBISH = f"{ENGINE}\ndef speak(engine): open(engine.path, 'wb').write(b'RIFF' + bytes([4, 0, 0, 0]) + b'what')"
@@ -299,7 +299,7 @@ def test_it_finds_that_there_is_no_engine_and_no_card() -> None:
 @pytest.mark.parametrize(
     ("program", "says"),
     [
-        ([sys.executable, "-c", "import time; time.sleep(600)"], "gave no answer within"),
+        ([sys.executable, "-c", "import time; time.sleep(30)"], "gave no answer within"),
         ([sys.executable, "-c", "print('{}')"], "stopped working"),
         (["/no/such/program"], "cannot be started"),
     ],

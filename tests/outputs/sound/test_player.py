@@ -76,6 +76,37 @@ def test_files_are_numbered_after_what_is_there_and_nothing_is_overwritten(tmp_p
     assert found["007-a1-say.wav"] == b"mine"
 
 
+def test_two_that_write_to_one_folder_at_the_same_time_take_the_next_number_each(tmp_path: Path) -> None:
+    mine, yours = Folder(str(tmp_path), False), Folder(str(tmp_path), False)
+    for place in (mine, yours, yours, mine, mine):
+        place.play("a1-say", BEEP, Turn(), Began())
+    assert list(contents(tmp_path)) == [f"{n:03d}-a1-say.wav" for n in (1, 2, 3, 4, 5)]
+
+
+def test_a_file_that_another_has_made_since_it_looked_is_passed_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "001-a1-say.wav").write_text("yours")
+    with monkeypatch.context() as before:
+        before.setattr(Path, "iterdir", lambda path: iter(()))
+        Folder(str(tmp_path), False).play("a1-say", BEEP, Turn(), Began())
+    assert list(contents(tmp_path)) == ["001-a1-say.wav", "002-a1-say.wav"]
+    assert contents(tmp_path)["001-a1-say.wav"] == b"yours"
+
+
+def test_a_folder_is_looked_through_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "007-a1-say.wav").write_text("mine")
+    looked: list[Path] = []
+    look = Path.iterdir
+    with monkeypatch.context() as watched:
+        watched.setattr(Path, "iterdir", lambda path: (looked.append(path), look(path))[1])
+        place = Folder(str(tmp_path), False)
+        for _ in range(3):
+            place.play("a1-say", BEEP, Turn(), Began())
+    assert looked == [tmp_path]
+    assert list(contents(tmp_path))[-1] == "010-a1-say.wav"
+
+
 @pytest.mark.parametrize("name", ["there", "there/below"])
 def test_a_folder_that_is_a_file_is_told_in_words(tmp_path: Path, name: str) -> None:
     (tmp_path / "there").write_text("a file")

@@ -14,6 +14,9 @@ from sar_tui.framework.theme import Note
 from sar_tui.outputs.sound.child import Child
 from sar_tui.outputs.sound.protocol import Ended, Reply, Say, Setup, Started, Stop, Tone, Voicing, Warm, line
 from tests.outputs.listening import DEADLINE_S, ENGINE, NOBODY, is_alive, pids, program_with, real_program, until
+from tests.speech import needs_speech
+
+pytestmark = needs_speech
 
 NOISY = f"""{ENGINE}
 import sys
@@ -28,19 +31,18 @@ def speak(engine):
 HANGS_IN_C = f"""{ENGINE}
 import ctypes
 def speak(engine):
-    ctypes.PyDLL(None).sleep(600)  # without letting any other thread of the process run
+    ctypes.PyDLL(None).sleep(120)  # without letting any other thread of the process run
 """
 PARENT = """
 import sys, time
 from sar_tui.outputs.sound.child import Child
 from sar_tui.outputs.sound.protocol import *
-from tests.speech import needs_speech
 
-pytestmark = needs_speech
 child = Child(Setup(backends=("NULL",)), lambda child, reply: print(reply, flush=True), sys.argv[1:])
 child.send(Say(1, "a1", "One word after the other. " * 40, Voicing("en")))
-time.sleep(600)
+time.sleep(30)
 """
+"""A program with a voice. It ends by itself, and the voice with it, should nobody be left to kill it."""
 HELLO = Voicing("en")
 
 
