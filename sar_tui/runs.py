@@ -294,6 +294,7 @@ def simulate(
         session = run.session
         while (not session.ended or session.is_agent_acting) and not session.broken and clock.step():
             pass
+        session.detach()
         run.recorder.write()
         run.check()
     finally:

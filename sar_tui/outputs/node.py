@@ -78,8 +78,10 @@ class OutputNode(Node):
         self.emit(OUTPUT, m.OutputOpened(output=self.name, address=self._address, can=tuple(sorted(self._can))))
 
     def detach(self) -> None:
-        """Let go of the output."""
+        """Let go of the output; what it has not brought to its end is aborted with that."""
         if not self._closed and hasattr(self, "bus"):
+            for key in [key for key in self._open if key[1] != "show"]:
+                self._end(*key, "aborted", "The session was left.")
             self._closed = True
             with contextlib.suppress(Exception):  # the session is over, and the other outputs have to be let go of
                 self.output.close()
