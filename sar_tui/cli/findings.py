@@ -44,6 +44,7 @@ def examine(home: Home) -> Iterator[Finding]:
         ("Disk space", lambda: _space(home)),
         ("Tasks", lambda: _tasks(home)),
         ("Themes", lambda: _themes(home)),
+        ("Outputs", _outputs),
     )
     for name, look in looks:
         try:
@@ -222,6 +223,25 @@ def _tasks(home: Home) -> Finding:
 def _themes(home: Home) -> Finding:
     catalogue = home._replace(tasks=()).catalogue()
     return _plugins("Themes", catalogue.theme_names(), catalogue.theme, "Mend its folder, or remove it.")
+
+
+def _outputs() -> Finding:
+    """Those that there are; a plug-in among them is loaded, but not made: with what, only a session knows."""
+    from importlib.metadata import entry_points
+
+    from sar_tui.outputs.outputs import GROUP, output_names
+
+    problems = []
+    for entry in entry_points(group=GROUP):
+        try:
+            entry.load()
+        except Exception as error:
+            problems.append(
+                f"The output {entry.name} ({entry.value}) cannot be loaded: {type(error).__name__}: {error}."
+            )
+    if problems:
+        return Finding("Outputs", "bad", " ".join(problems), "Install its package again, or remove it.")
+    return Finding("Outputs", "ok", ", ".join(output_names()))
 
 
 def _plugins(name: str, names: list[str], load: Callable[[str], object], mend: str) -> Finding:

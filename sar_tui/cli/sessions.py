@@ -12,6 +12,7 @@ from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from sar_tui.cli.session_outputs import OutputSummary
     from sar_tui.framework.task import Metric
 
 Row = dict[str, Any]
@@ -68,6 +69,7 @@ def show(
     tasks: Tasks = None,
 ) -> None:
     """Show a session: attempts, plot, timing."""
+    from sar_tui.cli.session_outputs import output_summaries
     from sar_tui.store import sessions as store
 
     home = Home.of(context, data, tasks)
@@ -75,8 +77,9 @@ def show(
         found = store.find(database, home.folder, session)
         attempts = store.rows(database, "attempts", found["id"])
         trials = store.rows(database, "trials", found["id"])
+        outputs = output_summaries(database, found["id"])
     if as_json:
-        print_json({"session": found, "attempts": attempts, "trials": trials})
+        print_json({"session": found, "attempts": attempts, "trials": trials, "outputs": outputs})
         return
 
     from sar_tui.cli.tables import attempts_table, summary
@@ -91,6 +94,14 @@ def show(
     out.print(summary(attempts, metric), soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
     _print_timing(out, found["machine"], trials)
+    print_failed_outputs(out, outputs)
+
+
+def print_failed_outputs(out: "Console", outputs: "Sequence[OutputSummary]") -> None:
+    """A line for each output that failed, so that a silent voice is not found in the log alone."""
+    for summary in outputs:
+        if summary.line:
+            out.print(f"! {summary.line}", markup=False, soft_wrap=True)
 
 
 def _print_facts(out: "Console", row: Row) -> None:

@@ -71,6 +71,7 @@ def simulate(
         values["attempts"] = attempts
 
     from sar_tui import runs
+    from sar_tui.cli.session_outputs import output_summaries
     from sar_tui.store import participants, sessions
 
     plan = runs.Plan(
@@ -86,15 +87,18 @@ def simulate(
         session = runs.simulate(plan, person, home.folder, catalogue, advance)
     with home.database() as database:
         rows = sessions.rows(database, "attempts", session)
+        spoke = output_summaries(database, session)
     if as_json:
-        print_json({"session": session, "attempts": rows})
+        print_json({"session": session, "attempts": rows, "outputs": spoke})
         return
 
+    from sar_tui.cli.sessions import print_failed_outputs
     from sar_tui.cli.tables import attempts_table, summary
 
     out = console()
     out.print(attempts_table(rows, kind.metric))
     out.print(f"{summary(rows, kind.metric)} Seed {plan.seed}. `sar-tui show {session}` shows more.", soft_wrap=True)
+    print_failed_outputs(out, spoke)
 
 
 def _person(user: User, practice: float | None, fatigue: float | None) -> "Person":

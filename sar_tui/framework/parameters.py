@@ -8,18 +8,21 @@ import msgspec
 from msgspec import Meta, inspect
 
 P = TypeVar("P", bound="TaskParameters")
+_LONG = 60
+"""Letters of a value that a problem quotes."""
 
 
-def meta(title: str, unit: str = "", help: str = "", **bounds: Any) -> Meta:
+def meta(title: str, unit: str = "", help: str = "", takes: str = "", **bounds: Any) -> Meta:
     """Describe a parameter for the people who set it.
 
     Args:
         title: its name on the settings form.
         unit: its unit, shown beside the field.
         help: one or two plain sentences.
+        takes: of a text, what it may be, in words: "a code of small letters, such as en".
         bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``.
     """
-    return Meta(title=title, description=help or None, extra={"unit": unit}, **bounds)
+    return Meta(title=title, description=help or None, extra={"unit": unit, "takes": takes}, **bounds)
 
 
 class ParameterError(ValueError):
@@ -133,6 +136,7 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
     language: Annotated[
         str,
         meta("Language", help="Of all the participant sees and hears: en, es, or another the theme has.",
+             takes="a code of small letters, such as en, es or es-mx",
              pattern="^[a-z]{2,3}(-[a-z]{2,4})?$"),
     ] = "en"  # fmt: skip
     outputs: Annotated[
@@ -216,6 +220,9 @@ class Field(msgspec.Struct, frozen=True):
     le: float | None = None
     choices: tuple[str, ...] = ()
     items: Literal["words", "numbers"] = "words"
+    takes: str = ""
+    least: int | None = None
+    most: int | None = None
 
     @property
     def bounds(self) -> str:
@@ -227,14 +234,33 @@ class Field(msgspec.Struct, frozen=True):
         return {"bool": "yes or no", "list": f"{self.items}, spaced"}.get(self.kind, "")
 
     def problem(self, value: object) -> str:
-        """Why ``value`` cannot be, in one sentence."""
+        """Why ``value`` cannot be, and what can, in one sentence."""
         shown = show(value) or "empty"
+        shown = shown if len(shown) <= _LONG else f"{shown[:_LONG]}…"
         if self.choices:
             return f"{self.title} is one of {self.bounds}, not {shown}."
         noun = {"int": "a whole number", "float": "a number"}.get(self.kind, "")
         if noun and self.bounds:
             return f"{self.title} is {noun}, {self.bounds}, not {shown}."
-        return f"{self.title} cannot be {shown}{f' ({self.bounds})' if self.bounds else ''}."
+        if self.kind == "bool":
+            return f"{self.title} is {self.bounds}, not {shown}."
+        return f"{self.title} takes {self._allowed}, not {shown}."
+
+    @property
+    def _allowed(self) -> str:
+        """What a text or a list may be: "at most 8 words, spaced"."""
+        if self.takes:
+            return self.takes
+        parts, spaced = (self.items, ", spaced") if self.kind == "list" else ("letters", "")
+        match self.least, self.most:
+            case None | 0, None:
+                return f"{parts}{spaced}" if spaced else "a text"
+            case None | 0, most:
+                return f"at most {most} {parts}{spaced}"
+            case least, None:
+                return f"{least} or more {parts}{spaced}"
+            case least, most:
+                return f"{least} to {most} {parts}{spaced}"
 
 
 def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
@@ -248,12 +274,13 @@ def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
 
 def _field(field: inspect.Field) -> Field:
     kind = field.type
-    title, help, unit = field.name.replace("_", " ").capitalize(), "", ""
+    title, help, unit, takes = field.name.replace("_", " ").capitalize(), "", "", ""
     while isinstance(kind, inspect.Metadata):
         schema = kind.extra_json_schema or {}
         title = schema.get("title", title)
         help = schema.get("description", help)
         unit = (kind.extra or {}).get("unit", unit)
+        takes = (kind.extra or {}).get("takes", takes)
         kind = kind.type
     declared: dict[str, Any] = {"name": field.name, "title": title, "unit": unit, "help": help}
     declared["default"] = field.default_factory() if field.default is msgspec.NODEFAULT else field.default
@@ -268,9 +295,11 @@ def _field(field: inspect.Field) -> Field:
             return Field(**declared, kind="choice", choices=_in_order(field, tuple(map(str, values))))
         case inspect.VarTupleType() | inspect.ListType():
             numbers = isinstance(kind.item_type, inspect.IntType | inspect.FloatType)
-            return Field(**declared, kind="list", items="numbers" if numbers else "words")
+            items: Literal["words", "numbers"] = "numbers" if numbers else "words"
+            return Field(**declared, kind="list", items=items, least=kind.min_length, most=kind.max_length)
         case _:
-            return Field(**declared, kind="text")
+            lengths = (kind.min_length, kind.max_length) if isinstance(kind, inspect.StrType) else (None, None)
+            return Field(**declared, kind="text", takes=takes, least=lengths[0], most=lengths[1])
 
 
 def _in_order(field: inspect.Field, values: tuple[str, ...]) -> tuple[str, ...]:

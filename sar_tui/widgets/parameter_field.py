@@ -1,12 +1,16 @@
 """One field of the settings form, made from a parameter's declaration."""
 
+from collections.abc import Iterable
+
 from textual import on
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.message import Message
-from textual.widgets import Input, Label, Select, Static, Switch
+from textual.widgets import Input, Label, Select, Static
 
 from sar_tui.framework.parameters import Field, show
+
+_YES_NO = ("yes", "no")
 
 
 class ParameterField(Vertical):
@@ -21,8 +25,8 @@ class ParameterField(Vertical):
     ParameterField { height: auto; padding: 0 1; margin: 0 0 1 0; }
     ParameterField > Horizontal { height: 1; }
     ParameterField .mark { width: 2; color: $accent; }
-    ParameterField .title { width: 24; }
-    ParameterField Input, ParameterField Select { width: 22; }
+    ParameterField .title { width: 26; }
+    ParameterField Input, ParameterField Select { width: 20; }
     ParameterField .unit { width: 1fr; padding: 0 1; color: $text-muted; }
     ParameterField .help { padding: 0 2; color: $text-muted; height: auto; }
     ParameterField.wrong .help { color: $warning; }
@@ -49,13 +53,12 @@ class ParameterField(Vertical):
             yield Label(self._about(), classes="unit", markup=False)
         yield Static(self.field.help, classes="help", markup=False)
 
-    def _editor(self) -> Input | Select[str] | Switch:
+    def _editor(self) -> Input | Select[str]:
         match self.field.kind:
             case "choice":
-                options = [(choice, choice) for choice in self.field.choices]
-                return Select(options, value=str(self._value), allow_blank=False, compact=True)
+                return _select(self.field.choices, str(self._value))
             case "bool":
-                return Switch(bool(self._value))
+                return _select(_YES_NO, show(bool(self._value)))
             case _:
                 return Input(show(self._value), compact=True)
 
@@ -76,20 +79,15 @@ class ParameterField(Vertical):
 
     def reset(self) -> None:
         """Put the default back."""
-        editor = self.query_one("Input, Select, Switch")
-        if isinstance(editor, Input):
+        editor = self.query_one("Input, Select")
+        if isinstance(editor, Input | Select):
             editor.value = show(self.field.default)
-        elif isinstance(editor, Switch):
-            editor.value = bool(self.field.default)
-        elif isinstance(editor, Select):
-            editor.value = str(self.field.default)
 
     @on(Input.Changed)
     @on(Select.Changed)
-    @on(Switch.Changed)
-    def _edited(self, event: Input.Changed | Select.Changed | Switch.Changed) -> None:
+    def _edited(self, event: Input.Changed | Select.Changed) -> None:
         event.stop()
-        self._value = event.value
+        self._value = event.value == _YES_NO[0] if self.field.kind == "bool" else event.value
         self.post_message(self.Changed(self))
 
     def on_descendant_focus(self) -> None:
@@ -102,3 +100,7 @@ class ParameterField(Vertical):
         self.query_one(".mark", Static).update("● " if self.is_changed else "  ")
         self.query_one(".help", Static).update(problem or self.field.help + default)
         self.set_class(bool(problem), "wrong")
+
+
+def _select(choices: Iterable[str], value: str) -> Select[str]:
+    return Select([(choice, choice) for choice in choices], value=value, allow_blank=False, compact=True)

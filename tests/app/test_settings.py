@@ -26,7 +26,7 @@ def reads(chair: Chair, name: str) -> str:
 
 async def go_to(chair: Chair, name: str) -> None:
     """Put the cursor into a field."""
-    field(chair, name).query_one("Input, Select, Switch").focus()
+    field(chair, name).query_one("Input, Select").focus()
     await chair.settle()
 
 
@@ -89,7 +89,10 @@ async def test_a_parameter_that_a_task_adds_has_a_field_with_no_other_change(
         assert reads(chair, "tempo") == "Tempo is a whole number, 1 to 9, not 12."
         await fill(chair, "tempo", "7")
         await go_to(chair, "drum")
-        await chair.press("space", "ctrl+s")
+        assert chair.sees("Drum yes")
+        await chair.press("enter", "down", "enter")
+        assert chair.sees("● Drum no")
+        await chair.press("ctrl+s")
     assert kept(data) == {"tempo": 7, "drum": False}
 
 
@@ -209,3 +212,54 @@ async def test_leaving_asks_once_if_something_was_not_saved(data: Path, catalogu
         await chair.press("f2", "escape")
         assert chair.screen_name == "HomeScreen"
     assert kept(data)["attempts"] == 20
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_yes_or_no_is_put_back_like_any_other(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await go_to(chair, "encouragement")
+        await chair.press("enter", "down", "enter")
+        assert field(chair, "encouragement").value is False
+        assert chair.sees("not saved")
+        await chair.press("ctrl+r")
+        assert field(chair, "encouragement").value is True
+        assert not chair.sees("not saved")
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_a_language_that_the_participants_theme_lacks_is_told_where_it_is_set(
+    data: Path, catalogue: Catalogue
+) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await fill(chair, "language", "de")
+        assert reads(chair, "language") == (
+            "The theme calm has no de; it has: en, es. Type one of these, or give the theme a file phrases.de.toml."
+        )
+        await chair.press("ctrl+s")
+        assert chair.sees("1 to mend")
+        await fill(chair, "language", "es-mx")
+        await chair.press("ctrl+s")
+        assert chair.sees("saved for P01")
+    assert kept(data)["language"] == "es-mx"
+
+
+async def test_a_theme_that_is_gone_keeps_nobody_from_setting_a_language(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", theme="gone")
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await fill(chair, "language", "es")
+        assert reads(chair, "language").endswith("Default: en.")
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_no_title_touches_its_value_and_no_unit_is_cut_off(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        for name in ("keyboard", "reaching"):
+            chair.app.push_screen(SettingsScreen("P01", catalogue.task(name)))
+            await chair.settle()
+            for widget in chair.app.screen.query(ParameterField):
+                title, unit = widget.query_one(".title"), widget.query_one(".unit")
+                assert len(widget.field.title) <= title.size.width - 2, widget.field.name
+                assert len(str(unit.render()).rstrip()) <= unit.size.width, widget.field.name

@@ -120,6 +120,7 @@ async def test_a_session_looks_as_it_did(theme: str, data: Path, catalogue: Cata
         await chair.wait(6000)
         album.take("review", chair)
         await chair.see_the_summary()
+        await chair.wait(8000)  # the last gestures end
         album.take("summary", chair)
     assert tuple(album.taken) == SESSION
     album.check()

@@ -257,3 +257,51 @@ def test_a_missing_driver_is_told_with_its_cure(
     assert (called.code, row["state"]) == (0, "care")
     assert found in row["found"]
     assert mend in row["mend"]
+
+
+# --- outputs ---------------------------------------------------------------------------------------------------------
+
+
+class Plugin:
+    """An entry point."""
+
+    name, value = "lamp", "lamp:Lamp"
+
+    def __init__(self, error: Exception | None = None) -> None:
+        self.error = error
+
+    def load(self) -> object:
+        if self.error:
+            raise self.error
+        return object
+
+
+@pytest.fixture
+def plugged_in(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Installs an output of that kind."""
+
+    def install(plugin: Plugin) -> None:
+        monkeypatch.setattr("importlib.metadata.entry_points", lambda group: [plugin])
+        monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [plugin])
+
+    return install
+
+
+def test_outputs_are_listed(call: Call) -> None:
+    row = finding(call("doctor", "--json"), "Outputs")
+    assert (row["state"], row["mend"]) == ("ok", "")
+    assert {"ros", "screen", "servo", "speech", "tones"} <= set(row["found"].split(", "))
+
+
+def test_a_plugged_in_output_is_among_them(call: Call, plugged_in: Callable[[Plugin], None]) -> None:
+    plugged_in(Plugin())
+    assert "lamp" in finding(call("doctor", "--json"), "Outputs")["found"].split(", ")
+
+
+def test_a_plugged_in_output_that_does_not_load_is_1_and_told(call: Call, plugged_in: Callable[[Plugin], None]) -> None:
+    plugged_in(Plugin(ImportError("no lamp here")))
+    called = call("doctor", "--json")
+    row = finding(called, "Outputs")
+    assert (called.code, row["state"]) == (1, "bad")
+    assert row["found"] == "The output lamp (lamp:Lamp) cannot be loaded: ImportError: no lamp here."
+    assert row["mend"] == "Install its package again, or remove it."

@@ -57,10 +57,12 @@ def test_sessions_of_what_cannot_be_a_code_is_bad_input(call: Call) -> None:
 
 def test_show_json_has_session_attempts_and_trials(call: Call, simulated: str) -> None:
     printed = call("show", simulated, "--json").json
-    assert set(printed) == {"session", "attempts", "trials"}
+    assert set(printed) == {"session", "attempts", "trials", "outputs"}
     assert printed["session"]["id"] == simulated
     assert len(printed["attempts"]) == 4
     assert len(printed["trials"]) == 80
+    (screen,) = printed["outputs"]
+    assert (screen["output"], screen["failed"], screen["why"]) == ("screen", 0, "")
     assert {"attempt", "trial", "stimulus", "response", "correct", "reaction_time_ms", "timing", "details"} <= set(
         printed["trials"][0]
     )
@@ -114,3 +116,44 @@ def test_a_session_that_is_not_there_is_bad_input(call: Call, name: str) -> None
 @pytest.mark.parametrize(("unit", "label"), [("ms", "reaction time (ms)"), ("", "reaction time")])
 def test_a_metric_is_labelled_with_its_unit_if_it_has_one(unit: str, label: str) -> None:
     assert Metric("reaction_time", unit, "lower").label == label
+
+
+# --- outputs ---------------------------------------------------------------------------------------------------------
+
+
+def tell(folder: Path, session: str, topic: str, **message: object) -> None:
+    """One more message at the end of a session."""
+    change(
+        folder,
+        "INSERT INTO events (session, seq, run, at_ns, topic, message) "
+        "SELECT session, max(seq) + 1, 1, 0, ?, ? FROM events WHERE session=?",
+        topic,
+        json.dumps(message),
+        session,
+    )
+
+
+def test_show_ends_with_a_line_for_each_output_that_failed(call: Call, tmp_path: Path, simulated: str) -> None:
+    card, busy = "There is no sound card [yet].", "It is busy."
+    for output in ("speech", "tones"):
+        tell(tmp_path, simulated, "output/opened", output=output, address=output, can=["say"])
+    for action, state, detail in (("a1", "failed", card), ("a2", "failed", busy), ("a3", "failed", card)):
+        tell(tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state="queued", at=1)
+        tell(
+            tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state=state, at=2,
+            detail=detail,
+        )  # fmt: skip
+    for action, state in (("a4", "done"), ("a5", "aborted"), ("a6", "queued")):
+        tell(tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state=state, at=3)
+    tell(tmp_path, simulated, "output/report", output="tones", action="a1", deed="tone", state="done", at=3)
+
+    assert call("show", simulated).out.rstrip().split("\n")[-1] == f"! speech: 3 of 5 failed ({card})"
+    outputs = {each["output"]: each for each in call("show", simulated, "--json").json["outputs"]}
+    assert outputs["speech"] == {
+        "output": "speech", "address": "speech", "done": 1, "aborted": 1, "failed": 3, "why": card,
+    }  # fmt: skip
+    assert (outputs["tones"]["done"], outputs["tones"]["failed"], outputs["tones"]["why"]) == (1, 0, "")
+
+
+def test_show_says_nothing_of_outputs_that_worked(call: Call, simulated: str) -> None:
+    assert "failed" not in call("show", simulated).out

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.cli.simulate import User
+from sar_tui.outputs.output import Output
 from sar_tui.simulation.person import PEOPLE
 from tests.cli.conftest import Call
 
@@ -18,7 +19,7 @@ COLUMNS = {
 
 def test_json_is_the_session_and_the_rows_of_its_attempts(call: Call, tmp_path: Path) -> None:
     printed = call(*AVERAGE, "--seed", 1, "--attempts", 3, "--json").json
-    assert set(printed) == {"session", "attempts"}
+    assert set(printed) == {"session", "attempts", "outputs"}
     assert [row["attempt"] for row in printed["attempts"]] == [1, 2, 3]
     assert all(set(row) == COLUMNS for row in printed["attempts"])
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
@@ -135,3 +136,34 @@ def test_a_task_that_breaks_in_mid_session_is_a_failure_that_keeps_what_was_done
     assert called.err.startswith("The task brittle failed (IndexError:")
     assert "Traceback" not in called.err
     assert call("sessions", "--json").json["sessions"][0]["status"] == "interrupted"
+
+
+class Hoarse:
+    """The entry point of an output that can only say, and cannot."""
+
+    name = "hoarse"
+    value = "hoarse:Hoarse"
+
+    def load(self) -> type[Output]:
+        class Voice(Output):
+            name = "hoarse"
+            can = frozenset({"say"})
+
+            def say(self, action: str, text: str) -> None:
+                raise OSError("the throat is dry")
+
+            def stop(self, action: str = "") -> None:
+                return None
+
+        return lambda _: Voice()  # type: ignore[return-value]
+
+
+def test_an_output_that_failed_is_told_at_the_end(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [Hoarse()])
+    options = ("--attempts", 1, "--set", "prompts_per_attempt=2", "--outputs", "screen,hoarse", "--seed", 1)
+    hoarse = next(each for each in call(*AVERAGE, *options, "--json").json["outputs"] if each["output"] == "hoarse")
+    assert (hoarse["address"], hoarse["done"]) == ("hoarse", 0)
+    assert hoarse["failed"] >= 3, "a greeting, an answer, a goodbye"
+    assert "the throat is dry" in hoarse["why"]
+    told = f"! hoarse: {hoarse['failed']} of {hoarse['failed']} failed ({hoarse['why']})"
+    assert call(*AVERAGE, *options).out.rstrip().split("\n")[-1] == told

@@ -73,8 +73,8 @@ def test_a_declared_field_knows_all_that_a_form_needs() -> None:
 
 def test_the_tasks_own_parameters_come_first() -> None:
     names = list(FIELDS)
-    assert names.index("undescribed") == 6
-    assert names[7:] == list(TaskParameters.__struct_fields__)
+    assert names.index("undescribed") == 8
+    assert names[9:] == list(TaskParameters.__struct_fields__)
 
 
 @pytest.mark.parametrize("field", fields(TaskParameters), ids=lambda field: field.name)

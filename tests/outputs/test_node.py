@@ -320,7 +320,7 @@ def test_after_it_is_let_go_of_nothing_is_heard_of_it_any_more() -> None:
     stage.tell("say", "done")
     stage.wait(3600 * SECOND)
     assert stage.states() == ["queued", "aborted"], "what it had not brought to its end"
-    assert stage.stopped == []
+    assert [stopped.detail for stopped in stage.stopped] == ["The session was left."]
     assert asked(stage).count(("close",)) == 1
 
 

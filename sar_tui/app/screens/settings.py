@@ -11,9 +11,11 @@ from textual.widgets import Button, Footer, Static
 
 from sar_tui.framework.parameters import ParameterError, build, changed, fields
 from sar_tui.framework.task import Task
+from sar_tui.plugins import PluginError
 from sar_tui.runs import check_outputs
 from sar_tui.store import participants
 from sar_tui.store.database import StoreError
+from sar_tui.theme_folder import languages
 from sar_tui.widgets.parameter_field import ParameterField
 
 
@@ -41,6 +43,7 @@ class SettingsScreen(Screen[None]):
 
     def compose(self) -> ComposeResult:
         kept = participants.settings(self.app.database, self._participant, self._motor_task.name)
+        self._theme = kept.theme
         yield Static(f"Settings of {self._participant} for {self._motor_task.title}", id="top", markup=False)
         with VerticalScroll(id="form", can_focus=False):
             for field in fields(self._motor_task.Parameters):
@@ -77,14 +80,25 @@ class SettingsScreen(Screen[None]):
             check_outputs(parameters)
         except ParameterError as error:
             return error.problems
-        return {}
+        return self._language_problem(parameters.language)
+
+    def _language_problem(self, language: str) -> dict[str, str]:
+        """A language that the participant's theme has nothing of: a session would be refused."""
+        try:
+            known = languages(self.app.catalogue.theme_folder(self._theme))
+        except PluginError:
+            return {}  # the theme is gone, and another has to be chosen anyway
+        if language.partition("-")[0] in {name.partition("-")[0] for name in known}:
+            return {}
+        has = f"The theme {self._theme} has no {language}; it has: {', '.join(known)}."
+        return {"language": f"{has} Type one of these, or give the theme a file phrases.{language}.toml."}
 
     @on(Button.Pressed, "#save")
     def action_save(self) -> None:
         """Keep the settings, if they can be."""
         if problems := self._problems():
             name = next(iter(problems))
-            self.query_one(f"#parameter-{name}").query_one("Input, Select, Switch").focus()
+            self.query_one(f"#parameter-{name}").query_one("Input, Select").focus()
             return
         parameters = build(self._motor_task.Parameters, self._values())
         theme = participants.settings(self.app.database, self._participant, self._motor_task.name).theme

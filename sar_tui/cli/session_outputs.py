@@ -1,0 +1,55 @@
+"""What became of a session's outputs: how much each did, and what it failed in."""
+
+from collections import Counter
+from typing import Any
+
+import msgspec
+import sqlite_utils
+
+_OVER = ("done", "aborted", "failed")
+_TOLD = """SELECT topic, message FROM events
+           WHERE session=? AND topic IN ('output/opened', 'output/report') ORDER BY seq"""
+
+
+class OutputSummary(msgspec.Struct):
+    """One output of a session; ``why``: the reason that it gave most often for a failure."""
+
+    output: str
+    address: str = ""
+    done: int = 0
+    aborted: int = 0
+    failed: int = 0
+    why: str = ""
+
+    @property
+    def line(self) -> str:
+        """How it failed: "speech: 5 of 5 failed (There is no sound card.)". Empty where it did not."""
+        if not self.failed:
+            return ""
+        why = f" ({self.why})" if self.why else ""
+        return f"{self.output}: {self.failed} of {self.done + self.aborted + self.failed} failed{why}"
+
+
+def output_summaries(database: sqlite_utils.Database, session: str) -> list[OutputSummary]:
+    """The outputs of a session, in the order in which they were opened; none in sessions without an agent's outputs.
+
+    Of each deed the last that was told of it counts.
+    """
+    opened: dict[str, OutputSummary] = {}
+    last: dict[tuple[str, str, str], dict[str, Any]] = {}
+    for topic, text in database.execute(_TOLD, (session,)):
+        message = msgspec.json.decode(text)
+        found = opened.setdefault(message["output"], OutputSummary(message["output"]))
+        if topic == "output/opened":
+            found.address = message["address"]
+        elif message["state"] in _OVER:
+            last[message["output"], message["action"], message["deed"]] = message
+    reasons: dict[str, Counter[str]] = {name: Counter() for name in opened}
+    for (name, _, _), report in last.items():
+        found = opened[name]
+        setattr(found, report["state"], getattr(found, report["state"]) + 1)
+        if report["state"] == "failed" and report.get("detail"):
+            reasons[name][report["detail"]] += 1
+    for name, counted in reasons.items():
+        opened[name].why = counted.most_common(1)[0][0] if counted else ""
+    return list(opened.values())

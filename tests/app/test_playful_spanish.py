@@ -1,0 +1,94 @@
+"""Given the playful theme in Spanish, when a child goes through a session, then every screen says tú to them."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import sar_tui.app
+import sar_tui.framework
+from sar_tui.framework.language import language, read_words, slot_problem
+from sar_tui.framework.parameters import build
+from sar_tui.plugins import Catalogue, task_folder
+from sar_tui.runs import Plan
+from tests.app.chair import Chair, sit_down
+
+TASKS = ("keyboard", "reaching")
+USTED = re.compile(
+    r"\b(su(?! sesgo)|sus|usted|le damos|verle|lo ha|ha (hecho|tenido)|haya vuelto"
+    r"|tómese|hágal[oa]|púlsela|manténgala|(des)?conéctelo|tiene (?!\{)|puede (leer|desc)"
+    r"|pulse|empiece|espere|suelte|descanse|pare|avise|sujete|apoye|mantenga|compruebe|pruebe|vuelva|extienda|toque"
+    r"|vaya|procure|intente|hable|ponga|(como|que|cuando) (pueda|quiera|vea)|necesite|alcance un)\b",
+    re.IGNORECASE,
+)
+
+
+def spoken_to(texts: list[str]) -> list[str]:
+    """Those among the texts that say usted."""
+    return [text for text in texts if USTED.search(text)]
+
+
+@pytest.fixture
+def shipped(catalogue: Catalogue) -> dict[str, str]:
+    """All Spanish that the screens have without a theme's own words."""
+    modules = (sar_tui.framework, sar_tui.app)
+    folders = [Path(str(module.__file__)).parent for module in modules]
+    return language("es", *folders, *(task_folder(catalogue.task(name)) for name in TASKS)).texts
+
+
+def test_the_forms_of_usted_are_known(shipped: dict[str, str]) -> None:
+    assert len(spoken_to(list(shipped.values()))) > 60
+
+
+def test_whatever_says_usted_has_its_form_of_tu(catalogue: Catalogue, shipped: dict[str, str]) -> None:
+    own = catalogue.theme("playful", "es").texts
+    assert spoken_to(list({**shipped, **own}.values())) == []
+
+
+def test_each_has_the_slots_of_its_english_and_is_of_a_text_that_there_is(
+    catalogue: Catalogue, shipped: dict[str, str]
+) -> None:
+    written = read_words(catalogue.theme_folder("playful") / "words.es.toml")
+    assert [problem for english, own in written.items() if (problem := slot_problem(english, own))] == []
+    assert set(written) - set(shipped) == set()
+    assert [english for english, own in written.items() if own == shipped[english]] == []
+
+
+class Child:
+    """What was on the screen at each step."""
+
+    def __init__(self, chair: Chair) -> None:
+        self.chair = chair
+        self.seen: list[str] = []
+
+    def look(self, *words: str) -> None:
+        self.seen.append(" ".join(self.chair.text.split()))
+        for each in words:
+            assert self.chair.sees(each), f"{each!r} is not on the screen:\n{self.chair.text}"
+
+    async def press(self, key: str, *words: str) -> None:
+        await self.chair.press(key)
+        self.look(*words)
+
+
+async def test_a_session_of_keys_says_tu_from_the_welcome_to_the_summary(data: Path, catalogue: Catalogue) -> None:
+    kind = catalogue.task("keyboard")
+    settings = {"language": "es", "attempts": 1, "prompts_per_attempt": 2}
+    plan = Plan(kind, build(kind.Parameters, settings), "playful", "P01", seed=7)
+    async with sit_down(data, catalogue, plan) as chair:
+        child = Child(chair)
+        child.look("¡Hola!", "Púlsala lo más rápido que puedas", "Pulsa Enter para seguir.")
+        await child.press("f1", "Cuando la pantalla te lo pida, pulsa Enter.")
+        await child.press("enter")
+        await child.press("enter", "Pulsa Enter para empezar el intento 1 de 1.", "Tu meta: pulsar la tecla")
+        prompt = await chair.begin()
+        child.look(f"Pulsa: {prompt.expected}")
+        await child.press("escape", "Tómate tu tiempo.")
+        await child.press("down")
+        await child.press("enter", "Descansa todo lo que quieras.")
+        await child.press("enter")
+        await chair.do_attempt(await chair.to_prompt())
+        child.look("¡Lo has conseguido!")
+        await chair.see_the_summary()
+        child.look("Has hecho 1 intento", "Tu mejor marca", "Pulsa Enter para terminar.")
+        assert spoken_to(child.seen) == []
