@@ -15,7 +15,7 @@ from sar_tui.framework.gesture import GESTURES
 from sar_tui.framework.situations import SITUATIONS, VOCABULARY
 from sar_tui.framework.theme import FACES, MANNERS, Manner, Theme, ThemeError, Voice
 from sar_tui.plugins import Catalogue, PluginError, load_theme
-from sar_tui.theme_folder import files, languages, read, read_theme
+from sar_tui.theme_folder import files, languages, may_have_images, read, read_theme
 
 Change = Callable[[str, str, str], None]
 
@@ -75,7 +75,7 @@ def test_a_whole_theme_needs_no_repair(mine: Path) -> None:
     theme = worn(mine)
     assert theme.repairs == ()
     assert (theme.name, theme.title, theme.language, theme.languages) == ("mine", "Playful", "en", ("en", "es"))
-    assert [path.name for path in files(mine)] == ["phrases.en.toml", "phrases.es.toml", "theme.toml"]
+    assert {path.name for path in files(mine)} >= {"phrases.en.toml", "phrases.es.toml", "theme.toml"}
 
 
 # --- phrases ---------------------------------------------------------------------------------------------------------
@@ -151,14 +151,39 @@ def test_words_of_the_vocabulary_fall_back_too(mine: Path, change: Change, calm:
 
 def test_the_vocabulary_holds_no_number_for_it_fills_wordings_in_words(mine: Path, change: Change) -> None:
     change("phrases.es.toml", "tu promedio de hoy", "tu media de hoy")
-    assert worn(mine, "es").repairs == ("session_mean in vocabulary (es) holds a number.",)
+    theme = worn(mine, "es")
+    assert theme.repairs == ("session_mean in vocabulary (es) holds a number.",)
+    assert theme.vocabulary["session_mean"] == worn(mine).vocabulary["session_mean"]
+
+
+def test_a_number_in_the_english_vocabulary_is_left_out_for_the_default_themes_word(
+    mine: Path, change: Change, calm: Theme
+) -> None:
+    change("phrases.en.toml", 'goal = "the goal"', 'goal = "half the goal"')
+    assert worn(mine).vocabulary["goal"] == calm.vocabulary["goal"]
+
+
+@pytest.mark.parametrize(
+    ("unit", "told"),
+    [
+        ('"" = "things"', "A unit in units (en) has an empty name."),
+        ('" " = "things"', "A unit in units (en) has an empty name."),
+        ('kg = "a | b | c"', "kg in units (en) has to be one text, or two: singular | plural."),
+        ('kg = "kilogram |"', "kg in units (en) has to be one text, or two: singular | plural."),
+    ],
+)
+def test_a_unit_that_cannot_be_spoken_is_left_out(mine: Path, change: Change, unit: str, told: str) -> None:
+    change("phrases.en.toml", "[units]\n", f"[units]\n{unit}\n")
+    theme = worn(mine)
+    assert theme.repairs == (told,)
+    assert theme.spoken("412 ms, and 3 more; 2 kg") == "412 milliseconds, and 3 more; 2 kg"
 
 
 def test_a_table_of_words_that_is_none_is_told(mine: Path, change: Change) -> None:
     change("phrases.en.toml", "[units]\n", "[other]\n")
     change("phrases.en.toml", "\ngoodbye = [", "\nunits = 'none'\ngoodbye = [")
     theme = worn(mine)
-    assert theme.units["ms"] == "milliseconds"
+    assert theme.units["ms"] == "millisecond | milliseconds"
     assert set(theme.repairs) == {"units (en) has to be a table.", "other is not a situation (en)."}
 
 
@@ -196,6 +221,14 @@ def test_a_theme_may_word_the_screens_in_its_own_way(mine: Path) -> None:
     assert worn(mine, "es").texts == {"Press Enter": "Pulsa Intro"}
     assert worn(mine, "es-mx").texts == {"Press Enter": "Oprime Enter"}
     assert worn(mine).texts == {}
+    assert worn(mine, "es").repairs == ("The wording of 'odd' in words.es.toml is not a text.",)
+
+
+def test_words_for_the_screens_with_other_slots_than_their_english_are_left_out(mine: Path) -> None:
+    (mine / "words.en.toml").write_text('"level {level}" = "step {step}"\n"Help" = "What is this?"\n', encoding="utf-8")
+    theme = worn(mine)
+    assert theme.texts == {"Help": "What is this?"}
+    assert theme.repairs == ("The wording of 'level {level}' in words.en.toml lacks {level}.",)
 
 
 # --- theme.toml ------------------------------------------------------------------------------------------------------
@@ -331,7 +364,8 @@ def test_a_manner_that_there_is_not_goes_as_usual(mine: Path, change: Change, ma
         ("dark = false", "dark = false\nloud = true", "theme.toml has no use for loud."),
         ("dark = false\n", "", "theme.toml does not say its dark."),
         ("minimum_contrast = 4.5", "minimum_contrast = nan", "minimum_contrast in theme.toml cannot be used"),
-        ("minimum_contrast = 4.5", "minimum_contrast = -3", "minimum_contrast in theme.toml cannot be used"),
+        ("minimum_contrast = 4.5", "minimum_contrast = 22", "minimum_contrast in theme.toml cannot be used"),
+        ("minimum_contrast = 4.5", "minimum_contrast = true", "minimum_contrast in theme.toml cannot be used"),
         ("title = ", "label = ", "theme.toml has no use for label."),
         ("mouth_line = 2", "mouth_line = 'two'", "mouth_line in theme.toml cannot be used: Expected `int`"),
     ],
@@ -378,6 +412,56 @@ def test_images_have_to_lie_in_the_folder(mine: Path, change: Change) -> None:
         f"images.angry is not an expression; these are: {', '.join(FACES)}.",
     )
     assert theme.repairs[3:] == ("There is no image 3 for sleeping.",)
+
+
+@pytest.mark.parametrize("name", ["a\\u0000b.png", "a" * 300 + ".png", "a/" * 3000])
+def test_an_image_that_no_file_can_be_called_is_left_out_and_told_in_a_short_sentence(
+    mine: Path, change: Change, name: str
+) -> None:
+    change("theme.toml", "[tones]", f'[images]\nhappy = "{name}"\n[tones]')
+    theme = worn(mine)
+    assert theme.images == {}
+    (told,) = theme.repairs
+    assert told.startswith("There is no image a")
+    assert told.isprintable()
+    assert len(told) < 100
+
+
+def test_a_ring_of_links_is_no_image(mine: Path, change: Change) -> None:
+    (mine / "happy.png").symlink_to(mine / "happy.png")
+    change("theme.toml", "[tones]", '[images]\nhappy = "happy.png"\n[tones]')
+    assert worn(mine).repairs == ("There is no image happy.png for happy.",)
+
+
+@pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte"), OverflowError("too large")])
+def test_whatever_goes_wrong_in_reading_a_theme_is_one_sentence(
+    mine: Path, monkeypatch: pytest.MonkeyPatch, fault: Exception
+) -> None:
+    def fail(*_: object) -> None:
+        raise fault
+
+    monkeypatch.setattr("sar_tui.theme_folder.read_look", fail)
+    with pytest.raises(PluginError, match=rf"^The theme mine cannot be read: {type(fault).__name__}: {fault}\.$"):
+        load_theme(mine)
+
+
+@pytest.mark.parametrize("asked", ["1", "4.49", "-3", "-inf", "-1" + "0" * 400])
+def test_no_theme_may_be_content_with_text_that_is_hard_to_read(mine: Path, change: Change, asked: str) -> None:
+    change("theme.toml", 'muted = "#6b5138"', 'muted = "#d0c0a0"')
+    change("theme.toml", "minimum_contrast = 4.5", f"minimum_contrast = {asked}")
+    theme = worn(mine)
+    assert theme.minimum_contrast == 4.5
+    assert min(theme.colors.contrasts().values()) >= 4.5
+    assert theme.repairs[0].startswith(f"minimum_contrast is {asked[:3]}")
+    assert theme.repairs[0].endswith("; it has to be at least 4.5, below which text is hard to read.")
+
+
+def test_whether_a_theme_may_have_images_is_known_without_reading_it(mine: Path, change: Change) -> None:
+    assert not may_have_images(mine)
+    change("theme.toml", "[tones]", '[images]\nhappy = "happy.png"\n[tones]')
+    assert may_have_images(mine)
+    (mine / "theme.toml").unlink()
+    assert not may_have_images(mine)
 
 
 def test_an_empty_theme_is_the_default_one_under_its_own_name(tmp_path: Path, calm: Theme) -> None:

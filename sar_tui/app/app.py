@@ -1,10 +1,12 @@
 """The app: what holds the screens together, and what happens when the terminal, a signal or a fault ends it."""
 
 import asyncio
+import contextlib
 import functools
 import os
 import signal
 import sqlite3
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -19,7 +21,6 @@ from textual.widget import Widget
 
 from sar_tui.app.driver import OnsetWatch, stamp_keys_as_read, watched
 from sar_tui.app.last_words import INTERRUPTED, UNSAVED, say_last_words
-from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.too_small import TooSmallScreen, is_too_small
 from sar_tui.app.theme_watch import LOOK_SECONDS, ThemeWatch
 from sar_tui.app.themes import textual_theme
@@ -27,12 +28,14 @@ from sar_tui.framework.clock import SECOND, Clock, LiveClock
 from sar_tui.framework.messages import Operator
 from sar_tui.framework.parameters import ParameterError
 from sar_tui.framework.theme import ENGLISH, Theme
-from sar_tui.plugins import Catalogue, PluginError
-from sar_tui.runs import Failed, Plan
+from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError
 from sar_tui.store.database import StoreError, connect, explain
+from sar_tui.theme_folder import may_have_images
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # what a session needs is loaded with the session: until then somebody waits for the first screen
+    from sar_tui.app.live import LiveSession
     from sar_tui.inputs.feed import ImuFeed
+    from sar_tui.runs import Plan
 
 
 class SarTui(App[int]):
@@ -56,7 +59,7 @@ class SarTui(App[int]):
     ]
 
     def __init__(
-        self, folder: Path, catalogue: Catalogue, begin: Plan | str | None = None, clock: Clock | None = None
+        self, folder: Path, catalogue: Catalogue, begin: "Plan | str | None" = None, clock: Clock | None = None
     ) -> None:
         self.onset_watch = OnsetWatch()
         super().__init__()
@@ -72,12 +75,9 @@ class SarTui(App[int]):
         self._looks = True
         self.theme_watch = ThemeWatch(catalogue, self._wear_edited, self._tell_editor)
         self.picture: type[Widget] | None = None
-        self.has_pictures = False
+        self.untold = ""
         self.themes: dict[str, Theme] = {}
-        self._unreadable: list[str] = []
-        for name in catalogue.theme_names():
-            self._load_theme(name)
-        self.use_theme("calm")
+        self._wear_any()
 
     def get_driver_class(self) -> type[Driver]:
         return watched(super().get_driver_class(), self.onset_watch, self._terminal_gone)
@@ -89,20 +89,47 @@ class SarTui(App[int]):
 
     # --- themes ---------------------------------------------------------------------------------------------
 
-    def _load_theme(self, name: str) -> None:
-        """Have a theme to choose. One that cannot be read keeps nobody from the others."""
-        try:
-            theme = self.themes[name] = self.catalogue.theme(name)
-        except PluginError as error:
-            self._unreadable.append(str(error))
-            return
-        self.has_pictures = self.has_pictures or bool(theme.images)
-        self.register_theme(textual_theme(theme))
+    def load_themes(self) -> None:
+        """Have every theme to choose. One that cannot be read is told, and keeps nobody from the others."""
+        worn, self.themes = self.themes, {}
+        for name in self.catalogue.theme_names():
+            try:
+                theme = self.themes[name] = worn.get(name) or self.catalogue.theme(name)
+            except PluginError as error:
+                self._tell_editor(str(error))
+            else:
+                self.register_theme(textual_theme(theme))
+
+    def _wear_any(self) -> None:
+        """Wear the default theme; where somebody's own has taken its name and cannot be read, the first that can."""
+        names = dict.fromkeys((DEFAULT_THEME, *self.catalogue.theme_names()))
+        for last, name in enumerate(names, 1):
+            try:
+                self.use_theme(name)
+            except PluginError:
+                if last == len(names):
+                    raise
+            else:
+                return
 
     def use_theme(self, name: str) -> None:
-        """Wear a theme of the Social-Behavioral Base, and every edit of it."""
-        self.theme = f"sar-{name}"
-        self.theme_watch.follow(name, self._language)
+        """Wear a theme of the Social-Behavioral Base, and every edit of it. Raises PluginError."""
+        self._wear(self.themes.get(name) or self.catalogue.theme(name), ENGLISH)
+
+    def _wear(self, theme: Theme, language: str) -> None:
+        self.themes[theme.name] = theme
+        self._put_on(theme)
+        self.theme = f"sar-{theme.name}"
+        self.theme_watch.follow(theme.name, language)
+
+    def _put_on(self, theme: Theme) -> None:
+        """Have the colours of a theme; show them, if it is the one that is worn."""
+        anew = textual_theme(theme)
+        if self.available_themes.get(anew.name) == anew:
+            return
+        self.register_theme(anew)
+        if self.theme == anew.name:
+            self.mutate_reactive(App.theme)
 
     def look_for_edits(self, looks: bool) -> None:
         """Look now and then whether the theme was edited; or not, because a trial is about to begin."""
@@ -114,19 +141,24 @@ class SarTui(App[int]):
                 self._edits.pause()
                 self.clear_notifications()
 
-    @property
-    def _language(self) -> str:
-        return self._open.run.session.task.parameters.language if self._open else ENGLISH
-
     def _wear_edited(self, theme: Theme) -> None:
-        self.register_theme(textual_theme(theme))
-        if self.theme == f"sar-{theme.name}":
-            self.mutate_reactive(App.theme)
+        self.untold = ""
+        self.themes[theme.name] = theme
+        self._put_on(theme)
         if self._open and self._open.run.session.theme.name == theme.name:
             self._open.run.session.wear(theme)
 
     def _tell_editor(self, words: str) -> None:
-        self.notify(words, severity="warning", timeout=15, markup=False)
+        """Tell whoever edits a theme; but not on the screen of a participant, where it is told when they have gone."""
+        if self._seats_participant:
+            self.untold = words
+        else:
+            self.notify(words, severity="warning", timeout=15, markup=False)
+
+    def _tell_what_waited(self) -> None:
+        if words := self.untold:
+            self.untold = ""
+            self._tell_editor(words)
 
     # --- beginning ----------------------------------------------------------------------------------------
 
@@ -137,27 +169,25 @@ class SarTui(App[int]):
         self._edits = self.set_interval(LOOK_SECONDS, self.theme_watch.look)
         if self._begin is None:
             self.push_screen(HomeScreen())
-            for words in self._unreadable:
-                self._tell_editor(words)
         else:
             self.begin_session(self._begin)
         self._check_room(self.size)
 
-    def begin_session(self, what: Plan | str) -> None:
+    def begin_session(self, what: "Plan | str") -> None:
         """Open a new or an interrupted session; say so if that cannot be. A new one's sensor is looked at first."""
-        if isinstance(what, Plan) and what.task.sensors:
-            self._check_sensor(what)
-        else:
+        if isinstance(what, str) or not what.task.sensors:
             self._enter_session(what)
+        else:
+            self._check_sensor(what)
 
-    def _check_sensor(self, plan: Plan) -> None:
+    def _check_sensor(self, plan: "Plan") -> None:
         """Start the sensor of a session, show what comes from it, and hand it over."""
         from sar_tui.app.screens.sensor_check import SensorCheckScreen
         from sar_tui.sensing import sensor
 
         clock = self._session_clock or LiveClock(asyncio.get_running_loop())
         try:
-            theme = self.catalogue.theme(plan.theme).name
+            theme = self.catalogue.theme(plan.theme, plan.parameters.language)
             feed = sensor(plan.parameters, plan.seed, clock, self.folder)
         except (StoreError, PluginError, ParameterError) as error:
             self._cannot_begin(str(error))
@@ -165,7 +195,7 @@ class SarTui(App[int]):
         self.feed = feed
         feed.start()
         self.clear_notifications()
-        self.use_theme(theme)
+        self._wear(theme, plan.parameters.language)
         screen = SensorCheckScreen(plan, feed, clock)
 
         def checked(begins: bool | None) -> None:
@@ -177,6 +207,8 @@ class SarTui(App[int]):
                 self._stop_feed()
                 if self.begins_at_once:
                     self.exit(return_code=0)
+                else:
+                    self._tell_what_waited()
 
         self.push_screen(screen, checked)
 
@@ -186,9 +218,11 @@ class SarTui(App[int]):
             self.feed.stop()
             self.feed = None
 
-    def _enter_session(self, what: Plan | str, feed: "ImuFeed | None" = None) -> None:
+    def _enter_session(self, what: "Plan | str", feed: "ImuFeed | None" = None) -> None:
         """Open a session on a screen of its own."""
+        from sar_tui.app.live import LiveSession
         from sar_tui.app.screens.session import SessionScreen
+        from sar_tui.runs import Failed
 
         live = LiveSession(self.folder, self.catalogue, self._session_clock, feed)
         screen = SessionScreen(live)
@@ -202,13 +236,15 @@ class SarTui(App[int]):
             return
         self.live, self.feed = live, None
         self.clear_notifications()
-        self.use_theme(live.run.session.theme.name)
+        session = live.run.session
+        self._wear(session.theme, session.task.parameters.language)
         self.push_screen(screen, self._session_left)
 
     def _cannot_begin(self, why: str) -> None:
         self._stop_feed()
         if self._begin is None:
             self.notify(why, severity="warning", timeout=15)
+            self._tell_what_waited()
         else:
             self.failure = why
             self.exit(return_code=1)
@@ -219,7 +255,9 @@ class SarTui(App[int]):
         self.look_for_edits(True)
         if self._begin is not None or self.failure:
             self.exit(return_code=1 if self.failure else 0)
-        elif self.live and self.live.unsaved:
+            return
+        self._tell_what_waited()
+        if self.live and self.live.unsaved:
             self.notify(f"{UNSAVED} Free some space before the next session.", severity="error", timeout=30)
 
     def close_session(self) -> None:
@@ -231,9 +269,14 @@ class SarTui(App[int]):
     # --- one stop ---------------------------------------------------------------------------------------------
 
     @property
-    def _open(self) -> LiveSession | None:
+    def _open(self) -> "LiveSession | None":
         """The session that has not been let go of."""
         return self.live if self.live and not self.live.is_closed else None
+
+    @property
+    def _seats_participant(self) -> bool:
+        """Whether a participant sits there: in a session, or before one, while its sensor is looked at."""
+        return self._open is not None or self.feed is not None
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """The stop key is one while there is a session; before and after, it is a screen's own."""
@@ -305,7 +348,7 @@ class SarTui(App[int]):
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """The command palette: few commands, all of them ours."""
         yield SystemCommand("Help", "What this screen is for, and its keys", self.action_help)
-        for name, theme in self.themes.items():
+        for name, theme in () if self._seats_participant else self.themes.items():
             yield SystemCommand(f"Theme: {theme.title}", theme.summary, functools.partial(self.use_theme, name))
         yield SystemCommand("Quit", "Leave sar-tui; a session under way is kept", self.action_quit)
 
@@ -325,7 +368,7 @@ class SarTui(App[int]):
         self._close_messages_no_wait()
 
 
-def run_app(folder: Path, catalogue: Catalogue, plan: Plan | None = None, resume: str | None = None) -> int:
+def run_app(folder: Path, catalogue: Catalogue, plan: "Plan | None" = None, resume: str | None = None) -> int:
     """Run the app in this terminal; returns the exit code.
 
     Args:
@@ -339,7 +382,7 @@ def run_app(folder: Path, catalogue: Catalogue, plan: Plan | None = None, resume
     """
     stamp_keys_as_read()
     app = SarTui(folder, catalogue, plan or resume)
-    if app.has_pictures:
+    if any(may_have_images(catalogue.theme_folder(name)) for name in catalogue.theme_names()):
         from sar_tui.widgets.picture import find_pictures
 
         app.picture = find_pictures()
@@ -347,4 +390,7 @@ def run_app(folder: Path, catalogue: Catalogue, plan: Plan | None = None, resume
     app.close_session()
     code = app.return_code or int(bool(app.failure or (app.live and app.live.unsaved)))
     say_last_words(app, code)
+    if app.untold:
+        with contextlib.suppress(OSError):  # the terminal may be gone: then there is nobody to tell
+            print(app.untold, file=sys.stderr)
     return code

@@ -48,6 +48,9 @@ class ThemeWatch:
         except PluginError as error:
             self._tell(f"{error} It looks and speaks as it did before.")
             return
+        except (OSError, ValueError) as error:  # its folder cannot even be looked for
+            self._tell(f"The theme {self._name} cannot be read: {error}. It looks and speaks as it did before.")
+            return
         self._wear(theme)
         if theme.repairs:
             self._tell(_to_mend(theme.repairs))
@@ -56,7 +59,7 @@ class ThemeWatch:
         """Which files there are, when they were changed, and how long they are."""
         try:
             found = [(path, path.stat()) for path in files(self._catalogue.theme_folder(self._name))]
-        except (OSError, PluginError):  # an editor is putting one in the place of another
+        except (OSError, ValueError, PluginError):  # an editor is putting one in the place of another
             return ()
         return tuple((path, status.st_mtime_ns, status.st_size) for path, status in found)
 

@@ -67,6 +67,7 @@ def check(folder: Path) -> Iterator[Check]:
     yield Check("can be set up with its defaults")
     yield Check("gives instructions, and a goal for each level", _asked(lambda: _words(task)))
     yield Check("has each of its words in every language that it has", _asked(lambda: _translations(kind)))
+    yield Check("tells how it went without a number, in words", _asked(lambda: " ".join(task_words.numbers(kind))))
     prompts = Check("makes the same one-line prompts when asked twice", _asked(lambda: _prompts(kind, task)))
     yield prompts
     if declared.ok and prompts.ok:

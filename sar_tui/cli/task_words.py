@@ -1,4 +1,4 @@
-"""What a task says in English, and how much of it stands in its ``words.<language>.toml``."""
+"""What a task says in English, how much of it its ``words.<language>.toml`` has, and whether it keeps to words."""
 
 import ast
 from collections.abc import Iterator, Sequence
@@ -6,12 +6,14 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.framework import language as framework_language
-from sar_tui.framework.language import language, slot_problem
+import sar_tui
+from sar_tui.framework.language import language, read_words, slot_problem
+from sar_tui.framework.number_words import holds_number
 from sar_tui.framework.task import Task
-from sar_tui.plugins import task_folder
+from sar_tui.plugins import Catalogue, PluginError, task_folder
 
-_FRAMEWORK = Path(framework_language.__file__).parent
+_FRAMEWORK = Path(sar_tui.__file__).parent / "framework"
+_APP = Path(sar_tui.__file__).parent / "app"
 
 
 def problems(kind: type[Task]) -> list[str]:
@@ -47,9 +49,44 @@ def declared(kind: type[Task]) -> set[str]:
     return texts - {""}
 
 
+def numbers(kind: type[Task]) -> list[str]:
+    """The numbers in what a task adds to feedback in words, in any of its languages; a sentence each."""
+    metric, folder = kind.metric, task_folder(kind)
+    said = {metric.improved, metric.worsened, *(mark.remark for mark in kind.marks)}
+    said.update(text for quality in kind.qualities for text in (quality.improved, quality.aim))
+    said.update(*(remarks_in(path.read_text("utf-8")) for path in folder.glob("*.py")))
+    codes = dict.fromkeys(("en", *sorted(path.name.split(".")[1] for path in folder.glob("words.*.toml"))))
+    return [
+        f"{own!r} holds a number ({tr.code}); feedback in words has none."
+        for tr in (language(code, _FRAMEWORK, folder) for code in codes)
+        for own in sorted(map(tr, said))
+        if holds_number(own, tr.code)
+    ]
+
+
+def all_texts(catalogue: Catalogue) -> set[str]:
+    """All that a participant can read in English, but for the agent's phrases; a task that does not load says nothing.
+
+    The Spanish of the app and of the framework is whole, so that its keys are their texts.
+    """
+    texts = {*read_words(_APP / "words.es.toml"), *read_words(_FRAMEWORK / "words.es.toml")}
+    for name in catalogue.task_names():
+        try:
+            kind = catalogue.task(name)
+        except PluginError:
+            continue
+        texts |= declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in task_folder(kind).glob("*.py")))
+    return texts
+
+
 def texts_in(source: str) -> set[str]:
     """The texts that a module hands to ``tr``: written there, or in its constants."""
     return _Module(ast.parse(source)).texts()
+
+
+def remarks_in(source: str) -> set[str]:
+    """Those of them that a module makes remarks of: of a `Result`, or of an `Again` (the last of which is one)."""
+    return _Module(ast.parse(source)).remarks()
 
 
 class _Module:
@@ -80,6 +117,16 @@ class _Module:
                     found.update(self._strings(text, frozenset()))
         return found - {""}
 
+    def remarks(self) -> set[str]:
+        found: set[str] = set()
+        for node in ast.walk(self._tree):
+            match node:
+                case ast.Call(func=ast.Name(id="Again") | ast.Attribute(attr="Again"), args=[_, words]):
+                    found.update(self._strings(words, frozenset()))
+                case ast.keyword(arg="remark" | "words", value=value):
+                    found.update(self._strings(value, frozenset()))
+        return found - {""}
+
     def _strings(self, node: ast.expr, seen: frozenset[str]) -> Iterator[str]:
         """What an expression can be: a text, one of two, one of those in a table or tuple."""
         match node:
@@ -91,6 +138,8 @@ class _Module:
                 yield from self._all(values, seen)
             case ast.Subscript(value=table):
                 yield from self._strings(table, seen)
+            case ast.Call(func=ast.Name(id="tr") | ast.Attribute(attr="tr"), args=[text, *_]):
+                yield from self._strings(text, seen)
             case ast.Call(func=ast.Attribute(value=table, attr="get"), args=[_, *default]):
                 yield from self._all((table, *default), seen)
             case ast.Name(id=name) if name not in seen:

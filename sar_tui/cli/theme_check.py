@@ -1,6 +1,6 @@
 """Tests a theme's folder, one named check after the other."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 import msgspec
@@ -8,6 +8,7 @@ import msgspec
 from sar_tui.framework.contrast import cut
 from sar_tui.framework.theme import ENGLISH, ThemeError
 from sar_tui.theme_folder import Reading, languages, read
+from sar_tui.theme_folder.screens import read_texts
 
 _LOOKS = {
     "settings": "says its title, its summary and whether it is dark",
@@ -51,8 +52,13 @@ class Report(msgspec.Struct, frozen=True):
         return all(check.ok for check in self.checks)
 
 
-def check(folder: Path) -> Report:
-    """Check a theme's folder in every language that it has."""
+def check(folder: Path, texts: Collection[str]) -> Report:
+    """Check a theme's folder in every language that it has.
+
+    Args:
+        folder: the theme's.
+        texts: what the screens and the tasks say, in English; a theme may have words of its own for these.
+    """
     spoken = languages(folder) or (ENGLISH,)
     readings: dict[str, Reading] = {}
     errors: dict[str, None] = {}
@@ -69,7 +75,7 @@ def check(folder: Path) -> Report:
     return Report(
         folder.name,
         spoken,
-        (can_be_read, *_look(some, contrasts), *_words(readings)),
+        (can_be_read, *_look(some, contrasts), *_words(readings), *_screens(folder, texts)),
         contrasts,
         {language: reading.english for language, reading in readings.items() if reading.english},
     )
@@ -99,3 +105,16 @@ def _words(readings: dict[str, Reading]) -> Iterator[Check]:
         count = sum(map(len, own))
         yield Check(f"can say everything in {language}", tuple(reading.told["wordings"]), f"{count} wordings")
         yield Check(f"has the vocabulary in {language}", tuple(reading.told["vocabulary"]))
+
+
+def _screens(folder: Path, texts: Collection[str]) -> Iterator[Check]:
+    """The theme's own words for the screens, where it has some."""
+    for path in sorted(folder.glob("words.*.toml")):
+        name = f"words the screens in {path.name.split('.')[1]}"
+        try:
+            own, told = read_texts(path)
+        except ThemeError as error:
+            yield Check(name, (str(error),))
+            continue
+        unknown = [f"Nothing says {english!r}, which {path.name} has words for." for english in own.keys() - texts]
+        yield Check(name, (*told, *sorted(unknown)), f"{len(own)} texts")

@@ -96,9 +96,11 @@ def check_theme(
     tasks: Tasks = None,
 ) -> None:
     """Test a theme: every wording in every language, contrast, faces, gestures."""
+    from sar_tui.cli.task_words import all_texts
     from sar_tui.cli.theme_check import check
 
-    report = check(_folder(theme, Home.of(context, data, tasks)))
+    home = Home.of(context, data, tasks)
+    report = check(_folder(theme, home), all_texts(home.catalogue()))
     if as_json:
         rows = [{"check": c.check, "ok": c.ok, "problems": c.problems, "found": c.found} for c in report.checks]
         print_json(

@@ -108,7 +108,8 @@ class Theme(msgspec.Struct, frozen=True):
 
     ``minimum_contrast`` is the WCAG ratio that all text keeps against the background and the surface. ``languages``
     are those the theme's folder has phrases in; a phrase that ``language`` lacks is English. ``mouth_line`` is the
-    line of a face, from 0, that moves when it speaks. ``units`` says how a unit is spoken; ``images`` name files that
+    line of a face, from 0, that moves when it speaks. ``units`` says how a unit is spoken, in one form or
+    two, ``second | seconds``; ``images`` name files that
     may stand for faces; ``texts`` are the theme's own words for what the screens say in English. ``repairs`` tells what
     was missing or wrong in its folder, a sentence each, where another theme's part stands instead.
     """
@@ -143,8 +144,15 @@ class Theme(msgspec.Struct, frozen=True):
         return self.tones.get(tone) or _TONES.get(tone, ())
 
     def spoken(self, text: str) -> str:
-        """A text as it is to be spoken: units after a number in full."""
+        """A text as it is to be spoken: units after a number in full, in the singular after 1 alone."""
         if not self.units:
             return text
         units = "|".join(re.escape(unit) for unit in sorted(self.units, key=len, reverse=True))
-        return re.sub(rf"(\d)\s*({units})(?!\w)", lambda found: f"{found[1]} {self.units[found[2]]}", text)
+        # a unit that begins with a figure, such as 1/s, stands apart from its number
+        spelled = rf"(\d(?:[\d.,]*\d)?)(?:\s+|(?!\d))({units})(?!\w)"
+        return re.sub(spelled, lambda found: f"{found[1]} {self._unit(found[2], found[1])}", text)
+
+    def _unit(self, unit: str, number: str) -> str:
+        """A unit in full, in the form that a number asks for."""
+        singular, _, plural = map(str.strip, self.units[unit].partition("|"))
+        return singular if number == "1" or not plural else plural

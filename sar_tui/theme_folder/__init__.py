@@ -8,9 +8,9 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.framework.theme import ENGLISH, Theme
+from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
 from sar_tui.theme_folder.look import read_look
-from sar_tui.theme_folder.toml import read_toml
+from sar_tui.theme_folder.screens import screen_texts
 from sar_tui.theme_folder.words import read_words
 
 Told = dict[str, list[str]]
@@ -20,8 +20,8 @@ class Reading(msgspec.Struct, frozen=True):
     """A theme as read, and what was missing or wrong in its folder.
 
     ``told`` holds a sentence each, by part: ``settings``, ``colors``, ``faces``, ``gestures``, ``manner``,
-    ``wordings``, ``vocabulary``. ``english`` names the situations whose wordings are English for want of any in the
-    language.
+    ``wordings``, ``vocabulary``, ``texts``. ``english`` names the situations whose wordings are English for want
+    of any in the language.
     """
 
     theme: Theme
@@ -57,9 +57,27 @@ def read_theme(folder: Path, language: str = ENGLISH, base: Theme | None = None)
 
 
 def read(folder: Path, language: str = ENGLISH, base: Theme | None = None) -> Reading:
-    """The same, with what is wrong by part. Raises ThemeError."""
+    """The same, with what is wrong by part. Raises ThemeError, and nothing else, whatever is in the folder."""
+    try:
+        return _read(folder, language, base)
+    except ThemeError:
+        raise
+    except (OSError, ValueError, ArithmeticError, RuntimeError) as error:
+        raise ThemeError(f"{type(error).__name__}: {error}.") from error
+
+
+def may_have_images(folder: Path) -> bool:
+    """Whether a theme may have images for faces. It costs far less than to read the theme."""
+    try:
+        return b"images" in (folder / "theme.toml").read_bytes()
+    except OSError:
+        return False
+
+
+def _read(folder: Path, language: str, base: Theme | None) -> Reading:
     look = read_look(folder, base)
     words = read_words(folder, language, base)
+    texts, told = screen_texts(folder, language)
     theme = Theme(
         name=folder.name,
         language=words.language,
@@ -67,17 +85,7 @@ def read(folder: Path, language: str = ENGLISH, base: Theme | None = None) -> Re
         phrases=words.phrases,
         vocabulary=words.vocabulary,
         units=words.units,
-        texts=_texts(folder, language),
+        texts=texts,
         **look.parts,
     )
-    return Reading(theme, {**look.told, **words.told}, words.english)
-
-
-def _texts(folder: Path, language: str) -> dict[str, str]:
-    """The theme's own words for what the screens say, where it has some."""
-    texts: dict[str, str] = {}
-    for name in dict.fromkeys((language.partition("-")[0], language)):
-        path = folder / f"words.{name}.toml"
-        if path.is_file():
-            texts.update({english: own for english, own in read_toml(path).items() if isinstance(own, str)})
-    return texts
+    return Reading(theme, {**look.told, **words.told, "texts": told}, words.english)

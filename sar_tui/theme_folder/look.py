@@ -10,13 +10,15 @@ from sar_tui.framework.contrast import contrast, cut, is_color
 from sar_tui.framework.drawing import drawing_problems, fitted
 from sar_tui.framework.gesture import GESTURES, Gesture, Keyframe
 from sar_tui.framework.theme import FACES, GAZES, GROUNDS, MANNERS, TONES, Colors, Manner, Note, Theme, Voice
-from sar_tui.theme_folder.toml import read_toml
+from sar_tui.theme_folder.toml import printable, read_toml
 
+LEAST_CONTRAST = 4.5
+"""What text has to keep at least to be legible, whatever a theme asks for (WCAG 2.2, AA)."""
 _SETTINGS = {
     "title": Annotated[str, Meta(min_length=1)],
     "summary": str,
     "dark": bool,
-    "minimum_contrast": Annotated[float, Meta(ge=1, le=21)],
+    "minimum_contrast": Annotated[float, Meta(ge=LEAST_CONTRAST, le=21)],
 }
 _TABLES = ("colors", "faces", "voice", "manner", "gestures", "tones", "images")
 _NOTES = Annotated[tuple[Note, ...], Meta(min_length=1, max_length=8)]
@@ -83,9 +85,14 @@ class _Reader:
         return {}
 
     def _setting(self, name: str) -> Any:
-        default = {"title": self._folder.name, "summary": "", "dark": True, "minimum_contrast": 4.5}
+        default = {"title": self._folder.name, "summary": "", "dark": True, "minimum_contrast": LEAST_CONTRAST}
         if name not in self._table:
             self.told["settings"].append(f"theme.toml does not say its {name}.")
+        elif name == "minimum_contrast" and _is_below(self._table[name], LEAST_CONTRAST):
+            least = f"{LEAST_CONTRAST:g}, below which text is hard to read"
+            self.told["settings"].append(
+                f"minimum_contrast is {printable(str(self._table[name]))}; it has to be at least {least}."
+            )
         else:
             value = self._converted("settings", name, self._table[name], _SETTINGS[name])
             if value is not None:
@@ -147,8 +154,8 @@ class _Reader:
         for name, file in self._entries("faces", "images").items():
             if name not in FACES:
                 self.told["faces"].append(f"images.{name} is not an expression; these are: {', '.join(FACES)}.")
-            elif not isinstance(file, str) or not (path := (folder / file).resolve()).is_file():
-                self.told["faces"].append(f"There is no image {file} for {name}.")
+            elif not isinstance(file, str) or (path := _file(folder, file)) is None:
+                self.told["faces"].append(f"There is no image {printable(str(file))} for {name}.")
             elif not path.is_relative_to(folder):
                 self.told["faces"].append(f"The image {file} for {name} has to lie in the theme's folder.")
             else:
@@ -203,6 +210,19 @@ class _Reader:
             elif notes := self._converted("manner", f"tones.{name}", value, _NOTES):
                 good[name] = notes
         return good
+
+
+def _file(folder: Path, name: str) -> Path | None:
+    """A file by its name; None where there is none, or where none can be called so."""
+    try:
+        path = (folder / name).resolve()
+        return path if path.is_file() else None
+    except (OSError, ValueError, RuntimeError):  # too long, a NUL in it, a ring of links
+        return None
+
+
+def _is_below(value: object, least: float) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and value < least
 
 
 def _legible(colors: Colors) -> str:

@@ -12,6 +12,8 @@ from sar_tui.theme_folder.toml import read_toml
 
 _TABLES = {"vocabulary": VOCABULARY, "units": ()}
 """The tables of words in a file of phrases, and what has to be in each."""
+MOST_FORMS = 2
+"""How many forms a unit may have: singular | plural."""
 
 
 class Words(msgspec.Struct, frozen=True):
@@ -102,15 +104,34 @@ def _table(
         if not isinstance(entries, dict):
             told.append(f"{table} ({language}) has to be a table.")
             continue
-        needed = _TABLES[table]
         good = {name: word for name, word in entries.items() if isinstance(word, str) and word.strip()}
         told += [f"{name} in {table} ({language}) has to be a text." for name in entries if name not in good]
-        if needed:
-            told += [f"{name} is not a word of the {table} ({language})." for name in good if name not in needed]
-            told += [
-                f"{name} in {table} ({language}) holds a number." for name in good if holds_number(good[name], language)
-            ]
+        wrong = _units_problems(good, language) if table == "units" else _vocabulary_problems(good, language)
+        told += wrong.values()
         if language == spoken:
-            told += [f"The {table} lacks {name} ({language})." for name in needed if name not in entries]
-        found.update(good)
+            told += [f"The {table} lacks {name} ({language})." for name in _TABLES[table] if name not in entries]
+        found.update({name: word for name, word in good.items() if name not in wrong})
     return {**(getattr(base, table) if base else {}), **found}
+
+
+def _vocabulary_problems(words: dict[str, str], language: str) -> dict[str, str]:
+    """Why words of the vocabulary cannot be used, by name."""
+    wrong = {}
+    for name, word in words.items():
+        if name not in VOCABULARY:
+            wrong[name] = f"{name} is not a word of the vocabulary ({language})."
+        elif holds_number(word, language):
+            wrong[name] = f"{name} in vocabulary ({language}) holds a number."
+    return wrong
+
+
+def _units_problems(words: dict[str, str], language: str) -> dict[str, str]:
+    """Why units cannot be spoken so, by name."""
+    wrong = {}
+    for name, word in words.items():
+        forms = word.split("|")
+        if not name.strip():
+            wrong[name] = f"A unit in units ({language}) has an empty name."
+        elif len(forms) > MOST_FORMS or not all(form.strip() for form in forms):
+            wrong[name] = f"{name} in units ({language}) has to be one text, or two: singular | plural."
+    return wrong

@@ -208,3 +208,7 @@ async def test_a_theme_may_call_things_by_its_own_words(
         assert chair.sees("¡Hola!")
         assert chair.sees("Pulse Enter para seguir.")
         assert chair.session.task.tr("Your goal: less than {goal}.", goal="5 s") == "Meta: 5 s."
+
+
+def test_degrees_a_second_are_written_as_spanish_writes_them() -> None:
+    assert app_language("es")("bias deg/s") == "sesgo °/s"

@@ -2,11 +2,15 @@
 
 import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from textual.widgets import OptionList
 
+from sar_tui.app.app import SarTui
 from sar_tui.app.theme_watch import ThemeWatch
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
@@ -178,17 +182,122 @@ async def test_a_session_in_spanish_stays_in_spanish_when_its_theme_is_edited(
         assert chair.session.theme.colors.background == "#30171e"
 
 
-async def test_what_is_wrong_with_an_edit_is_told_and_the_session_goes_on_as_before(
-    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
-) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme="mine")) as chair:
+async def test_at_home_what_is_wrong_with_an_edit_is_told_at_once(data: Path, folder: Path, themes: Catalogue) -> None:
+    known(data, theme="mine")
+    async with sit_down(data, themes) as chair:
         edit(folder, "[colors]", "[colors")
         await look(chair)
         assert chair.sees("The theme mine cannot be read")
+
+
+async def test_in_a_session_the_participant_reads_nothing_of_an_edit_that_is_wrong_and_home_tells_it_later(
+    data: Path, folder: Path, themes: Catalogue
+) -> None:
+    known(data, theme="mine")
+    async with sit_down(data, themes) as chair:
+        await chair.press("enter", "enter", "enter", "enter")
+        edit(folder, "[colors]", "[colors")
+        await look(chair)
+        assert not chair.sees("cannot be read")
         assert HAPPY_EYES in chair.text
-        prompt = await chair.to_first_prompt()
-        assert "cannot be read" not in chair.text
-        await chair.do_attempt(prompt)
+        await chair.do_attempt(await chair.to_first_prompt())
+        assert not chair.sees("cannot be read")
+        chair.app.screen.dismiss()
+        await chair.settle()
+        assert chair.sees("The theme mine cannot be read")
+        assert chair.app.untold == ""
+
+
+async def test_what_was_wrong_with_an_edit_is_kept_for_the_terminal_until_it_is_mended(
+    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
+) -> None:
+    async with sit_down(data, themes, plan(keyboard, theme="mine")) as chair:
+        edit(folder, '"#7cc4e8"', '"blueish"')
+        await look(chair)
+        assert chair.app.untold.startswith("Theme edited. One thing to mend: ")
+        assert not chair.sees("Theme edited")
+        edit(folder, '"blueish"', '"#7cc4e8"')
+        await look(chair)
+        assert chair.app.untold == ""
+
+
+async def test_the_palette_offers_no_theme_while_a_session_is_open_so_that_its_own_is_still_followed(
+    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
+) -> None:
+    async with sit_down(data, themes, plan(keyboard, theme="mine")) as chair:
+        await chair.press("ctrl+p")
+        assert chair.sees("Quit")
+        assert not chair.sees("Theme:")
+        await chair.press("escape")
+        edit(folder, "#10171e", "#30171e")
+        await look(chair)
+        assert chair.session.theme.colors.background == "#30171e"
+
+
+@pytest.mark.parametrize("name", ["a\\u0000b.png", "a" * 300])
+async def test_an_image_that_cannot_be_is_left_out_in_mid_session_and_at_the_beginning(
+    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task], name: str
+) -> None:
+    async with sit_down(data, themes, plan(keyboard, theme="mine")) as chair:
+        edit(folder, "[gestures]", f'[images]\nhappy = "{name}"\n[gestures]')
+        await look(chair)
+        assert chair.session.theme.repairs[0].startswith("There is no image a")
+    async with sit_down(data, themes) as chair:
+        assert "mine" in chair.app.themes
+
+
+@pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte")])
+def test_a_folder_that_cannot_even_be_looked_for_is_told(
+    folder: Path, themes: Catalogue, monkeypatch: pytest.MonkeyPatch, fault: Exception
+) -> None:
+    editor = Editor(themes)
+
+    def fail(_: str) -> Path:
+        raise fault
+
+    monkeypatch.setattr(themes, "theme_folder", fail)
+    for _ in range(3):
+        editor.watch.look()
+    assert editor.told == [f"The theme mine cannot be read: {fault}. It looks and speaks as it did before."]
+
+
+async def test_a_theme_without_english_is_worn_in_a_session_in_its_own_language(
+    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
+) -> None:
+    (folder / "phrases.en.toml").unlink()
+    edit(folder, "#10171e", "#30171e")
+    async with sit_down(data, themes, plan(keyboard, theme="mine", language="es")) as chair:
+        assert chair.app.screen.styles.background.hex.lower() == "#30171e"
+
+
+# --- the beginning -------------------------------------------------------------------------------------------
+
+
+async def test_only_the_worn_theme_is_read_before_the_first_screen_and_all_are_there_to_choose_on_it(
+    data: Path, folder: Path, themes: Catalogue
+) -> None:
+    assert list(SarTui(data, themes).themes) == ["calm"]
+    async with sit_down(data, themes) as chair:
+        assert list(chair.app.themes) == ["calm", "high-contrast", "mine", "playful"]
+        options = chair.app.screen.query_one("#theme", OptionList).options
+        assert [option.id for option in options] == list(chair.app.themes)
+
+
+async def test_somebodys_own_calm_that_cannot_be_read_is_told_and_another_is_worn(
+    data: Path, folder: Path, themes: Catalogue
+) -> None:
+    edit(folder, "[colors]", "[colors")
+    folder.rename(folder.parent / "calm")
+    async with sit_down(data, themes) as chair:
+        assert chair.app.theme == "sar-high-contrast"
+        assert chair.sees("The theme calm cannot be read")
+
+
+def test_what_only_a_session_needs_is_not_loaded_before_the_first_screen() -> None:
+    script = "import sys, sar_tui.app.app, sar_tui.app.screens.home; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
+    assert "sar_tui.theme_folder" in loaded
+    assert not {"sar_tui.framework.session", "sar_tui.outputs.node", "sar_tui.runs", "sar_tui.app.live"} & set(loaded)
 
 
 async def test_no_file_is_looked_at_from_the_quiet_before_a_prompt_to_its_response(

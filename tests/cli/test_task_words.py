@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.cli.task_words import texts_in
+from sar_tui.cli.task_words import remarks_in, texts_in
 from tests.cli.conftest import Call
 
 CHECK = "has each of its words in every language that it has"
@@ -117,6 +117,65 @@ def test_a_participant_reads_english_where_the_words_are_broken(call: Call, fold
     assert '"text":"Press: ' in read
     assert "Pulse: " not in read
     assert "intento 1 de 1" in read
+
+
+# --- numbers ---------------------------------------------------------------------------------------------------------
+
+NUMBERS = "tells how it went without a number, in words"
+
+
+def numbers(call: Call, folder: Path) -> str:
+    checks = call("tasks", "check", folder, "--json").json["checks"]
+    return str(next(row["problem"] for row in checks if row["check"] == NUMBERS))
+
+
+def test_a_task_that_tells_how_it_went_in_words_alone_passes(call: Call, folder: Path) -> None:
+    (folder / "task.py").write_text(TASK.replace("Once more.", "That slipped."))
+    assert numbers(call, folder) == ""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('improved="faster"', 'improved="twice as fast"', "twice as fast"),
+        ('worsened="slower"', 'worsened="half as fast"', "half as fast"),
+        ('"gap": "Once more."', '"gap": "Do 2 more."', "Do 2 more."),
+        ("class A", 'MARK = Mark("m", "f7", "M", False, "One was missed.")\n\nclass A', "One was missed."),
+        ("class A", 'SWAY = Quality("s", "lower", "twice as steady", "well", 1.0)\n\nclass A', "twice as steady"),
+        ("class A", 'SWAY = Quality("s", "lower", "steadier", "in one go", 1.0)\n\nclass A', "in one go"),
+    ],
+)
+def test_a_number_in_what_is_said_of_how_it_went_is_told(
+    call: Call, folder: Path, old: str, new: str, told: str
+) -> None:
+    source = TASK.replace("Once more.", "That slipped.") if old != '"gap": "Once more."' else TASK
+    source = source.replace("import Metric, ", "import Mark, Metric, ").replace(old, new)
+    declared = "    marks = (MARK,)\n" if "MARK" in source else "    qualities = (SWAY,)\n" if "SWAY" in source else ""
+    source = source.replace('    title = "Arrows"\n', f'    title = "Arrows"\n{declared}')
+    (folder / "task.py").write_text(source)
+    assert numbers(call, folder) == f"{told!r} holds a number (en); feedback in words has none."
+    assert call("tasks", "check", folder).code == 1
+
+
+def test_a_number_in_a_translation_of_it_is_told_with_its_language(call: Call, folder: Path) -> None:
+    (folder / "task.py").write_text(TASK.replace("Once more.", "That slipped."))
+    translate(folder, quoted({**WORDS, "That slipped.": "Se soltaron dos."}))
+    assert numbers(call, folder) == "'Se soltaron dos.' holds a number (es); feedback in words has none."
+
+
+@pytest.mark.parametrize(
+    ("source", "texts"),
+    [
+        ('Result(correct=False, remark=self.tr("a"))', {"a"}),
+        ('Result(correct=False, remark=tr("a" if x else "b"))\ntr("c")', {"a", "b"}),
+        ('A = {"k": "a"}\nwhy = tr(A[x])\nAgain("k", why)', {"a"}),
+        ('Again(reason="k", words=self.tr("a"))', {"a"}),
+        ('task.Again("k", "a")', {"a"}),
+        ('Other("k", tr("a"))', set()),
+    ],
+)
+def test_a_remark_is_found_however_it_is_made(source: str, texts: set[str]) -> None:
+    assert remarks_in(source) == texts
 
 
 # --- where the texts are found -----------------------------------------------------------------------------------

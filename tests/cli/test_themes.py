@@ -228,6 +228,8 @@ def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change)
         ("phrases.en.toml", "{value}! And the", "{valeu}! And the", "uses the slot {valeu}, which it does not have."),
         ("phrases.es.toml", "¡Casi, casi!", "¡Casi once!", "holds a number: '¡Casi once! ¡Otra vez!'."),
         ("phrases.en.toml", "goal = ", "gaol = ", "✗ has the vocabulary in en"),
+        ("phrases.en.toml", "[units]", '[units]\n"" = "x"', "    A unit in units (en) has an empty name."),
+        ("theme.toml", "minimum_contrast = 4.5", "minimum_contrast = 1", "    minimum_contrast is 1; it has to be at"),
     ],
 )  # fmt: skip
 def test_what_breaks_the_contract_is_named(
@@ -239,6 +241,26 @@ def test_what_breaks_the_contract_is_named(
     assert says in called.out
     assert "keeps the contract" not in called.out
     assert call("themes", "check", folder, "--json").json["passed"] is False
+
+
+def test_a_themes_words_for_the_screens_are_checked_whether_or_not_it_speaks_the_language(
+    call: Call, evening: Path
+) -> None:
+    (evening / "words.es.toml").write_text('"Press: {key}" = "¡Pulsa {key}!"\n"Help" = "¿Qué es esto?"\n', "utf-8")
+    called = call("themes", "check", evening)
+    assert (called.code, "✓ words the screens in es (2 texts)" in called.out) == (0, True)
+    (evening / "words.es.toml").write_text('"level {level}" = "{nivel}"\n"Halp" = "Ayuda"\n"Quit" = 3', "utf-8")
+    (evening / "words.fr.toml").write_text('"Help = ', "utf-8")
+    called = call("themes", "check", evening)
+    assert called.code == 1
+    for told in (
+        "✗ words the screens in es (1 texts)",
+        "    The wording of 'level {level}' in words.es.toml lacks {level}.",
+        "    The wording of 'Quit' in words.es.toml is not a text.",
+        "    Nothing says 'Halp', which words.es.toml has words for.",
+        "✗ words the screens in fr\n    words.fr.toml is not TOML: ",
+    ):
+        assert told in called.out
 
 
 def test_each_language_is_checked_though_another_cannot_be_read(call: Call, change: Change) -> None:

@@ -1,16 +1,18 @@
 """Given the shipped tasks, when a session is in Spanish, then a participant reads no English, and every text fits."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from sar_tui import runs
-from sar_tui.cli.task_words import declared, problems, texts_in
+from sar_tui.cli.task_words import declared, numbers, problems, remarks_in, texts_in
 from sar_tui.framework import language as module
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.language import language, read_words, slot_problem
-from sar_tui.framework.messages import Action, Prompt, Waiting
+from sar_tui.framework.messages import Action, Feedback, Prompt, Waiting
+from sar_tui.framework.number_words import holds_number
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Situation, Stimulus, Task
 from sar_tui.plugins import Catalogue, task_folder
@@ -46,6 +48,47 @@ def test_every_text_of_a_task_is_translated_and_no_translation_is_of_a_text_that
     assert set(own) == texts - set(read_words(Path(module.__file__).parent / "words.es.toml"))
     assert [problem for text, word in own.items() if (problem := slot_problem(text, word))] == []
     assert problems(kind) == []
+
+
+# --- no number in words ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", Catalogue().task_names())
+def test_what_a_task_adds_to_feedback_in_words_holds_no_number_in_any_language(name: str) -> None:
+    assert numbers(Catalogue().task(name)) == []
+
+
+def test_the_remarks_of_reaching_are_among_what_is_looked_at_and_none_asks_for_what_will_not_come() -> None:
+    folder = task_folder(Catalogue().task("reaching"))
+    remarks = remarks_in((folder / "task.py").read_text("utf-8"))
+    assert {"The sensor missed a part of that reach, so it does not count."} < remarks
+    own = read_words(folder / "words.es.toml")
+    for remark in remarks:
+        assert not re.search(r"\b(once|repeat|more)\b", remark)
+        assert not re.search(r"\b(una vez|repita|repítalo)\b", own[remark].lower())
+
+
+@pytest.mark.parametrize("code", ["en", "es"])
+@pytest.mark.parametrize("person", PEOPLE)
+@pytest.mark.parametrize("name", TASKS)
+def test_whoever_does_a_task_hears_no_number_in_feedback_in_words(
+    name: str, person: str, code: str, data: Path
+) -> None:
+    kind = Catalogue().task(name)
+    wanted = {"language": code, "feedback_form": "qualitative", "feedback_schedule": "every"}
+    parameters = build(kind.Parameters, {**SETTINGS[name], **wanted})
+    session = runs.simulate(
+        runs.Plan(kind, parameters, "calm", "P1", 3, "simulated"), PEOPLE[person], data, Catalogue()
+    )
+    database = connect(data)
+    try:
+        messages = [record.message for record in sessions.history(database, session)]
+    finally:
+        database.conn.close()
+    answers = [m for m in messages if isinstance(m, Action) and m.kind == "feedback"]
+    remarks = [m.remark for m in messages if isinstance(m, Feedback) and m.remark]
+    assert answers
+    assert [text for text in (*remarks, *(m.text for m in answers)) if holds_number(text, code)] == []
 
 
 # --- a session --------------------------------------------------------------------------------------------------------

@@ -14,7 +14,6 @@ from textual.widgets.option_list import Option
 from sar_tui.framework.parameters import ParameterError, build
 from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
-from sar_tui.runs import Plan
 from sar_tui.store import participants, sessions
 from sar_tui.store.database import StoreError
 from sar_tui.store.provenance import machine
@@ -64,11 +63,17 @@ class HomeScreen(Screen[None]):
                 tasks.add_option(Option(self.app.catalogue.task(name).title, id=name))
             except PluginError:
                 tasks.add_option(Option(f"{name} (does not load)", id=name, disabled=True))
-        themes = self.query_one("#theme", OptionList)
-        for name, theme in self.app.themes.items():
-            themes.add_option(Option(theme.title, id=name))
-        tasks.highlighted = themes.highlighted = 0
+        tasks.highlighted = 0
         self.query_one("#participant").border_subtitle = "arrows and Enter"
+        self.call_after_refresh(self._list_themes)
+
+    def _list_themes(self) -> None:
+        """Reading all of them takes a moment, and the screen is up before."""
+        self.app.load_themes()
+        themes = self.query_one("#theme", OptionList)
+        themes.add_options([Option(theme.title, id=name) for name, theme in self.app.themes.items()])
+        themes.highlighted = 0
+        self._show_kept_theme()
 
     def on_screen_resume(self) -> None:
         self._list_participants()
@@ -120,8 +125,9 @@ class HomeScreen(Screen[None]):
         who, task = self._chosen("participant"), self._chosen("task")
         if who and task:
             kept = participants.settings(self.app.database, who, task).theme
-            if kept in (names := list(self.app.themes)):
-                self.query_one("#theme", OptionList).highlighted = names.index(kept)
+            themes = self.query_one("#theme", OptionList)
+            if kept in (names := [option.id for option in themes.options]):
+                themes.highlighted = names.index(kept)
 
     @on(OptionList.OptionSelected, "#participant")
     def _participant_selected(self, event: OptionList.OptionSelected) -> None:
@@ -173,8 +179,8 @@ class HomeScreen(Screen[None]):
         if (chosen := self._participant_and_task()) is None:
             return
         who, task = chosen
-        theme = self._chosen("theme") or "calm"
         kept = participants.settings(self.app.database, who, task.name)
+        theme = self._chosen("theme") or kept.theme
         try:
             parameters = build(task.Parameters, kept.parameters)
         except ParameterError as error:
@@ -185,6 +191,8 @@ class HomeScreen(Screen[None]):
         except StoreError as error:
             self.notify(str(error), severity="error", timeout=15)
             return
+        from sar_tui.runs import Plan
+
         self.app.begin_session(Plan(task, parameters, theme, who, secrets.randbelow(2**31)))
 
     @on(Button.Pressed, "#settings")
