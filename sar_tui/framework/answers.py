@@ -104,7 +104,7 @@ class Answers:
         before = self._reference(feedback, recalled)
         if before is None:
             return self._word(f"{feedback.valence}_first", value=value, goal=goal)
-        metric, reference = self._task.metric, self._word.call(_VOCABULARY[feedback.choice.compared_with])
+        metric, reference = self._task.metric, self._named(feedback, recalled)
         decimals = self._task.metric.decimals  # people subtract the figures they are shown
         difference = self._show(abs(round(feedback.metric, decimals) - round(before, decimals)))
         if difference == self._show(0):
@@ -118,6 +118,15 @@ class Answers:
             change=self._task.tr(metric.improved if improved else metric.worsened),
             reference=reference,
         )
+
+    def _named(self, feedback: Feedback, recalled: Attempts) -> str:
+        """What the result is held against, in words. The last at that level need not be the last there was."""
+        name = _VOCABULARY[feedback.choice.compared_with]
+        if name == "last_attempt" and feedback.attempt - 1 not in {
+            attempt.attempt for attempt in recalled.attempts if attempt.metric is not None
+        }:
+            name = "last_at_level"
+        return self._word.call(name)
 
     def _reference(self, feedback: Feedback, recalled: Attempts) -> float | None:
         """What the result is held against: at the same level, but for the goal."""
@@ -169,7 +178,8 @@ class Answers:
         ]
         if not changes or before is None:
             return self._told(feedback, "neutral", "performance_first", {"aim": tr(aims)})
-        reference = {"reference": self._word.call("last_attempt")}
+        latest = before.attempt == feedback.attempt - 1
+        reference = {"reference": self._word.call("last_attempt" if latest else "last_at_level")}
         best, worst = max(changes, key=lambda change: change[0]), min(changes, key=lambda change: change[0])
         if best[0] >= 1:
             words = {"change": tr(best[1].improved), **reference}

@@ -15,6 +15,7 @@ SITUATIONS: dict[str, set[str]] = {
     "encouragement": set(),
     "rest": set(),
     "goodbye": set(),
+    "goodbye_early": set(),
     # knowledge of results, in words; how far from the goal sets the degree
     "positive_slight": set(),
     "positive": set(),
@@ -54,7 +55,7 @@ PERFORMANCE = tuple(name for name in SITUATIONS if name.startswith("performance_
 QUANTITATIVE = tuple(name for name, slots in SITUATIONS.items() if slots & FIGURES)
 QUALITATIVE = tuple(name for name in SITUATIONS if name not in QUANTITATIVE)
 
-VOCABULARY = ("last_attempt", "best_attempt", "session_mean", "goal")
+VOCABULARY = ("last_attempt", "last_at_level", "best_attempt", "session_mean", "goal")
 """What the slot ``reference`` is filled with."""
 
 

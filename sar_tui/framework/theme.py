@@ -78,6 +78,7 @@ MANNERS: dict[str, Manner] = {
     "encouragement": Manner("encouraging", "lean_in"),
     "rest": Manner("sleeping", "rest"),
     "goodbye": Manner("happy", "wave"),
+    "goodbye_early": Manner("encouraging"),
     "positive_slight": Manner("happy", "nod", tone="success"),
     "positive": Manner("happy", "nod", tone="success"),
     "positive_strong": Manner("happy", "cheer", tone="success"),

@@ -67,8 +67,10 @@ class ActionCenter(Node):
         self._propose("greeting", self._words("greeting" if session.run == 1 else "welcome_back"))
 
     @on(SESSION_ENDED)
-    def say_goodbye(self, _: SessionEnded) -> None:
-        self._propose("goodbye", self._words("goodbye"))
+    def say_goodbye(self, ended: SessionEnded) -> None:
+        """Who stops early, in pain perhaps, is not waved at."""
+        how = "goodbye" if ended.status == "completed" else "goodbye_early"
+        self._propose("goodbye", self._words(how), how)
 
     @on(FEEDBACK)
     def answer(self, feedback: Feedback) -> None:

@@ -126,7 +126,10 @@ def test_an_attempt_is_compared_with_what_was_asked_for_at_its_level(
     metric = task.metric
     goals = {1: 1000.0, 2: 1100.0}
     before: dict[int, list[float]] = {1: [], 2: []}
-    for (value, level), (situation, slots) in zip(attempts, figures(task, attempts, reference, best), strict=True):
+    levels = [0, *(level for _, level in attempts)]
+    told = figures(task, attempts, reference, best)
+    for (value, level), last, (situation, slots) in zip(attempts, levels, told, strict=False):
+        words["last attempt"] = "last time" if level == last else "last time at this level"
         known = before[level]
         with_earlier = [*known, *([best[str(level)]] if str(level) in best else [])]
         against = {
@@ -138,13 +141,13 @@ def test_an_attempt_is_compared_with_what_was_asked_for_at_its_level(
         if against is None:
             assert situation.endswith("_first")
             assert (slots["value"], slots["goal"]) == (metric.show(value), metric.show(goals[level]))
-        elif metric.show(told := _told_apart(metric, value, against)) == metric.show(0.0):
+        elif metric.show(apart := _told_apart(metric, value, against)) == metric.show(0.0):
             assert situation.endswith("_same")
             assert slots["reference"] == words[reference]
         else:
             better = value < against if task is Lift else value > against
             assert situation.endswith("_improved" if better else "_worsened")
-            assert slots["difference"] == metric.show(told)
+            assert slots["difference"] == metric.show(apart)
             assert slots["change"] == (metric.improved if better else metric.worsened)
             assert (slots["reference"], slots["value"]) == (words[reference], metric.show(value))
         known.append(value)
@@ -327,7 +330,8 @@ def test_how_it_was_done_is_compared_with_the_last_time_at_that_level() -> None:
     agent.hears_of(900, sway=10.0)
     assert how(agent, level=2, sway=30.0).situation == "performance_first"
     assert how(agent, sway=7.0).situation == "performance_improved"
-    assert how(agent, level=2, sway=40.0) == ("performance_worsened", {"aim": STEADY, "reference": "last time"})
+    reference = "last time at this level"
+    assert how(agent, level=2, sway=40.0) == ("performance_worsened", {"aim": STEADY, "reference": reference})
 
 
 def test_how_practice_was_done_is_not_compared_with() -> None:
