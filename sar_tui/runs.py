@@ -295,6 +295,7 @@ def simulate(
         while (not session.ended or session.is_agent_acting) and not session.broken and clock.step():
             pass
         session.detach()
+        session.bus.drain()
         run.recorder.write()
         run.check()
     finally:

@@ -336,6 +336,12 @@ class SarTui(App[int]):
 
     # --- ending ---------------------------------------------------------------------------------------------
 
+    def exit(self, *args: Any, **how: Any) -> None:
+        """Leave: devices are let go of while what they say to that can still be written down."""
+        if self._open:
+            self._open.let_go()
+        super().exit(*args, **how)
+
     def action_interrupt(self) -> None:
         """Ctrl-C, anywhere."""
         self.exit(return_code=INTERRUPTED)

@@ -106,6 +106,12 @@ class LiveSession:
         """How many messages are not on the disk."""
         return self.run.recorder.pending
 
+    def let_go(self) -> None:
+        """Let go of devices at once; what they say to that is kept, if there is still somebody to write it down."""
+        self.run.session.detach()
+        if not self.run.recorder.wait(0):
+            self.run.session.bus.drain()
+
     def close(self, app: "App[int]") -> None:
         """Stop both workers, write what is left, and let go of the session.
 
@@ -114,8 +120,8 @@ class LiveSession:
         """
         if self._closing:
             return
+        self.let_go()
         self._closing = True
-        self.run.session.detach()
         app.workers.cancel_group(app, "session")
         if isinstance(self.clock, LiveClock):
             self.run.recorder.stop()

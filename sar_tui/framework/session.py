@@ -128,10 +128,9 @@ class Session:
         return isinstance(record.message, Fault) and record.message.node not in core
 
     def detach(self) -> None:
-        """Let go of devices, and take down what they say to that. Harmless when called again."""
+        """Let go of devices. Harmless when called again."""
         for node in self.nodes:
             node.detach()
-        self.bus.drain()
 
     def _end(self) -> None:
         """Inputs end by themselves when they hear it; outputs still have a goodbye to say."""

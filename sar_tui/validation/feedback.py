@@ -192,7 +192,7 @@ def _said(form: str, seed: int, done: Simulated) -> list[Row]:
 def _is_true(row: Row) -> bool:
     """Whether each figure that was said belongs to the attempt."""
     result, last = row["reaction_time_ms"], row["last_at_level_ms"]
-    difference = None if result is None or last is None else abs(result - last)
+    difference = None if result is None or last is None else abs(round(result) - round(last))
     measured = [f"{value:.0f}" for value in (result, difference, row["goal_ms"]) if value is not None]
     return set(_NUMBER.findall(row["text"])) <= {*measured, str(row["correct"]), str(row["trials"])}
 

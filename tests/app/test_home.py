@@ -86,6 +86,17 @@ async def test_a_theme_is_worn_as_soon_as_it_is_chosen_and_kept_for_its_particip
         assert chair.app.theme == "sar-high-contrast"
 
 
+async def test_a_theme_that_was_chosen_stands_through_a_look_at_the_settings(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", attempts=1, prompts_per_attempt=1)
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("right", "right", "down")
+        await chair.press("f2")
+        assert chair.screen_name == "SettingsScreen"
+        await chair.press("escape")
+        assert chair.screen_name == "HomeScreen"
+        assert chair.app.theme == "sar-high-contrast"
+
+
 async def test_a_participants_settings_are_used_by_their_next_session(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=3, prompts_per_attempt=7)
     async with sit_down(data, catalogue) as chair:

@@ -42,13 +42,17 @@ class AgentScreen(Screen[None]):
     @property
     def active_bindings(self) -> dict[str, Any]:
         """What the footer and the help offer, in the session's language; the stop key where it stops something."""
-        has_voice = any(name != _SCREEN for name in self._live.run.session.task.parameters.outputs)
+        others = [name for name in self._live.run.session.task.parameters.outputs if name != _SCREEN]
+        has_voice = any(name.partition(":")[0] in ("speech", "tones") for name in others)
+        robot = self.tr("Stop robot")
         return {
             key: active._replace(
                 binding=dataclasses.replace(
                     active.binding,
-                    description=self.tr(active.binding.description),
-                    show=active.binding.show and (has_voice or active.binding.id != "stop"),
+                    description=robot
+                    if active.binding.id == "stop" and not has_voice
+                    else self.tr(active.binding.description),
+                    show=active.binding.show and (bool(others) or active.binding.id != "stop"),
                 )
             )
             for key, active in super().active_bindings.items()

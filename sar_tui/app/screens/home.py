@@ -38,6 +38,10 @@ class HomeScreen(Screen[None]):
 
     app: Any
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._theme_of: tuple[str, str] | None = None
+
     def compose(self) -> ComposeResult:
         yield Static(_title(), id="title", markup=False)
         with Horizontal(id="choices"):
@@ -73,6 +77,7 @@ class HomeScreen(Screen[None]):
         themes = self.query_one("#theme", OptionList)
         themes.add_options([Option(theme.title, id=name) for name, theme in self.app.themes.items()])
         themes.highlighted = 0
+        self._theme_of = None
         self._show_kept_theme()
 
     def on_screen_resume(self) -> None:
@@ -121,9 +126,10 @@ class HomeScreen(Screen[None]):
 
     @on(OptionList.OptionHighlighted, "#participant, #task")
     def _show_kept_theme(self) -> None:
-        """A participant's theme is kept with their settings."""
+        """A participant's theme is kept with their settings; what is chosen instead stands until another is chosen."""
         who, task = self._chosen("participant"), self._chosen("task")
-        if who and task:
+        if who and task and (who, task) != self._theme_of:
+            self._theme_of = (who, task)
             kept = participants.settings(self.app.database, who, task).theme
             themes = self.query_one("#theme", OptionList)
             if kept in (names := [option.id for option in themes.options]):
