@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import events
-from textual.app import App, SystemCommand
+from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
 from textual.driver import Driver
 from textual.geometry import Size
@@ -22,13 +22,11 @@ from textual.widget import Widget
 from sar_tui.app.driver import OnsetWatch, stamp_keys_as_read, watched
 from sar_tui.app.last_words import INTERRUPTED, UNSAVED, say_last_words
 from sar_tui.app.screens.too_small import TooSmallScreen, is_too_small
-from sar_tui.app.theme_watch import LOOK_SECONDS, ThemeWatch
-from sar_tui.app.themes import textual_theme
+from sar_tui.app.wardrobe import Wardrobe
 from sar_tui.framework.clock import SECOND, Clock, LiveClock
 from sar_tui.framework.messages import Operator
 from sar_tui.framework.parameters import ParameterError
-from sar_tui.framework.theme import ENGLISH, Theme
-from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError
+from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.database import StoreError, connect, explain
 from sar_tui.theme_folder import may_have_images
 
@@ -38,7 +36,7 @@ if TYPE_CHECKING:  # what a session needs is loaded with the session: until then
     from sar_tui.runs import Plan
 
 
-class SarTui(App[int]):
+class SarTui(Wardrobe):
     """Home, settings, sessions.
 
     Args:
@@ -62,9 +60,8 @@ class SarTui(App[int]):
         self, folder: Path, catalogue: Catalogue, begin: "Plan | str | None" = None, clock: Clock | None = None
     ) -> None:
         self.onset_watch = OnsetWatch()
-        super().__init__()
+        super().__init__(catalogue)
         self.folder = folder
-        self.catalogue = catalogue
         self.database = connect(folder)
         self.live: LiveSession | None = None
         self.feed: ImuFeed | None = None
@@ -72,12 +69,7 @@ class SarTui(App[int]):
         self._begin = begin
         self._session_clock = clock
         self._key_seconds = 0.0
-        self._looks = True
-        self.theme_watch = ThemeWatch(catalogue, self._wear_edited, self._tell_editor)
         self.picture: type[Widget] | None = None
-        self.untold = ""
-        self.themes: dict[str, Theme] = {}
-        self._wear_any()
 
     def get_driver_class(self) -> type[Driver]:
         return watched(super().get_driver_class(), self.onset_watch, self._terminal_gone)
@@ -87,86 +79,13 @@ class SarTui(App[int]):
         """Whether the app was opened for one session, and ends with it."""
         return self._begin is not None
 
-    # --- themes ---------------------------------------------------------------------------------------------
-
-    def load_themes(self) -> None:
-        """Have every theme to choose. One that cannot be read is told, and keeps nobody from the others."""
-        worn, self.themes = self.themes, {}
-        for name in self.catalogue.theme_names():
-            try:
-                theme = self.themes[name] = worn.get(name) or self.catalogue.theme(name)
-            except PluginError as error:
-                self._tell_editor(str(error))
-            else:
-                self.register_theme(textual_theme(theme))
-
-    def _wear_any(self) -> None:
-        """Wear the default theme; where somebody's own has taken its name and cannot be read, the first that can."""
-        names = dict.fromkeys((DEFAULT_THEME, *self.catalogue.theme_names()))
-        for last, name in enumerate(names, 1):
-            try:
-                self.use_theme(name)
-            except PluginError:
-                if last == len(names):
-                    raise
-            else:
-                return
-
-    def use_theme(self, name: str) -> None:
-        """Wear a theme of the Social-Behavioral Base, and every edit of it. Raises PluginError."""
-        self._wear(self.themes.get(name) or self.catalogue.theme(name), ENGLISH)
-
-    def _wear(self, theme: Theme, language: str) -> None:
-        self.themes[theme.name] = theme
-        self._put_on(theme)
-        self.theme = f"sar-{theme.name}"
-        self.theme_watch.follow(theme.name, language)
-
-    def _put_on(self, theme: Theme) -> None:
-        """Have the colours of a theme; show them, if it is the one that is worn."""
-        anew = textual_theme(theme)
-        if self.available_themes.get(anew.name) == anew:
-            return
-        self.register_theme(anew)
-        if self.theme == anew.name:
-            self.mutate_reactive(App.theme)
-
-    def look_for_edits(self, looks: bool) -> None:
-        """Look now and then whether the theme was edited; or not, because a trial is about to begin."""
-        if looks != self._looks:
-            self._looks = looks
-            if looks:
-                self._edits.resume()
-            else:
-                self._edits.pause()
-                self.clear_notifications()
-
-    def _wear_edited(self, theme: Theme) -> None:
-        self.untold = ""
-        self.themes[theme.name] = theme
-        self._put_on(theme)
-        if self._open and self._open.run.session.theme.name == theme.name:
-            self._open.run.session.wear(theme)
-
-    def _tell_editor(self, words: str) -> None:
-        """Tell whoever edits a theme; but not on the screen of a participant, where it is told when they have gone."""
-        if self._seats_participant:
-            self.untold = words
-        else:
-            self.notify(words, severity="warning", timeout=15, markup=False)
-
-    def _tell_what_waited(self) -> None:
-        if words := self.untold:
-            self.untold = ""
-            self._tell_editor(words)
-
     # --- beginning ----------------------------------------------------------------------------------------
 
     def on_mount(self) -> None:
         from sar_tui.app.screens.home import HomeScreen
 
         self._catch_signals()
-        self._edits = self.set_interval(LOOK_SECONDS, self.theme_watch.look)
+        self.look_after_themes()
         if self._begin is None:
             self.push_screen(HomeScreen())
         else:

@@ -1,0 +1,73 @@
+"""Given a session that speaks with the real engine, when its voice is killed in mid-utterance, then it goes on."""
+
+import json
+import os
+import signal
+import sys
+import time
+import wave
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
+from sar_tui.simulation.terminal import Terminal
+from tests.end_to_end.seat import rows, run_command, see_the_summary
+from tests.speech import needs_speech
+
+
+def wait_until(holds: Callable[[], bool], what: str, seconds: float = 30) -> None:
+    deadline = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < deadline, f"waited in vain until {what}"
+        time.sleep(0.05)
+
+
+def voices(parent: int) -> list[int]:
+    """The voice processes of a program."""
+    found = []
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            is_child = int((entry / "stat").read_text().rpartition(")")[2].split()[1]) == parent
+            is_voice = b"sar_tui.outputs.sound.voice" in (entry / "cmdline").read_bytes()
+        except (OSError, ValueError):  # it has ended meanwhile
+            continue
+        if is_child and is_voice:
+            found.append(int(entry.name))
+    return found
+
+
+def said(data: Path) -> list[tuple[str, str]]:
+    """What became of each utterance, in order."""
+    told = rows(data, "SELECT message FROM events WHERE topic='output/report' ORDER BY seq")
+    reports = [json.loads(message) for (message,) in told]
+    return [(report["action"], report["state"]) for report in reports if report["deed"] == "say"]
+
+
+@needs_speech
+@pytest.mark.skipif(sys.platform != "linux", reason="finds the process in /proc")
+def test_the_session_goes_on_with_a_new_voice(data: Path, tmp_path: Path) -> None:
+    spoken = tmp_path / "spoken"
+    outputs = {"outputs": "screen speech", "speech": f"file:{spoken}"}
+    with Terminal(run_command(data, prompts_per_attempt=2, attempts=1, **outputs)) as terminal:
+        terminal.wait_for("Press Enter to go on.")
+        wait_until(lambda: ("a1", "started") in said(data), "the greeting is spoken")
+        (voice,) = voices(terminal.process.pid)
+        os.kill(voice, signal.SIGKILL)
+        wait_until(lambda: ("a1", "failed") in said(data), "it is told that the voice is gone")
+        wait_until(lambda: ("a2", "started") in said(data), "another voice speaks")
+        (another,) = voices(terminal.process.pid)
+        ScriptedParticipant(terminal, random_answers(3, 120, 220)).run(2)
+        see_the_summary(terminal)
+        terminal.press("enter")
+        assert terminal.wait() == 0
+    assert another != voice
+    assert not Path(f"/proc/{another}").exists(), "no voice outlives its program"
+    assert rows(data, "SELECT status FROM sessions") == [("completed",)]
+    assert rows(data, "SELECT count(*) FROM trials") == [(2,)]
+    states = said(data)
+    assert states.index(("a1", "failed")) < states.index(("a2", "started"))
+    for file in spoken.glob("*-a2-say.wav"):
+        with wave.open(str(file)) as sound:
+            assert sound.getnframes() > sound.getframerate()
