@@ -46,6 +46,7 @@ async def _draw() -> None:
                 if "Press:" in app.export_screenshot().replace("&#160;", " "):
                     break
             _save(app, "prompt")
+        await _draw_agent(data, catalogue)
         await _draw_reaching(data, catalogue)
         past = SarTui(data, catalogue)
         async with past.run_test(size=(80, 24)) as pilot:
@@ -58,6 +59,28 @@ async def _draw() -> None:
             await pilot.pause()
             await pilot.pause()
             _save(past, "summary")
+
+
+async def _draw_agent(data: Path, catalogue: Catalogue) -> None:
+    """The agent, in the middle of its gesture after an attempt that went very well."""
+    keyboard = catalogue.task("keyboard")
+    parameters = build(keyboard.Parameters, {"prompts_per_attempt": 1})
+    clock = VirtualClock(SECOND)
+    app = SarTui(data, catalogue, Plan(keyboard, parameters, "calm", "P03", 3), clock)
+    async with app.run_test(size=(80, 24)) as pilot:
+        for key in ("enter", "enter"):
+            await _settle(pilot, clock)
+            await pilot.press(key)
+        shown = None
+        while not (shown := re.search(r"Press: (\S)", app.export_screenshot().replace("&#160;", " "))):
+            clock.advance(50 * MS)
+            await pilot.pause()
+        clock.advance(400 * MS)
+        await pilot.press(shown[1])
+        for _ in range(10):
+            clock.advance(50 * MS)
+            await pilot.pause()
+        _save(app, "agent")
 
 
 async def _draw_reaching(data: Path, catalogue: Catalogue) -> None:
