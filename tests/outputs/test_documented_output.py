@@ -2,6 +2,7 @@
 
 import os
 import re
+import select
 import sqlite3
 import sys
 import tomllib
@@ -46,17 +47,17 @@ def serial_robot(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 
 @pytest.fixture
-def line() -> Iterator[tuple[str, Callable[[], str]]]:
-    """A serial line: its path, and what has come to its far end."""
+def line() -> Iterator[tuple[str, Callable[[int], str]]]:
+    """A serial line: its path, and what comes to its far end, once so many lines of it are there."""
     near, far = os.openpty()
     tty.setraw(far)
-    os.set_blocking(near, False)
 
-    def come() -> str:
-        try:
-            return os.read(near, 65536).decode()
-        except BlockingIOError:
-            return ""
+    def come(lines: int) -> str:
+        """The system hands it over bit by bit."""
+        came = b""
+        while came.count(b"\n") < lines and select.select([near], [], [], 30)[0]:
+            came += os.read(near, 65536)
+        return came.decode()
 
     yield os.ttyname(far), come
     os.close(near)
@@ -65,7 +66,7 @@ def line() -> Iterator[tuple[str, Callable[[], str]]]:
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
 def test_it_keeps_the_contract(
-    serial_robot: ModuleType, line: tuple[str, Callable[[], str]], check: Callable[[Rig], None]
+    serial_robot: ModuleType, line: tuple[str, Callable[[int], str]], check: Callable[[Rig], None]
 ) -> None:
     rig = Rig(serial_robot.SerialRobot(line[0]), VirtualClock(), ["gesture"])
     check(rig)
@@ -73,16 +74,16 @@ def test_it_keeps_the_contract(
 
 
 def test_it_tells_the_robot_what_to_do_and_when_to_stop(
-    serial_robot: ModuleType, line: tuple[str, Callable[[], str]]
+    serial_robot: ModuleType, line: tuple[str, Callable[[int], str]]
 ) -> None:
     path, come = line
     rig = Rig(serial_robot.SerialRobot(path), VirtualClock(), ["gesture"])
     rig.ask("gesture", "one", "wave")
     rig.ask("gesture", "two", "nod")
-    assert come() == "wave 600\n"
+    assert come(1) == "wave 600\n"
     rig.clock.advance(650 * MS)  # type: ignore[attr-defined]
     rig.output.stop()
-    assert come() == "nod 400\nstill\n"
+    assert come(2) == "nod 400\nstill\n"
 
 
 def test_a_robot_that_is_not_there_fails_in_words_and_may_come_later(serial_robot: ModuleType, tmp_path: Path) -> None:
