@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 
-from sar_tui.framework.messages import Deed, Proposal
+from sar_tui.framework.messages import Action, Deed
 
 LASTING: tuple[Deed, ...] = ("say", "gesture", "gaze", "tone")
 """Deeds that take a while. Words on the screen stand until others take their place: nobody waits for them."""
@@ -16,8 +16,8 @@ class Agenda:
     """
 
     def __init__(self) -> None:
-        self._waiting: list[Proposal] = []
-        self.current: Proposal | None = None
+        self._waiting: list[Action] = []
+        self.current: Action | None = None
         self._open: set[tuple[str, Deed]] = set()
 
     @property
@@ -26,34 +26,36 @@ class Agenda:
         return self.current is not None
 
     @property
-    def waiting(self) -> tuple[Proposal, ...]:
+    def waiting(self) -> tuple[Action, ...]:
         """What waits, in the order of its turn: the more important first, then the earlier."""
-        return tuple(sorted(self._waiting, key=lambda proposal: -proposal.priority))
+        return tuple(sorted(self._waiting, key=lambda action: -action.priority))
 
-    def add(self, proposal: Proposal) -> None:
+    def add(self, action: Action) -> None:
         """Let something wait for its turn."""
-        self._waiting.append(proposal)
+        self._waiting.append(action)
 
-    def next(self, now: int) -> Proposal | None:
+    def take(self, id: str) -> Action | None:
+        """It waits no longer; None where it does not."""
+        return next(iter(self.clear(lambda action: action.id == id)), None)
+
+    def next(self, now: int) -> Action | None:
         """Whose turn it is now; None where nothing may begin yet."""
-        ready = next((proposal for proposal in self.waiting if proposal.due <= now), None)
+        ready = next((action for action in self.waiting if action.due <= now), None)
         return ready if ready and (self.current is None or self.breaks_off(ready)) else None
 
-    def breaks_off(self, proposal: Proposal) -> bool:
-        """Whether a proposal takes the place of what is under way."""
-        return (
-            self.current is not None and proposal.policy == "interrupt" and proposal.priority >= self.current.priority
-        )
+    def breaks_off(self, action: Action) -> bool:
+        """Whether an action takes the place of what is under way."""
+        return self.current is not None and action.policy == "interrupt" and action.priority >= self.current.priority
 
     def next_due(self, now: int) -> int | None:
         """When the next of what is not due yet falls due (ns), if anything is."""
-        return min((proposal.due for proposal in self._waiting if proposal.due > now), default=None)
+        return min((action.due for action in self._waiting if action.due > now), default=None)
 
-    def begin(self, proposal: Proposal, open_deeds: Iterable[tuple[str, Deed]]) -> None:
+    def begin(self, action: Action, open_deeds: Iterable[tuple[str, Deed]]) -> None:
         """Its turn has come. ``open_deeds``: which outputs do what for it; without any it is over at once."""
-        self._waiting.remove(proposal)
+        self._waiting.remove(action)
         self._open = set(open_deeds)
-        self.current = proposal if self._open else None
+        self.current = action if self._open else None
 
     def close(self, action: str, output: str, deed: Deed) -> bool:
         """An output is done with its part; True if with that the action is over."""
@@ -70,8 +72,8 @@ class Agenda:
         self._open.clear()
         self.current = None
 
-    def clear(self, gives_up: Callable[[Proposal], bool] = lambda _: True) -> tuple[Proposal, ...]:
+    def clear(self, gives_up: Callable[[Action], bool] = lambda _: True) -> tuple[Action, ...]:
         """Give up what waits, or some of it; returns that."""
         gone = tuple(filter(gives_up, self._waiting))
-        self._waiting = [proposal for proposal in self._waiting if proposal not in gone]
+        self._waiting = [action for action in self._waiting if action not in gone]
         return gone

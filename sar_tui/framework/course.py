@@ -57,6 +57,7 @@ class Course:
         self._overridden = False
         self._started = 0
         self._ended: _Ended | None = None
+        self._held: LevelChanged | None = None
         self.attempt = 1
         self.level = self._difficulty.level
         self.results: list[Result] = []
@@ -264,6 +265,23 @@ class Course:
         if not under_way:
             self.level = self._difficulty.level
         return self._change(before, "operator")
+
+    def hold(self, change: LevelChanged) -> None:
+        """A change that followed from the last attempt does not happen, or not yet: the level stays as it was."""
+        self._held = change
+        self._difficulty = difficulty.Difficulty(change.previous)
+        self.level = change.previous
+
+    def settle(self, level: int, *, under_way: bool) -> LevelChanged | None:
+        """A change that was held happens after all, to ``level``; an attempt that is under way keeps its own."""
+        held = self._held
+        reason = held.reason if held and held.level == level else "operator"
+        highest = min(self._task.parameters.max_level, self._task.levels)
+        before = self._difficulty.level
+        self._difficulty = difficulty.Difficulty(max(self._task.parameters.min_level, min(level, highest)))
+        if not under_way:
+            self.level = self._difficulty.level
+        return self._change(before, reason)
 
     def _change(self, before: int, reason: str) -> LevelChanged | None:
         after = self._difficulty.level

@@ -12,7 +12,7 @@ _LONG = 60
 """Letters of a value that a problem quotes."""
 
 
-def meta(title: str, unit: str = "", help: str = "", takes: str = "", **bounds: Any) -> Meta:
+def meta(title: str, unit: str = "", help: str = "", takes: str = "", group: str = "", **bounds: Any) -> Meta:
     """Describe a parameter for the people who set it.
 
     Args:
@@ -20,9 +20,10 @@ def meta(title: str, unit: str = "", help: str = "", takes: str = "", **bounds: 
         unit: its unit, shown beside the field.
         help: one or two plain sentences.
         takes: of a text, what it may be, in words: "a code of small letters, such as en".
+        group: the heading on the settings form under which it stands; a task's own need none.
         bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``.
     """
-    return Meta(title=title, description=help or None, extra={"unit": unit, "takes": takes}, **bounds)
+    return Meta(title=title, description=help or None, extra={"unit": unit, "takes": takes, "group": group}, **bounds)
 
 
 class ParameterError(ValueError):
@@ -148,6 +149,52 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
         str,
         meta("Speech goes to", help="sound: the loudspeaker. file:FOLDER: a WAV for each utterance.", max_length=500),
     ] = "sound"
+    operator_feedback: Annotated[
+        Literal["autonomous", "veto", "approve", "manual"],
+        meta("Feedback is", help="With an operator: autonomous, the agent gives it; veto, unless it is stopped in "
+             "time; approve, on a key; manual, the operator alone.", group="Operator"),
+    ] = "autonomous"  # fmt: skip
+    operator_encouragement: Annotated[
+        Literal["autonomous", "veto", "approve", "manual"],
+        meta("Encouragement is", help="As for feedback; also reminders of rest.", group="Operator"),
+    ] = "autonomous"
+    operator_instruction: Annotated[
+        Literal["autonomous", "veto", "approve", "manual"],
+        meta("Instructions are", help="As for feedback; also greeting and goodbye.", group="Operator"),
+    ] = "autonomous"
+    operator_gesture: Annotated[
+        Literal["autonomous", "veto", "approve", "manual"],
+        meta("Gestures are", help="As for feedback; autonomous: they go with their words.", group="Operator"),
+    ] = "autonomous"
+    operator_difficulty: Annotated[
+        Literal["autonomous", "veto", "approve", "manual"],
+        meta("Changes of level are", help="As for feedback.", group="Operator"),
+    ] = "autonomous"
+    operator_time_ms: Annotated[
+        int,
+        meta("Time to decide", "ms", "How long veto and approve wait. With a feedback delay, feedback waits for that.",
+             group="Operator", ge=200, le=120_000),
+    ] = 4000  # fmt: skip
+    operator_timeout: Annotated[
+        Literal["act", "drop"],
+        meta("After that, approve", help="act: the agent goes on as if it were alone. drop: nothing is said.",
+             group="Operator"),
+    ] = "act"  # fmt: skip
+    operator_lost: Annotated[
+        Literal["autonomous", "silent"],
+        meta("Without an operator", help="If none is there, or none is heard any more. silent: what would need one "
+             "is left out.", group="Operator"),
+    ] = "autonomous"  # fmt: skip
+    operator_lost_ms: Annotated[
+        int,
+        meta("Operator is lost after", "ms", "Without a sign of life from the operator's program.",
+             group="Operator", ge=500, le=60_000),
+    ] = 2000  # fmt: skip
+    filler: Annotated[
+        Literal["operator", "always", "never"],
+        meta("Filler", help="A word after a second without an answer that is due. operator: while one decides; always: "
+             "also while a feedback delay passes, so that it does not tell the two apart.", group="Operator"),
+    ] = "operator"  # fmt: skip
     response_timeout_ms: Annotated[
         int,
         meta(
@@ -223,6 +270,7 @@ class Field(msgspec.Struct, frozen=True):
     takes: str = ""
     least: int | None = None
     most: int | None = None
+    group: str = ""
 
     @property
     def bounds(self) -> str:
@@ -274,15 +322,16 @@ def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
 
 def _field(field: inspect.Field) -> Field:
     kind = field.type
-    title, help, unit, takes = field.name.replace("_", " ").capitalize(), "", "", ""
+    title, help, unit, takes, group = field.name.replace("_", " ").capitalize(), "", "", "", ""
     while isinstance(kind, inspect.Metadata):
         schema = kind.extra_json_schema or {}
         title = schema.get("title", title)
         help = schema.get("description", help)
         unit = (kind.extra or {}).get("unit", unit)
         takes = (kind.extra or {}).get("takes", takes)
+        group = (kind.extra or {}).get("group", group)
         kind = kind.type
-    declared: dict[str, Any] = {"name": field.name, "title": title, "unit": unit, "help": help}
+    declared: dict[str, Any] = {"name": field.name, "title": title, "unit": unit, "help": help, "group": group}
     declared["default"] = field.default_factory() if field.default is msgspec.NODEFAULT else field.default
     match kind:
         case inspect.IntType(ge=ge, le=le):

@@ -152,5 +152,5 @@ def core_nodes(task: Task, theme: Theme, seed: int) -> tuple[Node, ...]:
         Memory(),
         EventHandler(task, seed, (*VITAL, *(node.name for node in perception))),
         ActionCenter(task, theme, seed),
-        Arbiter(),
+        Arbiter(task.parameters, theme),
     )

@@ -14,6 +14,7 @@ SITUATIONS: dict[str, set[str]] = {
     "welcome_back": set(),
     "encouragement": set(),
     "rest": set(),
+    "filler": set(),
     "goodbye": set(),
     "goodbye_early": set(),
     # knowledge of results, in words; how far from the goal sets the degree

@@ -77,6 +77,8 @@ MANNERS: dict[str, Manner] = {
     "instruction": Manner("speaking", "", "up"),
     "encouragement": Manner("encouraging", "lean_in"),
     "rest": Manner("sleeping", "rest"),
+    "filler": Manner("thinking", "", "up"),
+    "remark": Manner(),
     "goodbye": Manner("happy", "wave"),
     "goodbye_early": Manner("encouraging"),
     "positive_slight": Manner("happy", "nod", tone="success"),

@@ -3,10 +3,8 @@
 import threading
 from collections import deque
 from collections.abc import Callable
-from datetime import UTC, datetime
 from typing import Any, ClassVar
 
-import msgspec
 import sqlite_utils
 
 from sar_tui.framework import messages as m
@@ -14,40 +12,13 @@ from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.topics import STORAGE, STORED
 from sar_tui.store import imu
 from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.rows import SQL, rows_of
 
 BATCH_SECONDS = 0.1
 """How long a message that is no trial may wait for the disk."""
 RETRY_SECONDS = 1.0
 """How often a disk that refused is asked again."""
 _NO_WAITING = "Waiting will hardly help: end the session, and what was saved before is kept."
-
-Rows = dict[str, list[tuple[Any, ...]]]
-
-_SQL = {
-    "events": "INSERT INTO events (session, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)",
-    "trials": (
-        "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, correct, onset_ns, response_ns,"
-        " reaction_time_ms, timing, details) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)"
-    ),
-    "marks": (
-        "UPDATE trials SET correct=?, details=json_set(details, '$.mark', ?)"
-        " WHERE session=? AND attempt=? AND trial=? AND seat=?"
-    ),
-    "streams": imu.INSERT_STREAM,
-    "chunks": imu.INSERT_CHUNK,
-    "attempts": (
-        "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, metric, metric_unit, accuracy,"
-        " correct, trials, outcome, feedback, started_ns, ended_ns, goal, qualities, choice)"
-        " VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
-    ),
-    "proposals": "INSERT INTO actions (session, id, kind, proposed, proposed_ns) VALUES (?,?,?,?,?)",
-    "decisions": "UPDATE actions SET final=?, decision=?, actor=?, decided_ns=? WHERE session=? AND id=?",
-    "drops": "UPDATE actions SET decision='dropped', actor=?, decided_ns=? WHERE session=? AND id=?",
-    "starts": "UPDATE actions SET started_ns=MIN(?, COALESCE(started_ns, 9e18)) WHERE session=? AND id=?",
-    "ends": "UPDATE actions SET ended_ns=MAX(?, COALESCE(ended_ns, 0)) WHERE session=? AND id=?",
-    "closings": "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
-}
-"""What is done with the rows of a batch, in this order."""
 
 
 class Recorder:
@@ -144,10 +115,10 @@ class Recorder:
             return
         records = [record for cascade in list(self._queue)[:count] for record in cascade]
         try:
-            rows = _rows(self._session, self._run, [record for record in records if not record.topic.stream])
+            rows = rows_of(self._session, self._run, [record for record in records if not record.topic.stream])
             rows["streams"], rows["chunks"], streams = self._streams.rows(records)
             with transaction(self._database) as connection:
-                for kind, statement in _SQL.items():
+                for kind, statement in SQL.items():
                     if rows[kind]:
                         connection.executemany(statement, rows[kind])
         except StoreError:
@@ -160,46 +131,3 @@ class Recorder:
         for record in records:
             if isinstance(trial := record.message, m.TrialEnded):
                 self._bus.post(STORED, m.Stored(seat=trial.seat, attempt=trial.attempt, trial=trial.trial))
-
-
-_json = msgspec.json.Encoder()
-
-
-def _text(value: object) -> str:
-    return _json.encode(value).decode()
-
-
-def _rows(session: str, run: int, records: list[Record]) -> Rows:
-    """The rows that messages become."""
-    rows: Rows = {kind: [] for kind in _SQL}
-    for record in records:
-        rows["events"].append((session, record.seq, run, record.at, record.topic.name, _text(record.message)))
-        match record.message:
-            case m.TrialEnded() as t:
-                here = (session, t.attempt, t.trial, t.seat)  # marks given before are in the row already
-                rows["marks"] = [mark for mark in rows["marks"] if mark[2:] != here]
-                rows["trials"].append(
-                    (session, t.attempt, t.trial, t.seat, run, t.stimulus, t.response, t.correct, t.onset,
-                     t.response_at, t.reaction_time_ms, _text(t.timing), _text(t.details))
-                )  # fmt: skip
-            case m.TrialMarked() as k:
-                rows["marks"].append((k.correct, k.mark or None, session, k.attempt, k.trial, k.seat))
-            case m.AttemptEnded() as a:
-                rows["attempts"].append(
-                    (session, a.attempt, a.seat, run, a.practice, a.level, a.metric, a.metric_unit, a.accuracy,
-                     a.correct, a.trials, a.outcome, a.feedback, a.started, a.ended, a.goal, _text(a.qualities),
-                     _text(a.choice))
-                )  # fmt: skip
-            case m.Proposal() as p:
-                rows["proposals"].append((session, p.id, p.kind, _text(p), record.at))
-            case m.Action() as a:
-                rows["decisions"].append((_text(a), a.decision, a.actor, record.at, session, a.id))
-            case m.Dropped() as d:
-                rows["drops"].append(("stop" if d.reason == "stopped" else "agent", record.at, session, d.id))
-            case m.OutputReport(state="started") as r:
-                rows["starts"].append((r.at, session, r.action))
-            case m.OutputReport(state="done" | "aborted" | "failed") as r:
-                rows["ends"].append((r.at, session, r.action))
-            case m.SessionEnded() as e:
-                rows["closings"].append((e.status, datetime.now(UTC).isoformat(), session))
-    return rows

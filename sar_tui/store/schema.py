@@ -5,7 +5,7 @@ import sqlite_utils
 migrations = sqlite_utils.Migrations("sar-tui")
 """One function a version, in order; never changed once released."""
 
-VERSION = 3
+VERSION = 4
 """The number of migrations, kept in ``PRAGMA user_version``."""
 
 
@@ -166,3 +166,12 @@ def version_2(db: sqlite_utils.Database) -> None:
 def version_3(db: sqlite_utils.Database) -> None:
     """Whether an attempt was answered, why, and how."""
     db["attempts"].add_column("choice", str)  # type: ignore[union-attr]
+
+
+@migrations()
+def version_4(db: sqlite_utils.Database) -> None:
+    """How a proposal was decided, and when an operator saw it; event marks."""
+    actions = db["actions"]
+    for name, kind in {"mode": str, "ground": str, "reason": str, "shown_ns": int, "deadline_ns": int}.items():
+        actions.add_column(name, kind)  # type: ignore[union-attr]
+    db["notes"].add_column("label", str)  # type: ignore[union-attr]

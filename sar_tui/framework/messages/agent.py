@@ -2,7 +2,17 @@
 
 from typing import Literal
 
-from sar_tui.framework.messages.base import Deed, Degree, Kind, Message, Policy, Valence
+from sar_tui.framework.messages.base import (
+    Deed,
+    Degree,
+    Ground,
+    Kind,
+    Message,
+    Mode,
+    Policy,
+    Ruled,
+    Valence,
+)
 
 
 class Saying(Message, frozen=True, kw_only=True):
@@ -36,26 +46,82 @@ class Proposal(Saying, frozen=True, kw_only=True):
 
 
 class Action(Saying, frozen=True, kw_only=True):
-    """What is said, and who decided it."""
+    """What is said, who decided it, in what mode, on what ground and when (``decided``, ns; 0: when its turn came).
 
+    ``decision``: ``accepted`` (as proposed), ``edited``, ``initiated`` (an operator's own).
+    """
+
+    decision: Literal["accepted", "edited", "initiated"]
+    actor: str
+    mode: Mode = "autonomous"
+    ground: Ground = "mode"
+    decided: int = 0
+
+
+class Offer(Message, frozen=True, kw_only=True):
+    """A proposal waits for an operator.
+
+    ``deadline`` (ns): when it is decided without one, as ``otherwise`` says; None where it waits for as long as the
+    session stands still. ``level``: what the level would be, of one that would change it.
+    """
+
+    proposal: Proposal
+    mode: Mode
+    deadline: int | None = None
+    otherwise: Literal["act", "drop"] = "drop"
+    level: int | None = None
+
+
+class LevelRuled(Message, frozen=True, kw_only=True):
+    """A change of level that waited for an operator is decided: ``level`` is that of the next attempt.
+
+    ``decision``: ``accepted``, ``edited`` (to another than was proposed), ``rejected`` (it stays).
+    """
+
+    id: str
+    level: int
     decision: Literal["accepted", "edited", "rejected"]
     actor: str
+    ground: Ground
+    at: int
+
+
+class Standing(Message, frozen=True, kw_only=True):
+    """How the arbiter stands, whole, after each change: what an operator who has just come has to know.
+
+    ``modes``: as they are set; ``operated``: whether there is an operator, so that they hold. ``offers`` wait for one;
+    ``queued`` is decided and waits for its turn; ``current`` is under way.
+    """
+
+    modes: dict[Ruled, Mode]
+    operated: bool
+    offers: tuple[Offer, ...] = ()
+    queued: tuple[Action, ...] = ()
+    current: Action | None = None
+
+
+class Stalling(Message, frozen=True, kw_only=True):
+    """An answer (``id``) has been owed for a while: something may cover the wait."""
+
+    id: str
 
 
 class Dropped(Message, frozen=True, kw_only=True):
     """A proposal came to nothing: ``late`` (the session had gone on), ``stopped`` (by the stop key), ``amended`` (the
-    attempt was scored anew before its answer was given).
+    attempt was scored anew before its answer was given), ``vetoed`` (by ``actor``), ``expired`` (nobody decided in
+    time), ``no operator`` (there was none to decide), ``manual`` (only the operator acts).
     """
 
     id: str
-    reason: Literal["late", "stopped", "amended"]
+    reason: Literal["late", "stopped", "amended", "vetoed", "expired", "no operator", "manual"]
+    actor: str = "agent"
 
 
 class Halt(Message, frozen=True, kw_only=True):
     """Outputs: be still. ``action``: which (empty: all); ``asked``: since when (ns)."""
 
     action: str = ""
-    reason: Literal["stopped", "interrupted", "left"]
+    reason: Literal["stopped", "interrupted", "left", "vetoed"]
     asked: int
 
 
@@ -68,6 +134,10 @@ class OutputOpened(Message, frozen=True, kw_only=True):
 
 
 class AgentActing(Message, frozen=True, kw_only=True):
-    """Whether the agent speaks or moves, so that no prompt is shown meanwhile."""
+    """Whether the agent speaks or moves, so that no prompt is shown meanwhile.
+
+    ``owing``: an operator decides on an answer, or on the level, within a set time: the session waits for that.
+    """
 
     acting: bool
+    owing: bool = False

@@ -9,7 +9,29 @@ Degree = Literal["slight", "clear", "strong"]
 Schedule = Literal["every", "faded", "bandwidth", "summary", "request", "none"]
 Form = Literal["qualitative", "quantitative", "both"]
 Reference = Literal["last attempt", "best attempt", "session's mean", "goal"]
-Kind = Literal["greeting", "instruction", "encouragement", "feedback", "rest", "goodbye"]
+Kind = Literal[
+    "greeting",
+    "instruction",
+    "encouragement",
+    "feedback",
+    "rest",
+    "goodbye",
+    "filler",
+    "gesture",
+    "difficulty",
+    "remark",
+]
+"""``filler``: covers a wait; ``gesture``: one that is ruled on apart from its words; ``remark``: an operator's own."""
+Ruled = Literal["feedback", "encouragement", "instruction", "gesture", "difficulty"]
+"""What an operator may rule over, each in a mode of its own. Greeting and goodbye go with instructions, rest with
+encouragement."""
+Mode = Literal["autonomous", "veto", "approve", "manual"]
+"""``autonomous``: acts; ``veto``: acts after a while unless stopped; ``approve``: acts only on a key; ``manual``: only
+the operator acts."""
+Role = Literal["operator", "observer"]
+Ground = Literal["mode", "operator", "deadline", "no operator"]
+"""On what ground a proposal was decided: its kind is the agent's own; an operator did; nobody did in time; nobody was
+there."""
 Policy = Literal["queue", "interrupt", "drop"]
 Deed = Literal["say", "show", "gesture", "gaze", "tone"]
 DeedState = Literal["queued", "started", "done", "aborted", "failed"]

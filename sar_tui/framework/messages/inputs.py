@@ -9,7 +9,8 @@ from sar_tui.framework.theme import Theme
 class SessionStarted(Message, frozen=True, kw_only=True):
     """A run of the program begins on a session. ``run`` counts from 1; above 1 the session is resumed.
 
-    ``best``: the participant's best results of earlier sessions, by level (as text).
+    ``best``: the participant's best results of earlier sessions, by level (as text); ``others_best``: those of who sits
+    at the other seats, by seat. ``names``: what the agent calls who sits where, by seat, if that is not the seat.
     """
 
     run: int
@@ -17,6 +18,8 @@ class SessionStarted(Message, frozen=True, kw_only=True):
     theme: str
     seed: int
     best: dict[str, float] = {}
+    others_best: dict[str, dict[str, float]] = {}
+    names: dict[str, str] = {}
 
 
 class ThemeWorn(Message, frozen=True, kw_only=True):

@@ -56,7 +56,8 @@ class Waiting(Message, frozen=True, kw_only=True):
     moment), ``foreperiod``, ``storage`` (the disk), ``response``, ``resume`` (paused), ``sensor`` (it has come loose),
     ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
     ``trial``, ``answer``, ``paused``, ``review`` (all attempts are done), ``ended``, ``broken`` (something failed).
-    ``attempt_name`` is the attempt in words, "attempt 3 of 20"; ``goal`` what it aims at, but for trials.
+    ``attempt_name`` is the attempt in words, "attempt 3 of 20"; ``goal`` what it aims at, but for trials. ``seat``: whose
+    turn it is; empty: everybody's, or not known before the prompt.
     ``notice`` is what the participant has to know first: another level, a trial that has to be done again.
     ``reason``, when paused: how the person is (see `Operator`), ``interrupted`` (the program had ended),
     ``storage`` (the disk refuses; also at the end), ``restored`` (it no longer does), ``sensor`` (nothing comes from
@@ -105,7 +106,9 @@ class Prompt(Message, frozen=True, kw_only=True):
 
     ``expected`` is the key that answers it (empty where any will do); ``presentation`` counts how often this
     trial was shown (a pause repeats it); ``timeout`` is how long a response is awaited, in ns; ``started`` when the
-    participant started the trial, None where trials come by themselves.
+    participant started the trial, None where trials come by themselves. ``seat``: whose it is; empty: everybody's.
+    ``halves``: what stands in the left and in the right half of the screen, in place of the glyph. ``cue``: to which
+    side the agent looked or pointed before.
     """
 
     attempt: int
@@ -120,6 +123,27 @@ class Prompt(Message, frozen=True, kw_only=True):
     choices: int
     timeout: int
     started: int | None = None
+    halves: tuple[str, ...] = ()
+    cue: str = ""
+
+
+class CueGiven(Message, frozen=True, kw_only=True):
+    """Shortly before a prompt the agent looks or points to a side: outputs do it now, out of any turn.
+
+    ``gaze`` (one of `theme.GAZES`) and ``gesture`` are empty where there is none.
+    """
+
+    attempt: int
+    trial: int
+    presentation: int
+    side: Literal["left", "right"]
+    gaze: str = ""
+    gesture: str = ""
+
+    @property
+    def id(self) -> str:
+        """What outputs call it in their reports."""
+        return f"cue-{self.attempt}-{self.trial}-{self.presentation}"
 
 
 class PromptVoided(Message, frozen=True, kw_only=True):
@@ -136,8 +160,8 @@ class Timing(msgspec.Struct, frozen=True):
 
     ``handler_delay_ms``: from the key's stamp to its handling. ``loop_lag_ms``: how late the loop was at its
     worst while the response was awaited. ``false_starts``: keys pressed in the foreperiod, which began it anew.
-    ``flags``: ``anticipation``, ``focus_lost``, ``paste``, ``repeat_key``, ``late_key``, ``skipped``,
-    ``onset_refresh``.
+    ``flags``: ``anticipation``, ``focus_lost``, ``paste``, ``repeat_key``, ``late_key``, ``other_seat`` (a key of
+    somebody whose turn it was not), ``skipped``, ``onset_refresh``.
     """
 
     onset_source: str
@@ -235,21 +259,22 @@ class Feedback(Message, frozen=True, kw_only=True):
     """The agent owes the participant an answer to an attempt.
 
     ``reason``: ``goal`` (reached), ``missed``, ``band`` (about the goal), ``accuracy`` (too low), ``empty``
-    (no response could be timed); ``remark``: what the task has to say of the last two. ``reached``: how many
-    attempts reached their goal, of those it sums up; then ``metric`` and ``goal`` are means. ``due``: when it is to be
-    given (ns); ``choice``: how, and why.
+    (no response could be timed); ``remark``: what the task has to say of the last two. Of a race: ``won``, ``lost``,
+    ``drawn``, and how many trials of it were ``won``. ``reached``: how many attempts reached their goal, of those it
+    sums up; then ``metric`` and ``goal`` are means. ``due``: when it is to be given (ns); ``choice``: how, and why.
     """
 
     attempt: int
     level: int
     valence: Valence
-    reason: Literal["goal", "missed", "band", "accuracy", "empty"]
+    reason: Literal["goal", "missed", "band", "accuracy", "empty", "won", "lost", "drawn"]
     metric: float | None
     goal: float
     accuracy: float | None
     correct: int
     trials: int
     reached: int
+    won: int | None = None
     qualities: dict[str, float] = {}
     remark: str = ""
     due: int = 0
@@ -270,6 +295,12 @@ class Fault(Message, frozen=True, kw_only=True):
     error: str
     place: str = ""
     trace: str
+
+
+class Ruling(Message, frozen=True, kw_only=True):
+    """The answer to a change of level: whether it happens now, or waits for an operator, or does not happen."""
+
+    happens: bool
 
 
 class Recall(Message, frozen=True, kw_only=True):

@@ -13,6 +13,7 @@ from sar_tui.framework.messages import (
     Recall,
     SessionEnded,
     SessionStarted,
+    Stalling,
     ThemeWorn,
     Waiting,
 )
@@ -20,7 +21,7 @@ from sar_tui.framework.node import Node, on
 from sar_tui.framework.policies import encouragement
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import FEEDBACK, PROPOSED, RECALL, SESSION, SESSION_ENDED, THEME, WAITING
+from sar_tui.framework.topics import FEEDBACK, PROPOSED, RECALL, SESSION, SESSION_ENDED, STALLING, THEME, WAITING
 
 
 class _Rule(NamedTuple):
@@ -37,8 +38,10 @@ RULES: dict[Kind, _Rule] = {
     "encouragement": _Rule(20, "drop"),
     "rest": _Rule(10, "drop"),
     "goodbye": _Rule(10, "queue"),
+    "filler": _Rule(45, "drop"),
 }
-"""Feedback breaks off what is less important; what only helps is left out when it comes late; the goodbye is last."""
+"""Feedback breaks off what is less important; what only helps is left out when it comes late; the goodbye is last. A
+filler has begun when the answer comes, and is heard out."""
 
 
 class ActionCenter(Node):
@@ -87,6 +90,11 @@ class ActionCenter(Node):
             due=feedback.due,
         )
 
+    @on(STALLING)
+    def cover(self, stalling: Stalling) -> None:
+        """An answer is long in coming."""
+        self._propose("filler", self._words("filler"), seat=stalling.seat)
+
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
         """Between attempts there is time for more: what to do, a kind word, a rest."""
@@ -111,6 +119,7 @@ class ActionCenter(Node):
         text: str,
         manner: str = "",
         *,
+        seat: str = "A",
         spoken: str | None = None,
         valence: str | None = None,
         degree: str | None = None,
@@ -124,6 +133,7 @@ class ActionCenter(Node):
         self.emit(
             PROPOSED,
             Proposal(
+                seat=seat,
                 id=f"a{self._words.count}",
                 kind=kind,
                 text=text,

@@ -17,9 +17,11 @@ from sar_tui.framework.topics import (
     ATTEMPT_STARTED,
     FEEDBACK,
     LEVEL,
+    LEVEL_RULED,
     MARKED,
     OPERATOR,
     PROMPT,
+    RULE,
     SENSOR,
     SESSION,
     SESSION_ENDED,
@@ -51,6 +53,8 @@ class EventHandler(Trials):
         SESSION_ENDED,
     )
 
+    asks = (RULE,)
+
     def __init__(self, task: Task, seed: int, vital: Collection[str] = VITAL) -> None:
         super().__init__(task)
         self.vital = vital
@@ -62,6 +66,7 @@ class EventHandler(Trials):
         self._obstacles = Obstacles(needs_sensor=bool(task.sensors))
         self._after_answer = Phase.READY
         self._answer_due = 0
+        self._is_owing = False
         self._told_level = 0
         self._status: Literal["completed", "aborted"] = "completed"
 
@@ -75,6 +80,7 @@ class EventHandler(Trials):
         self._focused = True
         self._is_agent_acting = False
         self._answer_due = 0
+        self._is_owing = False
         self.cancel_timers()
         self._stored = self._last_trial
         self._obstacles.begin_run()
@@ -229,11 +235,21 @@ class EventHandler(Trials):
             self._wait(Phase.ANSWER)
             self.set_timer("answer", self._answer_due)
         else:
-            self._wait(self._after_answer)
+            self._wait(Phase.ANSWER if self._is_owing else self._after_answer)
+
+    def agent_acted(self, agent: m.AgentActing) -> None:
+        """While an operator decides, it is as if the answer came after a delay."""
+        super().agent_acted(agent)
+        self._is_owing = agent.owing
+        if agent.owing and self._phase in (Phase.READY, Phase.REVIEW):
+            self._after_answer = self._phase
+            self._wait(Phase.ANSWER)
+        elif not agent.owing and self._phase is Phase.ANSWER:
+            self._await_answer()
 
     def timer(self, name: str, late: int) -> None:
         if name == "answer":
-            self._wait(self._after_answer)
+            self._await_answer()
         else:
             super().timer(name, late)
 
@@ -245,9 +261,22 @@ class EventHandler(Trials):
             self._wait(self._phase)
 
     def _tell(self, scored: Scored) -> None:
+        """The attempt; and the level that follows from it, if no operator has to be asked first."""
         self.emit(ATTEMPT_ENDED, scored.ended)
-        if scored.level:
+        if scored.level and self.ask(RULE, scored.level).happens:
             self.emit(LEVEL, scored.level)
+        elif scored.level:
+            self._course.hold(scored.level)
+
+    @on(LEVEL_RULED)
+    def level_ruled(self, ruled: m.LevelRuled) -> None:
+        """A change of level that waited is decided; one that is not to be leaves the level as it is."""
+        if ruled.decision == "rejected" or self._phase in OVER:
+            return
+        if changed := self._course.settle(ruled.level, under_way=self._is_under_way):
+            self.emit(LEVEL, changed)
+        if self._phase is Phase.READY:
+            self._wait(Phase.READY)
 
     def _set_level(self, level: int) -> None:
         if changed := self._course.set_level(level, under_way=self._is_under_way):

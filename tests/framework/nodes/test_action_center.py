@@ -203,9 +203,15 @@ def test_what_is_spoken_has_its_units_in_full(calm: Theme) -> None:
 
 
 def test_what_only_helps_gives_way_and_what_counts_does_not(calm: Theme) -> None:
-    assert {kind for kind, rule in RULES.items() if rule.policy == "drop"} == {"instruction", "encouragement", "rest"}
+    assert {kind for kind, rule in RULES.items() if rule.policy == "drop"} == {
+        "instruction",
+        "encouragement",
+        "rest",
+        "filler",
+    }
     assert {kind for kind, rule in RULES.items() if rule.policy == "interrupt"} == {"feedback"}
-    helps = max(rule.priority for rule in RULES.values() if rule.policy == "drop")
+    helps = max(rule.priority for kind, rule in RULES.items() if rule.policy == "drop" and kind != "filler")
+    assert RULES["filler"].priority > RULES["feedback"].priority  # it is heard out
     assert helps < RULES["greeting"].priority < RULES["feedback"].priority
     assert min(RULES, key=lambda kind: RULES[kind].priority) in ("goodbye", "rest")
     agent = Agent(Lift, calm)

@@ -11,6 +11,7 @@ from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.nodes.arbiter import PATIENCE, PER_CHARACTER, Arbiter
+from sar_tui.framework.parameters import TaskParameters, build
 from sar_tui.framework.topics import (
     ACTING,
     ACTION,
@@ -54,12 +55,15 @@ class Teller(Node):
 class Floor:
     """An arbiter, and outputs that can do this and that: they report what a test has them report."""
 
-    def __init__(self, outputs: dict[str, tuple[m.Deed, ...]] | None = None, extra: tuple[Node, ...] = ()) -> None:
+    def __init__(
+        self, outputs: dict[str, tuple[m.Deed, ...]] | None = None, extra: tuple[Node, ...] = (), **settings: object
+    ) -> None:
+        parameters = build(TaskParameters, settings)
         self.clock = VirtualClock(SECOND)
         self.bus = Bus(self.clock)
         self.records: list[Record] = []
         self.bus.tap(self.records.extend)
-        for node in (Teller(), Arbiter(), *extra):
+        for node in (Teller(), Arbiter(parameters, BARE), *extra):
             node.attach(self.bus)
         self.begin(outputs or {})
 

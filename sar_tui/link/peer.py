@@ -1,0 +1,95 @@
+"""What crosses the link, and what a panel needs of it: whoever watches or steers a session from another program."""
+
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple, Protocol, TypeVar
+
+import msgspec
+
+from sar_tui.framework.bus import Topic
+from sar_tui.framework.messages import Message, Role
+
+M = TypeVar("M", bound=Message)
+
+
+class Frame(NamedTuple):
+    """A message of the session's bus as it crosses the link: its number, the time of its cascade (ns), its topic."""
+
+    seq: int
+    at: int
+    topic: Topic[Any]
+    message: Message
+
+
+class MarkKey(msgspec.Struct, frozen=True):
+    """A therapist's mark: its name, and what it is called."""
+
+    name: str
+    title: str
+
+
+class Welcome(msgspec.Struct, frozen=True):
+    """What a session tells a peer that has just come: what it is, and how it stands.
+
+    ``link``: the link's id; ``name`` and ``role``: who the peer is to the session. ``unit`` and ``decimals``: of the
+    metric. ``parameters``: of the task, as plain values. The frames of kept topics and of what happened last follow.
+    """
+
+    link: str
+    session: str
+    task: str
+    title: str
+    participants: dict[str, str]
+    name: str
+    role: Role
+    unit: str
+    decimals: int
+    levels: int
+    attempts: int
+    trials: int
+    marks: tuple[MarkKey, ...] = ()
+    parameters: dict[str, Any] = {}
+
+
+class Trace(msgspec.Struct, frozen=True):
+    """How fast a hand turns, for an eye to follow: ``rates`` in rad/s, ``hz`` of them a second, up to ``at`` (ns)."""
+
+    seat: str
+    at: int
+    hz: float
+    rates: tuple[float, ...]
+
+
+class Connection(NamedTuple):
+    """How the link is: ``state``, and why. ``away``: over, and it will not come back."""
+
+    state: Literal["connecting", "connected", "lost", "away"]
+    why: str = ""
+
+
+Heard = Welcome | list[Frame] | Trace | Connection
+"""What a peer is told, in order, on the thread of the loop that it was made on."""
+
+
+class Peer(Protocol):
+    """A link to a session, from another program. Made with a function that hears what comes."""
+
+    name: str
+    role: Role
+
+    def send(self, topic: Topic[M], message: M) -> None:
+        """Send an act: one of the ``operator/`` topics. The session puts in who it was, and checks everything.
+
+        ``at`` of the message is on the session's clock: see ``now``.
+        """
+
+    def take_baton(self) -> None:
+        """Hold the baton from here on, whoever has it."""
+
+    def now(self) -> int:
+        """The session's clock (ns), as well as it is known: read off the same host's, or estimated from pings."""
+
+    def close(self) -> None:
+        """Say goodbye, and let go."""
+
+
+Hear = Callable[[Heard], None]

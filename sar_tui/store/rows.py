@@ -1,0 +1,127 @@
+"""The rows that messages become, and the statements that write them."""
+
+from datetime import UTC, datetime
+from typing import Any
+
+import msgspec
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.bus import Record
+from sar_tui.store import imu
+
+Rows = dict[str, list[tuple[Any, ...]]]
+
+SQL = {
+    "events": "INSERT INTO events (session, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)",
+    "trials": (
+        "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, correct, onset_ns, response_ns,"
+        " reaction_time_ms, timing, details) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)"
+    ),
+    "marks": (
+        "UPDATE trials SET correct=?, details=json_set(details, '$.mark', ?)"
+        " WHERE session=? AND attempt=? AND trial=? AND seat=?"
+    ),
+    "streams": imu.INSERT_STREAM,
+    "chunks": imu.INSERT_CHUNK,
+    "attempts": (
+        "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, metric, metric_unit, accuracy,"
+        " correct, trials, outcome, feedback, started_ns, ended_ns, goal, qualities, choice)"
+        " VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
+    ),
+    "proposals": "INSERT INTO actions (session, id, kind, proposed, proposed_ns) VALUES (?,?,?,?,?)",
+    "offers": (
+        "INSERT INTO actions (session, id, kind, proposed, proposed_ns, mode, deadline_ns) VALUES (?,?,?,?,?,?,?)"
+        " ON CONFLICT DO UPDATE SET mode=excluded.mode, deadline_ns=excluded.deadline_ns"
+    ),
+    "seen": "UPDATE actions SET shown_ns=MIN(?, COALESCE(shown_ns, 9e18)) WHERE session=? AND id=?",
+    "decisions": (
+        "INSERT INTO actions (session, id, kind, final, decision, actor, decided_ns, mode, ground)"
+        " VALUES (?,?,?,?,?,?,?,?,?) ON CONFLICT DO UPDATE SET final=excluded.final, decision=excluded.decision,"
+        " actor=excluded.actor, decided_ns=excluded.decided_ns, mode=excluded.mode, ground=excluded.ground"
+    ),
+    "drops": (
+        "UPDATE actions SET final=NULL, decision=?, actor=?, decided_ns=?, reason=?, mode=COALESCE(mode, 'autonomous'),"
+        " ground=? WHERE session=? AND id=?"
+    ),
+    "rulings": ("UPDATE actions SET final=?, decision=?, actor=?, decided_ns=?, ground=? WHERE session=? AND id=?"),
+    "notes": "INSERT INTO notes (session, at_ns, author, text, label) VALUES (?,?,?,?,?)",
+    "starts": "UPDATE actions SET started_ns=MIN(?, COALESCE(started_ns, 9e18)) WHERE session=? AND id=?",
+    "ends": "UPDATE actions SET ended_ns=MAX(?, COALESCE(ended_ns, 0)) WHERE session=? AND id=?",
+    "closings": "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
+}
+"""What is done with the rows of a batch, in this order."""
+
+_json = msgspec.json.Encoder()
+
+
+def _text(value: object) -> str:
+    return _json.encode(value).decode()
+
+
+def rows_of(session: str, run: int, records: list[Record]) -> Rows:
+    """The rows that messages become, by the statement that takes them."""
+    rows: Rows = {kind: [] for kind in SQL}
+    for record in records:
+        rows["events"].append((session, record.seq, run, record.at, record.topic.name, _text(record.message)))
+        _add_attempts(rows, session, run, record.message)
+        _add_actions(rows, session, record.at, record.message)
+        match record.message:
+            case m.Noted() as n:
+                rows["notes"].append((session, n.at or record.at, n.actor, n.text, n.label))
+            case m.SessionEnded() as e:
+                rows["closings"].append((e.status, datetime.now(UTC).isoformat(), session))
+    return rows
+
+
+def _add_attempts(rows: Rows, session: str, run: int, message: m.Message) -> None:
+    match message:
+        case m.TrialEnded() as t:
+            here = (session, t.attempt, t.trial, t.seat)  # marks given before are in the row already
+            rows["marks"] = [mark for mark in rows["marks"] if mark[2:] != here]
+            rows["trials"].append(
+                (session, t.attempt, t.trial, t.seat, run, t.stimulus, t.response, t.correct, t.onset,
+                 t.response_at, t.reaction_time_ms, _text(t.timing), _text(t.details))
+            )  # fmt: skip
+        case m.TrialMarked() as k:
+            rows["marks"].append((k.correct, k.mark or None, session, k.attempt, k.trial, k.seat))
+        case m.AttemptEnded() as a:
+            rows["attempts"].append(
+                (session, a.attempt, a.seat, run, a.practice, a.level, a.metric, a.metric_unit, a.accuracy,
+                 a.correct, a.trials, a.outcome, a.feedback, a.started, a.ended, a.goal, _text(a.qualities),
+                 _text(a.choice))
+            )  # fmt: skip
+
+
+def _add_actions(rows: Rows, session: str, at: int, message: m.Message) -> None:
+    match message:
+        case m.Proposal() as p:
+            rows["proposals"].append((session, p.id, p.kind, _text(p), at))
+        case m.Offer() as o:
+            p = o.proposal
+            rows["offers"].append((session, p.id, p.kind, _text(p), at, o.mode, o.deadline))
+        case m.OfferSeen() as s:
+            rows["seen"].append((s.at, session, s.action))
+        case m.Action() as a:
+            decided = a.decided or at
+            rows["decisions"].append((session, a.id, a.kind, _text(a), a.decision, a.actor, decided, a.mode, a.ground))
+        case m.Dropped() as d:
+            rows["drops"].append((*_dropped(d), at, d.reason, _GROUNDS.get(d.reason, "mode"), session, d.id))
+        case m.LevelRuled() as r:
+            final = None if r.decision == "rejected" else _text({"level": r.level})
+            rows["rulings"].append((final, r.decision, r.actor, r.at, r.ground, session, r.id))
+        case m.OutputReport(state="started") as r:
+            rows["starts"].append((r.at, session, r.action))
+        case m.OutputReport(state="done" | "aborted" | "failed") as r:
+            rows["ends"].append((r.at, session, r.action))
+
+
+_GROUNDS = {"vetoed": "operator", "expired": "deadline", "no operator": "no operator"}
+"""On what ground what was left out was decided, by the reason."""
+
+
+def _dropped(dropped: m.Dropped) -> tuple[str, str]:
+    """The decision on what was left out, and whose it was: the stop key's, where nobody is named."""
+    if dropped.reason == "vetoed":
+        return "rejected", dropped.actor
+    is_stop_key = dropped.reason == "stopped" and dropped.actor == "agent"
+    return "dropped", "stop" if is_stop_key else dropped.actor

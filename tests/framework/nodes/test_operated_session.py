@@ -1,0 +1,154 @@
+"""Given an operator who decides, when an attempt ends, then the session waits for them, no longer than it is set to."""
+
+from typing import Any
+
+import msgspec
+import pytest
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import ACTION, DECISION, LEVEL, OPERATOR, PRESENCE, WAITING
+from tests.desk import Desk
+from tests.lifting import Lift
+
+
+def operated(theme: Theme, **settings: Any) -> Desk:
+    """A session with an operator, at the end of its first attempt."""
+    desk = Desk(Lift, theme, attempts=3, filler="never", encouragement=False, **settings)
+    desk.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    desk.enter()
+    desk.attempt()
+    return desk
+
+
+def decide(desk: Desk, action: str, verdict: Any, **how: Any) -> None:
+    told = m.Decision(action=action, verdict=verdict, actor="operator.ana", at=desk.clock.now(), **how)
+    desk.session.bus.publish(DECISION, told)
+
+
+def feedback(desk: Desk) -> list[m.Action]:
+    return [action for action in desk.all(ACTION) if action.kind == "feedback"]
+
+
+def offered(desk: Desk) -> str:
+    """The id of the feedback that waits."""
+    from sar_tui.framework.topics import OFFERED
+
+    return [offer.proposal.id for offer in desk.all(OFFERED) if offer.proposal.kind == "feedback"][-1]
+
+
+def test_the_next_attempt_cannot_begin_while_an_answer_is_decided_on(calm: Theme) -> None:
+    desk = operated(calm, operator_feedback="approve", operator_time_ms=20_000)
+    assert (desk.waiting.what, desk.waiting.stage) == ("answer", "answer")
+    desk.press("enter")
+    assert desk.waiting.stage == "answer"
+    decide(desk, offered(desk), "accept")
+    assert (desk.waiting.what, desk.waiting.stage, desk.waiting.attempt) == ("enter", "attempt", 2)
+    assert len(feedback(desk)) == 1
+
+
+def test_nobody_waits_longer_than_the_operators_time(calm: Theme) -> None:
+    desk = operated(calm, operator_feedback="approve", operator_time_ms=5000)
+    desk.wait(4000)
+    assert (desk.waiting.what, desk.waiting.stage) == ("enter", "attempt")
+    assert [action.ground for action in feedback(desk)] == ["deadline"]
+
+
+def test_a_manual_answer_is_not_waited_for(calm: Theme) -> None:
+    desk = operated(calm, operator_feedback="manual")
+    assert desk.waiting.stage == "attempt"
+    desk.attempt()
+    assert feedback(desk) == []
+
+
+def test_a_pause_while_an_operator_decides_comes_back_to_the_wait(calm: Theme) -> None:
+    desk = operated(calm, operator_feedback="approve", operator_time_ms=60_000)
+    desk.operate("pause")
+    desk.operate("resume")
+    assert desk.waiting.stage == "answer"
+
+
+def test_a_decision_taken_in_a_pause_is_said_after_it(calm: Theme) -> None:
+    desk = operated(calm, operator_feedback="approve", operator_time_ms=60_000)
+    desk.operate("pause")
+    decide(desk, offered(desk), "accept")
+    assert feedback(desk) == []
+    desk.operate("resume")
+    assert desk.waiting.stage == "attempt"
+    assert len(feedback(desk)) == 1
+
+
+def test_the_last_answer_is_decided_before_the_review(calm: Theme) -> None:
+    desk = operated(calm, operator_feedback="approve", operator_time_ms=60_000)
+    for _ in range(2):
+        decide(desk, offered(desk), "veto")
+        desk.attempt()
+    desk.press("enter")
+    assert desk.waiting.stage == "answer"
+    decide(desk, offered(desk), "accept")
+    assert desk.waiting.stage == "review"
+
+
+# --- the level ------------------------------------------------------------------------------------------------------
+
+
+def test_the_level_rises_when_the_operator_lets_it(calm: Theme) -> None:
+    desk = operated(calm, operator_difficulty="approve", operator_time_ms=60_000)
+    assert desk.waiting.stage == "answer"
+    assert desk.all(LEVEL) == []
+    decide(desk, "l1", "accept")
+    assert [(change.previous, change.level, change.reason) for change in desk.all(LEVEL)] == [(1, 2, "success")]
+    assert (desk.waiting.stage, desk.waiting.level) == ("attempt", 2)
+
+
+@pytest.mark.parametrize(("how", "level"), [({"verdict": "veto"}, 1), ({"verdict": "edit", "level": 3}, 3)])
+def test_the_level_is_what_the_operator_says(calm: Theme, how: dict[str, Any], level: int) -> None:
+    desk = operated(calm, operator_difficulty="approve", operator_time_ms=60_000)
+    decide(desk, "l1", **how)
+    assert desk.waiting.level == level
+    desk.press("enter")
+    assert desk.to_prompt().level == level
+
+
+def test_a_level_that_was_refused_can_be_proposed_again(calm: Theme) -> None:
+    desk = operated(calm, operator_difficulty="approve", operator_time_ms=60_000)
+    decide(desk, "l1", "veto")
+    desk.attempt()
+    decide(desk, "l2", "accept")
+    assert desk.waiting.level == 2
+
+
+def test_a_level_held_by_hand_stays(calm: Theme) -> None:
+    desk = operated(calm, operator_difficulty="manual")
+    assert (desk.waiting.stage, desk.waiting.level) == ("attempt", 1)
+    desk.attempt()
+    assert desk.waiting.level == 1
+
+
+def test_a_level_set_by_hand_while_one_is_asked_for_is_the_one_that_holds(calm: Theme) -> None:
+    desk = operated(calm, operator_difficulty="veto", operator_time_ms=5000)
+    desk.session.bus.publish(OPERATOR, m.Operator(command="level", value=4, actor="operator.ana"))
+    desk.wait(10_000)
+    assert desk.waiting.level == 4
+
+
+# --- with and without -------------------------------------------------------------------------------------------------
+
+
+def test_an_operator_who_lets_all_pass_changes_nothing_the_participant_sees(calm: Theme) -> None:
+    """But the time: and not even that, with a fixed delay."""
+    sessions = []
+    for mode in ("autonomous", "veto", "approve"):
+        settings = dict.fromkeys((f"operator_{kind}" for kind in ("feedback", "encouragement", "difficulty")), mode)
+        desk = operated(calm, feedback_delay_ms=2000, operator_time_ms=2000, **settings)
+        desk.wait(5000)
+        desk.attempt()
+        desk.wait(5000)
+        heard = [
+            (record.at, msgspec.structs.replace(record.message, decided=0, mode="manual", ground="mode", actor=""))
+            for record in desk.records
+            if record.topic is ACTION
+        ]
+        seen = [(record.at, record.message) for record in desk.records if record.topic is WAITING]
+        sessions.append((heard, seen[-1]))
+    assert sessions[0] == sessions[1] == sessions[2]

@@ -1,0 +1,376 @@
+"""Given an operator, when the agent proposes, then what is said is what they decided, and all of it is told."""
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.topics import (
+    ACTING,
+    ACTION,
+    DECIDED,
+    DECISION,
+    DROPPED,
+    LEVEL_RULED,
+    MISSED,
+    MODE,
+    OFFERED,
+    OPERATOR,
+    PRESENCE,
+    REMARK,
+    RULE,
+    STALLING,
+    STANDING,
+)
+from tests.framework.nodes.test_arbiter import Floor
+
+
+class Room(Floor):
+    """A floor with an operator in the next room."""
+
+    def __init__(self, *, operated: bool = True, **settings: object) -> None:
+        super().__init__({"speech": ("say",)}, **settings)
+        if operated:
+            self.operator("joined", operated=True)
+
+    def operator(self, state: Any, *, operated: bool) -> None:
+        self.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state=state, operated=operated))
+
+    def decide(self, action: str, verdict: Any, **how: Any) -> None:
+        told = m.Decision(action=action, verdict=verdict, actor="operator.ana", at=self.clock.now(), **how)
+        self.bus.publish(DECISION, told)
+
+    def ask_for_level(self, previous: int, level: int) -> bool:
+        change = m.LevelChanged(previous=previous, level=level, reason="success")
+        happens: list[bool] = []
+        self.bus.subscribe(OPERATOR, lambda _: happens.append(self.bus.call(RULE, change).happens))
+        self.bus.publish(OPERATOR, m.Operator(command="mark"))
+        return happens[0]
+
+    @property
+    def said(self) -> list[m.Action]:
+        return self.all(ACTION)
+
+    @property
+    def standing(self) -> m.Standing:
+        told: m.Standing = self.all(STANDING)[-1]
+        return told
+
+    @property
+    def owing(self) -> bool:
+        told = self.all(ACTING)
+        return bool(told and told[-1].owing)
+
+
+# --- the four modes -----------------------------------------------------------------------------------------------
+
+
+def test_autonomous_feedback_is_given_at_once_though_an_operator_watches() -> None:
+    room = Room()
+    room.propose("a1")
+    (said,) = room.said
+    assert (said.decision, said.actor, said.mode, said.ground) == ("accepted", "agent", "autonomous", "mode")
+    assert room.all(OFFERED) == []
+
+
+def test_under_veto_silence_lets_it_pass_after_the_operators_time() -> None:
+    room = Room(operator_feedback="veto", operator_time_ms=3000)
+    room.propose("a1")
+    room.clock.advance(3 * SECOND - 1)
+    assert room.said == []
+    room.clock.advance(1)
+    (said,) = room.said
+    assert (said.actor, said.ground, said.mode) == ("agent", "deadline", "veto")
+
+
+def test_what_is_vetoed_is_not_said() -> None:
+    room = Room(operator_feedback="veto")
+    room.propose("a1")
+    room.decide("a1", "veto")
+    room.clock.advance(60 * SECOND)
+    assert room.said == []
+    (dropped,) = room.all(DROPPED)
+    assert (dropped.id, dropped.reason, dropped.actor) == ("a1", "vetoed", "operator.ana")
+
+
+@pytest.mark.parametrize(("afterwards", "said"), [("act", 1), ("drop", 0)])
+def test_under_approve_silence_is_what_the_session_is_set_to(afterwards: str, said: int) -> None:
+    room = Room(operator_feedback="approve", operator_timeout=afterwards)
+    room.propose("a1")
+    room.clock.advance(60 * SECOND)
+    assert len(room.said) == said
+    assert [dropped.reason for dropped in room.all(DROPPED)] == ["expired"] * (1 - said)
+
+
+def test_what_is_approved_is_said_at_once_as_it_was_proposed() -> None:
+    room = Room(operator_feedback="approve")
+    room.propose("a1")
+    room.clock.advance(700 * MS)
+    room.decide("a1", "accept")
+    (said,) = room.said
+    assert (said.text, said.decision, said.actor, said.ground) == ("a1", "accepted", "operator.ana", "operator")
+    assert said.decided == SECOND + 700 * MS
+    assert room.all(DECIDED) == [said]
+
+
+def test_under_manual_nothing_is_said_until_the_operator_takes_it_up() -> None:
+    room = Room(operator_feedback="manual")
+    room.propose("a1", "a2")
+    room.clock.advance(600 * SECOND)
+    assert room.said == []
+    room.decide("a2", "accept")
+    assert room.acted == ["a2"]
+    assert not room.owing
+
+
+def test_what_is_edited_is_said_in_the_operators_words_and_in_the_manner_of_their_valence() -> None:
+    room = Room(operator_feedback="approve")
+    room.propose("a1", valence="negative", gesture="lean_in", face="encouraging", degree="strong")
+    room.decide("a1", "edit", text="Good, 850 ms.", valence="positive")
+    (said,) = room.said
+    assert (said.text, said.spoken, said.valence, said.decision) == (
+        "Good, 850 ms.",
+        "Good, 850 ms.",
+        "positive",
+        "edited",
+    )
+    assert (said.face, said.gesture, said.tone) == ("happy", "nod", "success")
+
+
+def test_an_edit_that_changes_nothing_is_an_approval() -> None:
+    room = Room(operator_feedback="approve")
+    room.propose("a1", valence="neutral")
+    room.decide("a1", "edit", text="a1", valence="neutral")
+    assert [said.decision for said in room.said] == ["accepted"]
+
+
+@pytest.mark.parametrize("kind", ["greeting", "instruction", "encouragement", "rest", "goodbye"])
+def test_each_kind_goes_by_the_mode_of_its_own(kind: str) -> None:
+    room = Room(operator_feedback="approve")
+    room.propose("a1", kind=kind)
+    assert room.acted == ["a1"]
+    ruled = {"encouragement": "encouragement", "rest": "encouragement"}.get(kind, "instruction")
+    strict = Room(**{f"operator_{ruled}": "approve"})
+    strict.propose("a1", kind=kind)
+    assert strict.acted == []
+
+
+# --- time ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", ["autonomous", "veto", "approve"])
+@given(decided_ms=st.integers(0, 2999))
+def test_after_a_fixed_delay_its_moment_does_not_tell_who_decided(mode: str, decided_ms: int) -> None:
+    room = Room(operator_feedback=mode, operator_time_ms=500)
+    due = room.clock.now() + 3 * SECOND
+    room.propose("a1", due=due)
+    room.clock.advance(decided_ms * MS)
+    room.decide("a1", "accept")
+    room.clock.advance(10 * SECOND)
+    ((at, _),) = [(record.at, record.message) for record in room.records if record.topic is ACTION]
+    assert at == due
+
+
+def test_the_session_waits_while_an_answer_is_owed_and_no_longer() -> None:
+    room = Room(operator_feedback="approve")
+    room.propose("a1")
+    assert room.owing
+    room.decide("a1", "veto")
+    assert not room.owing
+
+
+def test_an_answer_after_the_deadline_comes_to_nothing_and_is_told() -> None:
+    room = Room(operator_feedback="veto", operator_time_ms=500)
+    room.propose("a1")
+    room.clock.advance(SECOND)
+    room.report("a1")
+    room.decide("a1", "veto")
+    assert room.acted == ["a1"]
+    (missed,) = room.all(MISSED)
+    assert (missed.actor, missed.what) == ("operator.ana", "veto a1")
+
+
+def test_what_is_under_way_can_be_cut_off() -> None:
+    room = Room()
+    room.propose("a1")
+    room.decide("a1", "veto")
+    assert room.halted == [("a1", "vetoed")]
+
+
+def test_what_waits_for_its_turn_can_be_left_out_or_changed() -> None:
+    room = Room()
+    room.wait_for("foreperiod")
+    room.propose("a1", "a2")
+    room.decide("a1", "veto")
+    room.decide("a2", "edit", text="Else.")
+    room.wait_for("enter", "attempt")
+    assert [said.text for said in room.said] == ["Else."]
+
+
+def test_a_filler_covers_a_wait_of_more_than_a_second_once() -> None:
+    room = Room(operator_feedback="approve", operator_time_ms=8000)
+    room.propose("a1")
+    room.clock.advance(SECOND - 1)
+    assert room.all(STALLING) == []
+    room.clock.advance(5 * SECOND)
+    assert room.all(STALLING) == [m.Stalling(id="a1")]
+
+
+def test_no_filler_covers_what_was_decided_in_time() -> None:
+    room = Room(operator_feedback="approve")
+    room.propose("a1")
+    room.decide("a1", "accept")
+    room.clock.advance(20 * SECOND)
+    assert room.all(STALLING) == []
+
+
+@pytest.mark.parametrize(("filler", "covered"), [("operator", 0), ("always", 1), ("never", 0)])
+@pytest.mark.parametrize("operated", [True, False])
+def test_a_delay_is_covered_with_and_without_an_operator_or_not_at_all(
+    filler: str, covered: int, operated: bool
+) -> None:
+    room = Room(operated=operated, filler=filler)
+    room.propose("a1", due=room.clock.now() + 4 * SECOND)
+    room.clock.advance(10 * SECOND)
+    assert len(room.all(STALLING)) == covered
+
+
+# --- without an operator ------------------------------------------------------------------------------------------
+
+
+def test_without_an_operator_the_agent_goes_on_by_itself() -> None:
+    room = Room(operated=False, operator_feedback="approve")
+    room.propose("a1")
+    assert [(said.ground, said.actor) for said in room.said] == [("no operator", "agent")]
+
+
+def test_without_an_operator_a_session_may_be_silent_instead() -> None:
+    room = Room(operated=False, operator_feedback="approve", operator_lost="silent")
+    room.propose("a1")
+    assert room.dropped == [("a1", "no operator")]
+
+
+@pytest.mark.parametrize("mode", ["veto", "approve", "manual"])
+@pytest.mark.parametrize(("lost", "acted"), [("autonomous", ["a1"]), ("silent", [])])
+def test_when_the_operator_is_lost_what_waited_is_decided_at_once(mode: str, lost: str, acted: list[str]) -> None:
+    room = Room(operator_feedback=mode, operator_lost=lost, operator_time_ms=60_000)
+    room.propose("a1")
+    room.operator("lost", operated=False)
+    assert room.acted == acted
+    assert not room.owing
+    room.operator("joined", operated=True)
+    room.report("a1")
+    room.propose("a2")
+    assert room.acted == acted
+    assert room.standing.offers[-1].proposal.id == "a2"
+
+
+# --- switched live, and told ----------------------------------------------------------------------------------------
+
+
+def test_a_mode_that_is_switched_rules_what_waits_already() -> None:
+    room = Room(operator_feedback="manual")
+    room.propose("a1")
+    room.bus.publish(MODE, m.ModeChosen(kind="feedback", mode="veto"))
+    room.clock.advance(10 * SECOND)
+    assert room.acted == ["a1"]
+
+
+def test_a_mode_that_is_switched_to_autonomous_lets_what_waits_go() -> None:
+    room = Room(operator_feedback="approve")
+    room.propose("a1")
+    room.bus.publish(MODE, m.ModeChosen(kind="feedback", mode="autonomous", actor="operator.ana"))
+    assert [said.actor for said in room.said] == ["operator.ana"]
+
+
+def test_operators_are_told_how_everything_stands() -> None:
+    room = Room(operator_feedback="approve")
+    room.propose("a1")
+    standing = room.standing
+    assert standing.operated
+    assert standing.modes["feedback"] == "approve"
+    (offer,) = standing.offers
+    assert (offer.proposal.id, offer.mode, offer.otherwise) == ("a1", "approve", "act")
+    room.decide("a1", "accept")
+    assert room.standing.offers == ()
+    assert room.standing.current is not None
+    assert room.standing.current.id == "a1"
+
+
+def test_nobody_is_told_where_there_is_no_operator() -> None:
+    room = Room(operated=False)
+    room.propose("a1")
+    assert room.all(STANDING) == []
+
+
+# --- an operator's own ------------------------------------------------------------------------------------------------
+
+
+def test_an_operators_words_go_first_and_not_in_a_trial() -> None:
+    room = Room()
+    room.wait_for("response")
+    room.propose("a1")
+    room.bus.publish(REMARK, m.Remark(text="You are doing fine.", actor="operator.ana"))
+    assert room.said == []
+    room.wait_for("enter", "attempt")
+    assert room.acted == ["o1"]
+    (said, *_) = room.said
+    assert (said.kind, said.decision, said.actor, said.spoken) == (
+        "remark",
+        "initiated",
+        "operator.ana",
+        "You are doing fine.",
+    )
+
+
+def test_a_gesture_that_is_ruled_on_apart_waits_alone() -> None:
+    room = Room(operator_gesture="approve")
+    room.propose("a1", gesture="nod")
+    assert [(said.id, said.gesture) for said in room.said] == [("a1", "")]
+    (offer,) = room.all(OFFERED)
+    assert (offer.proposal.id, offer.proposal.kind, offer.proposal.text) == ("a1.gesture", "gesture", "")
+    room.report("a1")
+    room.decide("a1.gesture", "accept")
+    assert [said.gesture for said in room.said][-1] == "nod"
+
+
+# --- the level -------------------------------------------------------------------------------------------------------
+
+
+def test_a_change_of_level_happens_where_the_agent_decides() -> None:
+    assert Room().ask_for_level(2, 3)
+
+
+def test_a_change_of_level_waits_for_an_operator() -> None:
+    room = Room(operator_difficulty="approve")
+    assert not room.ask_for_level(2, 3)
+    assert room.owing
+    room.decide("l1", "accept")
+    (ruled,) = room.all(LEVEL_RULED)
+    assert (ruled.level, ruled.decision, ruled.actor) == (3, "accepted", "operator.ana")
+
+
+@pytest.mark.parametrize(
+    ("how", "expected"),
+    [
+        ({"verdict": "veto"}, "rejected"),
+        ({"verdict": "edit", "level": 5}, "edited"),
+        ({"verdict": "edit", "level": 3}, "accepted"),
+    ],
+)
+def test_an_operator_rules_on_the_level(how: dict[str, Any], expected: str) -> None:
+    room = Room(operator_difficulty="veto")
+    room.ask_for_level(2, 3)
+    room.decide("l1", **how)
+    assert [ruled.decision for ruled in room.all(LEVEL_RULED)] == [expected]
+
+
+def test_a_level_set_by_hand_settles_what_was_asked() -> None:
+    room = Room(operator_difficulty="veto")
+    room.ask_for_level(2, 3)
+    room.bus.publish(OPERATOR, m.Operator(command="level", value=1, actor="operator.ana"))
+    room.clock.advance(60 * SECOND)
+    assert [ruled.decision for ruled in room.all(LEVEL_RULED)] == ["rejected"]
