@@ -7,14 +7,22 @@ import pytest
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ACTION, DECISION, LEVEL, OPERATOR, PRESENCE, WAITING
+from sar_tui.framework.topics import ACTION, DECISION, LEVEL, OFFERED, OPERATOR, PRESENCE, WAITING
+from sar_tui.plugins import Catalogue
 from tests.desk import Desk
-from tests.lifting import Lift
 
 
 def operated(theme: Theme, **settings: Any) -> Desk:
     """A session with an operator, at the end of its first attempt."""
-    desk = Desk(Lift, theme, attempts=3, filler="never", encouragement=False, **settings)
+    desk = Desk(
+        Catalogue().task("keyboard"),
+        theme,
+        attempts=3,
+        prompts_per_attempt=2,
+        filler="never",
+        encouragement=False,
+        **settings,
+    )
     desk.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
     desk.enter()
     desk.attempt()
@@ -32,8 +40,6 @@ def feedback(desk: Desk) -> list[m.Action]:
 
 def offered(desk: Desk) -> str:
     """The id of the feedback that waits."""
-    from sar_tui.framework.topics import OFFERED
-
     return [offer.proposal.id for offer in desk.all(OFFERED) if offer.proposal.kind == "feedback"][-1]
 
 
