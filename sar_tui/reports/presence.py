@@ -1,0 +1,134 @@
+"""When an operator was there, and how long each mode was set. Pure."""
+
+from collections.abc import Iterable, Sequence
+
+import msgspec
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.messages import Mode, Ruled
+from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.policies import arbitration
+from sar_tui.reports.record import Told, spans
+
+_NS = 1e9
+
+
+class Absence(msgspec.Struct, frozen=True):
+    """There was no operator any more: from ``at_s`` (since its run's beginning) on, for ``duration_s``.
+
+    ``actor`` went last; ``state``: ``left``, ``lost``; ``detail``: how that was seen; ``came_back``: whether there was
+    an operator again before the run ended.
+    """
+
+    run: int
+    at_s: float
+    duration_s: float
+    actor: str
+    state: str
+    detail: str
+    came_back: bool
+
+
+class Presence(msgspec.Struct, frozen=True):
+    """How long a session's runs were in all, and how much of that there was an operator, s."""
+
+    duration_s: float
+    operated_s: float
+    absences: tuple[Absence, ...]
+
+
+def presence(told: Sequence[Told]) -> Presence:
+    """When there was an operator; what is before the first one came is no absence."""
+    known = spans(told)
+    operated, absences = 0, []
+    since: dict[int, int] = {}
+    gone: dict[int, tuple[int, m.OperatorChanged]] = {}
+
+    def absent(run: int, until: int, *, came_back: bool) -> None:
+        at, changed = gone.pop(run)
+        absences.append(
+            Absence(
+                run=run,
+                at_s=seconds(at - known[run].began),
+                duration_s=seconds(until - at),
+                actor=changed.actor,
+                state=changed.state,
+                detail=changed.detail,
+                came_back=came_back,
+            )
+        )
+
+    for run, at, message in told:
+        if isinstance(message, m.SessionStarted):
+            since.pop(run, None)  # who was there before a run begins is not there for the arbiter
+        if not isinstance(message, m.OperatorChanged) or run not in known:
+            continue
+        if message.operated and run not in since:
+            since[run] = at
+            if run in gone:
+                absent(run, at, came_back=True)
+        elif not message.operated and run in since:
+            operated += at - since.pop(run)
+            gone[run] = at, message
+    operated += sum(known[run].ended - began for run, began in since.items())
+    for run in list(gone):
+        absent(run, known[run].ended, came_back=False)
+    absences.sort(key=lambda absence: (absence.run, absence.at_s))
+    duration = sum(span.ended - span.began for span in known.values())
+    return Presence(seconds(duration), seconds(operated), tuple(absences))
+
+
+class ModeTime(msgspec.Struct, frozen=True):
+    """How long a mode was set for a kind of action; ``unattended_s``: of that, without an operator. In s."""
+
+    kind: Ruled
+    mode: Mode
+    time_s: float
+    unattended_s: float
+
+
+def mode_times(told: Iterable[Told], parameters: TaskParameters) -> list[ModeTime]:
+    """How long each mode was set, by kind, over all runs; modes that never were are left out."""
+    told = list(told)
+    known = spans(told)
+    state = arbitration.start(parameters)
+    times: dict[tuple[Ruled, Mode], list[int]] = {}
+    last: dict[int, int] = {}
+
+    def pass_until(run: int, at: int) -> None:
+        lasted = at - last[run]
+        for each in state.modes.items():
+            spent = times.setdefault(each, [0, 0])
+            spent[0] += lasted
+            spent[1] += 0 if state.operated else lasted
+        last[run] = at
+
+    for run, at, message in told:
+        if run in last:
+            pass_until(run, max(at, last[run]))
+        match message:
+            case m.SessionStarted():
+                last[run] = known[run].began
+                state = msgspec.structs.replace(state, operated=False)
+            case m.OperatorChanged():
+                state = msgspec.structs.replace(state, operated=message.operated)
+            case m.ModeChosen():
+                state = arbitration.choose(state, message.kind, message.mode)
+    return [
+        ModeTime(kind, mode, seconds(time), seconds(unattended))
+        for (kind, mode), (time, unattended) in sorted(times.items(), key=_in_order)
+    ]
+
+
+def _in_order(item: tuple[tuple[Ruled, Mode], object]) -> tuple[int, int]:
+    (kind, mode), _ = item
+    return KINDS.index(kind), MODES.index(mode)
+
+
+KINDS: tuple[Ruled, ...] = ("feedback", "encouragement", "instruction", "gesture", "difficulty")
+MODES: tuple[Mode, ...] = ("autonomous", "veto", "approve", "manual")
+
+
+def seconds(ns: int) -> float:
+    """To the millisecond."""
+    return round(ns / _NS, 3)

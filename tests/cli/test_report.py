@@ -1,0 +1,120 @@
+"""``sar-tui report wizard``: of simulated sessions, for people and for programs."""
+
+import re
+import sqlite3
+from pathlib import Path
+
+import pytest
+
+from sar_tui.cli.simulate import OperatorName
+from sar_tui.reports.wizard import WizardReport
+from sar_tui.simulation.operator import CHARACTERS
+from tests.cli.conftest import Call
+
+PAGE = (Path(__file__).parents[2] / "docs" / "data-dictionary.md").read_text(encoding="utf-8")
+SHORT = ("simulate", "keyboard", "--user", "average", "--set", "prompts_per_attempt=3", "--seed", 1, "--json")
+BUSY = ("--set", "operator_difficulty=approve", "--set", "operator_encouragement=veto", "--set", "threshold=700")
+
+
+def keys(value: object) -> set[str]:
+    """All names in a JSON value, at whatever depth."""
+    match value:
+        case dict():
+            return set(value).union(*map(keys, value.values()))
+        case list():
+            return set().union(*map(keys, value))
+        case _:
+            return set()
+
+
+def test_json_has_every_field_and_the_data_dictionary_tells_of_each(call: Call) -> None:
+    session = call(*SHORT, "--operator", "absent", "--attempts", 20, *BUSY).json["session"]
+    printed = call("report", "wizard", session, "--json").json
+    assert set(printed) == set(WizardReport.__struct_fields__)
+    assert printed["session"] == session
+    section = PAGE.partition("`report wizard`: ")[2].partition("\n## ")[0]
+    told = set(re.findall(r"`([^`\n]+)`", section))
+    data = {"initiated", "counts", "valence_table", "agreement_by_kind"}
+    named_by_data = set().union(*(keys(printed[name]) for name in data & set(printed)))
+    assert keys(printed) - told - named_by_data == set()
+    assert {"deviations", "absences", "agreement"} <= told
+
+
+def test_people_read_who_was_there_how_fast_they_were_and_how_far_they_agreed(call: Call) -> None:
+    session = call(*SHORT, "--operator", "careful", "--attempts", 20, *BUSY).json["session"]
+    called = call("report", "wizard", session)
+    made = call("report", "wizard", session, "--json").json
+    assert (called.code, called.err) == (0, "")
+    assert f"Session {session}: keyboard, SIM, simulated." in called.out
+    assert "Operators: operator.simulated. There was an operator for" in called.out
+    agreed = made["agreement"]
+    assert f"On {agreed['decided']} proposals an operator decided: {agreed['accepted']} as proposed" in called.out
+    assert f"{made['decision_ms']['median']:.1f}" in called.out
+    assert "█" in called.out
+    assert "Cohen's kappa" in called.out
+    assert "(Riek 2012)" in called.out
+
+
+def test_absences_and_deviations_are_told(call: Call) -> None:
+    session = call(*SHORT, "--operator", "absent", "--attempts", 20).json["session"]
+    made = call("report", "wizard", session, "--json").json
+    assert made["absences"], "this seed's operator goes"
+    out = call("report", "wizard", session).out
+    first = made["absences"][0]
+    assert f"No operator from {first['at_s']:.1f} s of run 1 on, for {first['duration_s']:.1f} s" in out
+    assert f"lost {made['counts']['lost']}" in out
+
+
+def test_a_session_without_an_operator_says_so_in_one_sentence(call: Call, simulated: str) -> None:
+    out = call("report", "wizard", simulated).out
+    assert out.startswith(f"No operator took part in session {simulated}")
+    assert out.count("\n") == 1
+    printed = call("report", "wizard", "last", "--json").json
+    assert (printed["operated"], printed["operators"], printed["decision_ms"]) == (False, [], None)
+
+
+@pytest.mark.parametrize("session", ["nope", ""])
+def test_a_session_that_is_not_there_is_bad_input(call: Call, session: str) -> None:
+    called = call("report", "wizard", session)
+    assert (called.code, called.out) == (2, "")
+    assert "`sar-tui sessions` lists them." in called.err
+
+
+def test_a_record_that_cannot_be_read_is_one_sentence(call: Call, simulated: str, tmp_path: Path) -> None:
+    with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
+        connection.execute("UPDATE events SET topic='of/tomorrow' WHERE seq=3")
+    called = call("report", "wizard", simulated)
+    assert called.code != 0
+    assert called.err == f"Message 3 of session {simulated} cannot be read by this version of sar-tui.\n"
+
+
+# --- simulate --operator ------------------------------------------------------------------------------------------
+
+
+def test_who_can_decide_is_who_there_is() -> None:
+    assert {name.value for name in OperatorName} == set(CHARACTERS)
+
+
+def test_with_an_operator_feedback_is_approved_unless_it_is_set_otherwise(call: Call) -> None:
+    def mode(*options: object) -> str:
+        session = call(*SHORT, "--attempts", 2, *options).json["session"]
+        return str(call("show", session, "--json").json["session"]["parameters"]["operator_feedback"])
+
+    assert mode() == "autonomous"
+    assert mode("--operator", "careful") == "approve"
+    assert mode("--operator", "careful", "--set", "operator_feedback=veto") == "veto"
+
+
+def test_the_same_seed_gives_the_same_report(call: Call) -> None:
+    def made(seed: int) -> dict[str, object]:
+        session = call(*SHORT, "--attempts", 6, "--operator", "hasty", "--seed", seed).json["session"]
+        return {**call("report", "wizard", session, "--json").json, "session": ""}
+
+    assert made(7) == made(7) != made(8)
+
+
+def test_an_unknown_operator_is_bad_input_and_leaves_no_session(call: Call) -> None:
+    called = call("simulate", "keyboard", "--user", "average", "--operator", "nobody")
+    assert called.code == 2
+    assert "--operator" in called.err
+    assert call("sessions", "--json").json == {"sessions": []}

@@ -1,0 +1,98 @@
+"""How far operators agreed: by cases worked out by hand, and by what holds of any."""
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.reports.agreement import agreement, kappa, word_distance
+from sar_tui.reports.cases import Case
+
+VALENCES = st.sampled_from(["positive", "neutral", "negative"])
+WORDS = st.lists(st.sampled_from(["well", "done", "slow", "again"]), max_size=6).map(" ".join)
+
+
+def case(verdict: Any, text: str = "Well done.", said: str | None = None, *valences: Any) -> Case:
+    before, after = valences or (None, None)
+    return Case("a1", 1, "feedback", "approve", 0, text, before, verdict=verdict, said=said, said_valence=after)
+
+
+def test_kappa_of_a_table_worked_out_by_hand() -> None:
+    """Observed (20 + 15) / 50 = 0.7; by chance 25/50 · 30/50 + 25/50 · 20/50 = 0.5; (0.7 − 0.5) / 0.5 = 0.4."""
+    pairs = [("yes", "yes")] * 20 + [("yes", "no")] * 5 + [("no", "yes")] * 10 + [("no", "no")] * 15
+    assert kappa(pairs) == 0.4
+
+
+@pytest.mark.parametrize("pairs", [[], [("positive", "positive")] * 7])
+def test_kappa_is_not_defined_where_nothing_could_differ(pairs: list[tuple[str, str]]) -> None:
+    assert kappa(pairs) is None
+
+
+def test_two_who_always_contradict_each_other_are_below_chance() -> None:
+    assert kappa([("positive", "negative"), ("negative", "positive")]) == -1
+
+
+@given(st.lists(st.tuples(VALENCES, VALENCES), min_size=1, max_size=30))
+def test_kappa_is_one_only_in_full_agreement_and_the_same_from_either_side(pairs: list[tuple[str, str]]) -> None:
+    found = kappa(pairs)
+    assert found == kappa([(other, one) for one, other in pairs])
+    if found is not None:
+        assert -1 <= found <= 1
+        assert (found == 1) == all(one == other for one, other in pairs)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "share"),
+    [
+        ("You were slow.", "You were slow.", 0),
+        ("You were slow.", "You were quick.", 1 / 3),
+        ("You were slow.", "You were a little slow.", 2 / 5),
+        ("You were slow.", "", 1),
+        ("", "Well done.", 1),
+        ("", "", 0),
+        ("one two three", "three one two", 2 / 3),
+    ],
+)
+def test_the_share_of_words_that_an_edit_changed(before: str, after: str, share: float) -> None:
+    assert word_distance(before, after) == pytest.approx(share)
+
+
+@given(WORDS, WORDS, WORDS)
+def test_the_share_is_between_nothing_and_all_and_a_detour_is_never_shorter(one: str, two: str, three: str) -> None:
+    def steps(before: str, after: str) -> float:
+        return word_distance(before, after) * max(len(before.split()), len(after.split()))
+
+    assert 0 <= word_distance(one, two) <= 1
+    assert (word_distance(one, two) == 0) == (one.split() == two.split())
+    assert word_distance(one, two) == word_distance(two, one)
+    assert steps(one, three) <= steps(one, two) + steps(two, three) + 1e-9
+
+
+def test_a_session_worked_out_by_hand() -> None:
+    found = agreement(
+        [
+            case("accepted", "Well done.", "Well done.", "positive", "positive"),
+            case("accepted", "Well done.", "Well done.", "positive", "positive"),
+            case("accepted", "Too slow.", "Too slow.", "negative", "negative"),
+            case("edited", "Too slow.", "A bit slow.", "negative", "neutral"),
+            case("edited", "one two three four", "one two three five", "positive", "positive"),
+            case("edited", "Well done.", "Well done.", "positive", "neutral"),
+            case("vetoed", "Too slow.", None, "negative", None),
+            case(None, "Too slow.", "Too slow.", "negative", "negative"),
+        ]
+    )
+    assert (found.decided, found.accepted, found.edited, found.vetoed) == (7, 3, 3, 1)
+    assert found.accepted_share == 0.4286, "3 of 7"
+    assert (found.edits_of_words, found.words_changed_median, found.words_changed_most) == (2, 0.4583, 0.6667)
+    assert found.valence_table == {
+        "negative": {"negative": 1, "neutral": 1},
+        "positive": {"neutral": 1, "positive": 3},
+    }
+    assert (found.valences, found.valences_overridden) == (6, 2)
+    assert found.valence_kappa == 0.4545, "(4/6 − (4·3 + 2·1)/36) / (1 − 14/36) = (24 − 14) / (36 − 14)"
+
+
+def test_where_nobody_decided_there_is_nothing_to_agree_on() -> None:
+    found = agreement([case(None)])
+    assert (found.decided, found.accepted_share, found.words_changed_median, found.valence_kappa) == (0,) + (None,) * 3

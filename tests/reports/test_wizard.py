@@ -1,0 +1,179 @@
+"""The whole report: of a session written by hand, and of simulated ones."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.parameters import build
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+from sar_tui.reports.cases import cases
+from sar_tui.reports.distribution import Distribution
+from sar_tui.reports.record import Told, read
+from sar_tui.reports.wizard import WizardReport, report
+from sar_tui.runs import Plan, simulate
+from sar_tui.simulation.operator import CHARACTERS
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import StoreError, connect
+from tests.reports.script import WHO, Script, action, decision, offer, proposal, seen
+
+SETTINGS = {"operator_feedback": "approve", "attempts": 8, "prompts_per_attempt": 4}
+"""The last is the task's own: the report does not mind."""
+
+
+def evening() -> Script:
+    """An operator accepts one, edits one, and lets one pass; then is lost; says, writes and sets something before."""
+    first, second, third, fourth = (
+        proposal(f"a{n}", valence="negative", text="You were slow.") for n in (1, 2, 3, 4)
+    )  # fmt: skip
+    milder = action(second, "edited", text="You were quick.", valence="neutral")
+    script = (
+        Script().join(0).say(0, m.OperatorChanged(actor="observer.eve", role="observer", state="joined", operated=True))
+    )
+    script.say(10_000, first, offer(first)).say(10_040, seen("a1", 10_030))
+    script.say(11_002, decision("a1", ms=11_000), action(first))
+    script.say(20_000, second, offer(second)).say(20_040, seen("a2", 20_030))
+    script.say(22_034, decision("a2", "edit", 22_030), milder)
+    script.say(25_003, m.Remark(text="Take your time.", actor=WHO, at=25_000_000_000))
+    script.say(26_000, m.Remark(gesture="nod", source="gesture", actor=WHO, at=26_000_000_000))
+    script.say(27_000, m.Noted(text="Tired today.", actor=WHO)).say(28_000, m.Noted(label="yawn", actor=WHO))
+    script.say(29_001, m.Operator(command="level", value=2, actor=WHO, at=29_000_000_000))
+    script.say(30_000, third, offer(third)).say(30_040, seen("a3", 30_030)).say(
+        34_000, action(third, ground="deadline")
+    )
+    script.join(40_000, state="lost", operated=False)
+    return script.say(50_000, fourth, action(fourth, ground="no operator"))
+
+
+def test_a_session_worked_out_by_hand() -> None:
+    made, times = report("s1", SETTINGS, evening())
+    assert (made.session, made.operated, made.operators, made.observers) == ("s1", True, [WHO], ["observer.eve"])
+    assert (made.duration_s, made.operated_s) == (50, 40)
+    (feedback,) = (row for row in made.proposals if row.kind == "feedback")
+    assert (feedback.mode, feedback.time_s, feedback.time_share, feedback.unattended_s) == ("approve", 50, 1, 10)
+    assert (feedback.n, feedback.share) == (4, 1)
+    assert feedback.fates == {"accepted": 1, "edited": 1, "timed_out_done": 1, "no_operator_done": 1}
+    assert times.decision == [970, 2000]
+    assert made.decision_ms == Distribution(
+        n=2, median=1485, iqr=515, p5=1021.5, p25=1227.5, p75=1742.5, p95=1948.5, worst=2000
+    )
+    assert made.undecided_seen == 1
+    assert times.waiting == [1002, 2034, 4000], "what was not offered did not wait"
+    assert sorted(times.link) == [0, 1, 2, 3, 4, 10, 10, 10]
+    assert made.initiated == {"phrase": 1, "gesture": 1, "level": 1}
+    assert (made.agreement.decided, made.agreement.accepted_share, made.agreement.valences_overridden) == (2, 0.5, 1)
+    assert made.agreement.words_changed_median == 0.3333
+    assert list(made.agreement_by_kind) == ["feedback"]
+    assert made.counts == {"level": 1, "lost": 1}
+    assert [(absence.at_s, absence.duration_s) for absence in made.absences] == [(40, 10)]
+    assert (made.notes, made.event_marks) == (1, 1)
+
+
+def test_the_shares_of_a_kind_that_changed_its_mode() -> None:
+    script = Script().join(0).say(1000, proposal("a1"))
+    script.say(5000, m.ModeChosen(kind="feedback", mode="veto", actor=WHO)).say(6000, proposal("a2"), proposal("a3"))
+    made, _ = report("s1", SETTINGS, script.say(20_000, m.Noted(actor=WHO)))
+    rows = [(row.mode, row.time_share, row.n, row.share) for row in made.proposals if row.kind == "feedback"]
+    assert rows == [("veto", 0.75, 2, 0.6667), ("approve", 0.25, 1, 0.3333)]
+
+
+def test_a_session_that_ended_as_it_began_has_no_shares_of_time() -> None:
+    made, _ = report("s1", {}, Script())
+    assert (made.duration_s, made.operated) == (0, False)
+    assert {row.time_share for row in made.proposals} <= {None}
+
+
+def test_a_participants_own_stop_is_no_act_of_the_operators() -> None:
+    made, times = report("s1", {}, Script().join(0).say(5000, m.Operator(command="stop", at=4_000_000_000)))
+    assert (made.initiated, times.link, made.counts) == ({}, [], {})
+
+
+# --- simulated sessions ---------------------------------------------------------------------------------------------
+
+
+class Simulated:
+    """A simulated session: its report, its messages, its rows."""
+
+    def __init__(self, keyboard: type[Task], catalogue: Catalogue, data: Path, who: str, **settings: Any) -> None:
+        values = {"attempts": 10, "prompts_per_attempt": 4, **settings}
+        plan = Plan(keyboard, build(keyboard.Parameters, values), "calm", "SIM", 3, "simulated")
+        self.id = simulate(plan, PEOPLE["average"], data, catalogue, operator=CHARACTERS.get(who))
+        self.database = connect(data)
+        self.told: list[Told] = read(self.database, self.id)
+        self.parameters = plan.parameters
+        self.report: WizardReport = report(
+            self.id, sessions.find(self.database, data, self.id)["parameters"], self.told
+        )[0]
+
+    @property
+    def actions(self) -> list[sessions.Row]:
+        return sessions.rows(self.database, "actions", self.id)
+
+
+ALL_APPROVED = {
+    "operator_feedback": "approve",
+    "operator_encouragement": "veto",
+    "operator_gesture": "approve",
+    "operator_difficulty": "approve",
+}
+
+
+@pytest.fixture(scope="module", params=["careful", "hasty", "absent"])
+def simulated(
+    request: pytest.FixtureRequest, keyboard: type[Task], catalogue: Catalogue, tmp_path_factory: pytest.TempPathFactory
+) -> Simulated:
+    return Simulated(keyboard, catalogue, tmp_path_factory.mktemp("data"), request.param, **ALL_APPROVED)
+
+
+def test_every_proposal_came_to_one_thing(simulated: Simulated) -> None:
+    for row in simulated.report.proposals:
+        assert sum(row.fates.values()) == row.n
+    for kind in {row.kind for row in simulated.report.proposals if row.n}:
+        shares = [row.share for row in simulated.report.proposals if row.kind == kind]
+        assert sum(share or 0 for share in shares) == pytest.approx(1, abs=0.001)
+
+
+def test_what_was_said_and_done_is_what_the_table_of_actions_says(simulated: Simulated) -> None:
+    told = {case.id: case for case in cases(simulated.told, simulated.parameters)}
+    rows = {row["id"]: row for row in simulated.actions if row["kind"] not in ("remark", "difficulty")}
+    assert {id for id in rows if id[0] == "a"} == {id for id in told if id[0] == "a"}
+    for id, row in rows.items():
+        if row["decision"] == "dropped":
+            assert told[id].said is None, id
+        elif row["final"]:
+            assert told[id].said == row["final"]["text"], id
+            assert (told[id].verdict == "edited") == (row["decision"] == "edited"), id
+
+
+def test_no_operator_is_faster_than_a_hand_and_none_slower_than_the_deadline(simulated: Simulated) -> None:
+    times = simulated.report.decision_ms
+    assert times is not None
+    assert times.p5 >= 150
+    assert times.worst <= simulated.parameters.operator_time_ms
+    assert simulated.report.agreement.decided >= times.n > 0
+
+
+def test_an_operator_is_missed_only_where_one_was_absent(simulated: Simulated) -> None:
+    whole = simulated.report.operated_s == simulated.report.duration_s
+    unattended = sum(row.unattended_s for row in simulated.report.proposals)
+    assert whole == (not simulated.report.absences) == (unattended == 0)
+    assert len(simulated.report.absences) == simulated.report.counts.get("lost", 0)
+
+
+def test_a_session_without_an_operator_is_all_the_agents(
+    keyboard: type[Task], catalogue: Catalogue, tmp_path: Path
+) -> None:
+    made = Simulated(keyboard, catalogue, tmp_path, "nobody").report
+    assert (made.operated, made.operators, made.operated_s, made.deviations) == (False, [], 0, [])
+    assert {fate for row in made.proposals for fate in row.fates} <= {"agent", "late"}
+    assert made.agreement.decided == 0
+
+
+def test_a_message_that_cannot_be_read_is_named(keyboard: type[Task], catalogue: Catalogue, tmp_path: Path) -> None:
+    session = Simulated(keyboard, catalogue, tmp_path, "careful", attempts=1)
+    session.database.execute("UPDATE events SET message='{}' WHERE topic='input/key'")
+    with pytest.raises(StoreError, match="cannot be read by this version"):
+        read(session.database, session.id)

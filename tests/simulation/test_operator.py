@@ -1,0 +1,219 @@
+"""Given a simulated operator, when the agent proposes, then it decides as its character would, the same each time."""
+
+from collections import Counter
+from collections.abc import Callable
+from itertools import pairwise
+from statistics import fmean, median
+from typing import Any
+
+import msgspec
+import pytest
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.chance import Chance
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.parameters import build
+from sar_tui.framework.session import Session
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import MODE, STORED
+from sar_tui.simulation.operator import CHARACTERS, NAME, TOO_LATE_TO_STOP, Character, SimulatedOperator
+from sar_tui.simulation.participant import SimulatedParticipant
+from sar_tui.simulation.person import PEOPLE
+
+PLAIN = Character("plain", 0, 500, 0.001, 0.001, vetoes=0, edits=0, slips=0, misses=0, remarks=0, notes=0, levels=0)
+"""Accepts all, 500 ms after it stood on the screen, and does nothing else."""
+
+Record = tuple[int, m.Message]
+Play = Callable[..., list[Record]]
+
+
+@pytest.fixture
+def play(keyboard: type[Task], calm: Theme) -> Play:
+    """A whole session of a character (None: nobody), as (when, message); parameters beside those of a short one.
+
+    ``colleague``: chooses a mode when they hear certain messages.
+    """
+
+    def whole(
+        character: Character | None,
+        seed: int = 1,
+        colleague: Callable[[m.Message], m.ModeChosen | None] = lambda _: None,
+        **parameters: object,
+    ) -> list[Record]:
+        short = {"attempts": 6, "prompts_per_attempt": 3, "operator_feedback": "approve", **parameters}
+        task = keyboard(build(keyboard.Parameters, short))
+        clock = VirtualClock()
+        operator = [SimulatedOperator(character, seed)] if character else []
+        session = Session(task, calm, clock, seed, [SimulatedParticipant(PEOPLE["average"], task, seed), *operator])
+        heard: list[Record] = []
+        session.bus.tap(lambda cascade: heard.extend((record.at, record.message) for record in cascade))
+        session.begin()
+        while not session.ended and session.broken is None:
+            before = len(heard)
+            assert clock.step()
+            for _, message in heard[before:]:
+                if chosen := colleague(message):
+                    session.bus.publish(MODE, chosen)
+                if isinstance(message, m.TrialEnded):  # is committed at once
+                    stored = m.Stored(attempt=message.attempt, trial=message.trial)
+                    session.bus.publish(STORED, stored)
+        assert session.faults == []
+        return heard
+
+    return whole
+
+
+def of(kind: type[Any], heard: list[Record]) -> list[Any]:
+    return [message for _, message in heard if isinstance(message, kind)]
+
+
+def like(character: str, **changes: Any) -> Character:
+    return msgspec.structs.replace(CHARACTERS[character], **changes)
+
+
+@pytest.mark.parametrize("name", CHARACTERS)
+def test_the_same_seed_is_the_same_session_and_another_is_another(name: str, play: Play) -> None:
+    character = CHARACTERS[name]
+    assert play(character, 5) == play(character, 5)
+    decisions = [[(d.action, d.verdict, d.at) for d in of(m.Decision, play(character, seed))] for seed in (5, 6)]
+    assert decisions[0] != decisions[1]
+
+
+def test_it_is_there_from_the_beginning_and_holds_the_baton(play: Play) -> None:
+    heard = play(PLAIN)
+    came = [(at, message) for at, message in heard if isinstance(message, m.OperatorChanged)]
+    assert [(at, message.state, message.operated, message.actor) for at, message in came] == [
+        (0, "joined", True, NAME),
+        (0, "baton", True, NAME),
+    ]
+
+
+def test_what_is_offered_is_seen_and_then_decided(play: Play) -> None:
+    heard = play(PLAIN)
+    offers = {message.proposal.id: at for at, message in heard if isinstance(message, m.Offer)}
+    seen = {message.action: message.at for message in of(m.OfferSeen, heard)}
+    decided = {message.action: message.at for message in of(m.Decision, heard)}
+    assert offers.keys() == seen.keys() == decided.keys()
+    assert len(offers) == 6
+    for id, at in offers.items():
+        assert seen[id] - at == 30_000_000
+        assert decided[id] - seen[id] == pytest.approx(500_000_000, abs=2_000_000)
+    assert {message.ground for message in of(m.Action, heard) if message.kind == "feedback"} == {"operator"}
+
+
+def test_one_thing_is_decided_after_the_other(play: Play) -> None:
+    heard = play(PLAIN, operator_difficulty="approve", operator_gesture="approve")
+    times = sorted(message.at for message in of(m.Decision, heard))
+    assert len(times) > 12
+    assert min(later - earlier for earlier, later in pairwise(times)) > 490_000_000
+
+
+@pytest.mark.parametrize(
+    ("share", "verdicts"),
+    [("vetoes", {"veto"}), ("edits", {"edit"}), ("misses", set()), ("slips", {"veto", "edit"})],
+)
+def test_who_always_does_one_thing_does_it_always(share: str, verdicts: set[str], play: Play) -> None:
+    heard = play(msgspec.structs.replace(PLAIN, **{share: 1.0}), operator_difficulty="approve")
+    assert {message.verdict for message in of(m.Decision, heard)} == verdicts
+
+
+def test_an_edit_adds_a_kind_word_and_makes_blame_milder(play: Play, calm: Theme) -> None:
+    heard = play(like("careful", edits=1.0, vetoes=0, slips=0, misses=0), threshold=300)
+    proposed = {message.id: message for message in of(m.Proposal, heard)}
+    edits = of(m.Decision, heard)
+    assert {proposed[edit.action].valence for edit in edits} == {"negative"}
+    for edit in edits:
+        before = proposed[edit.action].text
+        assert edit.text.removeprefix(f"{before} ") in calm.phrases["encouragement"]
+        assert edit.valence == "neutral"
+
+
+def test_a_key_that_comes_too_late_to_be_held_back_is_pressed_and_missed(play: Play) -> None:
+    """The deadline is at 1000 ms: who would decide at 1030 + 100 is on their way, who would at 2000 is not."""
+    on_the_way = msgspec.structs.replace(PLAIN, mean_ms=1100)
+    heard = play(on_the_way, operator_time_ms=1000)
+    assert len(of(m.ActMissed, heard)) == len(of(m.Offer, heard)) == 6
+    assert 100_000_000 < TOO_LATE_TO_STOP < 970_000_000
+    heard = play(msgspec.structs.replace(PLAIN, mean_ms=2000), operator_time_ms=1000)
+    assert of(m.ActMissed, heard) == of(m.Decision, heard) == []
+
+
+def test_who_comes_and_goes_is_lost_and_back_and_decides_nothing_meanwhile(play: Play) -> None:
+    heard = play(like("absent", leaves=1.0, away_s=15.0, misses=0), attempts=10)
+    states = [message.state for message in of(m.OperatorChanged, heard)]
+    assert states.count("lost") >= 3
+    assert states.count("joined") >= 3
+    is_here = False
+    for _, message in heard:
+        if isinstance(message, m.OperatorChanged):
+            is_here = message.operated
+        assert is_here or not isinstance(message, m.Decision | m.Remark | m.Noted | m.OfferSeen)
+
+
+def test_what_is_put_before_them_once_more_is_decided_once(play: Play) -> None:
+    """A proposal that waits is offered anew when its mode is chosen anew."""
+
+    def colleague(message: m.Message) -> m.ModeChosen | None:
+        waits = isinstance(message, m.Offer) and message.mode == "approve"
+        return m.ModeChosen(kind="feedback", mode="veto") if waits else None
+
+    heard = play(PLAIN, colleague=colleague)
+    offers = Counter(message.proposal.id for message in of(m.Offer, heard))
+    decisions = Counter(message.action for message in of(m.Decision, heard))
+    assert sorted(offers.values()) == [1] * 5 + [2]
+    assert decisions == Counter(offers.keys())
+    assert of(m.ActMissed, heard) == []
+
+
+def test_what_it_does_of_its_own_accord(play: Play) -> None:
+    heard = play(msgspec.structs.replace(PLAIN, remarks=1.0, notes=1.0, levels=1.0), attempts=8)
+    acts = Counter(type(message).__name__ for message in of(m.Remark | m.Noted | m.Operator, heard))
+    assert acts["Remark"] >= 7
+    assert acts["Noted"] >= 7
+    assert {message.command for message in of(m.Operator, heard)} == {"level"}
+    assert all(message.actor == NAME and message.at for message in of(m.Remark | m.Noted | m.Operator, heard))
+
+
+def test_the_participant_is_as_fast_with_an_operator_as_without(play: Play) -> None:
+    with_one, without = play(CHARACTERS["careful"], 2), play(None, 2)
+    assert of(m.Decision, with_one)
+    times = [
+        {(t.attempt, t.trial): t.reaction_time_ms for t in of(m.TrialEnded, heard)} for heard in (with_one, without)
+    ]
+    assert times[0] == times[1]
+
+
+# --- characters, by themselves -----------------------------------------------------------------------------------
+
+MANY = [Chance(1, "operator", f"a{n}") for n in range(2000)]
+
+
+@pytest.mark.parametrize("name", CHARACTERS)
+def test_shares_come_out_as_the_character_says(name: str) -> None:
+    character = CHARACTERS[name]
+    verdicts = Counter(character.verdict(chance) for chance in MANY)
+    assert verdicts["miss"] / 2000 == pytest.approx(character.misses, abs=0.025)
+    slipped = character.slips / 2
+    for verdict, share in (("veto", character.vetoes), ("edit", character.edits)):
+        meant = share * (1 - character.slips) + (1 - share) * slipped
+        assert verdicts[verdict] / 2000 == pytest.approx((1 - character.misses) * meant, abs=0.025)
+
+
+@pytest.mark.parametrize("name", CHARACTERS)
+def test_times_come_out_as_the_character_says(name: str) -> None:
+    character = CHARACTERS[name]
+    text = "one two three four five"
+    times = [character.reaction_ms(text, chance) for chance in MANY]
+    assert fmean(times) == pytest.approx(5 * character.ms_per_word + character.mean_ms, rel=0.03)
+    assert median(times) < fmean(times), "the tail is on the slow side"
+    assert min(times) >= 150
+
+
+def test_who_is_hasty_is_faster_and_more_often_wrong_than_who_is_careful() -> None:
+    text = "You were a little slower than last time."
+    hasty, careful = (
+        fmean(CHARACTERS[name].reaction_ms(text, chance) for chance in MANY) for name in ("hasty", "careful")
+    )
+    assert hasty < careful / 2
+    assert CHARACTERS["hasty"].slips > CHARACTERS["careful"].slips

@@ -1,0 +1,125 @@
+"""Given an operator who acts, when the session is stored, then each act can be read: what, who, how and when."""
+
+from pathlib import Path
+from typing import Any
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.topics import DECISION, NOTED, OFFERED, OPERATOR, PRESENCE, REMARK, SEEN
+from sar_tui.store import sessions
+from tests.store.test_recorder import Recorded
+
+ANA = "operator.ana"
+
+
+class Operated(Recorded):
+    """A simulated session of three attempts with an operator, who does what a test says with each offer."""
+
+    def __init__(self, data: Path, verdicts: dict[int, dict[str, Any]], **parameters: Any) -> None:
+        quiet = {"attempts": 3, "prompts_per_attempt": 2, "encouragement": False, "filler": "never"}
+        super().__init__(data, **{**quiet, **parameters})
+        self._verdicts = verdicts
+        self._offers = 0
+        self.session.begin()
+        self.session.bus.publish(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
+        self.session.bus.subscribe(OFFERED, self._offered)
+
+    def _offered(self, offer: m.Offer) -> None:
+        """Seen after 200 ms, decided after 700."""
+        self._offers += 1
+        now, bus, clock = self.clock.now(), self.session.bus, self.clock
+        id = offer.proposal.id
+        clock.call_at(now + 200 * MS, lambda: bus.publish(SEEN, m.OfferSeen(action=id, actor=ANA, at=clock.now())))
+        if verdict := self._verdicts.get(self._offers):
+            told = m.Decision(action=id, actor=ANA, at=now + 700 * MS, **verdict)
+            clock.call_at(now + 700 * MS, lambda: bus.publish(DECISION, told))
+
+    def rows(self, kind: str) -> list[dict[str, Any]]:
+        """The actions of a kind, as they are stored at the end."""
+        self.finish()
+        self.recorder.write()
+        return [row for row in sessions.rows(self.eyes, "actions", self.id) if row["kind"] == kind]
+
+
+def test_what_was_approved_edited_and_vetoed_can_be_told_apart(data: Path) -> None:
+    operated = Operated(
+        data,
+        {1: {"verdict": "accept"}, 2: {"verdict": "edit", "text": "Fine."}, 3: {"verdict": "veto"}},
+        operator_feedback="approve",
+    )
+    rows = operated.rows("feedback")
+    assert [(row["decision"], row["actor"], row["mode"], row["ground"], row["reason"]) for row in rows] == [
+        ("accepted", ANA, "approve", "operator", None),
+        ("edited", ANA, "approve", "operator", None),
+        ("rejected", ANA, "approve", "operator", "vetoed"),
+    ]
+    assert [row["final"] and row["final"]["text"] for row in rows] == [rows[0]["proposed"]["text"], "Fine.", None]
+    assert rows[1]["proposed"]["text"] != "Fine."
+    for row in rows:
+        assert row["shown_ns"] - row["proposed_ns"] == 200 * MS
+        assert row["decided_ns"] - row["proposed_ns"] == 700 * MS
+        assert row["deadline_ns"] - row["proposed_ns"] == 4 * SECOND
+    assert [row["started_ns"] for row in rows] == [rows[0]["decided_ns"], rows[1]["decided_ns"], None]
+
+
+def test_what_nobody_decided_in_time_says_so(data: Path) -> None:
+    for timeout, expected in (("act", ("accepted", "deadline", None)), ("drop", ("dropped", "deadline", "expired"))):
+        operated = Operated(data / timeout, {}, operator_feedback="approve", operator_timeout=timeout)
+        first = operated.rows("feedback")[0]
+        assert (first["decision"], first["ground"], first["reason"]) == expected
+        assert (first["actor"], first["decided_ns"]) == ("agent", first["deadline_ns"])
+
+
+def test_what_was_decided_without_an_operator_says_so(data: Path) -> None:
+    operated = Operated(data, {}, operator_feedback="approve")
+    gone = m.OperatorChanged(actor=ANA, state="lost", operated=False)
+    operated.session.bus.subscribe(OFFERED, lambda _: operated.session.bus.publish(PRESENCE, gone))
+    rows = operated.rows("feedback")
+    assert [(row["decision"], row["actor"], row["ground"]) for row in rows] == [
+        ("accepted", "agent", "no operator")
+    ] * 3
+
+
+def test_an_operators_own_words_and_notes_are_kept_with_their_times(data: Path) -> None:
+    operated = Operated(data, {})
+    bus = operated.session.bus
+    bus.publish(REMARK, m.Remark(text="Well held.", actor=ANA, at=operated.clock.now()))
+    bus.publish(NOTED, m.Noted(text="coughs", actor=ANA, at=12 * MS))
+    bus.publish(NOTED, m.Noted(label="pain", actor=ANA, at=13 * MS))
+    (own,) = operated.rows("remark")
+    assert (own["id"], own["proposed"], own["proposed_ns"]) == ("o1", None, None)
+    assert (own["decision"], own["actor"], own["mode"]) == ("initiated", ANA, "manual")
+    assert own["final"]["text"] == "Well held."
+    assert own["decided_ns"] <= own["started_ns"] <= own["ended_ns"]
+    notes = operated.eyes.execute("SELECT at_ns, author, text, label FROM notes ORDER BY at_ns").fetchall()
+    assert notes == [(12 * MS, ANA, "coughs", ""), (13 * MS, ANA, "", "pain")]
+
+
+def test_changes_of_level_that_were_asked_about_are_rows_too(data: Path) -> None:
+    operated = Operated(
+        data,
+        {1: {"verdict": "veto"}, 2: {"verdict": "edit", "level": 4}},
+        operator_difficulty="approve",
+        operator_time_ms=2000,
+        threshold=60_000,
+        min_accuracy=0,
+        attempts=4,
+    )
+    rows = operated.rows("difficulty")
+    assert [(row["id"], row["decision"], row["ground"]) for row in rows] == [
+        ("l1", "rejected", "operator"),
+        ("l2", "edited", "operator"),
+        ("l3", "accepted", "deadline"),
+    ]
+    assert [row["final"] for row in rows] == [None, {"level": 4}, {"level": 5}]
+    levels = operated.eyes.execute("SELECT level FROM attempts ORDER BY attempt").fetchall()
+    assert levels == [(1,), (1,), (4,), (5,)]
+
+
+def test_an_operators_stop_is_told_from_the_participants(data: Path) -> None:
+    operated = Operated(data, {}, operator_feedback="approve", operator_time_ms=60_000)
+    stop = m.Operator(command="stop", actor=ANA)
+    bus, clock = operated.session.bus, operated.clock
+    bus.subscribe(OFFERED, lambda _: clock.call_at(clock.now() + 1, lambda: bus.publish(OPERATOR, stop)))
+    rows = operated.rows("feedback")
+    assert [(row["decision"], row["actor"], row["reason"]) for row in rows] == [("dropped", ANA, "stopped")] * 3
