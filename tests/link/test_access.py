@@ -1,0 +1,270 @@
+"""Who gets in over the network, and what each can do there: real zenoh sessions, TLS over loopback."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+import pytest
+import zenoh
+
+from sar_tui.link.authority import Authority
+from sar_tui.link.errors import LinkError
+from sar_tui.link.invitation import Invitation
+from sar_tui.link.knock import knock
+from sar_tui.link.settings import (
+    Credentials,
+    Endpoint,
+    Guest,
+    HostFiles,
+    config,
+    host_settings,
+    network_settings,
+    socket_settings,
+)
+from tests.link.house import Host, House, eventually, free_port, hosting, house, visiting
+
+
+@pytest.fixture(scope="module")
+def at(tmp_path_factory: pytest.TempPathFactory) -> House:
+    return house(tmp_path_factory.mktemp("house"))
+
+
+@pytest.fixture(scope="module")
+def open_house(at: House) -> Iterator[Host]:
+    with hosting(at) as host:
+        yield host
+
+
+@pytest.fixture
+def host(open_house: Host) -> Host:
+    """The host, with nothing heard yet."""
+    for heard in (open_house.heard, open_house.asked, open_house.there):
+        heard.clear()
+    return open_house
+
+
+def settings_of(invited: Invitation, **changes: object) -> str:
+    settings = msgspec.json.decode(network_settings(invited.where[0], invited.credentials))
+    settings.update(changes)
+    return msgspec.json.encode(settings).decode()
+
+
+def last_word(host: Host, at: House, guest: zenoh.Session, name: str) -> list[str]:
+    """What the host heard until the guest's greeting: all that it sent before came, or never will."""
+    guest.put(at.keys.hello(name), b"the last word")
+    assert eventually(lambda: (at.keys.hello(name), b"the last word") in host.heard)
+    return [key for key, payload in host.heard if payload != b"the last word"]
+
+
+# --- who gets in -----------------------------------------------------------------------------------------------------
+
+
+def test_an_operator_with_the_right_certificate_acts_and_hears(at: House, host: Host) -> None:
+    heard: list[bytes] = []
+    with visiting(at.anna) as [anna]:
+        anna.declare_subscriber(at.keys.out, lambda s: heard.append(bytes(s.payload)))
+        anna.declare_subscriber(at.keys.back("operator.anna"), lambda s: heard.append(bytes(s.payload)))
+        anna.put(at.keys.act("operator.anna"), b"veto")
+        assert eventually(lambda: (at.keys.act("operator.anna"), b"veto") in host.heard)
+
+        def both_came() -> bool:
+            host.session.put(at.keys.out, b"to all")
+            host.session.put(at.keys.back("operator.anna"), b"to anna")
+            return {b"to all", b"to anna"} <= set(heard)
+
+        assert eventually(both_came)
+
+
+def test_an_operator_is_seen_to_come_and_to_go(at: House, host: Host) -> None:
+    key = at.keys.hello("operator.anna")
+    with visiting(at.anna) as [anna]:
+        token = anna.liveliness().declare_token(key)
+        assert eventually(lambda: host.there == [key])
+        token.undeclare()
+    assert eventually(lambda: host.there == [key, key])
+
+
+def test_without_a_certificate_nobody_gets_in(at: House, host: Host) -> None:
+    settings = msgspec.json.decode(settings_of(at.anna))
+    for name in ("connect_certificate_base64", "connect_private_key_base64", "enable_mtls"):
+        del settings["transport"]["link"]["tls"][name]
+    with pytest.raises(zenoh.ZError):
+        zenoh.open(config(msgspec.json.encode(settings).decode()))
+
+
+def test_with_another_authoritys_certificate_nobody_gets_in(at: House, host: Host, tmp_path: Path) -> None:
+    stranger = Authority.made(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
+    trusting = Credentials(at.anna.credentials.authority, stranger.credentials.certificate, stranger.credentials.key)
+    with pytest.raises(zenoh.ZError):
+        zenoh.open(config(network_settings(at.where, trusting)))
+
+
+def test_with_an_expired_certificate_nobody_gets_in(at: House, host: Host) -> None:
+    with pytest.raises(zenoh.ZError), visiting(at.late):
+        pass
+
+
+def test_a_guest_does_not_talk_to_a_host_of_another_authority(at: House, host: Host, tmp_path: Path) -> None:
+    stranger = Authority.made(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
+    with pytest.raises(zenoh.ZError), visiting(stranger):
+        pass
+
+
+def test_a_guest_cannot_play_the_host_with_their_own_certificate(at: House, tmp_path: Path) -> None:
+    elsewhere = Endpoint("127.0.0.1", free_port())
+    files = HostFiles(*(tmp_path / name for name in ("authority", "certificate", "key")))
+    for path, text in zip(files, msgspec.structs.astuple(at.eve.credentials), strict=True):
+        path.write_text(text)
+    with (
+        zenoh.open(config(host_settings("00000000", listen=[elsewhere], files=files))),
+        pytest.raises(zenoh.ZError),
+    ):
+        zenoh.open(config(network_settings(elsewhere, at.anna.credentials)))
+
+
+def test_a_host_that_goes_by_another_name_is_not_talked_to(at: House) -> None:
+    elsewhere = Endpoint("127.0.0.2", free_port())
+    files = at.authority.host_files([])
+    with (
+        zenoh.open(config(host_settings("00000000", listen=[elsewhere], files=files))),
+        pytest.raises(zenoh.ZError),
+    ):
+        zenoh.open(config(network_settings(elsewhere, at.anna.credentials)))
+
+
+# --- what they can do ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", ["client", "peer"])
+def test_an_observer_cannot_act_whatever_it_sends(at: House, host: Host, mode: str) -> None:
+    keys = at.keys
+    targets = [
+        *(keys.act(name) for name in ("observer.eve", "operator.anna", "*", "**")),
+        *(keys.hello("operator.anna"), keys.back("operator.anna"), keys.out, keys.everything, "**", "other/thing"),
+    ]
+    connect = {"endpoints": [at.where.locator], "timeout_ms": 2000, "exit_on_failure": True}
+    with zenoh.open(config(settings_of(at.eve, mode=mode, connect=connect))) as eve:
+        for target in targets:
+            eve.put(target, b"evil")
+            eve.delete(target)
+            assert not [reply for reply in eve.get(target, timeout=0.02) if reply.ok]
+        short = eve.declare_keyexpr(keys.act("operator.anna"))
+        eve.put(short, b"by a short key")
+        publisher = eve.declare_publisher(keys.act("operator.anna"))
+        publisher.put(b"by a publisher")
+        publisher.delete()
+        token = eve.liveliness().declare_token(keys.hello("operator.anna"))
+        eve.declare_queryable("**", lambda query: query.reply(query.key_expr, b"evil"))
+        assert not [reply for reply in host.session.get(keys.out, timeout=0.02) if reply.ok]
+        assert last_word(host, at, eve, "observer.eve") == []
+        token.undeclare()
+    assert host.there == []
+    assert [asked for asked in host.asked if asked != keys.out] == []
+
+
+def test_an_operator_cannot_act_under_anothers_name(at: House, host: Host) -> None:
+    with visiting(at.anna) as [anna]:
+        anna.put(at.keys.act("operator.ben"), b"not mine")
+        anna.put(at.keys.act("*"), b"everybody's")
+        anna.put(at.keys.hello("operator.ben"), b"I am Ben")
+        assert last_word(host, at, anna, "operator.anna") == []
+
+
+def test_what_is_for_one_guest_or_from_one_is_heard_by_no_other(at: House, host: Host) -> None:
+    heard: list[str] = []
+    with visiting(at.anna, at.eve) as [anna, eve]:
+        for key in ("**", at.keys.everything, at.keys.act("*"), at.keys.back("operator.anna"), at.keys.hello("*")):
+            eve.declare_subscriber(key, lambda s: heard.append(str(s.key_expr)))
+        eve.declare_subscriber(at.keys.out, lambda s: heard.append(str(s.key_expr)))
+        anna.put(at.keys.act("operator.anna"), b"veto")
+        host.session.put(at.keys.back("operator.anna"), b"to anna")
+
+        def reached() -> bool:
+            host.session.put(at.keys.out, b"to all")
+            return at.keys.out in heard
+
+        assert eventually(reached)
+    assert set(heard) == {at.keys.out}
+
+
+def test_who_was_revoked_neither_acts_nor_hears(at: House, host: Host) -> None:
+    heard: list[str] = []
+    told: list[str] = []
+    with visiting(at.gone, at.anna) as [gone, anna]:
+        gone.declare_subscriber(at.keys.out, lambda s: heard.append(str(s.key_expr)))
+        anna.declare_subscriber(at.keys.out, lambda s: told.append(str(s.key_expr)))
+        gone.put(at.keys.act("operator.gone"), b"still here")
+        gone.put(at.keys.hello("operator.gone"), b"still here")
+
+        def reached() -> bool:
+            host.session.put(at.keys.out, b"to all")
+            return bool(told)
+
+        assert eventually(reached)
+        last_word(host, at, anna, "operator.anna")
+    assert b"still here" not in [payload for _, payload in host.heard]
+    assert heard == []
+
+
+def test_where_nobody_is_invited_nobody_can_do_anything(at: House, tmp_path: Path) -> None:
+    elsewhere = Endpoint("127.0.0.1", free_port())
+    settings = host_settings(at.authority.link, listen=[elsewhere], files=at.authority.host_files([elsewhere]))
+    heard: list[str] = []
+    with (
+        zenoh.open(config(settings)) as session,
+        zenoh.open(config(network_settings(elsewhere, at.anna.credentials))) as anna,
+    ):
+        session.declare_subscriber("**", lambda s: heard.append(str(s.key_expr)))
+        anna.put(at.keys.act("operator.anna"), b"veto")
+        anna.put(at.keys.hello("operator.anna"), b"hello")
+        assert not list(anna.liveliness().get(at.keys.out, timeout=0.2))
+    assert heard == []
+
+
+def test_on_the_same_machine_the_link_is_open_and_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "s.sock"
+    heard: list[str] = []
+    with zenoh.open(config(host_settings("abc", socket=path))) as session:
+        session.declare_subscriber("**", lambda s: heard.append(str(s.key_expr)))
+        with zenoh.open(config(socket_settings(path))) as operator:
+            operator.put("sar-tui/other/act/operator.anna", b"")
+            operator.put("sar-tui/abc/act/operator.anna", b"")
+            assert eventually(lambda: heard)
+    assert heard == ["sar-tui/abc/act/operator.anna"]
+
+
+# --- knocking --------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def present(at: House, host: Host) -> Iterator[None]:
+    """The host says that its session is there."""
+    token = host.session.liveliness().declare_token(at.keys.out)
+    yield
+    token.undeclare()
+
+
+def knock_with(invited: Invitation) -> None:
+    knock(network_settings(invited.where[0], invited.credentials), invited.link)
+
+
+@pytest.mark.usefixtures("present")
+def test_who_is_invited_may_knock(at: House) -> None:
+    knock_with(at.eve)
+
+
+@pytest.mark.usefixtures("present")
+def test_who_was_revoked_is_told_when_they_knock(at: House) -> None:
+    with pytest.raises(LinkError, match="may have been revoked"):
+        knock_with(at.gone)
+
+
+@pytest.mark.usefixtures("present")
+def test_who_comes_too_late_is_told_when_they_knock(at: House) -> None:
+    with pytest.raises(LinkError, match="has expired"):
+        knock_with(at.late)
+
+
+def test_who_knocks_where_nothing_listens_is_told(at: House) -> None:
+    with pytest.raises(LinkError, match="Nothing listens there"):
+        knock(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)

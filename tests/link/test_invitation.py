@@ -1,0 +1,150 @@
+"""The file that is carried over: written once, and read with care."""
+
+import json
+import stat
+from collections.abc import Callable
+from datetime import timedelta
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.link.authority import Authority
+from sar_tui.link.errors import LinkError
+from sar_tui.link.invitation import Invitation, file_name, read, write
+from sar_tui.link.settings import Endpoint, Guest
+
+HERE = Endpoint("lab-pc.local", 7000)
+
+
+@pytest.fixture(scope="module")
+def authority(tmp_path_factory: pytest.TempPathFactory) -> Authority:
+    return Authority.made(tmp_path_factory.mktemp("data"))
+
+
+@pytest.fixture(scope="module")
+def anna(authority: Authority) -> Invitation:
+    return authority.invite(Guest("anna", "operator"), [HERE, Endpoint("10.0.0.5", 7447)], 30)
+
+
+@pytest.fixture(scope="module")
+def eve(authority: Authority) -> Invitation:
+    return authority.invite(Guest("eve", "observer"), [HERE], 30)
+
+
+@pytest.fixture
+def path(anna: Invitation, tmp_path: Path) -> Path:
+    write(anna, tmp_path / "anna.sar-link")
+    return tmp_path / "anna.sar-link"
+
+
+def changed(path: Path, change: Callable[[dict[str, Any]], object]) -> Path:
+    plain = json.loads(path.read_text())
+    change(plain)
+    path.write_text(json.dumps(plain))
+    return path
+
+
+def test_what_is_written_is_what_is_read(anna: Invitation, path: Path) -> None:
+    assert read(path) == anna
+    assert read(path).where == (HERE, Endpoint("10.0.0.5", 7447))
+
+
+def test_its_file_is_this_users_alone_and_named_after_the_guest(anna: Invitation, path: Path) -> None:
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert file_name(anna.guest) == "operator-anna.sar-link"
+
+
+def test_a_file_that_is_there_is_left_as_it_is(anna: Invitation, tmp_path: Path) -> None:
+    taken = tmp_path / "taken.sar-link"
+    taken.write_text("mine")
+    with pytest.raises(LinkError, match="there already"):
+        write(anna, taken)
+    assert taken.read_text() == "mine"
+
+
+def test_a_file_that_cannot_be_made_is_told(anna: Invitation, tmp_path: Path) -> None:
+    with pytest.raises(LinkError, match="cannot be made"):
+        write(anna, tmp_path / "no" / "folder.sar-link")
+
+
+def test_its_words_show_no_key(anna: Invitation) -> None:
+    assert "PRIVATE" not in f"{anna!r} {anna}"
+
+
+# --- read with care --------------------------------------------------------------------------------------------------
+
+
+def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
+    with pytest.raises(LinkError, match="There is no file"):
+        read(tmp_path / "none.sar-link")
+
+
+def test_a_folder_is_not_an_invitation(tmp_path: Path) -> None:
+    with pytest.raises(LinkError, match="cannot be read"):
+        read(tmp_path)
+
+
+@pytest.mark.parametrize("content", [b"", b"hello", b"\xff\xfe\x00", b'{"format": "another"}', b"x" * 100_000])
+def test_another_file_is_not_an_invitation(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "x.sar-link").write_bytes(content)
+    with pytest.raises(LinkError, match="is not an invitation"):
+        read(tmp_path / "x.sar-link")
+
+
+def test_an_invitation_that_was_cut_off_is_damaged(path: Path) -> None:
+    whole = path.read_bytes()
+    for length in range(100, len(whole) - 2, 97):
+        path.write_bytes(whole[:length])
+        with pytest.raises(LinkError, match="is damaged"):
+            read(path)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda plain: plain.pop("credentials"),
+        lambda plain: plain.pop("version"),
+        lambda plain: plain.update(endpoints=[]),
+        lambda plain: plain.update(endpoints=["not a place"]),
+        lambda plain: plain.update(name="../anna"),
+        lambda plain: plain.update(link="*"),
+        lambda plain: plain["credentials"].update(key="none"),
+        lambda plain: plain["credentials"].update(certificate=plain["credentials"]["authority"]),
+    ],
+)
+def test_an_invitation_that_is_not_whole_is_damaged(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
+    with pytest.raises(LinkError, match="is damaged"):
+        read(changed(path, change))
+
+
+def test_an_observers_invitation_cannot_be_made_an_operators(eve: Invitation, tmp_path: Path) -> None:
+    write(eve, tmp_path / "eve.sar-link")
+    with pytest.raises(LinkError, match="is damaged"):
+        read(changed(tmp_path / "eve.sar-link", lambda plain: plain.update(role="operator")))
+
+
+def test_an_invitation_with_anothers_key_is_damaged(path: Path, eve: Invitation) -> None:
+    with pytest.raises(LinkError, match="is damaged"):
+        read(changed(path, lambda plain: plain["credentials"].update(key=eve.credentials.key)))
+
+
+def test_an_invitation_of_a_newer_version_asks_for_an_update(path: Path) -> None:
+    with pytest.raises(LinkError, match="newer sar-tui"):
+        read(changed(path, lambda plain: plain.update(version=2, role="conductor")))
+
+
+def test_a_role_that_is_not_known_is_told(path: Path) -> None:
+    with pytest.raises(LinkError, match="role 'conductor'"):
+        read(changed(path, lambda plain: plain.update(role="conductor")))
+
+
+def test_an_expired_invitation_says_when_it_expired(anna: Invitation, path: Path) -> None:
+    with pytest.raises(LinkError, match=f"expired on {anna.expires:%Y-%m-%d at %H:%M} UTC"):
+        read(path, anna.expires)
+    assert read(path, anna.expires - timedelta(seconds=1)).guest == anna.guest
+
+
+def test_that_it_expires_later_cannot_be_written_into_it(anna: Invitation, path: Path) -> None:
+    changed(path, lambda plain: plain.update(expires="2099-01-01T00:00:00Z"))
+    assert read(path).expires == anna.expires

@@ -1,0 +1,227 @@
+"""What zenoh's log tells of refusals. The lines are real ones of zenoh 1.10; the last test has it write them anew."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from sar_tui.link.refusals import HOST_LOG, Refusal, Refusals, log_environment, why_not_connected
+from sar_tui.link.settings import host_settings
+from tests.link.house import house, visiting
+
+ZID = "b5fa3a2865218a34b09927dff29185fb"
+TLS = "2026-11-21T19:38:04.543323Z  WARN acc-0 ThreadId(05) zenoh_link_tls::unicast: "
+ACL = "2026-11-21T19:38:03.971810Z TRACE  rx-0 ThreadId(08) zenoh::net::routing::interceptor::access_control: "
+HINT = " Hint: increase the system open file limit."
+KEY = "sar-tui/1422cbb3724b/act/operator.anna"
+EVE_CAME = (
+    "2026-11-21T19:38:03.971039Z DEBUG acc-0 ThreadId(05) zenoh_link_tls::unicast: Accepted TLS connection on "
+    "127.0.0.1:50529: 127.0.0.1:39750. Common Name: observer.eve."
+)
+EVE_OPENED = (
+    "2026-11-21T19:38:03.971568Z DEBUG acc-0 ThreadId(05) zenoh_transport::unicast::establishment::accept: New "
+    f"transport link accepted from {ZID} to 6702d3c00651398862d7c3468323badf: TransportLinkUnicast {{ link: Link {{ "
+    "src: tls/127.0.0.1:50529, dst: tls/127.0.0.1:39750, mtu: 49152, is_reliable: true, is_streamed: true }, config: "
+    "TransportLinkUnicastConfig { direction: Inbound, batch: BatchConfig { mtu: 49152, is_streamed: true, "
+    "is_compression: false }, priorities: None, reliability: None } } "
+)
+EVE = f"{ZID} on Interface(lo)+CertCommonName(observer.eve)+Transport(Tls)+{ZID}"
+
+
+@pytest.fixture
+def log() -> Refusals:
+    return Refusals(["operator.anna", "observer.eve"])
+
+
+@pytest.mark.parametrize(
+    ("said", "why"),
+    [
+        ("peer sent no certificates.", "it has no certificate"),
+        (
+            "invalid peer certificate: certificate expired: verification time 1795289884 (UNIX), but certificate is "
+            "not valid after 1795203483 (86401 seconds ago).",
+            "its invitation has expired",
+        ),
+        ("invalid peer certificate: UnknownIssuer.", "its certificate was made by another authority"),
+        (
+            "invalid peer certificate: certificate does not allow extended key usage for client authentication, allows "
+            "server authentication.",
+            "its certificate is not one for a guest",
+        ),
+        ("received fatal alert: UnknownCA.", "it does not trust this host's certificate"),
+        ("peer is incompatible: SupportedVersionsExtensionRequired.", "its TLS is too old"),
+        ("received corrupt message of type InvalidContentType.", "it does not speak TLS"),
+        ("tls handshake eof.", "it hung up before it said who it is"),
+        ("something that no version said so far.", "it could not prove who it is"),
+    ],
+)
+def test_a_connection_that_was_not_accepted_is_told_with_its_reason(log: Refusals, said: str, why: str) -> None:
+    assert log.heard(TLS + said + HINT) == Refusal("connection", "", why)
+
+
+def test_who_may_come_is_no_refusal(log: Refusals) -> None:
+    assert log.heard(EVE_CAME) is None
+    assert log.heard(EVE_OPENED) is None
+
+
+def test_who_was_revoked_is_refused_by_name() -> None:
+    assert Refusals(["operator.anna"]).heard(EVE_CAME) == Refusal(
+        "connection", "observer.eve", "its invitation was revoked, or is not known here"
+    )
+
+
+def test_a_message_that_was_denied_is_told_with_who_sent_it(log: Refusals) -> None:
+    line = f"{ACL}{EVE} is unauthorized to Put (ingress) on {KEY}"
+    assert log.heard(line) == Refusal("message", "observer.eve", f"it may not put on {KEY}")
+
+
+def test_a_denial_that_names_nobody_is_told_with_who_the_connection_belongs_to(log: Refusals) -> None:
+    line = f"{ACL}Using cached result: {ZID} is unauthorized to Put (ingress) on {KEY}"
+    assert log.heard(line) == Refusal("message", "", f"it may not put on {KEY}")
+    log.heard(EVE_CAME)
+    log.heard(EVE_OPENED)
+    assert log.heard(line) == Refusal("message", "observer.eve", f"it may not put on {KEY}")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        f"{ACL}{EVE} is authorized to Put (ingress) on sar-tui/1422cbb3724b/hello/observer.eve",
+        f"{ACL}{EVE} is unauthorized to Put (egress) on sar-tui/1422cbb3724b/back/operator.anna",
+        f"{ACL}Using cached result: {ZID} is authorized to Put (egress) on sar-tui/1422cbb3724b/out",
+        "2026-11-21T19:38:03.781410Z DEBUG ThreadId(01) zenoh::net::routing::interceptor::access_control: Access "
+        "control is disabled",
+        "2026-11-21T19:22:07.573894Z  INFO ThreadId(01) zenoh::net::runtime::orchestrator: Zenoh can be reached at: "
+        "tls/127.0.0.1:38741",
+        "Z/",
+        "",
+    ],
+)
+def test_what_was_allowed_and_all_else_is_no_refusal(log: Refusals, line: str) -> None:
+    assert log.heard(line) is None
+
+
+def test_what_zenoh_judges_beforehand_is_no_refusal_and_what_then_happens_is(log: Refusals) -> None:
+    assert log.heard(f"{ACL}ACL (ingress): caching permissions for `{KEY}` ...") is None
+    for act in ("Query", "Reply", "Put", "Delete", "Declare/Undeclare Queryable"):
+        assert log.heard(f"{ACL}{EVE} is unauthorized to {act} (ingress) on {KEY}") is None
+    assert log.heard(f"{ACL}{EVE} is authorized to Liveliness Query (ingress) on {KEY}") is None
+    done = f"{ACL}{EVE} is unauthorized to Put (ingress) on {KEY}"
+    assert log.heard(done) == Refusal("message", "observer.eve", f"it may not put on {KEY}")
+
+
+def test_a_link_that_ends_with_its_certificate_is_told(log: Refusals) -> None:
+    log.heard(EVE_CAME)
+    ended = (
+        "2026-11-21T19:29:12.001263Z  WARN acc-0 ThreadId(04) zenoh_link_commons::tls::expiration: Closing TLS link "
+        "127.0.0.1:50529 => 127.0.0.1:39750 : remote certificate chain expired"
+    )
+    assert log.heard(ended) == Refusal("connection", "observer.eve", "its invitation has expired")
+
+
+def test_what_a_guest_wrote_into_a_key_is_fit_to_be_printed(log: Refusals) -> None:
+    line = f"{ACL}{EVE} is unauthorized to Put (ingress) on a\x1b[31m{'x' * 1000}"
+    refusal = log.heard(line)
+    assert refusal is not None
+    assert refusal.why.isprintable()
+    assert len(refusal.why) < 200
+
+
+def test_however_many_come_little_is_remembered(log: Refusals) -> None:
+    for port in range(10_000):
+        log.heard(EVE_CAME.replace("39750", str(port)))
+    log.heard(EVE_CAME)
+    log.heard(EVE_OPENED)
+    line = f"{ACL}Using cached result: {ZID} is unauthorized to Put (ingress) on {KEY}"
+    assert log.heard(line) == Refusal("message", "observer.eve", f"it may not put on {KEY}")
+    assert len(log._at) < 100
+
+
+# --- a guest's side --------------------------------------------------------------------------------------------------
+
+HEAD = "2026-11-21T19:22:08.687339Z  WARN ThreadId(01) zenoh::net::runtime::orchestrator: Unable to connect to "
+SOURCE = " at /src/io/zenoh-links/zenoh-link-tls/src/unicast.rs:226."
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ("received fatal alert: UnknownCA", "does not know this invitation"),
+        ("received fatal alert: CertificateExpired", "has expired"),
+        ("received fatal alert: UnsupportedCertificate", "refused the certificate"),
+        (
+            "Can not create a new TLS link bound to IpAddress(V4(Ipv4Addr([127, 0, 0, 1]))): invalid peer certificate: "
+            "UnknownIssuer",
+            "is not the host",
+        ),
+        (
+            "Can not create a new TLS link bound to IpAddress(V4(Ipv4Addr([127, 0, 0, 1]))): [127.0.0.1:1: Connection "
+            "refused (os error 111)",
+            "Nothing listens there",
+        ),
+        ("failed to lookup address information: Name or service not known", "no computer of that name"),
+        ("something that no version said so far", "cannot be reached"),
+    ],
+)
+def test_a_guest_is_told_why_they_did_not_get_in(said: str, words: str) -> None:
+    log = (
+        f"{HEAD}tls/127.0.0.1:38741! {said}{SOURCE}\n"
+        f"{HEAD}any of [Single(tls/127.0.0.1:38741)]!  at /src/zenoh/src/net/runtime/orchestrator.rs:447.\n"
+    )
+    assert words in why_not_connected(log)
+
+
+def test_a_key_in_the_log_is_not_repeated() -> None:
+    said = "Cannot create a new TLS listener to tls/127.0.0.1:1#connect_private_key_base64=S3VjaGVu"
+    log = f"{HEAD}tls/127.0.0.1:1! {said}"
+    assert why_not_connected(log) == "The session there cannot be reached."
+
+
+# --- with the zenoh that is installed --------------------------------------------------------------------------------
+
+HOST = """
+import sys, zenoh
+from sar_tui.link.settings import config
+zenoh.init_log_from_env_or("error")
+with zenoh.open(config(sys.stdin.readline())):
+    print("open", flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_a_real_hosts_log_tells_who_was_refused_and_why(tmp_path: Path) -> None:
+    at = house(tmp_path)
+    files = at.authority.host_files([at.where])
+    settings = host_settings(at.authority.link, listen=[at.where], files=files, guests=at.authority.guests())
+    with subprocess.Popen(
+        [sys.executable, "-c", HOST],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, **log_environment(HOST_LOG)},
+        text=True,
+    ) as host:
+        try:
+            assert host.stdin is not None
+            assert host.stdout is not None
+            host.stdin.write(settings + "\n")
+            host.stdin.flush()
+            lines = iter(host.stdout.readline, "")
+            assert "open\n" in lines
+            with visiting(at.eve, at.gone) as [eve, _]:
+                eve.put(at.keys.act("observer.eve"), b"evil")
+                eve.declare_publisher(at.keys.act("operator.anna")).put(b"evil")
+            with pytest.raises(zenoh.ZError), visiting(at.late):
+                pass
+            rest, _ = host.communicate(timeout=20)
+        finally:
+            host.kill()
+    log = Refusals(map(str, at.authority.guests()))
+    refused = [refusal for line in rest.splitlines() if (refusal := log.heard(line))]
+    assert Refusal("message", "observer.eve", f"it may not put on {at.keys.act('observer.eve')}") in refused
+    assert Refusal("message", "observer.eve", f"it may not put on {at.keys.act('operator.anna')}") in refused
+    assert Refusal("connection", "operator.gone", "its invitation was revoked, or is not known here") in refused
+    assert Refusal("connection", "", "its invitation has expired") in refused
+    assert len(refused) == 4

@@ -1,0 +1,162 @@
+"""What zenoh is told: where a session listens, and what may pass."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+import zenoh
+
+from sar_tui.link.errors import LinkError
+from sar_tui.link.settings import (
+    Credentials,
+    Endpoint,
+    Guest,
+    HostFiles,
+    Keys,
+    config,
+    endpoint,
+    host_settings,
+    network_settings,
+    socket_settings,
+)
+
+HERE = Endpoint("lab-pc.local", 7447)
+SECRET = Credentials("the authority", "the certificate", "the key")
+FILES = HostFiles(Path("/a.pem"), Path("/h.pem"), Path("/h.key"))
+
+
+def decoded(settings: str) -> dict[str, Any]:
+    plain: dict[str, Any] = msgspec.json.decode(settings)
+    return plain
+
+
+def sockets() -> set[str]:
+    """The sockets that this process has open now, of any kind."""
+    found = set()
+    for number in os.listdir("/proc/self/fd"):
+        try:
+            target = os.readlink(f"/proc/self/fd/{number}")
+        except FileNotFoundError:
+            continue
+        if target.startswith("socket:"):
+            found.add(target)
+    return found
+
+
+# --- endpoints -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "host", "port"),
+    [
+        ("lab-pc.local", "lab-pc.local", 7447),
+        ("lab-pc.local:7000", "lab-pc.local", 7000),
+        ("tls/192.168.1.20:7000", "192.168.1.20", 7000),
+        ("0.0.0.0", "0.0.0.0", 7447),
+        ("::1", "::1", 7447),
+        ("[fe80::1]:7000", "fe80::1", 7000),
+        ("[::1]", "::1", 7447),
+    ],
+)
+def test_a_place_is_read_with_or_without_its_port(text: str, host: str, port: int) -> None:
+    assert endpoint(text) == Endpoint(host, port)
+    assert endpoint(endpoint(text).locator) == Endpoint(host, port)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", ":7447", "lab pc", "lab-pc:0", "lab-pc:99999", "lab-pc:x", "[::1", "[::1]7447", "tcp/lab-pc", "lab#a=b", "-a"],
+)
+def test_what_is_no_place_is_refused_in_words(text: str) -> None:
+    with pytest.raises(LinkError, match=r"lab-pc\.local"):
+        endpoint(text)
+
+
+# --- hosts -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_host_that_was_told_of_no_place_opens_no_socket() -> None:
+    before = sockets()
+    with zenoh.open(config(host_settings("abc"))):
+        assert sockets() == before
+
+
+def test_a_guest_opens_the_one_socket_that_leads_to_its_host(tmp_path: Path) -> None:
+    path = tmp_path / "s.sock"
+    with zenoh.open(config(host_settings("abc", socket=path))):
+        listening = sockets()
+        with zenoh.open(config(socket_settings(path))):
+            ends = sockets() - listening
+    assert len(ends) == 2, "one of the guest, one that the host accepted"
+
+
+def test_a_host_listens_where_it_was_told_to_and_looks_for_nobody(tmp_path: Path) -> None:
+    settings = decoded(host_settings("abc", socket=tmp_path / "s.sock", listen=[HERE], files=FILES))
+    assert settings["listen"]["endpoints"] == ["tls/lab-pc.local:7447", f"unixsock-stream/{tmp_path}/s.sock"]
+    assert settings["connect"]["endpoints"] == []
+    assert not settings["scouting"]["multicast"]["enabled"]
+    assert not settings["scouting"]["gossip"]["enabled"]
+
+
+def test_a_host_on_the_network_asks_every_guest_for_a_certificate() -> None:
+    tls = decoded(host_settings("abc", listen=[HERE], files=FILES))["transport"]["link"]["tls"]
+    assert tls["enable_mtls"] is True
+    assert tls["root_ca_certificate"] == "/a.pem"
+
+
+def test_a_host_cannot_listen_on_the_network_without_certificates() -> None:
+    with pytest.raises(ValueError, match="certificates"):
+        host_settings("abc", listen=[HERE])
+
+
+@pytest.mark.parametrize("name", ["a*", "a/b", "**", "", "a b", "$x", "a#b", "a?b", "a\nb"])
+def test_a_name_that_would_reach_further_than_itself_is_not_taken(name: str) -> None:
+    with pytest.raises(ValueError, match="part of a key"):
+        host_settings("abc", guests=[Guest(name, "operator")])
+    with pytest.raises(ValueError, match="part of a key"):
+        host_settings(name)
+
+
+def test_only_what_stands_in_a_rule_is_allowed_and_an_observers_rules_hold_no_act() -> None:
+    guests = [Guest("anna", "operator"), Guest("eve", "observer")]
+    access = decoded(host_settings("abc", guests=guests))["access_control"]
+    assert access["default_permission"] == "deny"
+    assert {rule["permission"] for rule in access["rules"]} == {"allow"}
+    rules = {rule["id"]: rule for rule in access["rules"]}
+    allowed = {policy["subjects"][0]: policy["rules"] for policy in access["policies"]}
+
+    def sends(name: str) -> set[str]:
+        mine = (rules[rule] for rule in allowed[name])
+        return {
+            key
+            for rule in mine
+            if "put" in rule["messages"] and "ingress" in rule["flows"]
+            for key in rule["key_exprs"]
+        }
+
+    keys = Keys("abc")
+    assert sends("operator.anna") == {keys.act("operator.anna"), keys.hello("operator.anna")}
+    assert sends("observer.eve") == {keys.hello("observer.eve")}
+
+
+# --- guests ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_guest_listens_nowhere_and_checks_who_answers() -> None:
+    settings = decoded(network_settings(HERE, SECRET))
+    assert settings["listen"]["endpoints"] == []
+    assert settings["connect"]["endpoints"] == ["tls/lab-pc.local:7447"]
+    assert settings["transport"]["link"]["tls"]["verify_name_on_connect"] is True
+
+
+def test_a_key_is_shown_nowhere_by_chance() -> None:
+    assert "the key" not in f"{SECRET!r} {SECRET}"
+    assert "the key" not in network_settings(HERE, SECRET)
+
+
+def test_a_guest_on_the_same_machine_needs_no_certificate(tmp_path: Path) -> None:
+    settings = decoded(socket_settings(tmp_path / "s.sock"))
+    assert settings["connect"]["endpoints"] == [f"unixsock-stream/{tmp_path}/s.sock"]
+    assert "tls" not in settings["transport"]["link"]
