@@ -132,9 +132,10 @@ class Arbiter(TimedNode):
         self._tell()
 
     @on(SESSION_ENDED)
-    def session_ended(self, _: m.SessionEnded) -> None:
-        """Nothing is said after the goodbye."""
-        self._drop("late")
+    def session_ended(self, ended: m.SessionEnded) -> None:
+        """Nothing is said after the goodbye; before it, where all was done, the last answers have their turn."""
+        answers = [action.id for action in self._agenda.waiting if action.kind == "feedback" and action.due <= self.now]
+        self._drop("late", lambda saying: ended.status == "aborted" or saying.id not in answers)
         self._tell()
 
     # --- what the agent proposes -------------------------------------------------------------------------------

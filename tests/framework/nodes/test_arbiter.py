@@ -22,6 +22,7 @@ from sar_tui.framework.topics import (
     PROPOSED,
     REPORT,
     SESSION,
+    SESSION_ENDED,
     WAITING,
 )
 from sar_tui.outputs.node import OutputNode
@@ -31,6 +32,7 @@ from tests.outputs.fakes import Speaker
 
 class Told(m.Message, frozen=True, kw_only=True):
     waiting: m.Waiting | None = None
+    ended: m.SessionEnded | None = None
     proposals: tuple[m.Proposal, ...] = ()
 
 
@@ -42,12 +44,14 @@ class Teller(Node):
     """Stands in for the event handler and the action center."""
 
     name = "teller"
-    emits = (WAITING, PROPOSED)
+    emits = (WAITING, PROPOSED, SESSION_ENDED)
 
     @on(TOLD)
     def told(self, told: Told) -> None:
         if told.waiting:
             self.emit(WAITING, told.waiting)
+        if told.ended:
+            self.emit(SESSION_ENDED, told.ended)
         for proposal in told.proposals:
             self.emit(PROPOSED, proposal)
 

@@ -25,7 +25,7 @@ from sar_tui.framework.topics import (
     STALLING,
     STANDING,
 )
-from tests.framework.nodes.test_arbiter import Floor
+from tests.framework.nodes.test_arbiter import TOLD, Floor, Told
 
 
 class Room(Floor):
@@ -236,6 +236,18 @@ def test_a_delay_is_covered_with_and_without_an_operator_or_not_at_all(
     room.propose("a1", due=room.clock.now() + 4 * SECOND)
     room.clock.advance(10 * SECOND)
     assert len(room.all(STALLING)) == covered
+
+
+@pytest.mark.parametrize(("status", "said"), [("completed", ["a1", "a2"]), ("aborted", ["a1"])])
+def test_the_last_answers_have_their_turn_before_the_goodbye_unless_somebody_ended_it(
+    status: Any, said: list[str]
+) -> None:
+    """Two people are answered one after the other; who goes on to the summary meanwhile does not cut the second off."""
+    room = Room()
+    room.propose("a1", "a2")
+    room.bus.publish(TOLD, Told(ended=m.SessionEnded(status=status)))
+    room.report("a1")
+    assert room.acted == said
 
 
 # --- without an operator ------------------------------------------------------------------------------------------
