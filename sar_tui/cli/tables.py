@@ -28,14 +28,23 @@ def add(made: Table, *cells: object) -> None:
     made.add_row(*(Text("–" if cell in (None, "") else str(cell)) for cell in cells))
 
 
+def head(made: Table, heading: str) -> None:
+    """Begin a new part of a table, under a heading."""
+    made.add_row()
+    made.add_row(Text(heading, style="bold"))
+
+
 def attempts_table(rows: Sequence[Row], metric: "Metric") -> Table:
-    """One attempt a row."""
+    """One attempt a row; where two took part, one for each of them."""
     result = metric.name.replace("_", " ")
-    made = table("attempt", "level", result, "right", "goal", "feedback", right=("attempt", "level", result, "right"))
+    seat = ("seat",) if len(seats(rows)) > 1 else ()
+    numbers = ("attempt", "level", result, "right")
+    made = table("attempt", *seat, "level", result, "right", "goal", "feedback", right=numbers)
     for row in rows:
         add(
             made,
             f"{row['attempt']}{' practice' if row['practice'] else ''}",
+            *(row[name] for name in seat),
             row["level"],
             None if row["metric"] is None else metric.show(row["metric"]),
             f"{row['correct']} of {row['trials']}",
@@ -45,8 +54,16 @@ def attempts_table(rows: Sequence[Row], metric: "Metric") -> Table:
     return made
 
 
+def seats(rows: Sequence[Row]) -> list[str]:
+    """Who took part, by seat."""
+    return sorted({row["seat"] for row in rows})
+
+
 def summary(rows: Sequence[Row], metric: "Metric") -> str:
-    """A session in a sentence; practice does not count."""
+    """A session in a sentence, or one for each seat; practice does not count."""
+    if len(taken := seats(rows)) > 1:
+        mine = {seat: [row for row in rows if row["seat"] == seat] for seat in taken}
+        return " ".join(f"Seat {seat}: {summary(own, metric)}" for seat, own in mine.items())
     scored = [row for row in rows if not row["practice"]]
     if not scored:
         return "No attempt was finished."

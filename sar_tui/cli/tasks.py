@@ -56,23 +56,26 @@ def show_task(
     tasks: Tasks = None,
 ) -> None:
     """Show what can be set for a task."""
+    from sar_tui.framework.parameter_groups import grouped
     from sar_tui.framework.parameters import fields, show
 
     task = Home.of(context, data, tasks).catalogue().task(name)
-    declared = fields(task.Parameters)
     if as_json:
         facts = {"name": name, "title": task.title, "summary": task.summary, "metric": task.metric}
-        print_json({"task": facts, "parameters": declared})
+        print_json({"task": facts, "parameters": fields(task.Parameters)})
         return
 
-    from sar_tui.cli.tables import add, table
+    from sar_tui.cli.tables import add, head, table
 
     out = console()
     out.print(f"{task.title}. {task.summary}\n", markup=False)
     made = table("name", "default", "allowed", "what it is", whole=("name", "default"))
-    for field in declared:
-        words = f"{field.title}. {field.help}" if field.help else field.title
-        add(made, field.name, show(field.default), f"{field.bounds} {field.unit}".strip(), words)
+    for heading, declared in grouped(task.Parameters).items():
+        if heading:
+            head(made, heading)
+        for field in declared:
+            words = f"{field.title}. {field.help}" if field.help else field.title
+            add(made, field.name, show(field.default), f"{field.bounds} {field.unit}".strip(), words)
     out.print(made)
 
 

@@ -20,7 +20,8 @@ def meta(title: str, unit: str = "", help: str = "", takes: str = "", group: str
         unit: its unit, shown beside the field.
         help: one or two plain sentences.
         takes: of a text, what it may be, in words: "a code of small letters, such as en".
-        group: the heading on the settings form under which it stands; a task's own need none.
+        group: the heading on the settings form under which it stands; a task's own need none, and one that is common
+            to every task keeps its heading where a task declares it anew.
         bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``.
     """
     return Meta(title=title, description=help or None, extra={"unit": unit, "takes": takes, "group": group}, **bounds)
@@ -40,11 +41,13 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
     Build them with ``build``, which checks; the constructor does not.
     """
 
-    attempts: Annotated[int, meta("Attempts", help="How many attempts a session has.", ge=1, le=200)] = 20
+    attempts: Annotated[
+        int, meta("Attempts", help="How many attempts a session has.", ge=1, le=200, group="Session")
+    ] = 20
     practice_attempts: Annotated[
         int,
         meta("Practice attempts", help="Attempts before the first that counts; they never change the level.",
-             ge=0, le=20),
+             ge=0, le=20, group="Session"),
     ] = 0  # fmt: skip
     threshold: Annotated[
         float,
@@ -53,11 +56,18 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
             help="The result of an attempt has to be better than this; equal is not enough.",
             ge=0,
             le=1e6,
+            group="Difficulty",
         ),
     ] = 1000.0
     neutral_band: Annotated[
         float,
-        meta("Neutral band", help="This near the goal, on either side, feedback is neutral.", ge=0, le=1e6),
+        meta(
+            "Neutral band",
+            help="This near the goal, on either side, feedback is neutral.",
+            ge=0,
+            le=1e6,
+            group="Difficulty",
+        ),
     ] = 10.0
     min_accuracy: Annotated[
         float,
@@ -66,18 +76,35 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
             help="The share of right responses an attempt needs to succeed, 0 to 1.",
             ge=0,
             le=1,
+            group="Difficulty",
         ),
     ] = 0.8
     consecutive_successes: Annotated[
         int,
-        meta("Successes before harder", help="So many successes in a row raise the level by one.", ge=1, le=20),
+        meta(
+            "Successes before harder",
+            help="So many successes in a row raise the level by one.",
+            ge=1,
+            le=20,
+            group="Difficulty",
+        ),
     ] = 1
     consecutive_failures: Annotated[
         int,
-        meta("Failures before easier", help="So many failures in a row lower the level by one.", ge=1, le=20),
+        meta(
+            "Failures before easier",
+            help="So many failures in a row lower the level by one.",
+            ge=1,
+            le=20,
+            group="Difficulty",
+        ),
     ] = 1
-    start_level: Annotated[int, meta("Start level", help="The level of the first attempt.", ge=1, le=100)] = 1
-    min_level: Annotated[int, meta("Lowest level", help="The level never falls below this.", ge=1, le=100)] = 1
+    start_level: Annotated[
+        int, meta("Start level", help="The level of the first attempt.", ge=1, le=100, group="Difficulty")
+    ] = 1
+    min_level: Annotated[
+        int, meta("Lowest level", help="The level never falls below this.", ge=1, le=100, group="Difficulty")
+    ] = 1
     max_level: Annotated[
         int,
         meta(
@@ -85,6 +112,7 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
             help="The level never rises above this, nor above the last level there is.",
             ge=1,
             le=100,
+            group="Difficulty",
         ),
     ] = 10
     difficulty_policy: Annotated[
@@ -92,6 +120,7 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
         meta(
             "Difficulty",
             help="thesis: one level up or down after successes or failures in a row. fixed: stays.",
+            group="Difficulty",
         ),
     ] = "thesis"
     feedback_schedule: Annotated[
@@ -100,54 +129,68 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
             "Feedback",
             help="every: each time, or each so many attempts. faded: less often with success. bandwidth: only away "
             "from the goal. summary: of the last attempts. request: when the participant asks (Tab). none.",
+            group="Feedback",
         ),
     ] = "every"
     feedback_every: Annotated[
         int,
         meta("Feedback every", "attempts", "For every and summary: the agent answers every so many attempts.",
-             ge=1, le=100),
+             ge=1, le=100, group="Feedback"),
     ] = 1  # fmt: skip
     feedback_fade: Annotated[
         int,
         meta("Fading", "successes",
-             "For faded: so many more successes than failures make feedback rarer by one attempt.", ge=1, le=50),
+             "For faded: so many more successes than failures make feedback rarer by one attempt.", ge=1, le=50,
+             group="Feedback"),
     ] = 2  # fmt: skip
     feedback_tolerance: Annotated[
         float,
         meta("Bandwidth", "% of the goal", "For bandwidth: a result no farther from the goal is not answered.",
-             ge=0, le=100),
+             ge=0, le=100, group="Feedback"),
     ] = 10.0  # fmt: skip
     feedback_form: Annotated[
         Literal["qualitative", "quantitative", "both"],
-        meta("Feedback form", help="In words only, with figures, or both."),
+        meta("Feedback form", help="In words only, with figures, or both.", group="Feedback"),
     ] = "both"
     feedback_compared_with: Annotated[
         Literal["last attempt", "best attempt", "session's mean", "goal"],
-        meta("Compared with", help="What figures are held against: results at the same level, or the goal."),
+        meta(
+            "Compared with",
+            help="What figures are held against: results at the same level, or the goal.",
+            group="Feedback",
+        ),
     ] = "last attempt"
     feedback_delay_ms: Annotated[
-        int, meta("Feedback delay", "ms", "From the end of an attempt to its answer.", ge=0, le=60_000)
+        int,
+        meta("Feedback delay", "ms", "From the end of an attempt to its answer.", ge=0, le=60_000, group="Feedback"),
     ] = 0
     encouragement: Annotated[
-        bool, meta("Encouragement", help="A kind word before an attempt that is harder than those before.")
+        bool,
+        meta("Encouragement", help="A kind word before an attempt that is harder than those before.", group="Agent"),
     ] = True
     rest_every: Annotated[
-        int, meta("Rest reminder every", "attempts", "The agent reminds of rest; 0: never.", ge=0, le=200)
+        int,
+        meta("Rest reminder every", "attempts", "The agent reminds of rest; 0: never.", ge=0, le=200, group="Session"),
     ] = 10
     language: Annotated[
         str,
         meta("Language", help="Of all the participant sees and hears: en, es, or another the theme has.",
              takes="a code of small letters, such as en, es or es-mx",
-             pattern="^[a-z]{2,3}(-[a-z]{2,4})?$"),
+             pattern="^[a-z]{2,3}(-[a-z]{2,4})?$", group="Session"),
     ] = "en"  # fmt: skip
     outputs: Annotated[
         tuple[str, ...],
         meta("Outputs", help="What the agent speaks and moves with: screen, speech, tones, servo, ros://HOST.",
-             max_length=8),
+             max_length=8, group="Agent"),
     ] = ("screen",)  # fmt: skip
     speech: Annotated[
         str,
-        meta("Speech goes to", help="sound: the loudspeaker. file:FOLDER: a WAV for each utterance.", max_length=500),
+        meta(
+            "Speech goes to",
+            help="sound: the loudspeaker. file:FOLDER: a WAV for each utterance.",
+            max_length=500,
+            group="Agent",
+        ),
     ] = "sound"
     operator_feedback: Annotated[
         Literal["autonomous", "veto", "approve", "manual"],
@@ -203,12 +246,14 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
             "After this long without a response the prompt is missed.",
             ge=100,
             le=600_000,
+            group="Timing",
         ),
     ] = 5000
     min_rt_ms: Annotated[
         int,
         meta("Fastest real response", "ms",
-             "A faster response is kept, marked as an anticipation, and left out of the result.", ge=0, le=1000),
+             "A faster response is kept, marked as an anticipation, and left out of the result.", ge=0, le=1000,
+             group="Timing"),
     ] = 100  # fmt: skip
     quiet_ms: Annotated[
         int,
@@ -218,14 +263,23 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
             "No key may be pressed for this long before the wait begins.",
             ge=0,
             le=5000,
+            group="Timing",
         ),
     ] = 500
     foreperiod_min_ms: Annotated[
-        int, meta("Shortest wait", "ms", "The wait before a prompt is at least this long.", ge=0, le=60_000)
+        int,
+        meta("Shortest wait", "ms", "The wait before a prompt is at least this long.", ge=0, le=60_000, group="Timing"),
     ] = 500
     foreperiod_max_ms: Annotated[
         int,
-        meta("Longest wait", "ms", "The wait before a prompt is random, at most this long.", ge=0, le=60_000),
+        meta(
+            "Longest wait",
+            "ms",
+            "The wait before a prompt is random, at most this long.",
+            ge=0,
+            le=60_000,
+            group="Timing",
+        ),
     ] = 1500
     repeat_interval_ms: Annotated[
         int,
@@ -235,6 +289,7 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
             "The same key again within this time is a held key, not a press.",
             ge=0,
             le=1000,
+            group="Timing",
         ),
     ] = 50
 
@@ -313,11 +368,18 @@ class Field(msgspec.Struct, frozen=True):
 
 def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
     """The declared parameters of a task, the task's own first, then those common to all."""
-    common = set(TaskParameters.__struct_fields__)
+    groups = {name: field.group for name, field in _declared(TaskParameters).items()}
+    found = (
+        msgspec.structs.replace(field, group=field.group or groups.get(name, ""))
+        for name, field in _declared(parameters).items()
+    )
+    return tuple(sorted(found, key=lambda field: field.name in groups))
+
+
+def _declared(parameters: type[TaskParameters]) -> dict[str, Field]:
     info = inspect.type_info(parameters)
     assert isinstance(info, inspect.StructType)
-    found = tuple(_field(field) for field in info.fields)
-    return tuple(sorted(found, key=lambda field: field.name in common))
+    return {field.name: _field(field) for field in info.fields}
 
 
 def _field(field: inspect.Field) -> Field:

@@ -44,14 +44,15 @@ class ParameterField(Vertical):
         super().__init__(id=f"parameter-{field.name}")
         self.field = field
         self._value = value
+        self._told = ("  ", field.help)
 
     def compose(self) -> ComposeResult:
         with Horizontal():
-            yield Static("", classes="mark")
+            yield Static(self._told[0], classes="mark")
             yield Label(self.field.title, classes="title", markup=False)
             yield self._editor()
             yield Label(self._about(), classes="unit", markup=False)
-        yield Static(self.field.help, classes="help", markup=False)
+        yield Static(self._told[1], classes="help", markup=False)
 
     def _editor(self) -> Input | Select[str]:
         match self.field.kind:
@@ -97,8 +98,11 @@ class ParameterField(Vertical):
     def tell(self, problem: str) -> None:
         """Mark the field as changed from its default, and as wrong if there is a problem."""
         default = f" Default: {show(self.field.default) or 'none'}." if self.is_changed else ""
-        self.query_one(".mark", Static).update("● " if self.is_changed else "  ")
-        self.query_one(".help", Static).update(problem or self.field.help + default)
+        told = ("● " if self.is_changed else "  ", problem or self.field.help + default)
+        if told != self._told:  # every update lays out the whole form anew
+            self._told = told
+            self.query_one(".mark", Static).update(told[0])
+            self.query_one(".help", Static).update(told[1])
         self.set_class(bool(problem), "wrong")
 
 

@@ -5,12 +5,15 @@ from typing import Annotated, Any
 
 import msgspec
 import pytest
+from textual.widget import Widget
 from textual.widgets import Select
 
 from sar_tui.app.screens.settings import SettingsScreen
+from sar_tui.framework.parameter_groups import grouped
 from sar_tui.framework.parameters import fields, meta, show
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.widgets.field_group import FieldGroup
 from sar_tui.widgets.parameter_field import ParameterField
 from tests.app.chair import Chair, known, sit_down, stored
 
@@ -24,8 +27,28 @@ def reads(chair: Chair, name: str) -> str:
     return str(field(chair, name).query_one(".help").render())
 
 
+def group(chair: Chair, title: str) -> FieldGroup:
+    """The heading that begins with some words, and what stands under it."""
+    return next(found for found in chair.app.screen.query(FieldGroup) if title in heading(found))
+
+
+def heading(found: FieldGroup) -> str:
+    """All that stands in the line of a heading."""
+    parts = (str(found.query_one(part).render()) for part in (".heading", ".told"))
+    return " ".join(" ".join(parts).split())
+
+
+def on_the_form(chair: Chair) -> str:
+    """All that can be read left of the scroll bar."""
+    return " ".join(" ".join(row[:76] for row in chair.rows).split())
+
+
 async def go_to(chair: Chair, name: str) -> None:
-    """Put the cursor into a field."""
+    """Put the cursor into a field, and open its heading for that."""
+    around = next(found for found in field(chair, name).ancestors if isinstance(found, FieldGroup))
+    if around.folded:
+        around.heading.focus()
+        await chair.press("enter")
     field(chair, name).query_one("Input, Select").focus()
     await chair.settle()
 
@@ -52,19 +75,36 @@ def a_participant(data: Path) -> None:
 async def test_there_is_one_field_for_each_declared_parameter(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue) as chair:
+    async with sit_down(data, catalogue, size=(80, 200)) as chair:
         await chair.press("f2")
         assert chair.sees("Settings of P01 for Keyboard reaction")
-        shown = [widget.field for widget in chair.app.screen.query(ParameterField)]
-        assert shown == list(fields(keyboard.Parameters))
+        for title in ("Operator", "Timing"):
+            group(chair, title).heading.focus()
+            await chair.press("enter")
+        words, shown = on_the_form(chair), [widget.field for widget in chair.app.screen.query(ParameterField)]
+        assert shown == [declared for under in grouped(keyboard.Parameters).values() for declared in under]
         for declared in shown:
-            assert field(chair, declared.name).has_focus_within
-            assert chair.sees(declared.title)
-            assert chair.sees(declared.help)
-            assert chair.sees(declared.unit)
-            assert chair.sees(show(declared.default))
-            assert declared.choices or chair.sees(declared.bounds)
-            await chair.press("tab")
+            for part in (declared.title, declared.help, declared.unit, show(declared.default)):
+                assert part in words
+            assert declared.choices or declared.bounds in words
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_tab_reaches_every_heading_and_every_field_under_it_in_order(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        group(chair, "Timing").heading.focus()
+        await chair.press("enter")
+        order: list[Widget] = []
+        for found in chair.app.screen.query(FieldGroup):
+            inside = () if found.folded else found.fields
+            order += [found.heading, *(widget.query_one("Input, Select") for widget in inside)]
+        chain = chair.app.screen.focus_chain
+        assert chain[: len(order)] == order
+        assert [widget.id for widget in chain[len(order) :]] == ["save", "reset-all", "back"]
+        await chair.write(*["tab"] * 6)
+        assert field(chair, "repeat_interval_ms").has_focus_within
+        assert "The same key again within this time is a held key, not a press." in on_the_form(chair)
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -259,7 +299,134 @@ async def test_no_title_touches_its_value_and_no_unit_is_cut_off(data: Path, cat
         for name in ("keyboard", "reaching"):
             chair.app.push_screen(SettingsScreen("P01", catalogue.task(name)))
             await chair.settle()
+            for found in chair.app.screen.query(FieldGroup):
+                found.folded = False
+            await chair.settle()
             for widget in chair.app.screen.query(ParameterField):
                 title, unit = widget.query_one(".title"), widget.query_one(".unit")
                 assert len(widget.field.title) <= title.size.width - 2, widget.field.name
                 assert len(str(unit.render()).rstrip()) <= unit.size.width, widget.field.name
+
+
+# --- headings -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_the_form_opens_in_the_tasks_first_field_with_what_few_need_folded_away(
+    data: Path, catalogue: Catalogue
+) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        assert field(chair, "prompts_per_attempt").has_focus_within
+        folded = {heading(found): found.folded for found in chair.app.screen.query(FieldGroup)}
+        assert next(iter(folded)) == "▼ Keyboard reaction"
+        assert [words for words in folded if folded[words]] == [
+            "▶ Operator 10 settings, none changed",
+            "▶ Timing 6 settings, none changed",
+        ]
+
+
+@pytest.mark.parametrize("key", ["enter", "space"])
+@pytest.mark.usefixtures("a_participant")
+async def test_a_heading_opens_and_folds_with_a_key(key: str, data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2", "pageup")
+        assert chair.sees("▼ Keyboard reaction Enter folds it")
+        await chair.press(key)
+        assert chair.sees("▶ Keyboard reaction 6 settings, none changed Enter opens it")
+        assert not chair.sees("Prompts per attempt")
+        await chair.press("tab")
+        assert group(chair, "Session").heading.has_focus
+        await chair.press("up", key)
+        assert chair.sees("Prompts per attempt 20")
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_a_heading_opens_with_a_click(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue, size=(80, 200)) as chair:
+        await chair.press("f2")
+        await chair.pilot.click(group(chair, "Timing").heading)
+        await chair.settle()
+        assert not group(chair, "Timing").folded
+        assert chair.sees("Shortest wait 500")
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_page_keys_go_from_heading_to_heading_and_first_to_ones_own(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        groups = list(chair.app.screen.query(FieldGroup))
+        for key, at in (("pageup", 0), ("pageup", 0), ("pagedown", 1), ("pagedown", 2)):
+            await chair.press(key)
+            assert groups[at].heading.has_focus
+        chair.app.screen.query_one("#back").focus()
+        for key in ("pageup", "pagedown"):
+            await chair.press(key)
+            assert groups[-1].heading.has_focus
+        await go_to(chair, "start_level")
+        await chair.press("pageup")
+        assert chair.rows[2].split() == ["▼", "Difficulty", "Enter", "folds", "it"]
+        await chair.press("pageup")
+        assert groups[1].heading.has_focus
+
+
+async def test_a_folded_heading_tells_what_differs_from_the_defaults(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", operator_feedback="approve", operator_time_ms=6000, levels=["fj"])
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        assert heading(group(chair, "Operator")) == "▶ Operator ● feedback: approve, time to decide: 6000 ms"
+        group(chair, "Operator").heading.focus()
+        await chair.settle()
+        assert chair.sees("▶ Operator ● feedback: approve, time to decide: 6000 ms")
+        await chair.press("enter")
+        assert heading(group(chair, "Operator")) == "▼ Operator"
+        await chair.press("enter", "ctrl+r")
+        assert heading(group(chair, "Operator")) == "▶ Operator 10 settings, none changed"
+        assert field(chair, "levels").is_changed
+        assert chair.sees("not saved")
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_emptied_settings_are_told_as_none(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        chair.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
+        await chair.settle()
+        await fill(chair, "outputs", "")
+        group(chair, "Agent").heading.focus()
+        await chair.press("enter")
+        assert heading(group(chair, "Agent")) == "▶ Agent ● outputs: none"
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_what_is_wrong_unfolds_its_heading(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await fill(chair, "foreperiod_max_ms", "600")
+        group(chair, "Timing").heading.focus()
+        await chair.press("enter")
+        assert group(chair, "Timing").folded
+        field(chair, "foreperiod_min_ms").reset()
+        await fill(chair, "foreperiod_max_ms", "400")
+        assert reads(chair, "foreperiod_min_ms") == "Shortest wait (500 ms) is above the longest (400 ms)."
+        group(chair, "Timing").heading.focus()
+        await chair.press("enter")
+        assert heading(group(chair, "Timing")) == "▶ Timing 1 to mend"
+        await fill(chair, "attempts", "7")
+        assert not group(chair, "Timing").folded
+        group(chair, "Timing").heading.focus()
+        await chair.press("enter", "ctrl+s")
+        assert field(chair, "foreperiod_min_ms").has_focus_within
+        assert chair.sees("Shortest wait (500 ms) is above the longest (400 ms).")
+    assert kept(data)["attempts"] == 20
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_what_is_folded_away_is_saved_all_the_same(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await fill(chair, "quiet_ms", "700")
+        group(chair, "Timing").heading.focus()
+        await chair.press("enter", "ctrl+s")
+        assert heading(group(chair, "Timing")) == "▶ Timing ● quiet before a prompt: 700 ms"
+        assert chair.sees("saved for P01")
+    assert kept(data) == {"quiet_ms": 700}

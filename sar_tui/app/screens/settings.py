@@ -9,29 +9,43 @@ from textual.containers import Horizontal, VerticalScroll
 from textual.screen import Screen
 from textual.widgets import Button, Footer, Static
 
-from sar_tui.framework.parameters import ParameterError, build, changed, fields
+from sar_tui.framework.parameter_groups import grouped
+from sar_tui.framework.parameters import ParameterError, build, changed, show
 from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
 from sar_tui.runs import check_outputs
 from sar_tui.store import participants
 from sar_tui.store.database import StoreError
 from sar_tui.theme_folder import languages
+from sar_tui.widgets.field_group import FieldGroup
 from sar_tui.widgets.parameter_field import ParameterField
+
+_FOLDED = ("Operator", "Timing")
+"""Headings that begin folded: what few sessions need."""
+
+
+class _Form(VerticalScroll, can_focus=False, inherit_bindings=False):
+    """The headings and their fields; page keys are the screen's, which goes from heading to heading with them."""
 
 
 class SettingsScreen(Screen[None]):
-    """One field for each parameter; kept for this participant, and used by their next session."""
+    """One field for each parameter, under headings; kept for this participant, and used by their next session."""
 
     help_text = (
-        "Each setting says what it means, its unit, and what it may be.\n"
-        "A dot marks what differs from the default. Nothing is kept until you save.\n"
+        "Each setting says what it means, its unit, and what it may be. "
+        "A dot marks what differs from the default. Nothing is kept until you save.\n\n"
+        "Page Down and Page Up go from heading to heading. Enter opens a heading, or folds it; "
+        "Ctrl-R on a heading resets all under it.\n"
     )
+    AUTO_FOCUS = "ParameterField Input, ParameterField Select"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "save", "Save", id="save"),
         Binding("ctrl+r", "reset", "Reset this", id="reset"),
         Binding("escape", "leave", "Back", id="leave"),
         Binding("down", "app.focus_next", "Next", show=False, id="down"),
         Binding("up", "app.focus_previous", "Previous", show=False, id="up"),
+        Binding("pagedown", "heading(1)", "Next heading", show=False, id="next-heading"),
+        Binding("pageup", "heading(-1)", "Previous heading", show=False, id="previous-heading"),
     ]
 
     app: Any
@@ -40,14 +54,20 @@ class SettingsScreen(Screen[None]):
         super().__init__()
         self._participant = participant
         self._motor_task = task
+        self._groups: list[FieldGroup] = []
+        self._fields: list[ParameterField] = []
 
     def compose(self) -> ComposeResult:
         kept = participants.settings(self.app.database, self._participant, self._motor_task.name)
         self._theme = kept.theme
         yield Static(f"Settings of {self._participant} for {self._motor_task.title}", id="top", markup=False)
-        with VerticalScroll(id="form", can_focus=False):
-            for field in fields(self._motor_task.Parameters):
-                yield ParameterField(field, kept.parameters.get(field.name, field.default))
+        with _Form(id="form"):
+            for heading, fields in grouped(self._motor_task.Parameters).items():
+                made = [ParameterField(field, kept.parameters.get(field.name, field.default)) for field in fields]
+                self._fields += made
+                self._groups.append(FieldGroup(heading or self._motor_task.title, made, folded=heading in _FOLDED))
+            yield from self._groups
+        self._saved = self._checked = self._shown()
         with Horizontal(id="buttons"):
             yield Static("", id="status", markup=False)
             yield Button("Save", id="save", variant="primary", compact=True)
@@ -56,18 +76,28 @@ class SettingsScreen(Screen[None]):
         yield Footer()
 
     def on_mount(self) -> None:
-        self._saved = self._values()
+        self._check()
 
     def _values(self) -> dict[str, object]:
-        return {widget.field.name: widget.value for widget in self.query(ParameterField)}
+        return {widget.field.name: widget.value for widget in self._fields}
+
+    def _shown(self) -> list[str]:
+        return [show(widget.value) for widget in self._fields]
 
     @on(ParameterField.Changed)
+    def _edited(self) -> None:
+        if self._shown() != self._checked:  # while the form opens, each field tells what it holds
+            self._check()
+
     def _check(self) -> None:
         """Each by itself, and all together: settings that are each right may not go together."""
+        self._checked = self._shown()
         problems = self._problems()
-        for widget in self.query(ParameterField):
+        for widget in self._fields:
             widget.tell(problems.get(widget.field.name, ""))
-        unsaved = "not saved" if self._values() != self._saved else ""
+        for group in self._groups:
+            group.heed()
+        unsaved = "not saved" if self._checked != self._saved else ""
         self.query_one("#status", Static).update(f"{len(problems)} to mend" if problems else unsaved)
 
     def _problems(self) -> dict[str, str]:
@@ -97,8 +127,7 @@ class SettingsScreen(Screen[None]):
     def action_save(self) -> None:
         """Keep the settings, if they can be."""
         if problems := self._problems():
-            name = next(iter(problems))
-            self.query_one(f"#parameter-{name}").query_one("Input, Select").focus()
+            self._go_to(next(iter(problems)))
             return
         parameters = build(self._motor_task.Parameters, self._values())
         theme = participants.settings(self.app.database, self._participant, self._motor_task.name).theme
@@ -109,25 +138,42 @@ class SettingsScreen(Screen[None]):
             self.query_one("#status", Static).update("not saved")
             self.notify(str(error), severity="error", timeout=15)
             return
-        self._saved = self._values()
+        self._saved = self._shown()
         self.query_one("#status", Static).update(f"saved for {self._participant}")
 
+    def _go_to(self, name: str) -> None:
+        """Put the cursor into a field, wherever it is folded away."""
+        for group in self._groups:
+            for widget in group.fields:
+                if widget.field.name == name:
+                    group.folded = False
+                    self.call_after_refresh(widget.query_one("Input, Select").focus)
+
+    def action_heading(self, step: int) -> None:
+        """Go to the heading after that of the field with the focus, or back to its own, or to the one before."""
+        end = len(self._groups)
+        here = next((at for at, group in enumerate(self._groups) if group.has_focus_within), end)
+        if step < 0 and here < end and not self._groups[here].heading.has_focus:
+            step = 0
+        self._groups[max(0, min(here + step, end - 1))].go_to()
+
     def action_reset(self) -> None:
-        """Put back the default of the field that has the focus."""
-        for widget in self.query(ParameterField):
-            if widget.has_focus_within:
-                widget.reset()
+        """Put back the default of the field that has the focus, or of all under the heading that has it."""
+        for group in self._groups:
+            for widget in group.fields:
+                if widget.has_focus_within or group.heading.has_focus:
+                    widget.reset()
 
     @on(Button.Pressed, "#reset-all")
     def _reset_all(self) -> None:
-        for widget in self.query(ParameterField):
+        for widget in self._fields:
             widget.reset()
 
     @on(Button.Pressed, "#back")
     def action_leave(self) -> None:
         """Go back; ask for a second press if something was not saved."""
-        if self._values() == self._saved:
+        if self._shown() == self._saved:
             self.dismiss()
         else:
-            self._saved = self._values()
+            self._saved = self._shown()
             self.notify("Not saved yet. Save with Ctrl-S, or go back once more to leave it.", severity="warning")
