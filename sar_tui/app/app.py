@@ -33,6 +33,7 @@ from sar_tui.theme_folder import may_have_images
 if TYPE_CHECKING:  # what a session needs is loaded with the session: until then somebody waits for the first screen
     from sar_tui.app.live import LiveSession
     from sar_tui.inputs.feed import ImuFeed
+    from sar_tui.link.host import Host
     from sar_tui.runs import Plan
 
 
@@ -44,6 +45,7 @@ class SarTui(Wardrobe):
         catalogue: the tasks and themes there are.
         begin: a plan, or the id of an interrupted session, to begin with at once; then the app ends after it.
         clock: for tests: a clock to be advanced by hand.
+        link: through which operators join the session, where they can.
     """
 
     TITLE = "sar-tui"
@@ -57,7 +59,12 @@ class SarTui(Wardrobe):
     ]
 
     def __init__(
-        self, folder: Path, catalogue: Catalogue, begin: "Plan | str | None" = None, clock: Clock | None = None
+        self,
+        folder: Path,
+        catalogue: Catalogue,
+        begin: "Plan | str | None" = None,
+        clock: Clock | None = None,
+        link: "Host | None" = None,
     ) -> None:
         self.onset_watch = OnsetWatch()
         super().__init__(catalogue)
@@ -68,7 +75,8 @@ class SarTui(Wardrobe):
         self.failure = ""
         self._begin = begin
         self._session_clock = clock
-        self._key_seconds = 0.0
+        self._link = link
+        self.key_seconds = 0.0
         self.picture: type[Widget] | None = None
 
     def get_driver_class(self) -> type[Driver]:
@@ -94,6 +102,9 @@ class SarTui(Wardrobe):
 
     def begin_session(self, what: "Plan | str") -> None:
         """Open a new or an interrupted session; say so if that cannot be. A new one's sensor is looked at first."""
+        if self.is_web:
+            self._cannot_begin("A session does not run in a browser, where nothing can be timed; run it in a terminal.")
+            return
         if isinstance(what, str) or not what.task.sensors:
             self._enter_session(what)
         else:
@@ -143,7 +154,7 @@ class SarTui(Wardrobe):
         from sar_tui.app.screens.session import SessionScreen
         from sar_tui.runs import Failed
 
-        live = LiveSession(self.folder, self.catalogue, self._session_clock, feed)
+        live = LiveSession(self.folder, self.catalogue, self._session_clock, feed, self._link)
         screen = SessionScreen(live)
         try:
             live.open(screen, what)
@@ -204,13 +215,13 @@ class SarTui(Wardrobe):
     async def on_event(self, event: events.Event) -> None:
         """An action is not told when its key was pressed."""
         if isinstance(event, events.Key):
-            self._key_seconds = event.time
+            self.key_seconds = event.time
         await super().on_event(event)
 
     def action_stop(self) -> None:
         """F2, anywhere in a session: everything the agent says and does."""
         if self._open:
-            asked = round(self._open.stamp(self._key_seconds) * SECOND)
+            asked = round(self._open.stamp(self.key_seconds) * SECOND)
             self._open.operate(Operator(command="stop", at=asked))
 
     # --- the terminal --------------------------------------------------------------------------------------
@@ -293,7 +304,13 @@ class SarTui(Wardrobe):
         self._close_messages_no_wait()
 
 
-def run_app(folder: Path, catalogue: Catalogue, plan: "Plan | None" = None, resume: str | None = None) -> int:
+def run_app(
+    folder: Path,
+    catalogue: Catalogue,
+    plan: "Plan | None" = None,
+    resume: str | None = None,
+    link: "Host | None" = None,
+) -> int:
     """Run the app in this terminal; returns the exit code.
 
     Args:
@@ -301,12 +318,13 @@ def run_app(folder: Path, catalogue: Catalogue, plan: "Plan | None" = None, resu
         catalogue: the tasks and themes there are.
         plan: go straight into this session.
         resume: go straight on with the interrupted session of this id.
+        link: through which operators join that session, where they can.
 
     Raises:
         StoreError, PluginError: before the app opens.
     """
     stamp_keys_as_read()
-    app = SarTui(folder, catalogue, plan or resume)
+    app = SarTui(folder, catalogue, plan or resume, link=link)
     if any(may_have_images(catalogue.theme_folder(name)) for name in catalogue.theme_names()):
         from sar_tui.widgets.picture import find_pictures
 

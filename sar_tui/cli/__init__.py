@@ -6,18 +6,23 @@ from typing import Annotated
 import typer
 
 from sar_tui import __version__
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, need_terminal
+from sar_tui.cli.agent_view import follow_agent
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, need_screen
 from sar_tui.cli.detect import detect
 from sar_tui.cli.doctor import doctor
 from sar_tui.cli.errors import INTERRUPTED, Commands
 from sar_tui.cli.graph import graph
+from sar_tui.cli.link import app as link_app
 from sar_tui.cli.live import resume, run
 from sar_tui.cli.reanalyse import reanalyse
+from sar_tui.cli.report import app as report_app
+from sar_tui.cli.serve import serve
 from sar_tui.cli.sessions import sessions, show
 from sar_tui.cli.simulate import simulate
 from sar_tui.cli.tasks import app as tasks_app
 from sar_tui.cli.themes import app as themes_app
 from sar_tui.cli.validate import validate
+from sar_tui.cli.wizard import wizard
 
 app = typer.Typer(
     name="sar-tui",
@@ -49,7 +54,7 @@ def open_app(
     context.obj = home
     if context.invoked_subcommand is None:
         catalogue = home.catalogue()
-        need_terminal()
+        need_screen()
         from sar_tui.app.app import run_app
 
         raise typer.Exit(run_app(home.folder, catalogue))
@@ -71,9 +76,12 @@ def measure_timing(
     raise typer.Exit(timing.run(Home.of(context, data, tasks).folder, trials, as_json))
 
 
-for command in (run, resume, simulate, sessions, show, detect, reanalyse, validate, graph, doctor):
+for command in (run, resume, wizard, simulate, sessions, show, detect, reanalyse, validate, graph, serve, doctor):
     app.command()(command)
 app.command("timing")(measure_timing)
+app.command("agent")(follow_agent)
+app.add_typer(link_app, name="link")
+app.add_typer(report_app, name="report")
 app.add_typer(tasks_app, name="tasks")
 app.add_typer(themes_app, name="themes")
 

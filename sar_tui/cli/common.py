@@ -98,10 +98,23 @@ def new_seed() -> int:
     return secrets.randbelow(2**31)
 
 
+def is_served() -> bool:
+    """Whether a browser shows this program's screen: `sar-tui serve` started it, or textual-serve did."""
+    return "web_driver" in os.environ.get("TEXTUAL_DRIVER", "")
+
+
+def need_screen() -> None:
+    """Refuse to open what is only looked at where there is neither a terminal nor a browser for it."""
+    if not is_served():
+        need_terminal()
+
+
 def need_terminal() -> None:
-    """Refuse to open the app where there is no screen and keyboard for it."""
+    """Refuse to open the app where there is no screen and keyboard for it, or where a browser is both."""
     from sar_tui.cli.errors import Refused
 
+    if is_served():
+        raise Refused("A session does not run in a browser, where nothing can be timed; run it in a terminal.")
     if not all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
         reason = "its input or output is redirected"
     elif os.environ.get("TERM") in ("dumb", "unknown"):

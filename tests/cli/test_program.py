@@ -11,7 +11,7 @@ import pytest
 import sar_tui
 from tests.cli.conftest import Call
 
-HEAVY = ("textual", "numpy", "sqlite3", "sqlite_utils", "plotext", "msgspec")
+HEAVY = ("textual", "aiohttp", "numpy", "sqlite3", "sqlite_utils", "plotext", "msgspec")
 COMMANDS = (
     ["run"],
     ["resume"],
@@ -29,6 +29,8 @@ COMMANDS = (
     ["detect"],
     ["reanalyse"],
     ["validate"],
+    ["serve"],
+    ["agent"],
 )
 
 

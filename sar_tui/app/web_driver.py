@@ -1,0 +1,65 @@
+"""The app in a browser: Textual's web driver, which ends the app when nobody looks any more, and can have it heard."""
+
+import contextlib
+import os
+from typing import Any, Protocol, runtime_checkable
+
+from textual.drivers.web_driver import WebDriver
+
+_ENDS_S = 3.0
+"""How long an app may take to end when its browser, or the server, has gone."""
+
+
+class BrowserVoice(Protocol):
+    """The voice of the browser that shows the app."""
+
+    def say(self, text: str, language: str) -> None:
+        """Say this after what is being said."""
+
+    def hush(self) -> None:
+        """Be still at once, and forget what was to be said."""
+
+
+@runtime_checkable
+class Voiced(Protocol):
+    """An app that speaks, if it is given a voice."""
+
+    voice: BrowserVoice | None
+
+
+class ServedDriver(WebDriver):
+    """Speaks with `sar_tui.serve.view.View`. An app that would speak is given the browser's voice."""
+
+    def __init__(self, app: Any, **how: Any) -> None:
+        super().__init__(app, **how)
+        if isinstance(app, Voiced):
+            app.voice = self
+
+    def say(self, text: str, language: str) -> None:
+        self.write_meta({"type": "say", "text": text, "language": language})
+
+    def hush(self) -> None:
+        self.write_meta({"type": "hush"})
+
+    def write(self, data: str) -> None:
+        with contextlib.suppress(OSError):  # nobody looks: the input's end tells so
+            super().write(data)
+
+    def write_meta(self, data: dict[str, object]) -> None:
+        with contextlib.suppress(OSError):
+            super().write_meta(data)
+
+    def on_meta(self, packet_type: str, payload: dict[str, object]) -> None:
+        """The browser's tab was closed: the app ends in order, as by its own key."""
+        if packet_type == "quit":
+            self._app.call_later(self._app.exit)
+        else:
+            super().on_meta(packet_type, payload)
+
+    def run_input_thread(self) -> None:
+        """When the server is no more, however it ended, neither is the app."""
+        super().run_input_thread()
+        if not self.exit_event.is_set():
+            self._app.call_later(self._app.exit)
+            if not self.exit_event.wait(_ENDS_S):
+                os._exit(1)

@@ -1,0 +1,54 @@
+"""``sar-tui agent``: the agent alone, beside a session that runs in another terminal."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sar_tui.cli.common import Data, Home, Tasks, need_screen
+from sar_tui.cli.errors import FAILED
+
+if TYPE_CHECKING:
+    import asyncio
+
+    from sar_tui.link.peer import Hear, Peer
+
+_NAME = "agent-view"
+"""What the view is called in the session's log."""
+
+
+def follow_agent(
+    context: typer.Context,
+    session: Annotated[
+        str | None,
+        typer.Argument(metavar="SESSION", help="Its id, or the beginning of it.", show_default=False),
+    ] = None,
+    link: Annotated[
+        Path | None,
+        typer.Option("--link", metavar="FILE", show_default=False, help="The invitation to another machine's session."),
+    ] = None,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Show the agent alone: its face, its words, how it moves.
+
+    It follows a session that was begun with --operator or --listen, and only looks on.
+    """
+    from sar_tui.cli.joining import session_to_join
+
+    catalogue = Home.of(context, data, tasks).catalogue()
+    where = session_to_join(session, link)
+    need_screen()
+    from sar_tui.app.agent_app import AgentApp
+    from sar_tui.link.client import connect
+    from sar_tui.plugins import DEFAULT_THEME
+
+    def join(hear: "Hear", loop: "asyncio.AbstractEventLoop") -> "Peer":
+        return connect(where, _NAME, "observer", hear, loop)
+
+    app = AgentApp(catalogue.theme(DEFAULT_THEME), join)
+    app.run()
+    if app.failure:
+        print(app.failure, file=sys.stderr)
+    raise typer.Exit(FAILED if app.failure else app.return_code or 0)

@@ -1,0 +1,45 @@
+"""Which session a view joins: one of this machine, or the one that an invitation is to."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sar_tui.cli.errors import Refused
+
+if TYPE_CHECKING:
+    from sar_tui.link.folder import Live
+    from sar_tui.link.invitation import Invitation
+
+
+def session_to_join(session: str | None, link: Path | None) -> "Live | Invitation":
+    """The session meant by its id, or the beginning of it; by an invitation; or the only one there is.
+
+    Raises:
+        Refused: there is no such session, or it is not clear which.
+    """
+    from sar_tui.link.errors import LinkError, need_packages
+    from sar_tui.link.folder import live_sessions
+    from sar_tui.link.invitation import read
+
+    try:
+        need_packages()
+        if link is not None:
+            return read(link)
+        return _one(live_sessions(), session)
+    except LinkError as error:
+        raise Refused(str(error)) from error
+
+
+def _one(live: "Sequence[Live]", session: str | None) -> "Live":
+    meant = [each for each in live if each.session.startswith(session or "")]
+    if not live:
+        raise Refused(
+            "No session on this machine can be joined; one that can is begun with --operator, as in "
+            "`sar-tui run keyboard -p P01 --operator`."
+        )
+    there = ", ".join(f"{each.session} ({each.task})" for each in live)
+    if not meant:
+        raise Refused(f"No session that can be joined begins with {session}; there is: {there}.")
+    if len(meant) > 1:
+        raise Refused(f"Several sessions can be joined: {there}. Say which.")
+    return meant[0]

@@ -1,0 +1,19 @@
+// Tells the terminal where its program is, how large to write, and lets it have the keyboard.
+"use strict";
+
+{
+  const terminal = document.getElementById("terminal");
+  const origin = window.location.origin.replace(/^http/, "ws");
+  terminal.dataset.sessionWebsocketUrl = origin + "/ws/" + terminal.dataset.view;
+
+  // The agent alone is seen from across a table: so large that about 42 columns and 15 lines fill the screen.
+  if (document.body.dataset.kind === "agent") {
+    const size = Math.min(window.innerWidth / (42 * 0.6), window.innerHeight / (15 * 1.35));
+    terminal.dataset.fontSize = String(Math.max(16, Math.floor(size)));
+  }
+
+  const focus = () => terminal.querySelector("textarea")?.focus();
+  window.addEventListener("load", focus);
+  window.addEventListener("focus", focus);
+  document.getElementById("again").addEventListener("click", () => window.location.reload());
+}

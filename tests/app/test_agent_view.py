@@ -1,0 +1,218 @@
+"""Given the agent on a screen of its own, when its session's link tells something, then it says and does that."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import pytest
+from textual.widgets import Static
+
+from sar_tui.app.agent_app import AgentApp
+from sar_tui.framework.bus import Topic
+from sar_tui.framework.clock import SECOND, host_now
+from sar_tui.framework.messages import Action, Halt, Message, OutputReport, ThemeWorn, Waiting
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import ACTION, HALT, REPORT, THEME, WAITING
+from sar_tui.link.peer import Connection, Frame, Hear, Welcome
+from sar_tui.plugins import Catalogue
+from sar_tui.widgets.agent import Agent
+
+BETWEEN = Waiting(what="enter", stage="attempt", attempt=1)
+IN_A_TRIAL = Waiting(what="response", stage="trial", attempt=1, trial=1)
+
+
+class Link:
+    """A session at the other end of a link, in the test's hands; and the browser's voice."""
+
+    name, role = "observer.agent-view", "observer"
+
+    def __init__(self) -> None:
+        self.heard: list[tuple[str, ...]] = []
+        self.closed = False
+        self._seq = 0
+        self._hear: Hear
+
+    def join(self, hear: Hear, _: asyncio.AbstractEventLoop) -> "Link":
+        self._hear = hear
+        return self
+
+    def welcome(self, **parameters: Any) -> None:
+        self._hear(Connection("connected"))
+        self._hear(
+            Welcome(
+                link="l",
+                session="s",
+                task="keyboard",
+                title="Keyboard reaction",
+                participants={"A": "P01"},
+                name=self.name,
+                role="observer",
+                unit="ms",
+                decimals=0,
+                levels=5,
+                attempts=3,
+                trials=5,
+                parameters=parameters,
+            )
+        )
+
+    def tell(self, topic: Topic[Any], message: Message, *, ago_s: float = 0, seq: int | None = None) -> None:
+        self._seq += 1
+        self._hear([Frame(seq or self._seq, self.now() - round(ago_s * SECOND), topic, message)])
+
+    def lose(self) -> None:
+        self._hear(Connection("lost"))
+
+    def end(self) -> None:
+        self._hear(Connection("away"))
+
+    def now(self) -> int:
+        return host_now()
+
+    def send(self, topic: Topic[Any], message: Message) -> None:
+        raise AssertionError("a view acts on nothing")
+
+    def take_baton(self) -> None:
+        raise AssertionError("a view acts on nothing")
+
+    def close(self) -> None:
+        self.closed = True
+
+    def say(self, text: str, language: str) -> None:
+        self.heard.append(("say", text, language))
+
+    def hush(self) -> None:
+        self.heard.append(("hush",))
+
+
+class Watcher:
+    """Somebody in front of the view."""
+
+    def __init__(self, app: AgentApp, link: Link, pilot: Any) -> None:
+        self.app, self.link, self._pilot = app, link, pilot
+
+    @property
+    def moves(self) -> bool:
+        return self.app.screen.query_one(Agent).is_moving
+
+    async def see(self) -> str:
+        await self._pilot.pause()
+        return "\n".join(str(each.render()) for each in self.app.screen.query(Static) if each.display)
+
+
+@asynccontextmanager
+async def watching(theme: Theme, *, speaks: bool = False) -> AsyncIterator[Watcher]:
+    link = Link()
+    app = AgentApp(theme, link.join)
+    if speaks:
+        app.voice = link
+    async with app.run_test(size=(60, 20)) as pilot:
+        await pilot.pause()
+        yield Watcher(app, link, pilot)
+    assert link.closed
+
+
+def said(text: str, **more: Any) -> Action:
+    given: dict[str, Any] = {"id": "a1", "kind": "feedback", "face": "happy", "spoken": text}
+    return Action(**(given | more), text=text, decision="accepted", actor="agent")
+
+
+async def test_until_there_is_a_session_it_sleeps(calm: Theme) -> None:
+    async with watching(calm) as watcher:
+        assert "One moment…" in await watcher.see()
+        watcher.link.welcome()
+        assert "One moment…" not in await watcher.see()
+
+
+async def test_its_words_and_face_are_shown(calm: Theme) -> None:
+    async with watching(calm) as watcher:
+        watcher.link.welcome()
+        watcher.link.tell(WAITING, BETWEEN)
+        watcher.link.tell(ACTION, said("Well done!"))
+        seen = await watcher.see()
+        assert "Well done!" in seen
+        assert "◠   ◠" in seen
+
+
+async def test_no_words_stand_while_a_response_is_awaited_and_nothing_moves(calm: Theme) -> None:
+    async with watching(calm) as watcher:
+        watcher.link.welcome()
+        watcher.link.tell(ACTION, said("Well done!", gesture="wave"))
+        watcher.link.tell(WAITING, IN_A_TRIAL)
+        watcher.link.tell(REPORT, OutputReport(action="a1", output="speech", deed="say", state="started", at=0))
+        assert "Well done!" not in await watcher.see()
+        assert not watcher.moves
+
+
+async def test_one_who_comes_during_a_trial_is_shown_no_words_of_before(calm: Theme) -> None:
+    """Kept topics and what happened last are told in any order; their numbers say which came first."""
+    async with watching(calm) as watcher:
+        watcher.link.welcome()
+        watcher.link.tell(WAITING, IN_A_TRIAL, seq=20)
+        watcher.link.tell(ACTION, said("Well done!"), seq=12, ago_s=1)
+        assert "Well done!" not in await watcher.see()
+
+
+async def test_what_was_said_long_ago_can_be_read_but_is_not_said_again(calm: Theme) -> None:
+    async with watching(calm, speaks=True) as watcher:
+        watcher.link.welcome(outputs=["screen"])
+        watcher.link.heard.clear()
+        watcher.link.tell(ACTION, said("Welcome back."), ago_s=10)
+        assert "Welcome back." in await watcher.see()
+        assert watcher.link.heard == []
+
+
+async def test_the_browsers_voice_says_the_spoken_words_in_the_sessions_language_and_is_stopped(calm: Theme) -> None:
+    async with watching(calm, speaks=True) as watcher:
+        watcher.link.welcome(outputs=["screen"], language="es")
+        watcher.link.heard.clear()
+        watcher.link.tell(ACTION, said("0,5 s", spoken="cero coma cinco segundos"))
+        watcher.link.tell(HALT, Halt(reason="stopped", asked=0))
+        assert watcher.link.heard == [("say", "cero coma cinco segundos", "es"), ("hush",)]
+
+
+@pytest.mark.parametrize(
+    ("how", "told"),
+    [("lose", "Fuera de alcance por ahora; vuelve solo."), ("end", "Aquí hemos terminado. Gracias.")],
+)
+async def test_when_the_link_goes_it_sleeps_and_is_silent(calm: Theme, how: str, told: str) -> None:
+    async with watching(calm, speaks=True) as watcher:
+        watcher.link.welcome(language="es")
+        watcher.link.tell(ACTION, said("Well done!"))
+        watcher.link.heard.clear()
+        getattr(watcher.link, how)()
+        seen = await watcher.see()
+        assert {"lose": "Fuera de alcance por ahora; vuelve solo.", "end": "Aquí hemos terminado. Gracias."}[
+            how
+        ] in seen
+        assert "Well done!" not in seen
+        assert watcher.link.heard == [("hush",)]
+
+
+async def test_it_wears_the_sessions_theme(calm: Theme, catalogue: Catalogue) -> None:
+    async with watching(calm) as watcher:
+        watcher.link.welcome()
+        watcher.link.tell(THEME, ThemeWorn(theme=catalogue.theme("playful")))
+        await watcher.see()
+        assert watcher.app.theme == "sar-playful"
+
+
+async def test_a_voice_moves_the_mouth(calm: Theme) -> None:
+    async with watching(calm) as watcher:
+        watcher.link.welcome(outputs=["screen", "speech"])
+        watcher.link.tell(ACTION, said("Well done!", face="speaking"))
+        told = {"action": "a1", "output": "speech", "deed": "say", "at": 0}
+        watcher.link.tell(REPORT, OutputReport(**told, state="started"))
+        assert watcher.moves
+        watcher.link.tell(REPORT, OutputReport(**told, state="done"))
+        assert not watcher.moves
+
+
+async def test_a_voice_of_the_browsers_own_moves_the_mouth_where_the_session_has_none(calm: Theme) -> None:
+    async with watching(calm, speaks=True) as watcher:
+        watcher.link.welcome(outputs=["screen"])
+        watcher.link.tell(ACTION, said("Well done!", face="speaking"))
+        assert watcher.moves
+        watcher.link.tell(HALT, Halt(reason="stopped", asked=0))
+        assert not watcher.moves

@@ -1,0 +1,54 @@
+"""`sar-tui agent`: which session it joins, told in words where that cannot be."""
+
+from pathlib import Path
+
+import pytest
+
+from sar_tui.cli.errors import Refused
+from sar_tui.cli.joining import session_to_join
+from sar_tui.link import folder
+from sar_tui.link.folder import Live
+from tests.cli.conftest import Call
+
+ONE, OTHER = Live("abc1", "keyboard", "l1", 1), Live("abd2", "reaching", "l2", 2)
+
+
+def live(monkeypatch: pytest.MonkeyPatch, *sessions: Live) -> None:
+    monkeypatch.setattr(folder, "live_sessions", lambda: list(sessions))
+
+
+def test_without_a_session_it_says_how_to_begin_one(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    live(monkeypatch)
+    called = call("agent")
+    assert (called.code, called.out) == (2, "")
+    assert "`sar-tui run keyboard -p P01 --operator`" in called.err
+
+
+def test_where_there_is_a_session_it_needs_a_screen(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    live(monkeypatch, ONE)
+    called = call("agent")
+    assert (called.code, called.out) == (2, "")
+    assert "needs a real terminal" in called.err
+
+
+def test_the_only_session_is_meant_or_the_one_whose_beginning_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    live(monkeypatch, ONE)
+    assert session_to_join(None, None) == ONE
+    live(monkeypatch, ONE, OTHER)
+    assert session_to_join("abd", None) == OTHER
+
+
+@pytest.mark.parametrize(("session", "said"), [(None, "Several"), ("ab", "Several"), ("x", "begins with x")])
+def test_where_it_is_not_clear_which_all_are_named(
+    session: str | None, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    live(monkeypatch, ONE, OTHER)
+    with pytest.raises(Refused, match=said) as refused:
+        session_to_join(session, None)
+    assert "abc1 (keyboard), abd2 (reaching)" in str(refused.value)
+
+
+def test_an_invitation_that_is_none_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("Dear diary")
+    with pytest.raises(Refused, match="is not an invitation"):
+        session_to_join(None, tmp_path / "file")

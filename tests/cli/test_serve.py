@@ -1,0 +1,115 @@
+"""`sar-tui serve`: the address it prints, what it refuses, and how it ends. What it serves: tests/serve."""
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+import pytest
+
+from sar_tui.cli.common import Home
+from sar_tui.cli.serve import _program
+from tests.cli.conftest import Call
+
+
+@contextmanager
+def serving(*arguments: object) -> "Iterator[subprocess.Popen[str]]":
+    """A real one, ended whatever happens."""
+    command = [sys.executable, "-m", "sar_tui", "serve", *map(str, arguments)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def line(stream: IO[str] | None) -> str:
+    assert stream
+    return stream.readline()
+
+
+@pytest.mark.parametrize(
+    ("number", "code", "said"), [(signal.SIGINT, 130, "Stopped.\n"), (signal.SIGTERM, 128 + signal.SIGTERM, "")]
+)
+def test_it_prints_one_address_with_a_token_and_serves_until_it_is_stopped(
+    number: signal.Signals, code: int, said: str, tmp_path: Path
+) -> None:
+    with serving("observer", "--port", 0, "--data", tmp_path) as process:
+        address, _, token = line(process.stdout).strip().partition("/?token=")
+        assert address.startswith("http://127.0.0.1:")
+        assert len(token) == 43
+        port = int(address.rpartition(":")[2])
+        with socket.create_connection(("127.0.0.1", port)) as caller:
+            caller.sendall(f"GET / HTTP/1.0\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
+            assert caller.recv(100).startswith(b"HTTP/1.0 403")
+        assert "refused: no token (/)" in line(process.stderr)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=30)
+        assert (process.returncode, out, err) == (code, "", said)
+
+
+def test_programs_are_told_the_parts_of_the_address_and_a_kept_token_stays(tmp_path: Path) -> None:
+    told = []
+    for _ in range(2):
+        with serving("agent", "--port", 0, "--json", "--token-file", tmp_path / "token") as process:
+            told.append(json.loads(line(process.stdout)))
+    first, second = told
+    assert set(first) == {"view", "url", "host", "port", "token"}
+    assert (first["view"], first["host"]) == ("agent", "127.0.0.1")
+    assert first["url"] == f"http://127.0.0.1:{first['port']}/?token={first['token']}"
+    assert first["token"] == second["token"] == (tmp_path / "token").read_text().strip()
+
+
+def test_whoever_lets_others_reach_it_is_warned(tmp_path: Path) -> None:
+    with serving("observer", "--port", 0, "--host", "0.0.0.0", "--data", tmp_path) as process:
+        assert "it is not encrypted" in line(process.stderr)
+
+
+def test_a_port_that_is_taken_is_told(call: Call) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert call("serve", "observer", "--port", port) == (
+            1,
+            "",
+            f"Port {port} is taken; name another with --port, or 0 for any that is free.\n",
+        )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--host", "192.0.2.1"], "This machine has no address 192.0.2.1"),
+        (["--host", ""], "There is no host"),
+        (["--public-url", "lab.example"], "is no public URL"),
+        (["--link", "/no/such.file"], "There is no file /no/such.file"),
+        (["--link", __file__, "--session", "abc"], "leave out --session"),
+        (["--token-file", __file__], "token file"),
+    ],
+)
+def test_what_cannot_be_is_told_before_anything_is_served(call: Call, arguments: list[str], said: str) -> None:
+    called = call("serve", "observer", "--port", 0, *arguments)
+    assert (called.code, called.out) == (2, "")
+    assert said in called.err
+
+
+@pytest.mark.parametrize("missing", ["textual_serve", "aiohttp"])
+def test_without_the_extra_it_says_what_to_install(call: Call, monkeypatch: pytest.MonkeyPatch, missing: str) -> None:
+    for name in [name for name in sys.modules if name.startswith("sar_tui.serve")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, missing, None)
+    called = call("serve", "observer")
+    assert called.code == 2
+    assert "pip install 'sar-tui[serve]'" in called.err
+
+
+def test_what_a_browser_is_shown_is_words_of_a_list_that_cannot_be_taken_for_others(tmp_path: Path) -> None:
+    home = Home(tmp_path, (tmp_path / "tasks",))
+    program = _program("observer", "--link; rm -rf /", None, home)
+    assert program[1:5] == ["-m", "sar_tui", "wizard", "--observe"]
+    assert program[-4:] == ["--tasks", str(tmp_path / "tasks"), "--", "--link; rm -rf /"]
+    assert _program("agent", None, tmp_path / "an invitation", home)[-2:] == ["--link", str(tmp_path / "an invitation")]

@@ -1,0 +1,69 @@
+"""Given where views are served, when a browser names that place or a page speaks to it, then only its own names do."""
+
+import pytest
+
+from sar_tui.serve.address import Address, AddressError
+
+HERE = Address("127.0.0.1", 8000)
+LAB = Address("0.0.0.0", 8000)
+PROXIED = Address("127.0.0.1", 8000, "https://lab.example")
+
+
+@pytest.mark.parametrize(
+    ("address", "host", "is_ours"),
+    [
+        (HERE, "127.0.0.1:8000", True),
+        (HERE, "localhost:8000", True),
+        (HERE, "[::1]:8000", True),
+        (HERE, "127.0.0.1:8001", False),
+        (HERE, "127.0.0.1", False),
+        (HERE, "evil.example:8000", False),
+        (HERE, "localhost.evil.example:8000", False),
+        (HERE, "192.168.1.4:8000", False),
+        (HERE, "", False),
+        (HERE, "[:8000", False),
+        (HERE, "me@127.0.0.1:8000", False),
+        (LAB, "192.168.1.4:8000", True),
+        (LAB, "evil.example:8000", False),
+        (Address("lab.local", 8000), "lab.local:8000", True),
+        (PROXIED, "lab.example", True),
+        (PROXIED, "lab.example:443", True),
+        (PROXIED, "lab.example:80", False),
+        (PROXIED, "127.0.0.1:8000", True),
+    ],
+)
+def test_only_names_that_nobody_else_can_give_are_ours(address: Address, host: str, is_ours: bool) -> None:
+    assert address.is_ours(host) is is_ours
+
+
+@pytest.mark.parametrize(
+    ("address", "origin", "host", "is_own"),
+    [
+        (HERE, "http://127.0.0.1:8000", "127.0.0.1:8000", True),
+        (HERE, "http://localhost:8000", "127.0.0.1:8000", False),
+        (HERE, "https://127.0.0.1:8000", "127.0.0.1:8000", False),
+        (HERE, "http://127.0.0.1:3000", "127.0.0.1:8000", False),
+        (HERE, "null", "127.0.0.1:8000", False),
+        (HERE, "", "127.0.0.1:8000", False),
+        (PROXIED, "https://lab.example", "lab.example", True),
+        (PROXIED, "https://lab.example", "127.0.0.1:8000", True),
+        (PROXIED, "http://lab.example", "127.0.0.1:8000", False),
+        (PROXIED, "https://evil.example", "lab.example", False),
+    ],
+)
+def test_only_pages_of_ours_may_speak_to_it(address: Address, origin: str, host: str, is_own: bool) -> None:
+    assert address.is_own_page(origin, host) is is_own
+
+
+def test_what_people_open_is_the_public_url_where_there_is_one() -> None:
+    assert (HERE.url, PROXIED.url) == ("http://127.0.0.1:8000/", "https://lab.example/")
+    assert Address("::1", 8000).url == "http://[::1]:8000/"
+
+
+@pytest.mark.parametrize(
+    "url",
+    ["lab.example", "ftp://lab.example", "https://", "https://lab.example/sar", "https://lab.example?x", "http:"],
+)
+def test_what_is_no_public_url_is_refused(url: str) -> None:
+    with pytest.raises(AddressError, match="is no public URL"):
+        Address("127.0.0.1", 8000, url)

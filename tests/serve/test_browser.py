@@ -1,0 +1,70 @@
+"""Given a served view, when it is opened in a real browser, then it works there, and nothing leaves the machine."""
+
+from pathlib import Path
+
+from tests.browser import needs_browser
+from tests.serve.chromium import chromium
+from tests.serve.served import TOKEN, logged, serving
+
+pytestmark = needs_browser
+
+
+async def test_with_the_token_the_app_is_seen_and_takes_keys(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary") as served, chromium() as browser:
+        await browser.open(f"{served.origin}/?token={TOKEN}")
+        await browser.see("Tiny is here")
+        await browser.wait_until("document.body.classList.contains('-first-byte')")
+        assert await browser.value("window.location.href") == f"{served.origin}/"
+        assert await browser.value("document.fonts.check('16px \"Roboto Mono\"')")
+        await browser.press("a")
+        await browser.see("Pressed 1 times")
+        assert {url.partition("://")[2].partition("/")[0] for url in browser.asked_for if "://" in url} == {
+            f"127.0.0.1:{served.port}"
+        }
+        assert browser.complaints == []
+        await browser.press("x")
+        await browser.wait_until("getComputedStyle(document.getElementById('closed')).display === 'flex'")
+
+
+async def test_without_the_token_there_is_one_sentence(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary") as served, chromium() as browser:
+        await browser.open(f"{served.origin}/")
+        await browser.wait_until("document.body !== null && document.body.innerText.includes('token')")
+        assert await browser.value("document.body.innerText") == (
+            "This needs the whole address that `sar-tui serve` printed, with its token."
+        )
+        assert not served.diary.exists()
+
+
+VOICES = """
+window.said = [];
+const voice = (lang, localService) => ({lang, localService});
+const voices = [voice("es-ES", false), voice("en-US", true), voice("es-MX", true)];
+window.SpeechSynthesisUtterance = class { constructor(text) { this.text = text; } };
+Object.defineProperty(window, "speechSynthesis", {value: {
+  getVoices: () => voices,
+  speak: ({text, lang}) => window.said.push([text, lang ?? ""]),
+  cancel: () => window.said.push(["hush"]),
+}});
+"""
+
+
+async def test_a_browser_speaks_for_the_agent_once_it_may_and_only_by_a_voice_of_its_own(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary", "agent") as served, chromium() as browser:
+        await browser.open(f"{served.origin}/?token={TOKEN}", VOICES)
+        await browser.see("Tiny is here")
+        await browser.press("s")
+        await browser.press("a")
+        await browser.see("Pressed 1 times")
+        assert await browser.value("window.said.length") == 0
+        await browser.value("document.getElementById('speak').click()")
+        await logged(served, "127.0.0.1 speaks for the agent")
+        await browser.value("document.querySelector('textarea').focus()")
+        await browser.press("s")
+        await browser.press("h")
+        await browser.wait_until("window.said.length >= 3")
+        assert await browser.value("window.said") == [["", ""], ["Muy bien.", "es-MX"], ["hush"]]
+        assert browser.complaints == []
+        await browser.press("f")
+        await browser.wait_until("document.getElementById('speak').textContent === 'This device has no voice for fr'")
+        assert await browser.value("window.said.length") == 3

@@ -1,0 +1,129 @@
+"""Given a session in its terminal, when a view of it is opened in a browser, then it is seen and steered from there."""
+
+import asyncio
+import json
+import os
+import signal
+import sys
+import tempfile
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import aiohttp
+import pytest
+
+from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
+from sar_tui.simulation.terminal import Terminal
+from tests.browser import needs_browser
+from tests.end_to_end.seat import rows, run_command
+from tests.serve.chromium import chromium
+from tests.serve.served import SECONDS
+
+pytestmark = [needs_browser, pytest.mark.skipif(os.name != "posix", reason="pseudo-terminals of POSIX systems")]
+
+
+@pytest.fixture(autouse=True)
+def a_folder_for_sockets(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """With a short name, and nobody else's sessions in it."""
+    with tempfile.TemporaryDirectory(prefix="sar-") as folder:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
+        yield
+
+
+@asynccontextmanager
+async def serve(*arguments: str) -> AsyncIterator[str]:
+    """``sar-tui serve``; the address that it prints."""
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", "sar_tui", "serve", *arguments, "--port", "0", stdout=asyncio.subprocess.PIPE
+    )
+    try:
+        assert process.stdout
+        yield (await asyncio.wait_for(process.stdout.readline(), SECONDS)).decode().strip()
+    finally:
+        process.send_signal(signal.SIGTERM)
+        try:
+            await asyncio.wait_for(process.wait(), SECONDS)
+        except TimeoutError:
+            process.kill()
+
+
+@asynccontextmanager
+async def going_on(terminal: Terminal) -> AsyncIterator[None]:
+    """A terminal that somebody looks at meanwhile: a program whose output nobody reads stands still."""
+    looks = True
+
+    def look() -> None:
+        while looks:
+            terminal.settle(silence_ms=50, seconds=0.2)
+
+    looking = asyncio.create_task(asyncio.to_thread(look))
+    try:
+        yield
+    finally:
+        looks = False
+        await looking
+
+
+async def told(data: Path, topic: str, **with_values: str) -> dict[str, Any]:
+    """Wait until a message of a topic, with these values, is in the session's log; the first such."""
+    async with asyncio.timeout(SECONDS):
+        while True:
+            for (text,) in rows(data, "SELECT message FROM events WHERE topic=? ORDER BY seq", topic):
+                message: dict[str, Any] = json.loads(text)
+                if with_values.items() <= message.items():
+                    return message
+            await asyncio.sleep(0.05)
+
+
+async def test_a_proposal_is_approved_by_a_key_in_a_browser(data: Path) -> None:
+    settings = {"operator_feedback": "approve", "operator_time_ms": 60_000, "operator_timeout": "drop"}
+    session = [*run_command(data, prompts_per_attempt=2, attempts=1, **settings), "--operator"]
+    with Terminal(session) as terminal:
+        await asyncio.to_thread(terminal.wait_for, "Press Enter to go on.")
+        async with serve("operator", "--data", str(data)) as address, chromium() as browser:
+            async with aiohttp.ClientSession() as http, http.get(address.partition("?")[0]) as refused:
+                assert refused.status == 403
+            async with going_on(terminal):
+                await browser.open(address)
+                await browser.see("P01")
+            participant = ScriptedParticipant(terminal, random_answers(3, 120, 220))
+            terminal.press("enter")
+            await asyncio.to_thread(participant.run, 2)
+            async with going_on(terminal):
+                words = (await told(data, "arbiter/offered"))["proposal"]["text"]
+                await browser.see(words[:20])
+                assert words[:20].encode() not in terminal.output
+                await told(data, "arbiter/stalling")  # a key that comes with a proposal is not taken for it
+                await browser.press("Enter")
+            await asyncio.to_thread(terminal.wait_for, words[:20])
+        async with going_on(terminal):
+            left = await told(data, "operator/presence", state="left")
+    assert left["actor"].startswith("operator.")
+    ((decision, actor, final, decided),) = rows(
+        data, "SELECT decision, actor, final, decided_ns FROM actions WHERE kind='feedback'"
+    )
+    assert decision == "accepted"
+    assert actor.startswith("operator.")
+    assert json.loads(final)["text"] == words
+    assert decided > 0
+
+
+async def test_the_agent_alone_says_in_a_browser_what_it_says_in_the_session(data: Path) -> None:
+    session = [*run_command(data, prompts_per_attempt=2, attempts=1), "--operator"]
+    with Terminal(session) as terminal:
+        await asyncio.to_thread(terminal.wait_for, "Press Enter to go on.")
+        async with going_on(terminal):
+            greeting = str((await told(data, "arbiter/action", kind="greeting"))["text"])
+        async with serve("agent", "--data", str(data)) as address, chromium() as browser:
+            async with going_on(terminal):
+                await browser.open(address)
+                await browser.see(greeting[:12])
+            participant = ScriptedParticipant(terminal, random_answers(3, 120, 220))
+            terminal.press("enter")
+            await asyncio.to_thread(participant.run, 2)
+            async with going_on(terminal):
+                feedback = str((await told(data, "arbiter/action", kind="feedback"))["text"])
+                await browser.see(feedback[:12])
+                assert greeting[:12] not in browser.text

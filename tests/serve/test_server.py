@@ -1,0 +1,216 @@
+"""Given a server of views, when somebody comes, then the token, their page and their number decide what they get."""
+
+import asyncio
+import json
+import os
+import signal
+import sys
+from pathlib import Path
+
+import aiohttp
+import pytest
+
+from sar_tui.serve.server import MOST
+from tests.serve.served import SECONDS, TOKEN, Eyes, Served, logged, press, read_until, serving
+
+PATHS = ("/", "/page/page.js", "/library/js/textual.js", "/ws/one", "/voice/one", "/download/x", "/nowhere")
+UPGRADE = {
+    "Connection": "Upgrade",
+    "Upgrade": "websocket",
+    "Sec-WebSocket-Version": "13",
+    "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
+}
+
+
+async def status(served: Served, path: str, headers: dict[str, str]) -> tuple[int, str]:
+    async with served.http.get(served.origin + path, headers=headers, allow_redirects=False) as answer:
+        return answer.status, await answer.text()
+
+
+@pytest.mark.parametrize("kind", ["operator", "observer", "agent"])
+async def test_without_the_token_nothing_is_told_but_why(tmp_path: Path, kind: str) -> None:
+    async with serving(tmp_path / "diary", kind) as served:  # type: ignore[arg-type]
+        for path in PATHS:
+            assert await status(served, path, {}) == (
+                403,
+                "This needs the whole address that `sar-tui serve` printed, with its token.",
+            )
+        own = {"Origin": served.origin}
+        for path in ("/ws/one", "/voice/one"):
+            assert (await status(served, path, UPGRADE | own))[0] == 403
+        assert served.log[0] == "127.0.0.1 refused: no token (/)"
+        assert not served.diary.exists()
+
+
+async def test_the_token_lets_in_once_and_does_not_stay_in_the_address(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary") as served:
+        async with served.http.get(f"{served.origin}/?token={TOKEN}", allow_redirects=False) as answer:
+            assert (answer.status, answer.headers["Location"]) == (303, "/")
+            cookie = answer.headers["Set-Cookie"]
+        assert "HttpOnly" in cookie
+        assert "SameSite=Strict" in cookie
+        assert TOKEN not in cookie
+        assert (await status(served, "/", {"Cookie": cookie.partition(";")[0]}))[0] == 200
+
+
+async def test_wrong_tokens_are_refused_and_then_slowed(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary") as served:
+        for _ in range(7):
+            refused, why = await status(served, f"/?token=not-{TOKEN}", {})
+            assert (refused, "token is not the right one" in why) == (403, True)
+        assert served.slept == [1, 2]
+        assert (await status(served, f"/?token={TOKEN}", {}))[0] == 303
+        assert not [line for line in served.log if TOKEN in line]
+
+
+async def test_a_foreign_name_or_page_is_refused_even_with_the_token(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary") as served:
+        rebound = {"Host": f"evil.example:{served.port}"}
+        assert "not a name" in (await status(served, f"/?token={TOKEN}", rebound))[1]
+        for origin in ("http://evil.example", f"http://127.0.0.1:{served.port + 1}", "null", f"{served.origin}x"):
+            got, why = await status(served, "/ws/one", UPGRADE | served.cookie | {"Origin": origin})
+            assert (got, why) == (403, "Another page may not look into this one.")
+        assert (await status(served, "/ws/one", UPGRADE | served.cookie))[0] == 403
+        assert not served.diary.exists()
+
+
+async def test_every_answer_keeps_the_page_to_itself(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary") as served:
+        for path, headers in (("/", served.cookie), ("/nowhere", served.cookie), ("/", {})):
+            async with served.http.get(served.origin + path, headers=headers) as answer:
+                assert answer.headers["Referrer-Policy"] == "no-referrer"
+                assert answer.headers["X-Content-Type-Options"] == "nosniff"
+                assert "frame-ancestors 'none'" in answer.headers["Content-Security-Policy"]
+                assert "default-src 'none'" in answer.headers["Content-Security-Policy"]
+                assert answer.headers["Cache-Control"] == "no-store"
+
+
+async def test_a_view_is_a_program_that_comes_and_goes_with_its_browser(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary") as served:
+        eyes = Eyes(60, 20)
+        address = f"{served.origin}/ws/one?width=60&height=20"
+        async with served.http.ws_connect(address, headers=served.allowed) as socket:
+            await read_until(socket, eyes, "Tiny is here")
+            await press(socket, "aa")
+            await read_until(socket, eyes, "Pressed 2 times")
+        assert await served.written("went")
+        await logged(served, "127.0.0.1 left the observer's view")
+        assert "127.0.0.1 opened the observer's view (1 of 8)" in served.log
+
+
+async def test_a_program_that_ends_lets_the_browser_go(tmp_path: Path) -> None:
+    async with (
+        serving(tmp_path / "diary") as served,
+        served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed) as socket,
+    ):
+        await read_until(socket, Eyes(), "Tiny is here")
+        await press(socket, "x")
+        async with asyncio.timeout(SECONDS):
+            while not socket.closed:
+                await socket.receive()
+        assert await served.written("went")
+
+
+async def test_a_program_that_cannot_begin_says_why_in_the_browser(tmp_path: Path) -> None:
+    failing = [sys.executable, "-c", "raise SystemExit('There is no such session.')"]
+    async with (
+        serving(tmp_path / "diary", program=failing) as served,
+        served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed) as socket,
+    ):
+        eyes = Eyes()
+        await read_until(socket, eyes, "There is no such session.")
+        assert (await socket.receive()).type in (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSED)
+
+
+@pytest.mark.parametrize("sent", ["{", "[]", '["stdin", 3]', '["run", "rm"]', '["resize", {"width": "x"}]'])
+async def test_what_cannot_be_understood_ends_the_view(tmp_path: Path, sent: str) -> None:
+    idle = [sys.executable, "-c", "import sys; sys.stdin.read()"]
+    async with (
+        serving(tmp_path / "diary", program=idle) as served,
+        served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed) as socket,
+    ):
+        await socket.send_str(sent)
+        assert (await socket.receive()).type is aiohttp.WSMsgType.CLOSE
+        assert "refused: what a browser sent cannot be understood" in served.log
+
+
+async def test_no_more_than_eight_look_at_once(tmp_path: Path) -> None:
+    idle = [sys.executable, "-c", "import sys; sys.stdin.read()"]
+    async with serving(tmp_path / "diary", program=idle) as served:
+        sockets = [
+            await served.http.ws_connect(f"{served.origin}/ws/{number}", headers=served.allowed)
+            for number in range(MOST)
+        ]
+        got, why = await status(served, "/ws/another", UPGRADE | served.allowed)
+        assert (got, why) == (503, "8 browsers look already; close one of them.")
+        await sockets[0].close()
+        await logged(served, "127.0.0.1 left the observer's view")
+        another = await served.http.ws_connect(f"{served.origin}/ws/another", headers=served.allowed)
+        assert not another.closed
+
+
+async def test_when_the_server_ends_its_programs_have_ended(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary") as served:
+        socket = await served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed)
+        await read_until(socket, Eyes(), "Tiny is here")
+        pid = int((await served.written("came")).split()[1])
+    assert served.diary.read_text().splitlines()[-1] == "went"
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+
+
+async def test_a_program_that_does_not_end_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sar_tui.serve.view._ENDS_S", 0.1)
+    diary = tmp_path / "diary"
+    deaf = [
+        sys.executable,
+        "-c",
+        f"import os, signal; open({str(diary)!r}, 'w').write(f'came {{os.getpid()}}\\n'); signal.pause()",
+    ]
+    async with serving(tmp_path / "diary", program=deaf) as served:
+        await served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed)
+        pid = int((await served.written("came ")).split()[1])
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+
+
+async def test_only_what_the_agent_says_crosses_to_the_browser_that_speaks(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary", "agent") as served:
+        assert (await status(served, "/voice/one", UPGRADE | served.allowed))[0] == 409
+        screen = await served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed)
+        await read_until(screen, Eyes(), "Tiny is here")
+        voice = await served.http.ws_connect(f"{served.origin}/voice/one", headers=served.allowed)
+        await press(screen, "ash")
+        async with asyncio.timeout(SECONDS):
+            heard = [json.loads((await voice.receive()).data) for _ in range(2)]
+        assert heard == [{"say": "Muy bien.", "language": "es"}, {"hush": True}]
+
+
+async def test_only_the_agents_view_has_a_voice(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary", "operator") as served:
+        assert (await status(served, "/voice/one", UPGRADE | served.allowed))[0] == 404
+
+
+async def test_a_killed_server_takes_its_programs_along(tmp_path: Path) -> None:
+    """Given a program whose server is gone without a word, then it ends in order by itself."""
+    process = await asyncio.create_subprocess_exec(
+        sys.executable,
+        "-m",
+        "tests.serve.tiny",
+        str(tmp_path / "diary"),
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+        env={**os.environ, "TEXTUAL_DRIVER": "sar_tui.app.web_driver:ServedDriver"},
+    )
+    try:
+        assert process.stdout
+        assert process.stdin
+        async with asyncio.timeout(SECONDS):
+            await process.stdout.readline()
+            process.stdin.close()
+            await process.wait()
+    finally:
+        if process.returncode is None:
+            process.send_signal(signal.SIGKILL)
+    assert process.returncode == 0
+    assert (tmp_path / "diary").read_text().splitlines()[-1] == "went"

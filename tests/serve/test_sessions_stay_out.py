@@ -1,0 +1,36 @@
+"""Given a browser, when somebody would do a timed task in it, then they are told that it cannot be."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from sar_tui.serve.view import DRIVER
+from tests.app.chair import known, stored
+from tests.cli.conftest import Call, call
+from tests.serve.served import Eyes, press, read_until, serving
+
+__all__ = ["call"]
+
+REFUSED = "A session does not run in a browser, where nothing can be timed; run it in a terminal.\n"
+
+
+@pytest.mark.parametrize("driver", [DRIVER, "textual.drivers.web_driver:WebDriver"])
+def test_a_session_is_refused_in_one_sentence(call: Call, monkeypatch: pytest.MonkeyPatch, driver: str) -> None:
+    monkeypatch.setenv("TEXTUAL_DRIVER", driver)
+    assert call("run", "keyboard", "-p", "P01") == (2, "", REFUSED)
+
+
+async def test_home_opens_in_a_browser_but_no_session_begins_from_it(tmp_path: Path) -> None:
+    data = tmp_path / "data"
+    known(data, "P01")
+    program = [sys.executable, "-m", "sar_tui", "--data", str(data)]
+    async with (
+        serving(tmp_path / "diary", program=program) as served,
+        served.http.ws_connect(f"{served.origin}/ws/one?width=100&height=30", headers=served.allowed) as socket,
+    ):
+        eyes = Eyes(100, 30)
+        await read_until(socket, eyes, "P01")
+        await press(socket, "\x1b[C\x1b[C\x1b[C\r")
+        await read_until(socket, eyes, "does not run in a browser")
+    assert stored(data, "SELECT id FROM sessions") == []
