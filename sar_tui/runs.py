@@ -4,6 +4,7 @@ import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TypedDict
 
 import msgspec
 import sqlite_utils
@@ -17,7 +18,8 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED
 from sar_tui.plugins import Catalogue, task_folder
-from sar_tui.simulation.participant import SimulatedParticipant
+from sar_tui.simulation.operator import Character, SimulatedOperator
+from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
 from sar_tui.simulation.person import Person
 from sar_tui.store import locks, participants, sessions
 from sar_tui.store.database import StoreError, connect
@@ -27,7 +29,7 @@ from sar_tui.theme_folder import languages
 
 
 class Plan(msgspec.Struct, frozen=True):
-    """What a session will be."""
+    """What a session will be. ``partner``: who sits at seat B, in a task for two. ``id``: the session's; else drawn."""
 
     task: type[Task]
     parameters: TaskParameters
@@ -35,6 +37,8 @@ class Plan(msgspec.Struct, frozen=True):
     participant: str
     seed: int
     mode: sessions.Mode = "live"
+    partner: str = ""
+    id: str = ""
 
 
 class Failed(Exception):
@@ -62,6 +66,11 @@ class Run:
         self.recorder = recorder
         self._database = database
         self._locks = held
+
+    @property
+    def participants(self) -> dict[str, str]:
+        """Who takes part: codes by seat."""
+        return {row["seat"]: row["participant"] for row in sessions.rows(self._database, "seats", self.id)}
 
     def begin(self) -> None:
         """Start the loop."""
@@ -102,11 +111,13 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: E
         extra: makes the input and output nodes for the task.
 
     Raises:
-        StoreError: the database cannot be used, or the participant is in a live session.
+        StoreError: the database cannot be used, the participant is in a live session, or not as many are named as the
+            task has seats.
         PluginError: there is no such theme.
         ParameterError: the task has no such level, or there is no such output.
         Failed: the task cannot be set up.
     """
+    check_seats(plan.task, plan.participant, plan.partner)
     theme = catalogue.theme(plan.theme, plan.parameters.language)
     _check_language(plan.parameters.language, catalogue.theme_folder(plan.theme))
     task = _set_up(plan.task, plan.parameters, theme)
@@ -114,13 +125,15 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: E
     database = connect(folder)
     held: list[BaseFileLock] = []
     with _let_go_on_failure(database, held):
-        participant = plan.participant
+        participant, partner = plan.participant, plan.partner
         if plan.mode == "live":
-            participant = participants.add(database, plan.participant)
-            held.append(locks.hold(folder, "participant", participant))
-        best = sessions.best(database, participant, task) if plan.mode == "live" else {}
-        session = Session(task, theme, clock, plan.seed, nodes, best)
-        session_id = sessions.new_id()
+            participant = participants.add(database, participant)
+            partner = participants.add(database, partner) if partner else ""
+            held += [locks.hold(folder, "participant", code) for code in (participant, partner) if code]
+        session = Session(
+            task, theme, clock, plan.seed, nodes, **_known(database, task, participant, partner, plan.mode)
+        )
+        session_id = plan.id or sessions.new_id()
         held.append(locks.hold(folder, "session", session_id))
         made_by = _made_by(plan.task, theme.name, folder, catalogue)
         sessions.create(
@@ -132,10 +145,43 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: E
             seed=plan.seed,
             parameters=plan.parameters,
             mode=plan.mode,
+            partner=partner,
             **made_by,
         )
         number = sessions.begin_run(database, session_id, **made_by)
         return _enter(session_id, number, session, folder, database, held)
+
+
+def check_seats(task: type[Task], participant: str, partner: str) -> None:
+    """Raise StoreError unless as many different participants are named as a task has seats."""
+    if len(task.seats) == 1 and partner:
+        raise StoreError(f"The task {task.name} is for one: name one participant only.", bad_input=True)
+    if len(task.seats) > 1 and not partner:
+        raise StoreError(
+            f"The task {task.name} is for two: name the participant on the left, and then the one on the right.",
+            bad_input=True,
+        )
+    if participant.strip().upper() == partner.strip().upper():
+        raise StoreError(f"{participant} cannot sit at both seats: name two participants.", bad_input=True)
+
+
+class _Known(TypedDict):
+    """What a session is told of who takes part in it."""
+
+    best: dict[str, float]
+    others_best: dict[str, dict[str, float]]
+    names: dict[str, str]
+
+
+def _known(
+    database: sqlite_utils.Database, task: Task, participant: str, partner: str, mode: sessions.Mode, but: str = ""
+) -> _Known:
+    """Their best results of earlier sessions; and their codes, where the agent is to call them so."""
+    is_live = mode == "live"
+    best = sessions.best(database, participant, task, but=but) if is_live else {}
+    others = {"B": sessions.best(database, partner, task, but=but)} if is_live and partner else {}
+    names = {"A": participant, "B": partner} if partner and task.address == "code" else {}
+    return {"best": best, "others_best": others, "names": names}
 
 
 def _made_by(kind: type[Task], theme: str, folder: Path, catalogue: Catalogue) -> dict[str, object]:
@@ -177,7 +223,8 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ex
     held: list[BaseFileLock] = []
     with _let_go_on_failure(database, held):
         row = resumable(database, folder, session_id)
-        held.append(locks.hold(folder, "participant", row["participant"]))
+        codes = (row["participant"], row["partner"] or "")
+        held += [locks.hold(folder, "participant", code) for code in codes if code]
         held.append(locks.hold(folder, "session", row["id"]))
         status = sessions.stored_status(database, row["id"])  # another program may have ended it before we held it
         if status not in ("running", "interrupted"):
@@ -187,8 +234,8 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ex
             parameters = build(kind.Parameters, row["parameters"])
             theme = catalogue.theme(row["theme"], parameters.language)
             task = _set_up(kind, parameters, theme)
-            best = sessions.best(database, row["participant"], task, but=row["id"])
-            session = Session(task, theme, clock, row["seed"], extra(task, theme), best)
+            known = _known(database, task, *codes, "live", but=row["id"])
+            session = Session(task, theme, clock, row["seed"], extra(task, theme), **known)
             session.replay(sessions.history(database, row["id"]))
         except (ParameterError, ReplayError) as error:
             raise Failed(f"The session {row['id']} cannot be gone on with. {error}") from error
@@ -271,21 +318,30 @@ def simulate(
     folder: Path,
     catalogue: Catalogue,
     progress: Callable[[int], None] = lambda attempt: None,
+    operator: Character | None = None,
+    partner: Person | None = None,
 ) -> str:
     """Run a whole session with a simulated participant, on a virtual clock, into the database; returns its id.
+
+    A task for two has a ``partner`` at seat B: as the participant is, if no other is named. An ``operator`` decides on
+    what the agent proposes, in the modes that the plan's parameters set.
 
     Raises:
         StoreError, PluginError: as ``start``.
         Failed: the task raised.
     """
     clock = VirtualClock()
+    if len(plan.task.seats) > 1 and not plan.partner:
+        plan = msgspec.structs.replace(plan, partner=f"{plan.participant}-B")
 
     def sit_down(task: Task, theme: Theme) -> list[Node]:
+        beside = [*([SimulatedOperator(operator, plan.seed)] if operator else []), *speaking(task, theme)]
         if not task.sensors:
-            return [SimulatedParticipant(person, task, plan.seed), *speaking(task, theme)]
+            others = [SimulatedPartner(partner or person, task, plan.seed, seat) for seat in task.seats[1:]]
+            return [SimulatedParticipant(person, task, plan.seed), *others, *beside]
         from sar_tui.sensing import simulated  # loads numpy
 
-        return [*simulated(person, task, plan.seed, clock), *speaking(task, theme)]
+        return [*simulated(person, task, plan.seed, clock, partner or person), *beside]
 
     run = start(plan, folder, catalogue, clock, sit_down)
     try:

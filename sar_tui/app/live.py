@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from textual.app import App
 
     from sar_tui.inputs.feed import ImuFeed
+    from sar_tui.link.host import Host
+    from sar_tui.link.node import LinkNode
 
 _LAST_WRITE_SECONDS = 5.0
 """How long the end of a session waits for the disk."""
@@ -37,10 +39,17 @@ class LiveSession:
     """
 
     def __init__(
-        self, folder: Path, catalogue: Catalogue, clock: Clock | None = None, feed: "ImuFeed | None" = None
+        self,
+        folder: Path,
+        catalogue: Catalogue,
+        clock: Clock | None = None,
+        feed: "ImuFeed | None" = None,
+        link: "Host | None" = None,
     ) -> None:
         self.clock = clock or LiveClock(asyncio.get_running_loop())
         self._feed = feed
+        self._link = link
+        self._peers: LinkNode | None = None
         self.keyboard = Keyboard()
         self.screen: ScreenOutput
         self.run: Run
@@ -55,19 +64,33 @@ class LiveSession:
             self.run = start(what, self._folder, self._catalogue, self.clock, self._nodes)
         else:
             self.run = resume(what, self._folder, self._catalogue, self.clock, self._nodes)
+        if self._link and self._peers:
+            from sar_tui.link.about import about
+
+            task = self.run.session.task
+            self._peers.about = about(task, self.run.id, self._link.link, self.run.participants)
 
     def _nodes(self, task: Task, theme: Theme) -> list[Node]:
-        """Keyboard, screen and the agent's other outputs; and the motion sensor, for a task that needs one."""
+        """Keyboard, screen and the agent's other outputs; the motion sensor, for a task that needs one; the link."""
         shows_agent = "screen" in task.parameters.outputs
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
-        outputs = [self.screen, *speaking(task, theme)]
+        outputs = [self.screen, *speaking(task, theme), *self._linked()]
         if not task.sensors:
             return [self.keyboard, *outputs]
         from sar_tui.sensing import sensing, sensor
 
         seed = secrets.randbelow(2**31)
         feed = self._feed or sensor(task.parameters, seed, self.clock, self._folder)
-        return [self.keyboard, *sensing(task, seed, feed), *outputs]
+        others = [sensor(task.parameters, seed + 1, self.clock, self._folder, seat) for seat in task.seats[1:]]
+        return [self.keyboard, *sensing(task, seed, feed, *others), *outputs]
+
+    def _linked(self) -> "list[LinkNode]":
+        """The node of the link, where there is one."""
+        if self._link:
+            from sar_tui.link.node import LinkNode
+
+            self._peers = LinkNode(self._link)
+        return [self._peers] if self._peers else []
 
     def begin(self, app: "App[int]", broken: Callable[[str], None]) -> None:
         """Start both workers and the loop. ``broken`` is called when the task has failed."""

@@ -1,5 +1,7 @@
 """``sar-tui run`` and ``sar-tui resume``: straight into a session."""
 
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -11,7 +13,21 @@ from sar_tui.cli.setting import pairs
 
 if TYPE_CHECKING:
     from sar_tui.framework.task import Task
+    from sar_tui.link.host import Host
     from sar_tui.runs import Plan
+
+MayOperate = Annotated[
+    bool, typer.Option("--operator", help="Let operators on this machine join, with `sar-tui wizard`.")
+]
+Listen = Annotated[
+    str | None,
+    typer.Option(
+        "--listen",
+        metavar="tls/HOST:PORT",
+        show_default=False,
+        help="Let those who were invited join over the network; see `sar-tui link`.",
+    ),
+]
 
 
 def run(
@@ -20,7 +36,14 @@ def run(
         str, typer.Argument(metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False)
     ],
     participant: Annotated[
-        str, typer.Option("-p", "--participant", metavar="CODE", show_default=False, help="Who: a code, never a name.")
+        list[str],
+        typer.Option(
+            "-p",
+            "--participant",
+            metavar="CODE",
+            show_default=False,
+            help="Who: a code, never a name. Twice for a task for two: on the left, then on the right.",
+        ),
     ],
     settings: Pairs = None,
     imu: Annotated[
@@ -40,6 +63,8 @@ def run(
     speech: Speech = None,
     language: Language = None,
     seed: Seed = None,
+    operator: MayOperate = False,
+    listen: Listen = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
@@ -59,8 +84,9 @@ def run(
 
     from sar_tui.runs import Plan, check_outputs
     from sar_tui.store import participants
+    from sar_tui.store.sessions import new_id
 
-    code = participants.check_code(participant)
+    code, partner = both_codes(kind, participant)
     with home.database() as database:
         saved = participants.settings(database, code, task)
     parameters = agent_parameters(kind, {**saved.parameters, **given}, outputs, speech, language)
@@ -71,13 +97,54 @@ def run(
         theme=catalogue.theme(theme or saved.theme, parameters.language).name,
         participant=code,
         seed=new_seed() if seed is None else seed,
+        id=new_id(),
+        partner=partner,
     )
     if kind.sensors:
         _refuse_unknown_sensor(plan, home)
     need_terminal()
-    from sar_tui.app.app import run_app
+    with _link(home, plan.id, task, operator, listen, parameters.operator_lost_ms) as link:
+        from sar_tui.app.app import run_app
 
-    raise typer.Exit(run_app(home.folder, catalogue, plan=plan))
+        ended = run_app(home.folder, catalogue, plan=plan, link=link)
+    raise typer.Exit(ended)
+
+
+def both_codes(kind: "type[Task]", given: Sequence[str]) -> tuple[str, str]:
+    """The codes of who takes part: on the left, and in a task for two on the right. Raises StoreError."""
+    from sar_tui.runs import check_seats
+    from sar_tui.store.participants import check_code
+
+    codes = [check_code(code) for code in given]
+    if len(codes) > 2:
+        raise Refused("At most two can take part: name no more with -p.")
+    participant, partner = (*codes, "")[:2]
+    check_seats(kind, participant, partner)
+    return participant, partner
+
+
+@contextmanager
+def _link(
+    home: Home, session: str, task: str, operator: bool, listen: str | None, lost_ms: int
+) -> "Iterator[Host | None]":
+    """The session's link, opened before the screen changes; without a word of it in the command, nothing at all."""
+    if not operator and listen is None:
+        yield None
+        return
+    from sar_tui.link.errors import LinkError
+    from sar_tui.link.opening import Listening, opened
+    from sar_tui.runs import Failed
+
+    try:
+        listening = Listening.read(operator=operator, listen=listen)
+    except LinkError as error:
+        raise Refused(str(error)) from error
+    with ExitStack() as stack:
+        try:
+            host = stack.enter_context(opened(home.folder, session, task, listening, lost_ms))
+        except LinkError as error:
+            raise Failed(str(error)) from error
+        yield host
 
 
 def _refuse_without_sensor(kind: "type[Task]") -> None:
@@ -100,6 +167,8 @@ def resume(
     session: Annotated[
         str, typer.Argument(metavar="[SESSION|last]", help="Its id, or the beginning of it.", show_default=False)
     ] = "last",
+    operator: MayOperate = False,
+    listen: Listen = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
@@ -110,6 +179,7 @@ def resume(
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
 
+    from sar_tui.framework.parameters import TaskParameters
     from sar_tui.runs import resumable
     from sar_tui.store.sessions import listing
 
@@ -119,8 +189,11 @@ def resume(
             session = next((r["id"] for r in rows if (r["status"], r["mode"]) == ("interrupted", "live")), "")
             if not session:
                 raise Refused("No session was interrupted, so there is none to go on with.")
-        chosen = resumable(database, home.folder, session)["id"]
+        chosen = resumable(database, home.folder, session)
     need_terminal()
-    from sar_tui.app.app import run_app
+    lost_ms = chosen["parameters"].get("operator_lost_ms", TaskParameters().operator_lost_ms)
+    with _link(home, chosen["id"], chosen["task"], operator, listen, lost_ms) as link:
+        from sar_tui.app.app import run_app
 
-    raise typer.Exit(run_app(home.folder, catalogue, resume=chosen))
+        ended = run_app(home.folder, catalogue, resume=chosen["id"], link=link)
+    raise typer.Exit(ended)

@@ -23,7 +23,7 @@ from sar_tui.store.locks import is_held
 Mode = Literal["live", "simulated", "replayed"]
 Row = dict[str, Any]
 
-Table = Literal["attempts", "trials", "actions", "runs", "imu_streams"]
+Table = Literal["attempts", "trials", "actions", "runs", "imu_streams", "seats"]
 
 _JSON = {
     "sessions": ("parameters", "software", "machine"),
@@ -52,8 +52,9 @@ def create(
     software: object,
     machine: object,
     mode: Mode,
+    partner: str = "",
 ) -> None:
-    """Enter a new session, under an id from ``new_id``, and its participant's seat.
+    """Enter a new session, under an id from ``new_id``, and its participant's seat; and a partner's, if there is one.
 
     From then on others see it: who means to run it holds its lock by now.
     """
@@ -64,6 +65,8 @@ def create(
             (session, task, theme, _utc(), seed, _dump(parameters), _dump(software), _dump(machine), mode),
         )
         connection.execute("INSERT INTO seats VALUES (?,'A',?)", (session, participant))
+        if partner:
+            connection.execute("INSERT INTO seats VALUES (?,'B',?)", (session, partner))
 
 
 def begin_run(db: sqlite_utils.Database, session: str, *, software: object, machine: object) -> int:
@@ -102,10 +105,11 @@ def best(db: sqlite_utils.Database, participant: str, task: Task, *, but: str = 
     best_of = "min" if metric.better == "lower" else "max"
     rows = db.execute(
         f"SELECT level, {best_of}(metric) FROM attempts JOIN sessions ON sessions.id = attempts.session"
-        f" WHERE session IN ({','.join('?' * len(alike))}) AND NOT practice AND metric IS NOT NULL"
+        " JOIN seats ON seats.session = attempts.session AND seats.seat = attempts.seat AND participant=?"
+        f" WHERE attempts.session IN ({','.join('?' * len(alike))}) AND NOT practice AND metric IS NOT NULL"
         " AND metric_unit=? AND COALESCE(accuracy, 1) >= COALESCE(json_extract(parameters, '$.min_accuracy'), 0)"
         " GROUP BY level",
-        (*alike, metric.unit),
+        (participant, *alike, metric.unit),
     )
     return {str(level): value for level, value in rows}
 
@@ -147,18 +151,25 @@ def _typed(table: str, row: Row) -> Row:
 
 
 def listing(db: sqlite_utils.Database, folder: Path, *, participant: str | None = None, limit: int = -1) -> list[Row]:
-    """Sessions, newest first, with their participant and how many attempts they hold.
+    """Sessions, newest first, with their participant (and ``partner``, else None) and how many attempts they hold.
 
-    A session that is called running, and that no program holds, was interrupted.
+    ``participant`` chooses those in which somebody took part, wherever they sat. A session that is called running, and
+    that no program holds, was interrupted.
     """
     rows = db.query(
-        "SELECT sessions.*, seats.participant,"
-        " (SELECT count(*) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts"
-        " FROM sessions JOIN seats ON seats.session=sessions.id AND seat='A'"
-        " WHERE :who IS NULL OR participant=:who ORDER BY started_at DESC LIMIT :limit",
+        "SELECT sessions.*, seats.participant, other.participant AS partner,"
+        " (SELECT count(DISTINCT attempt) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts"
+        " FROM sessions JOIN seats ON seats.session=sessions.id AND seats.seat='A'"
+        " LEFT JOIN seats AS other ON other.session=sessions.id AND other.seat='B'"
+        " WHERE :who IS NULL OR :who IN (seats.participant, other.participant) ORDER BY started_at DESC LIMIT :limit",
         {"who": participant, "limit": limit},
     )
     return [_with_status(_typed("sessions", row), folder) for row in rows]
+
+
+def who(row: Row) -> str:
+    """Who took part in a session of the ``listing``: "P01", "P01, P02"."""
+    return ", ".join(filter(None, (row["participant"], row["partner"])))
 
 
 def find(db: sqlite_utils.Database, folder: Path, name: str) -> Row:

@@ -235,10 +235,14 @@ def stored(data: Path, query: str, *values: object) -> list[tuple[Any, ...]]:
 
 @asynccontextmanager
 async def sit_down(
-    data: Path, catalogue: Catalogue, begin: Plan | str | None = None, size: tuple[int, int] = (80, 24)
+    data: Path,
+    catalogue: Catalogue,
+    begin: Plan | str | None = None,
+    size: tuple[int, int] = (80, 24),
+    link: Any = None,
 ) -> AsyncIterator[Chair]:
     """Open the app in front of a person, and close it when they get up."""
-    app = SarTui(data, catalogue, begin, clock=(clock := VirtualClock(10 * SECOND)))
+    app = SarTui(data, catalogue, begin, clock=(clock := VirtualClock(10 * SECOND)), link=link)
     chair = Chair(app, clock)
     async with app.run_test(size=size, notifications=True, message_hook=chair.hear) as chair.pilot:
         await chair.settle()

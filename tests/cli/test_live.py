@@ -1,12 +1,17 @@
 """``sar-tui``, ``run`` and ``resume``: what the app is opened with. The app itself is tested elsewhere."""
 
+import importlib.util
 import sqlite3
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from sar_tui.link.folder import live_sessions
+from sar_tui.link.host import Host
 from sar_tui.plugins import Catalogue
 from sar_tui.runs import Plan
 from sar_tui.store import participants
@@ -15,14 +20,29 @@ from tests.cli.conftest import Call
 
 
 @pytest.fixture
-def opened(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
+def runtime() -> Iterator[str]:
+    """Where sockets are; a socket's path has to be short."""
+    with tempfile.TemporaryDirectory(prefix="sar") as folder:
+        yield folder
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch, runtime: str) -> list[dict[str, Any]]:
     """A terminal, and an app that only notes what it was opened with, and ends with 7."""
     calls: list[dict[str, Any]] = []
 
-    def run_app(folder: Path, catalogue: Catalogue, plan: Plan | None = None, resume: str | None = None) -> int:
-        calls.append({"folder": folder, "catalogue": catalogue, "plan": plan, "resume": resume})
+    def run_app(
+        folder: Path,
+        catalogue: Catalogue,
+        plan: Plan | None = None,
+        resume: str | None = None,
+        link: Host | None = None,
+    ) -> int:
+        calls.append({"folder": folder, "catalogue": catalogue, "plan": plan, "resume": resume, "link": link})
+        calls[-1]["joinable"] = live_sessions()
         return 7
 
+    monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
     monkeypatch.setattr("sar_tui.app.app.run_app", run_app)
     monkeypatch.setenv("TERM", "xterm-256color")
     stream = SimpleNamespace(isatty=lambda: True)
@@ -155,3 +175,51 @@ def test_timing_is_measured_with_what_was_asked(call: Call, monkeypatch: pytest.
     assert call("timing", "--trials", 20, "--json").code == 0
     assert asked == [(tmp_path / "data", 20, True)]
     assert call("timing", "--trials", 1).code == 2
+
+
+# --- operators -------------------------------------------------------------------------------------------------
+
+
+def test_a_session_that_is_not_asked_to_opens_no_link(call: Call, opened: list[dict[str, Any]], runtime: str) -> None:
+    assert call("run", "keyboard", "-p", "P01").code == 7
+    assert (opened[0]["link"], opened[0]["joinable"]) == (None, [])
+
+
+def test_a_session_that_operators_may_join_is_found_while_it_runs(call: Call, opened: list[dict[str, Any]]) -> None:
+    assert call("run", "keyboard", "-p", "P01", "--operator").code == 7
+    (how,) = opened
+    assert [(live.session, live.task) for live in how["joinable"]] == [(how["plan"].id, "keyboard")]
+    assert how["link"].link == how["plan"].id
+    assert how["link"].pid is None  # its process has ended
+    assert live_sessions() == []
+
+
+def test_a_session_that_is_gone_on_with_can_be_joined_too(
+    call: Call, opened: list[dict[str, Any]], tmp_path: Path
+) -> None:
+    session = interrupted(call, tmp_path)
+    assert call("resume", session, "--operator").code == 7
+    assert [live.session for live in opened[0]["joinable"]] == [session]
+
+
+def test_a_place_to_listen_that_is_none_is_bad_usage(call: Call, opened: list[dict[str, Any]]) -> None:
+    called = call("run", "keyboard", "-p", "P01", "--listen", "tls/lab:none")
+    assert (called.code, opened) == (2, [])
+    assert "has no port that there could be" in called.err
+
+
+def test_to_listen_where_nobody_was_invited_is_told_before_the_screen_changes(
+    call: Call, opened: list[dict[str, Any]]
+) -> None:
+    called = call("run", "keyboard", "-p", "P01", "--listen", "tls/127.0.0.1:7447")
+    assert (called.code, opened) == (1, [])
+    assert "Nobody has been invited yet" in called.err
+
+
+def test_without_the_packages_of_the_link_it_is_told_what_to_install(
+    call: Call, opened: list[dict[str, Any]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    called = call("run", "keyboard", "-p", "P01", "--operator")
+    assert (called.code, opened) == (1, [])
+    assert "pip install 'sar-tui[link]'" in called.err

@@ -1,21 +1,16 @@
 """The child process that speaks and sounds, as the program holds it: started, told, listened to, killed."""
 
 import contextlib
-import os
-import signal
-import subprocess
-import sys
 import threading
 from collections.abc import Callable, Sequence
 from typing import IO
 
 import msgspec
 
+from sar_tui import child_process
 from sar_tui.outputs.sound.protocol import Reply, Request, Setup, line, reply
 
-PROGRAM: Sequence[str] = (sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice")
-"""``-P``: no module of the folder that the program was started in takes the place of a library."""
-_REAPED_S = 1.0
+PROGRAM = child_process.python("sar_tui.outputs.sound.voice")
 
 
 class Child:
@@ -28,19 +23,7 @@ class Child:
     def __init__(
         self, setup: Setup, heard: "Callable[[Child, Reply | None], object]", program: Sequence[str] = PROGRAM
     ) -> None:
-        apart = 0
-        if sys.platform == "win32":
-            apart = subprocess.CREATE_NO_WINDOW | subprocess.CREATE_NEW_PROCESS_GROUP
-        pipe, nothing = subprocess.PIPE, subprocess.DEVNULL
-        self._process = subprocess.Popen(
-            program,
-            bufsize=0,
-            stdin=pipe,
-            stdout=pipe,
-            stderr=nothing,
-            creationflags=apart,
-            start_new_session=sys.platform != "win32",
-        )
+        self._process = child_process.start(program)
         assert self._process.stdin
         assert self._process.stdout
         self._requests: IO[bytes] = self._process.stdin
@@ -57,16 +40,10 @@ class Child:
 
     def kill(self) -> None:
         """End it at once, whatever it is doing, and all that it started. Harmless if it has ended."""
-        with contextlib.suppress(OSError):
-            if sys.platform == "win32":
-                self._process.kill()
-            elif self._process.poll() is None:
-                os.killpg(self._process.pid, signal.SIGKILL)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(_REAPED_S)
+        child_process.kill(self._process)
         with contextlib.suppress(OSError):
             self._requests.close()
-        self._listener.join(_REAPED_S)
+        self._listener.join(child_process.REAPED_S)
 
     def _listen(self) -> None:
         with contextlib.suppress(OSError, msgspec.DecodeError), self._replies:

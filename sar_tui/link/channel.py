@@ -1,0 +1,69 @@
+"""What the participant's program hands to the link's process, and hears from it; made small here, encoded elsewhere."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, Protocol
+
+from sar_tui.framework.bus import Record
+from sar_tui.link import wire
+from sar_tui.link.peer import Welcome
+from sar_tui.link.wire import News, Order
+
+
+class ToAll(NamedTuple):
+    """What happened, to everybody; the batches are numbered from 1."""
+
+    number: int
+    records: Sequence[Record]
+
+    def order(self) -> Order:
+        """As the broker takes it."""
+        return wire.Publish(self.number, wire.encode(wire.Batch(self.number, wire.framed(self.records))))
+
+
+class ToOne(NamedTuple):
+    """How things stand after that batch, to one peer."""
+
+    name: str
+    number: int
+    welcome: Welcome
+    records: Sequence[Record]
+
+    def order(self) -> Order:
+        """As the broker takes it."""
+        greeting = wire.Greeting(self.number, self.welcome, wire.framed(self.records))
+        return wire.Reply(self.name, wire.encode(greeting))
+
+
+class Measured(NamedTuple):
+    """A sensor's samples."""
+
+    seat: str
+    samples: bytes
+
+    def order(self) -> Order:
+        """As the broker takes it."""
+        return wire.Samples(self.seat, self.samples)
+
+
+class Ended(NamedTuple):
+    """The link's process ended, or was ended. ``is_final``: it could not be started anew."""
+
+    detail: str
+    is_final: bool = False
+
+
+Sending = ToAll | ToOne | Measured
+Hear = Callable[[News | Ended], object]
+
+
+class Channel(Protocol):
+    """The link's process, as a node sees it."""
+
+    def listen(self, hear: Hear) -> None:
+        """Have ``hear`` told what comes, and what came before, on any thread."""
+
+    def send(self, what: Sending) -> bool:
+        """Put it on its way, at once; False, and it is gone, where too much is on its way already."""
+
+    def check(self) -> None:
+        """End a process that no longer answers, so that another takes its place."""

@@ -1,0 +1,201 @@
+"""A panel's side of the link, with a line that only remembers in the place of Zenoh."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+import pytest
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.bus import Record
+from sar_tui.framework.topics import KEY, LEVEL, NOTED
+from sar_tui.link import client, wire
+from sar_tui.link.folder import Live
+from sar_tui.link.line import Arrived
+from sar_tui.link.peer import Connection, Frame, Heard, Peer, Trace, Welcome
+from sar_tui.link.wire import Act, Batch, Greeting, Hello, Over, Pong, Traces
+from tests.link.test_node import ABOUT, ANNA
+
+WELCOME: Welcome = msgspec.structs.replace(ABOUT, name=ANNA, role="operator")
+
+
+class Line:
+    """In the place of a connection."""
+
+    made: list["Line"] = []
+
+    def __init__(self, ways: object, name: str, arrived: Callable[[Arrived], object]) -> None:
+        self.name, self.arrived = name, arrived
+        self.hellos: list[Hello] = []
+        self.acts: list[Act] = []
+        self.is_closed = False
+        self.made.append(self)
+
+    def open(self) -> None: ...
+
+    def send_hello(self, payload: bytes) -> None:
+        self.hellos.append(wire.decode(payload, Hello))
+
+    def send_act(self, payload: bytes) -> None:
+        self.acts.append(wire.decode(payload, Act))
+
+    def close(self, *, awaits_answer: bool) -> None:
+        self.is_closed = True
+        self.awaits_answer = awaits_answer
+
+    def let_go(self) -> None:
+        self.awaits_answer = False
+
+
+class Panel:
+    """A peer, and what it was told."""
+
+    def __init__(self) -> None:
+        self.heard: list[Heard] = []
+        where = Live(session="s1", task="keyboard", link="link", pid=1)
+        loop = asyncio.get_running_loop()
+        self.peer: Peer = client.connect(where, "anna", "operator", self.heard.append, loop)
+        self.line = Line.made[-1]
+
+    async def arrives(self, *what: Arrived) -> None:
+        for each in what:
+            self.line.arrived(each)
+        for _ in range(3):
+            await asyncio.sleep(0)
+
+    def pong(self, number: int = 0, refusal: str = "") -> Pong:
+        """The answer to its first sign of life."""
+        return Pong(0, 0, "elsewhere", number, self.line.hellos[0].who, refusal)
+
+    async def welcomed(self) -> None:
+        await self.arrives(self.pong(), Greeting(3, WELCOME, wire.framed([level(1)])))
+        self.heard.clear()
+
+    def levels(self) -> list[int]:
+        frames = [frame for each in self.heard if isinstance(each, list) for frame in each]
+        return [frame.message.level for frame in frames if isinstance(frame.message, m.LevelChanged)]
+
+    def wants(self) -> bool:
+        return self.line.hellos[-1].wants
+
+
+def level(number: int) -> Record:
+    return Record(number, number, LEVEL, m.LevelChanged(previous=0, level=number, reason="success"))
+
+
+def batch(number: int) -> Batch:
+    return Batch(number, wire.framed([level(number)]))
+
+
+@pytest.fixture
+async def panel(monkeypatch: pytest.MonkeyPatch) -> Any:
+    monkeypatch.setattr(client, "Line", Line)
+    monkeypatch.setattr(client, "ways_of", lambda where: where)
+    panel = Panel()
+    await panel.arrives()
+    yield panel
+    panel.peer.close()
+
+
+async def test_it_is_connected_once_it_is_greeted_and_told_all_in_order(panel: Panel) -> None:
+    assert panel.heard == [Connection("connecting")]
+    assert panel.wants()
+    await panel.arrives(panel.pong(), batch(2), Greeting(3, WELCOME, wire.framed([level(1)])), batch(3), batch(4))
+    frames = [each for each in panel.heard if isinstance(each, list)]
+    assert panel.heard[1:3] == [Connection("connected"), WELCOME]
+    assert frames == [[Frame(*level(1))], [Frame(*level(4))]]  # what the greeting holds is not told again
+
+
+async def test_when_a_batch_is_missing_nothing_more_is_told_until_all_is_told_anew(panel: Panel) -> None:
+    await panel.welcomed()
+    await panel.arrives(batch(5), batch(6))
+    assert panel.levels() == []
+    assert panel.wants()
+    await panel.arrives(Greeting(6, WELCOME, wire.framed([level(6)])), batch(7))
+    assert panel.levels() == [6, 7]
+
+
+async def test_a_pong_tells_of_a_batch_that_was_missed_though_none_follows(panel: Panel) -> None:
+    await panel.welcomed()
+    await panel.arrives(panel.pong(number=4), batch(5))
+    assert panel.levels() == []
+
+
+async def test_an_act_is_sent_as_it_is_while_there_is_a_link_and_else_not_at_all(panel: Panel) -> None:
+    note = m.Noted(text="well", at=panel.peer.now())
+    panel.peer.send(NOTED, note)
+    assert panel.line.acts == []
+    await panel.welcomed()
+    panel.peer.send(NOTED, note)
+    panel.peer.take_baton()
+    sent = panel.line.acts
+    assert [(act.topic, act.who) for act in sent] == [
+        (topic, panel.line.hellos[0].who) for topic in (NOTED.name, wire.BATON)
+    ]
+    assert wire.act(sent[0].topic, sent[0].message) == note
+
+
+async def test_what_is_no_act_cannot_be_sent(panel: Panel) -> None:
+    with pytest.raises(ValueError, match="input/key"):
+        panel.peer.send(KEY, m.KeyPressed(key="f", at=1))
+
+
+async def test_a_link_that_breaks_is_lost_and_connected_again_when_it_is_greeted_anew(panel: Panel) -> None:
+    await panel.welcomed()
+    await panel.arrives(Connection("lost", "The connection broke."), batch(4))
+    assert panel.heard == [Connection("lost", "The connection broke.")]
+    await panel.arrives(Connection("connected"))
+    assert panel.wants()
+    await panel.arrives(panel.pong(), Greeting(9, WELCOME, []))
+    assert panel.heard[1:3] == [Connection("connected"), WELCOME]
+
+
+async def test_why_there_is_no_link_yet_is_told_once(panel: Panel) -> None:
+    await panel.arrives(*[Connection("connecting", "Nothing listens there.")] * 3)
+    assert panel.heard[1:] == [Connection("connecting", "Nothing listens there.")]
+
+
+async def test_who_is_not_let_in_is_told_why_and_another_program_of_that_name_is_not(panel: Panel) -> None:
+    await panel.arrives(Pong(0, 0, "h", 0, "another", "The name is taken."))
+    assert panel.heard == [Connection("connecting")]
+    await panel.arrives(panel.pong(refusal="The name is taken."), Greeting(1, WELCOME, []))  # which is the other's
+    assert panel.heard[1:] == [Connection("connecting", "The name is taken.")]
+
+
+async def test_traces_are_told_one_by_one(panel: Panel) -> None:
+    await panel.welcomed()
+    traces = [Trace("A", 5, 50.0, (0.1, 0.2)), Trace("B", 6, 50.0, (0.3,))]
+    await panel.arrives(Traces(traces))
+    assert panel.heard == traces
+
+
+async def test_a_session_that_is_over_is_away_for_good(panel: Panel) -> None:
+    await panel.welcomed()
+    await panel.arrives(Over(), batch(4))
+    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["away"]
+    assert panel.line.is_closed
+
+
+async def test_who_closes_says_goodbye_and_waits_until_that_is_heard(panel: Panel) -> None:
+    await panel.welcomed()
+    panel.peer.close()
+    panel.peer.close()
+    *_, hello = panel.line.hellos
+    assert [hello.leaves for hello in panel.line.hellos].count(True) == 1
+    assert (panel.line.is_closed, panel.line.awaits_answer) == (True, True)
+    await panel.arrives(Pong(hello.ping, 0, "h", 3, hello.who))
+    assert not panel.line.awaits_answer
+
+
+@pytest.mark.parametrize(
+    ("name", "part"),
+    [("anna", "anna"), ("jörg m.", "j-rg-m"), ("*/**", "somebody"), ("", "somebody"), ("x" * 99, "x" * 32)],
+)
+def test_a_name_is_a_part_of_a_key_whatever_it_is(name: str, part: str) -> None:
+    assert client.part_of_key(name) == part
+
+
+async def test_who_closes_without_a_link_waits_for_nothing(panel: Panel) -> None:
+    panel.peer.close()
+    assert (panel.line.is_closed, panel.line.awaits_answer) == (True, False)

@@ -1,0 +1,355 @@
+"""The link on the bus, on a virtual clock: a channel that only remembers stands in for the process."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import msgspec
+import pytest
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.bus import Bus, Record, Topic
+from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.framework.messages import Message
+from sar_tui.framework.node import Node
+from sar_tui.framework.topics import (
+    DECISION,
+    IMU,
+    KEY,
+    LEVEL,
+    NOTED,
+    OPERATOR,
+    PRESENCE,
+    PROMPT,
+    REFUSED,
+    SEEN,
+    SESSION,
+    SHOWN,
+    WAITING,
+)
+from sar_tui.link import wire
+from sar_tui.link.channel import Ended, Hear, Measured, Sending, ToAll, ToOne
+from sar_tui.link.node import LinkNode
+from sar_tui.link.peer import Welcome
+from sar_tui.link.wire import Acted, Came, Gone, News, Refused, Wants
+
+ANNA, BEN, OLAF = "operator.anna", "operator.ben", "observer.olaf"
+ABOUT = Welcome(
+    link="link",
+    session="s1",
+    task="keyboard",
+    title="Keyboard",
+    participants={"A": "P1"},
+    name="",
+    role="observer",
+    unit="ms",
+    decimals=0,
+    levels=5,
+    attempts=2,
+    trials=3,
+)
+STARTED = m.SessionStarted(run=1, task="keyboard", theme="calm", seed=1)
+START = 100 * SECOND
+
+
+class Channel:
+    """Remembers what it was given; it can be full."""
+
+    link = "link"
+
+    def __init__(self) -> None:
+        self.sent: list[Sending] = []
+        self.is_full = False
+        self.checks = 0
+
+    def listen(self, hear: Hear) -> None:
+        self.hear = hear
+
+    def send(self, what: Sending) -> bool:
+        if not self.is_full:
+            self.sent.append(what)
+        return not self.is_full
+
+    def check(self) -> None:
+        self.checks += 1
+
+
+class Says(Node):
+    """Publishes derived messages: whatever it is told to."""
+
+    name = "says"
+
+    def attach(self, bus: Bus) -> None:
+        super().attach(bus)
+        self.due: list[tuple[Topic[Any], Message]] = []
+        bus.subscribe(KEY, lambda _: [bus.publish(*each) for each in self.due])
+
+    def say(self, *what: tuple[Topic[Any], Message]) -> None:
+        self.due = list(what)
+        self.bus.publish(KEY, m.KeyPressed(key="f", at=0))
+
+
+class Bench:
+    """A node of the link on a bus of its own."""
+
+    def __init__(self) -> None:
+        self.clock = VirtualClock(START)
+        self.bus = Bus(self.clock)
+        self.channel = Channel()
+        self.node = LinkNode(self.channel)
+        self.node.about = ABOUT
+        self.says = Says()
+        self.says.attach(self.bus)
+        self.node.attach(self.bus)
+        self.heard: list[Record] = []
+        self.bus.tap(self.heard.extend)
+        self.bus.publish(SESSION, STARTED)
+
+    def hear(self, *news: News | Ended) -> None:
+        """The process tells, and the bus is given time."""
+        for each in news:
+            self.channel.hear(each)
+        self.clock.advance(MS)
+
+    def act(self, name: str, topic: Topic[Any], message: Message) -> None:
+        self.hear(Acted(name, topic.name, msgspec.Raw(wire.encode(message))))
+
+    def of(self, topic: Topic[Any]) -> list[Any]:
+        """What was published on a topic."""
+        return [record.message for record in self.heard if record.topic is topic]
+
+    def presence(self) -> list[tuple[str, str, bool]]:
+        return [(changed.actor, changed.state, changed.operated) for changed in self.of(PRESENCE)]
+
+    def batches(self) -> list[ToAll]:
+        return [sent for sent in self.channel.sent if isinstance(sent, ToAll)]
+
+    def greetings(self) -> list[ToOne]:
+        return [sent for sent in self.channel.sent if isinstance(sent, ToOne)]
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    bench = Bench()
+    yield bench
+    bench.node.detach()
+
+
+# --- who acts --------------------------------------------------------------------------------------------------
+
+
+def test_the_first_operator_is_told_of_and_has_the_baton(bench: Bench) -> None:
+    bench.hear(Came(OLAF), Came(ANNA), Came(BEN))
+    assert bench.presence() == [
+        (OLAF, "joined", False),
+        (ANNA, "joined", True),
+        (ANNA, "baton", True),
+        (BEN, "joined", True),
+    ]
+    assert bench.of(PRESENCE)[-1].peers == {OLAF: "observer", ANNA: "operator", BEN: "operator"}
+
+
+def test_an_act_of_the_holder_is_posted_with_the_name_that_the_link_knows(bench: Bench) -> None:
+    bench.hear(Came(ANNA))
+    bench.act(ANNA, DECISION, m.Decision(action="a1", verdict="veto", actor="somebody else", at=START))
+    assert bench.of(DECISION) == [m.Decision(action="a1", verdict="veto", actor=ANNA, at=START)]
+
+
+@pytest.mark.parametrize(("said_ms", "stored_ms"), [(-90_000, -60_000), (-59_000, -59_000), (9_000, 0)])
+def test_a_stamp_is_held_to_the_last_minute(bench: Bench, said_ms: int, stored_ms: int) -> None:
+    bench.hear(Came(ANNA))
+    now = bench.clock.now()
+    act = m.Noted(text="x", at=now + said_ms * MS)
+    bench.node.hear(Acted(ANNA, NOTED.name, msgspec.Raw(wire.encode(act))))
+    assert bench.of(NOTED)[0].at == now + stored_ms * MS
+
+
+def test_an_act_without_a_stamp_happens_as_it_comes(bench: Bench) -> None:
+    bench.hear(Came(ANNA))
+    bench.node.hear(Acted(ANNA, NOTED.name, msgspec.Raw(wire.encode(m.Noted(text="x")))))
+    assert bench.of(NOTED)[0].at == bench.clock.now()
+
+
+def test_an_act_without_the_baton_is_refused_and_told(bench: Bench) -> None:
+    bench.hear(Came(ANNA), Came(BEN))
+    bench.act(BEN, OPERATOR, m.Operator(command="end"))
+    assert bench.of(OPERATOR) == []
+    assert [(refused.actor, refused.what) for refused in bench.of(REFUSED)] == [(BEN, OPERATOR.name)]
+
+
+def test_that_another_operators_panel_shows_a_proposal_is_nothing_to_refuse(bench: Bench) -> None:
+    bench.hear(Came(ANNA), Came(BEN))
+    bench.act(BEN, SEEN, m.OfferSeen(action="a1"))
+    assert bench.of(SEEN) == bench.of(REFUSED) == []
+
+
+def test_the_baton_moves_at_once_when_it_is_taken(bench: Bench) -> None:
+    bench.hear(Came(ANNA), Came(BEN), Acted(BEN, wire.BATON, msgspec.Raw(b"\xc0")))
+    bench.act(ANNA, OPERATOR, m.Operator(command="pause"))
+    bench.act(BEN, OPERATOR, m.Operator(command="skip"))
+    assert bench.presence()[-1] == (BEN, "baton", True)
+    assert [act.command for act in bench.of(OPERATOR)] == ["skip"]
+
+
+def test_an_observer_can_neither_act_nor_take_the_baton(bench: Bench) -> None:
+    bench.hear(Came(OLAF), Acted(OLAF, wire.BATON, msgspec.Raw(b"\xc0")))
+    bench.act(OLAF, OPERATOR, m.Operator(command="end"))
+    assert bench.of(OPERATOR) == []
+    assert [refused.actor for refused in bench.of(REFUSED)] == [OLAF, OLAF]
+
+
+def test_an_act_for_a_seat_that_there_is_not_is_refused(bench: Bench) -> None:
+    bench.hear(Came(ANNA))
+    bench.act(ANNA, NOTED, m.Noted(seat="Q", text="x"))
+    assert bench.of(NOTED) == []
+    assert len(bench.of(REFUSED)) == 1
+
+
+def test_what_the_process_should_not_have_let_through_is_refused_here(bench: Bench) -> None:
+    bench.hear(Came(ANNA), Acted(ANNA, NOTED.name, msgspec.Raw(b"\xc1")), Acted(ANNA, KEY.name, msgspec.Raw(b"\xc0")))
+    assert [refused.actor for refused in bench.of(REFUSED)] == [ANNA, ANNA]
+
+
+def test_what_is_refused_again_and_again_is_told_once_a_second_with_its_count(bench: Bench) -> None:
+    bench.hear(Came(ANNA), Came(BEN))
+    for _ in range(20):
+        bench.act(BEN, OPERATOR, m.Operator(command="end"))
+    bench.clock.advance(3 * SECOND)
+    assert [refused.count for refused in bench.of(REFUSED)] == [1, 19]
+
+
+def test_when_the_holder_is_lost_the_session_is_operated_only_if_another_is_there(bench: Bench) -> None:
+    bench.hear(Came(ANNA), Came(BEN))
+    bench.heard.clear()
+    bench.hear(Gone(ANNA, "lost", "Nothing was heard."), Gone(BEN, "left"), Came(ANNA))
+    assert bench.presence() == [
+        (ANNA, "lost", True),
+        (BEN, "baton", True),
+        (BEN, "left", False),
+        (ANNA, "joined", True),
+        (ANNA, "baton", True),
+    ]
+
+
+def test_when_the_process_ends_all_are_lost_and_when_it_cannot_come_back_that_is_told(bench: Bench) -> None:
+    bench.hear(Came(ANNA), Came(OLAF))
+    bench.heard.clear()
+    bench.hear(Ended("It ended."), Ended("It ended for good.", is_final=True))
+    assert bench.presence() == [(ANNA, "lost", False), (OLAF, "lost", False)]
+    assert [(refused.actor, refused.why) for refused in bench.of(REFUSED)] == [("link", "It ended for good.")]
+
+
+def test_what_the_process_refused_is_in_the_log_with_its_count(bench: Bench) -> None:
+    bench.hear(Refused(OLAF, "an act", "An observer cannot act.", 12))
+    refused = m.ActRefused(actor=OLAF, what="an act", why="An observer cannot act.", count=12)
+    assert bench.of(REFUSED) == [refused]
+
+
+# --- what goes out ---------------------------------------------------------------------------------------------
+
+
+def test_with_nobody_there_nothing_is_sent(bench: Bench) -> None:
+    bench.says.say((WAITING, m.Waiting(what="enter", stage="attempt")))
+    bench.clock.advance(SECOND)
+    assert bench.channel.sent == []
+
+
+def test_who_comes_late_is_greeted_with_how_things_stand(bench: Bench) -> None:
+    for level in (2, 3):
+        bench.says.say((LEVEL, m.LevelChanged(previous=level - 1, level=level, reason="success")))
+    bench.hear(Came(ANNA), Wants(ANNA))
+    bench.clock.advance(50 * MS)
+    (greeting,) = bench.greetings()
+    assert (greeting.welcome.name, greeting.welcome.role, greeting.welcome.session) == (ANNA, "operator", "s1")
+    told = [record.message for record in greeting.records]
+    assert STARTED in told
+    assert [each.level for each in told if isinstance(each, m.LevelChanged)] == [3]
+    assert [record.seq for record in greeting.records] == sorted(record.seq for record in greeting.records)
+
+
+def test_what_a_resumed_session_stood_at_is_in_the_greeting_but_not_who_was_there_then() -> None:
+    bus = Bus(clock := VirtualClock(START))
+    bus.publish(SESSION, STARTED)
+    bus.publish(PRESENCE, m.OperatorChanged(actor=BEN, state="joined", operated=True))
+    channel = Channel()
+    node = LinkNode(channel)
+    node.about = ABOUT
+    node.attach(bus)
+    channel.hear(Came(ANNA))
+    channel.hear(Wants(ANNA))
+    clock.advance(50 * MS)
+    node.detach()
+    (greeting,) = (sent for sent in channel.sent if isinstance(sent, ToOne))
+    told = [record.message for record in greeting.records]
+    assert STARTED in told
+    assert BEN not in [each.actor for each in told if isinstance(each, m.OperatorChanged)]
+
+
+def test_what_happens_goes_out_a_little_later_in_one_numbered_batch(bench: Bench) -> None:
+    bench.hear(Came(ANNA))
+    bench.clock.advance(SECOND)
+    (presence,) = bench.batches()
+    for level in (2, 3):
+        bench.says.say((LEVEL, m.LevelChanged(previous=level - 1, level=level, reason="success")))
+    assert bench.batches() == [presence]
+    bench.clock.advance(50 * MS)
+    _, levels = bench.batches()
+    assert [record.topic for record in levels.records] == [LEVEL, LEVEL]  # the keys stay here
+    assert (presence.number, levels.number) == (1, 2)
+
+
+def test_while_a_prompt_is_on_its_way_nothing_is_sent(bench: Bench) -> None:
+    bench.hear(Came(ANNA))
+    bench.clock.advance(SECOND)
+    before = len(bench.batches())
+    prompt = m.Prompt(attempt=1, trial=1, presentation=1, level=1, stimulus="f", expected="f", text="Press: f",
+                      glyph="f", choices=2, timeout=SECOND)  # fmt: skip
+    bench.says.say((PROMPT, prompt))
+    bench.clock.advance(300 * MS)
+    assert len(bench.batches()) == before
+    bench.bus.publish(SHOWN, m.Shown(attempt=1, trial=1, presentation=1, at=bench.clock.now(), source="virtual"))
+    bench.clock.advance(100 * MS)
+    assert [record.topic for record in bench.batches()[-1].records] == [PROMPT, SHOWN]
+
+
+def test_a_prompt_that_is_never_shown_holds_nothing_back_for_ever(bench: Bench) -> None:
+    bench.hear(Came(ANNA))
+    bench.clock.advance(SECOND)
+    prompt = m.Prompt(attempt=1, trial=1, presentation=1, level=1, stimulus="f", expected="f", text="Press: f",
+                      glyph="f", choices=2, timeout=SECOND)  # fmt: skip
+    bench.says.say((PROMPT, prompt))
+    bench.clock.advance(SECOND)
+    assert PROMPT in [record.topic for record in bench.batches()[-1].records]
+
+
+def test_samples_go_out_in_one_piece_by_seat(bench: Bench) -> None:
+    bench.hear(Came(ANNA))
+    bench.clock.advance(SECOND)
+    for samples in (b"one", b"two"):
+        bench.bus.publish(IMU, m.ImuBlock(samples=samples))
+    bench.bus.publish(IMU, m.ImuBlock(seat="B", samples=b"three"))
+    bench.clock.advance(100 * MS)
+    assert bench.channel.sent[-2:] == [Measured("A", b"onetwo"), Measured("B", b"three")]
+
+
+def test_what_a_full_channel_did_not_take_is_made_good_by_a_greeting_to_all(bench: Bench) -> None:
+    bench.hear(Came(ANNA), Came(OLAF))
+    bench.clock.advance(SECOND)
+    bench.channel.is_full = True
+    bench.says.say((LEVEL, m.LevelChanged(previous=1, level=4, reason="operator")))
+    bench.clock.advance(5 * SECOND)
+    bench.channel.is_full = False
+    bench.clock.advance(2 * SECOND)
+    assert {greeting.name for greeting in bench.greetings()} == {ANNA, OLAF}
+    assert all(m.LevelChanged(previous=1, level=4, reason="operator") in
+               [record.message for record in greeting.records] for greeting in bench.greetings())  # fmt: skip
+
+
+def test_the_process_is_looked_after_for_as_long_as_the_node_is_there(bench: Bench) -> None:
+    bench.clock.advance(10 * SECOND)
+    checks = bench.channel.checks
+    assert checks >= 10
+    bench.node.detach()
+    bench.hear(Came(ANNA))
+    bench.clock.advance(10 * SECOND)
+    assert bench.channel.checks == checks
+    assert bench.presence() == []

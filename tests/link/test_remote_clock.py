@@ -1,0 +1,48 @@
+"""The session's clock, seen from another program."""
+
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.link.remote_clock import RemoteClock
+from sar_tui.link.wire import Pong
+
+AHEAD = 1000 * SECOND
+
+
+class Watch:
+    """A clock to be set."""
+
+    now = 5 * SECOND
+
+    def __call__(self) -> int:
+        return self.now
+
+
+def ping(clock: RemoteClock, watch: Watch, there: int, back: int, host: str = "there") -> None:
+    """A ping that takes so long (ns) to get there, and back."""
+    sent = watch.now
+    watch.now += there + back
+    clock.learn(Pong(sent, sent + there + AHEAD, host, 0, "1"))
+
+
+def test_on_the_same_host_it_is_the_same_clock_whatever_pings_say() -> None:
+    watch = Watch()
+    clock = RemoteClock(watch, "here")
+    ping(clock, watch, 100 * MS, 1 * MS, host="here")
+    assert clock.now() == watch.now
+
+
+def test_elsewhere_it_is_off_by_no_more_than_half_of_the_shortest_round_trip() -> None:
+    watch = Watch()
+    clock = RemoteClock(watch, "here")
+    for there, back in ((40, 2), (3, 1), (90, 5)):
+        ping(clock, watch, there * MS, back * MS)
+    assert abs(clock.now() - (watch.now + AHEAD)) <= 2 * MS
+
+
+def test_when_the_sessions_machine_was_started_anew_old_pings_do_not_count() -> None:
+    watch = Watch()
+    clock = RemoteClock(watch, "here")
+    ping(clock, watch, 1, 1)
+    sent = watch.now
+    watch.now += 10 * MS
+    clock.learn(Pong(sent, 7, "there, anew", 0, "1"))
+    assert abs(clock.now() - 7) <= 10 * MS
