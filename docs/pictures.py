@@ -4,10 +4,20 @@ import asyncio
 import re
 import tempfile
 from pathlib import Path
+from typing import Any
+
+from textual.app import App
 
 from sar_tui.app.app import SarTui
+from sar_tui.app.panel.screen import PanelScreen
+from sar_tui.app.wizard import WizardApp
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.framework.messages import Role
 from sar_tui.framework.parameters import build
+from sar_tui.link.channel import Ended, Hear, Sending, ToAll, ToOne
+from sar_tui.link.folder import Live
+from sar_tui.link.peer import Connection, Frame, Heard
+from sar_tui.link.wire import Came, News, Wants
 from sar_tui.plugins import Catalogue
 from sar_tui.runs import Plan, simulate
 from sar_tui.simulation.person import PEOPLE
@@ -15,7 +25,7 @@ from sar_tui.simulation.person import PEOPLE
 IMAGES = Path(__file__).parent / "images"
 
 
-def _save(app: SarTui, name: str) -> None:
+def _save(app: App[Any], name: str) -> None:
     """Keep the screen as an SVG that fetches no font from anywhere."""
     svg = re.sub(r"@font-face\s*\{.*?\}", "", app.export_screenshot(title="sar-tui"), flags=re.DOTALL)
     (IMAGES / f"{name}.svg").write_text(svg.replace("Fira Code", "monospace"))
@@ -48,6 +58,8 @@ async def _draw() -> None:
             _save(app, "prompt")
         await _draw_agent(data, catalogue)
         await _draw_reaching(data, catalogue)
+        await _draw_pairs(data, catalogue)
+        await _draw_panel(data, catalogue)
         past = SarTui(data, catalogue)
         async with past.run_test(size=(80, 24)) as pilot:
             await pilot.pause()
@@ -103,6 +115,120 @@ async def _draw_reaching(data: Path, catalogue: Catalogue) -> None:
         for key, wait_ms in (("enter", 500), ("enter", 500), ("enter", 500), ("space", 3000), ("space", 2000)):
             await do(key, wait_ms)
         _save(app, "reaching")
+
+
+async def _draw_pairs(data: Path, catalogue: Catalogue) -> None:
+    """The agent looks to one side, and a letter appears there."""
+    pairs = catalogue.task("pairs")
+    parameters = build(pairs.Parameters, {"policy": "joint attention", "congruent_share": 1.0})
+    clock = VirtualClock(SECOND)
+    app = SarTui(data, catalogue, Plan(pairs, parameters, "calm", "P01", 3, partner="P02"), clock)
+    async with app.run_test(size=(80, 24)) as pilot:
+        for key in ("enter", "enter"):
+            await _settle(pilot, clock)
+            await pilot.press(key)
+        await _until_asked(pilot, clock, app)
+        _save(app, "pairs")
+
+
+class _Channel:
+    """In the place of the link's process: what it would send is kept."""
+
+    link = "picture"
+    hear: Hear
+
+    def __init__(self) -> None:
+        self.sent: list[Sending] = []
+
+    def listen(self, hear: Hear) -> None:
+        self.hear = hear
+
+    def send(self, what: Sending) -> bool:
+        self.sent.append(what)
+        return True
+
+    def check(self) -> None:
+        pass
+
+    def heard(self) -> list[Heard]:
+        """What a panel would have been told."""
+        told: list[Heard] = [Connection("connected")]
+        for what in self.sent:
+            if isinstance(what, ToOne):
+                told.append(what.welcome)
+            if isinstance(what, ToOne | ToAll):
+                told.append([Frame(each.seq, each.at, each.topic, each.message) for each in what.records])
+        return told
+
+
+class _Peer:
+    """A panel's link that sends nothing, on a clock that stands still."""
+
+    name = "operator.anna"
+    role: Role = "operator"
+
+    def __init__(self, clock: VirtualClock) -> None:
+        self.now = clock.now
+
+    def send(self, topic: Any, message: Any) -> None:
+        pass
+
+    def take_baton(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
+    """The operator's panel, with an answer that waits to be approved."""
+    keyboard = catalogue.task("keyboard")
+    parameters = build(
+        keyboard.Parameters, {"prompts_per_attempt": 3, "operator_feedback": "approve", "encouragement": False}
+    )
+    clock, channel = VirtualClock(SECOND), _Channel()
+    plan = Plan(keyboard, parameters, "calm", "P04", 3)
+    app = SarTui(data, catalogue, plan, clock, link=channel)  # type: ignore[arg-type]
+    async with app.run_test(size=(80, 24)) as pilot:
+        await _settle(pilot, clock)
+        news: tuple[News | Ended, ...] = (Came(_Peer.name), Wants(_Peer.name))
+        for each in news:
+            channel.hear(each)
+        for key in ("enter", "enter"):
+            for _ in range(20):
+                await _settle(pilot, clock)
+            await pilot.press(key)
+        for wait_ms in (412, 655, 523):
+            key = await _until_asked(pilot, clock, app)
+            clock.advance(wait_ms * MS)
+            await pilot.press(key)
+        for _ in range(6):
+            await _settle(pilot, clock)
+
+    def join(hear: Any) -> _Peer:
+        asyncio.get_running_loop().call_soon(lambda: [hear(told) for told in channel.heard()])
+        return _Peer(clock)
+
+    class Panel(WizardApp):
+        def make_panel(self, where: object) -> PanelScreen:
+            return PanelScreen(join, self._theme, self._folder)
+
+    panel = Panel(catalogue.theme("calm"), data, "anna", where=Live("picture", "keyboard", "picture", 0))
+    async with panel.run_test(size=(100, 30)) as pilot:
+        for _ in range(5):
+            await pilot.pause()
+        _save(panel, "panel")
+
+
+async def _until_asked(pilot: Any, clock: VirtualClock, app: SarTui) -> str:
+    """Let time pass until a prompt stands on the screen; its key."""
+    for _ in range(200):
+        clock.advance(50 * MS)
+        await pilot.pause()
+        shown = app.export_screenshot().replace("&#160;", " ")
+        if found := re.search(r"(?:Press|Left|Right): (\S)<", shown):
+            return found[1]
+    raise RuntimeError("no prompt came")
 
 
 async def _settle(pilot: object, clock: VirtualClock) -> None:

@@ -12,6 +12,7 @@ import msgspec
 
 from sar_tui.cli.common import Home
 from sar_tui.cli.finding import Finding, State
+from sar_tui.cli.link_findings import browser, invitations, operator_here
 from sar_tui.cli.sensor_findings import motion_sensor, sensor_driver
 from sar_tui.cli.servo_findings import servo_controller
 from sar_tui.cli.speech_findings import sound_card, speech_engine
@@ -40,6 +41,9 @@ def examine(home: Home) -> Iterator[Finding]:
         ("Servo controller", servo_controller),
         ("Speech", speech_engine),
         ("Sound card", sound_card),
+        ("Operator here", operator_here),
+        ("Invitations", lambda: invitations(home.folder)),
+        ("Browser", browser),
         ("Data", lambda: _data(home)),
         ("Disk space", lambda: _space(home)),
         ("Tasks", lambda: _tasks(home)),
