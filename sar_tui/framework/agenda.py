@@ -1,8 +1,8 @@
 """What the agent is about to say and do: one thing at a time, the most important first."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 
-from sar_tui.framework.messages import Action, Deed
+from sar_tui.framework.messages import Action, Deed, Kind
 
 LASTING: tuple[Deed, ...] = ("say", "gesture", "gaze", "tone")
 """Deeds that take a while. Words on the screen stand until others take their place: nobody waits for them."""
@@ -38,9 +38,9 @@ class Agenda:
         """It waits no longer; None where it does not."""
         return next(iter(self.clear(lambda action: action.id == id)), None)
 
-    def next(self, now: int) -> Action | None:
-        """Whose turn it is now; None where nothing may begin yet."""
-        ready = next((action for action in self.waiting if action.due <= now), None)
+    def next(self, now: int, held: Collection[Kind] = ()) -> Action | None:
+        """Whose turn it is now; None where nothing may begin yet. Kinds that are ``held`` go on waiting."""
+        ready = next((action for action in self.waiting if action.due <= now and action.kind not in held), None)
         return ready if ready and (self.current is None or self.breaks_off(ready)) else None
 
     def breaks_off(self, action: Action) -> bool:

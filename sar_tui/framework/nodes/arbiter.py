@@ -7,7 +7,7 @@ import msgspec
 from sar_tui.framework import messages as m
 from sar_tui.framework.agenda import LASTING, Agenda
 from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.messages import Action, Deed, Dropped, Ground, Halt, Offer, Proposal, Saying
+from sar_tui.framework.messages import Action, Deed, Dropped, Ground, Halt, Kind, Offer, Proposal, Saying
 from sar_tui.framework.node import TimedNode, on, serves
 from sar_tui.framework.offers import Offers, accepted, edited
 from sar_tui.framework.parameters import TaskParameters
@@ -51,6 +51,8 @@ STALLS_AFTER = SECOND
 OPERATORS_FIRST = 50
 """How important an operator's own words are: more than anything the agent proposes."""
 _OVER = ("done", "aborted", "failed")
+_AFTER_ANSWER: tuple[Kind, ...] = ("encouragement", "rest")
+"""What would be odd to hear before the answer that is owed."""
 
 
 class Arbiter(TimedNode):
@@ -362,7 +364,8 @@ class Arbiter(TimedNode):
 
     def _go_on(self) -> None:
         """Let those act whose turn it is."""
-        while not self._is_closed and (action := self._agenda.next(self.now)):
+        held = _AFTER_ANSWER if self._offers.is_owing else ()
+        while not self._is_closed and (action := self._agenda.next(self.now, held)):
             if current := self._agenda.current:
                 self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
             self._agenda.begin(action, self._parts(action))

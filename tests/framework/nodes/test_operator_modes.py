@@ -182,6 +182,16 @@ def test_the_session_waits_while_an_answer_is_owed_and_no_longer() -> None:
     assert not room.owing
 
 
+def test_a_kind_word_is_not_said_before_the_answer_that_is_owed() -> None:
+    room = Room(operator_feedback="approve")
+    room.propose("a1", priority=40)
+    room.propose("a2", kind="encouragement", policy="drop", priority=20)
+    assert room.acted == []
+    room.decide("a1", "accept")
+    room.report("a1")
+    assert room.acted == ["a1", "a2"]
+
+
 def test_an_answer_after_the_deadline_comes_to_nothing_and_is_told() -> None:
     room = Room(operator_feedback="veto", operator_time_ms=500)
     room.propose("a1")
