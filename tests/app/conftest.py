@@ -1,4 +1,4 @@
-"""No test of the app depends on the terminal of whoever runs it."""
+"""No test of the app depends on the terminal of whoever runs it, or on what else they run."""
 
 from collections.abc import Iterator
 
@@ -17,3 +17,9 @@ def a_plain_terminal() -> Iterator[None]:
         for name in _SIGNS:
             patch.delenv(name, raising=False)
         yield
+
+
+@pytest.fixture(autouse=True)
+def no_session_to_join(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor on what runs on the machine meanwhile: home offers to join it."""
+    monkeypatch.setattr("sar_tui.link.folder.live_sessions", list)

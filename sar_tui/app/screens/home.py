@@ -1,7 +1,7 @@
 """Home: who sits down, what they do, and what was done before."""
 
 import secrets
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import on
 from textual.app import ComposeResult
@@ -18,7 +18,11 @@ from sar_tui.store import participants, sessions
 from sar_tui.store.database import StoreError
 from sar_tui.store.provenance import machine
 
+if TYPE_CHECKING:
+    from sar_tui.runs import Plan
+
 _NEW = "+"
+_LOOK_SECONDS = 3.0
 
 
 class HomeScreen(Screen[None]):
@@ -27,6 +31,7 @@ class HomeScreen(Screen[None]):
     help_text = (
         "Choose who takes part, the task and the theme; then Start.\n"
         "The arrows move within and between lists, Enter chooses.\n\n"
+        "A task for two asks next who sits on the right.\n\n"
         "A session that was interrupted stands first among the recent ones: Enter goes on with it.\n\n"
         "Participants are codes, never names.\n"
     )
@@ -34,6 +39,7 @@ class HomeScreen(Screen[None]):
         Binding("right,down", "next", "Next list", show=False, id="next"),
         Binding("left,up", "previous", "Previous list", show=False, id="previous"),
         Binding("f2", "settings", "Settings (therapist)", id="settings"),
+        Binding("f3", "operate", "Operator's panel", id="operate"),
     ]
 
     app: Any
@@ -41,6 +47,7 @@ class HomeScreen(Screen[None]):
     def __init__(self) -> None:
         super().__init__()
         self._theme_of: tuple[str, str] | None = None
+        self._can_operate = False
 
     def compose(self) -> ComposeResult:
         yield Static(_title(), id="title", markup=False)
@@ -70,6 +77,7 @@ class HomeScreen(Screen[None]):
         tasks.highlighted = 0
         self.query_one("#participant").border_subtitle = "arrows and Enter"
         self.call_after_refresh(self._list_themes)
+        self.set_interval(_LOOK_SECONDS, self.look_for_sessions)
 
     def _list_themes(self) -> None:
         """Reading all of them takes a moment, and the screen is up before."""
@@ -83,6 +91,7 @@ class HomeScreen(Screen[None]):
     def on_screen_resume(self) -> None:
         self._list_participants()
         self._list_recent()
+        self.look_for_sessions()
         if self.focused is None:
             self.query_one("#participant").focus()
 
@@ -170,6 +179,46 @@ class HomeScreen(Screen[None]):
         else:
             self.app.push_screen(PastSessionScreen(row))
 
+    # --- the operator's panel -----------------------------------------------------------------------------
+
+    def look_for_sessions(self) -> None:
+        """The panel is offered while there is a session on this machine that can be joined."""
+        from sar_tui.link.errors import LinkError
+        from sar_tui.link.folder import live_sessions
+
+        if not self.is_current:
+            return
+        try:
+            can_operate = bool(live_sessions())
+        except LinkError:
+            can_operate = False
+        if can_operate != self._can_operate:
+            self._can_operate = can_operate
+            self.refresh_bindings()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        return self._can_operate if action == "operate" else super().check_action(action, parameters)
+
+    def action_operate(self) -> None:
+        """Choose the session, and open its panel."""
+        from sar_tui.app.panel.joining import ChooseScreen, own_name, panel
+        from sar_tui.link.folder import Live, live_sessions
+
+        def chosen(live: Live | None) -> None:
+            if live is not None:
+                theme = next(iter(self.app.themes.values()))
+                self.app.push_screen(panel(live, own_name(), "operator", theme, self.app.folder), left)
+
+        def left(why: str | None) -> None:
+            if why:
+                self.notify(why, severity="warning", timeout=15)
+
+        found = live_sessions()
+        if len(found) == 1:
+            chosen(found[0])
+        else:
+            self.app.push_screen(ChooseScreen(), chosen)
+
     # --- what can be done ---------------------------------------------------------------------------------
 
     def action_next(self) -> None:
@@ -199,7 +248,23 @@ class HomeScreen(Screen[None]):
             return
         from sar_tui.runs import Plan
 
-        self.app.begin_session(Plan(task, parameters, theme, who, secrets.randbelow(2**31)))
+        plan = Plan(task, parameters, theme, who, secrets.randbelow(2**31))
+        if len(task.seats) == 1:
+            self.app.begin_session(plan)
+        else:
+            self._ask_for_second(plan)
+
+    def _ask_for_second(self, plan: "Plan") -> None:
+        """A task for two begins when it is known who sits on the right."""
+        import msgspec
+
+        from sar_tui.app.screens.second_participant import SecondParticipantScreen
+
+        def chosen(code: str | None) -> None:
+            if code:
+                self.app.begin_session(msgspec.structs.replace(plan, partner=code))
+
+        self.app.push_screen(SecondParticipantScreen(plan.participant), chosen)
 
     @on(Button.Pressed, "#settings")
     def action_settings(self) -> None:
@@ -234,4 +299,4 @@ def _line(row: sessions.Row) -> str:
     done = f"{row['attempts']} of {row['parameters'].get('attempts', '?')}"
     how = "interrupted: Enter goes on" if _can_go_on(row) else row["status"]
     kind = "" if row["mode"] == "live" else f" ({row['mode']})"
-    return f"{when}  {row['participant']:<8} {row['task']:<10} {done:>9}  {how}{kind}"
+    return f"{when}  {sessions.who(row):<8} {row['task']:<10} {done:>9}  {how}{kind}"

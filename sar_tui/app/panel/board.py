@@ -1,0 +1,230 @@
+"""What is seen of the operator's panel: the mirror, the proposal that is to be decided, the palette, the log."""
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from textual import events
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.message import Message
+from textual.screen import Screen
+from textual.widgets import Input, Static
+
+from sar_tui.app.panel import offers, own_file, palette, sheets, views
+from sar_tui.app.panel.shown_agent import ShownAgent
+from sar_tui.app.panel.steering import Steering
+from sar_tui.framework.clock import SECOND, Clock, LiveClock, host_now
+from sar_tui.framework.messages import Offer
+from sar_tui.framework.theme import Theme
+from sar_tui.link.errors import LinkError
+from sar_tui.link.peer import Hear, Heard, Peer
+
+FRAME_SECONDS = 1 / 15
+"""At most so often is the panel drawn."""
+_TALL, _WIDE = 27, 92
+"""From how many lines there is room for a longer log, from how many columns for longer words."""
+_ASKED = {
+    "end": "End the session? {key} again ends it, Esc lets it go on.",
+    "close": "Leave the panel? {key} again leaves it, Esc stays. The session goes on.",
+}
+
+
+class Board(Screen[str]):
+    """The base of the panel's screen: all that it shows. It ends with a sentence if there can be no link at all.
+
+    Args:
+        connect: makes the link, given who hears.
+        theme: is worn until the session's is known.
+        folder: where the operator's own file is.
+        clock: of the mirrored agent's motion, for tests.
+    """
+
+    CSS_PATH = "panel.tcss"
+    AUTO_FOCUS = ""
+
+    app: Any
+
+    class Themed(Message):
+        """The theme that the participant's program wears is known, or another."""
+
+        def __init__(self, theme: Theme) -> None:
+            super().__init__()
+            self.theme = theme
+
+    def __init__(self, connect: Callable[[Hear], Peer], theme: Theme, folder: Path, clock: Clock | None = None) -> None:
+        super().__init__()
+        self._connect = connect
+        self.file, self._problem = own_file.read(folder)
+        self._clock = clock or LiveClock(asyncio.get_running_loop())
+        self._agent = ShownAgent(theme, self._clock)
+        self.steering = Steering()
+        self.words = palette.Words({})
+        self.selected = ""
+        self._given: dict[str, int] = {}
+        self.page: tuple[str, str] = ("", "")
+        self.seat = "A"
+        self.asks = ""
+        self.is_stale = True
+        self._drawn_at = 0
+        self._drawn: dict[str, object] = {}
+
+    # --- beginning and ending ----------------------------------------------------------------------------------
+
+    def compose(self) -> ComposeResult:
+        with Horizontal(id="head"):
+            yield Static("Operator", id="where", markup=False)
+            yield Static("", id="link")
+        with Horizontal(id="mirror"):
+            with Vertical(id="seen"):
+                yield self._agent.widget
+            doing = Static("", id="doing")
+            doing.border_title = "They do"
+            yield doing
+        with Vertical(id="strip"):
+            yield Static("", id="offer")
+            yield Static("", id="buttons")
+            with Horizontal(id="typing"):
+                yield Static("", id="asked", markup=False)
+                yield Input(id="typed", compact=True, select_on_focus=False)
+            yield Static("", id="behind", markup=False)
+        with Horizontal(id="page"):
+            yield Static("", id="title", markup=False)
+            yield Static(sheets.pages(self.file), id="pages", markup=False)
+        yield Static("", id="palette")
+        yield Static("", id="log")
+        yield Static("", id="foot")
+        keys = Static(sheets.keys(self.file), id="keys")
+        keys.border_title = "Keys"
+        yield keys
+
+    def on_mount(self) -> None:
+        if isinstance(self._clock, LiveClock):
+            self.run_worker(self._clock.run(), name="motion", group="motion")
+        self.app.set_keymap(self.file.keymap)
+        self.query_one("#log").border_title = "Log"
+        try:
+            self.steering.peer = self._connect(self.hear)
+        except LinkError as error:
+            self.dismiss(str(error))
+            return
+        if self._problem:
+            self.steering.log.told(self.steering.peer.now(), self._problem)
+        self.set_interval(FRAME_SECONDS, self._tick)
+        self.draw()
+
+    def on_unmount(self) -> None:
+        if self.steering.peer:
+            self.steering.peer.close()
+
+    def hear(self, heard: Heard) -> None:
+        """What came over the link. It is drawn at once after a quiet spell, else with the next frame."""
+        theme = self.steering.mirror.theme
+        self.steering.hear(heard)
+        if self.steering.mirror.theme is not theme:
+            self.words = palette.Words.of(self.steering.mirror, self.file)
+            if self.steering.mirror.theme:
+                self.post_message(self.Themed(self.steering.mirror.theme))
+        self.is_stale = True
+        if host_now() - self._drawn_at > FRAME_SECONDS * SECOND:
+            self.call_later(self._tick)
+
+    def on_resize(self, event: events.Resize) -> None:
+        self.set_class(event.size.height >= _TALL, "tall")
+        self.set_class(event.size.width >= _WIDE, "wide")
+        self.is_stale = True
+        self.call_after_refresh(self.draw)
+
+    @property
+    def chosen(self) -> Offer | None:
+        """The proposal that keys are about: the one that was selected, for as long as it waits; else the first."""
+        waiting = self.steering.offers
+        undecided = [offer for offer in waiting if not self.steering.ruled(offer.proposal.id)] or list(waiting)
+        selected = (offer for offer in undecided if offer.proposal.id == self.selected)
+        return next(selected, undecided[0] if undecided else None)
+
+    # --- drawing -------------------------------------------------------------------------------------------------
+
+    def _tick(self) -> None:
+        """Draw, if something has changed or time runs out."""
+        if not self.is_mounted or host_now() - self._drawn_at < FRAME_SECONDS * SECOND / 2:
+            return
+        if self.is_stale or any(offer.deadline is not None for offer in self.steering.offers):
+            self.draw()
+
+    def draw(self) -> None:
+        """Bring the screen up to what is known."""
+        peer, mirror = self.steering.peer, self.steering.mirror
+        if peer is None or not self.is_mounted:
+            return
+        self.is_stale, self._drawn_at = False, host_now()
+        now = peer.now()
+        self._agent.show(mirror, now)
+        seen = "They see and hear"
+        self.query_one("#seen").border_title = seen if mirror.theme else f"{seen}: {views.UNKNOWN}"
+        self._put("where", Content(views.where(mirror)))
+        self._put("link", views.link(mirror))
+        self._put("doing", views.doing(mirror, self._room("doing")))
+        self._draw_strip(now)
+        self._draw_palette()
+        log = self.query_one("#log")
+        lines = sorted([*mirror.journal, *self.steering.log.lines(now)], key=lambda line: line.at)
+        self._put("log", views.log(lines, self._room("log"), log.content_size.height))
+        asked = _ASKED[self.asks].format(key=sheets.key_of(self.asks, self.file)) if self.asks else ""
+        is_observer = bool(mirror.welcome and mirror.welcome.role == "observer")
+        self._put("foot", sheets.foot(self.file, asked, self._room("foot"), is_observer=is_observer))
+
+    def _draw_strip(self, now: int) -> None:
+        mirror, width = self.steering.mirror, self._room("offer")
+        strip, offer, loss = self.query_one("#strip"), self.chosen, views.loss(self.steering.mirror)
+        strip.set_class(offer is not None, "waits")
+        strip.set_class(bool(loss), "alarm")
+        strip.border_subtitle = offers.modes(mirror, width - 4)
+        if offer is None:
+            strip.border_title = "Connection" if loss else "Proposals"
+            self._put("offer", offers.quiet(mirror, loss, width))
+            self._put("buttons", Content(""))
+            self._put("behind", Content(""))
+            return
+        waiting = self.steering.offers
+        strip.border_title = offers.title(offer, waiting.index(offer) + 1, len(waiting))
+        id = offer.proposal.id
+        if offer.deadline is not None:
+            self._given = {id: self._given.get(id, offer.deadline - now)}
+        self._put("offer", offers.body(offer, now, self._given.get(id), width))
+        keys = offers.buttons(self.file, has_words=bool(offer.proposal.text))
+        sent = self.steering.ruled(id)
+        self._put("buttons", Content(f"{sent} …" if sent else "") if sent or self.steering.obstacle() else keys)
+        self._put("behind", Content(offers.behind(waiting, offer, now, width)))
+        if id not in self.steering.painted:
+            self.call_after_refresh(self._painted, offer)
+
+    def _painted(self, offer: Offer) -> None:
+        if self.steering.peer:
+            self.steering.seen(offer, self.steering.peer.now())
+
+    def _draw_palette(self) -> None:
+        page, number, count = self.find_page()
+        participants = self.steering.mirror.welcome.participants if self.steering.mirror.welcome else {}
+        to = f" · to {participants.get(self.seat, self.seat)}" if len(participants) > 1 else ""
+        to = to if page.kind in ("phrases", "gestures") else ""
+        self._put("title", Content(f"{page.title}{to} · {number + 1}/{count}"))
+        self._put("palette", sheets.items(page, self._room("palette"), 5))
+
+    def find_page(self) -> tuple[palette.Page, int, int]:
+        pages = palette.pages(self.steering.mirror, self.words, self.seat)
+        names = [(page.kind, page.title) for page in pages]
+        index = names.index(self.page) if self.page in names else 0
+        return pages[index], index, len(pages)
+
+    def _room(self, name: str) -> int:
+        return self.query_one(f"#{name}").content_size.width
+
+    def _put(self, name: str, content: Content) -> None:
+        """Draw what has changed, and nothing else."""
+        key = (content.plain, tuple(content.spans))
+        if self._drawn.get(name) != key:
+            self._drawn[name] = key
+            self.query_one(f"#{name}", Static).update(content, layout=name == "link")

@@ -1,0 +1,270 @@
+"""The mirror: what an operator knows of the session, made from what the link brings. Pure: no screen, no clock."""
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import msgspec
+from msgspec.structs import replace
+
+from sar_tui.app.panel import journal
+from sar_tui.app.panel.journal import Line
+from sar_tui.framework.messages import (
+    Action,
+    AgentActing,
+    AttemptEnded,
+    Halt,
+    LevelChanged,
+    OperatorChanged,
+    OutputReport,
+    Prompt,
+    PromptVoided,
+    Role,
+    SensorChanged,
+    SessionEnded,
+    Standing,
+    ThemeWorn,
+    TrialEnded,
+    TrialMarked,
+    Waiting,
+)
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import (
+    ACTING,
+    ACTION,
+    ATTEMPT_ENDED,
+    HALT,
+    LEVEL,
+    MARKED,
+    PRESENCE,
+    PROMPT,
+    REPORT,
+    SENSOR,
+    SESSION_ENDED,
+    STANDING,
+    THEME,
+    TRIAL,
+    VOIDED,
+    WAITING,
+)
+from sar_tui.link.peer import Connection, Frame, Heard, Trace, Welcome
+
+TRIALS_KEPT = 60
+TRACE_SECONDS = 8
+"""How much of the past is shown of responses, and of a hand's motion."""
+
+
+class Agent(msgspec.Struct, frozen=True):
+    """What the participant sees of the agent: the words that stand, what was added to them, the expression.
+
+    ``moves`` is what was last said or done, with its gesture and gaze; ``still`` counts how often it was told to be
+    still.
+    """
+
+    words: str = ""
+    more: str = ""
+    face: str = "neutral"
+    valence: str | None = None
+    moves: Action | None = None
+    still: int = 0
+
+
+class Seat(msgspec.Struct, frozen=True):
+    """How one participant does: the last trials and attempt, the last mark, how fast the hand turned (rad/s)."""
+
+    trials: tuple[TrialEnded, ...] = ()
+    attempt: AttemptEnded | None = None
+    mark: str = ""
+    rates: tuple[float, ...] = ()
+
+
+class Mirror(msgspec.Struct, frozen=True):
+    """The session as this side of the link knows it. What is None, or empty, is not known.
+
+    ``level``: of the attempt under way; ``next_level``: of the next. ``seats``: by name. ``holder``: the operator who
+    has the baton. ``voice``: why nothing is heard, as an output told it. ``journal``: what happened that an operator
+    should know, oldest first.
+    """
+
+    connection: Connection = Connection("connecting")
+    welcome: Welcome | None = None
+    theme: Theme | None = None
+    waiting: Waiting | None = None
+    prompt: Prompt | None = None
+    level: int | None = None
+    next_level: int | None = None
+    standing: Standing | None = None
+    agent: Agent = Agent()
+    acting: bool | None = None
+    voice: str = ""
+    sensor: SensorChanged | None = None
+    seats: dict[str, Seat] = {}
+    peers: dict[str, Role] = {}
+    holder: str = ""
+    operated: bool | None = None
+    ended: str = ""
+    journal: tuple[Line, ...] = ()
+
+    def hear(self, heard: Heard) -> "Mirror":
+        """What is known once this has been heard."""
+        if isinstance(heard, Welcome):
+            return Mirror(connection=self.connection, welcome=heard, theme=self.theme)
+        if isinstance(heard, Trace):
+            return self._moved(heard)
+        if isinstance(heard, Connection):
+            return replace(self, connection=heard)
+        return self._frames(heard)
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether what is shown is the present, and an act would arrive."""
+        return self.connection.state == "connected" and self.welcome is not None
+
+    @property
+    def steers(self) -> bool:
+        """Whether this peer's acts are heeded, as far as is known."""
+        mine = self.welcome.name if self.welcome else ""
+        return bool(self.welcome and self.welcome.role == "operator" and self.holder in ("", mine))
+
+    def seat(self, name: str) -> Seat:
+        """How a participant does."""
+        return self.seats.get(name, Seat())
+
+    def with_seat(self, name: str, seat: Seat) -> "Mirror":
+        """The same, but for how one participant does."""
+        return replace(self, seats={**self.seats, name: seat})
+
+    def _frames(self, frames: Iterable[Frame]) -> "Mirror":
+        mirror = self
+        for frame in frames:
+            if heard := _HEARD.get(frame.topic.name):
+                mirror = heard(mirror, frame.message)
+            if line := journal.line(frame, self.welcome):
+                mirror = replace(mirror, journal=(*mirror.journal, line)[-journal.KEPT :])
+        return mirror
+
+    def _moved(self, trace: Trace) -> "Mirror":
+        kept = max(1, round(trace.hz * TRACE_SECONDS))
+        seat = self.seat(trace.seat)
+        return self.with_seat(trace.seat, replace(seat, rates=(*seat.rates, *trace.rates)[-kept:]))
+
+
+# --- the task ------------------------------------------------------------------------------------------------------
+
+
+def _waits(mirror: Mirror, waiting: Waiting) -> Mirror:
+    agent = mirror.agent
+    if waiting.stage == "trial" and waiting.what != "agent":
+        agent = replace(agent, words="", more="", face="listening")
+    elif waiting.stage == "answer":
+        agent = replace(agent, face="thinking")
+    elif agent.face == "thinking":
+        agent = replace(agent, face="listening")
+    level = waiting.level or mirror.level
+    prompt = mirror.prompt if waiting.stage == "trial" else None
+    return replace(mirror, waiting=waiting, agent=agent, level=level, prompt=prompt)
+
+
+def _prompted(mirror: Mirror, prompt: Prompt) -> Mirror:
+    return replace(mirror, prompt=prompt, level=prompt.level)
+
+
+def _voided(mirror: Mirror, _: PromptVoided) -> Mirror:
+    return replace(mirror, prompt=None)
+
+
+def _tried(mirror: Mirror, trial: TrialEnded) -> Mirror:
+    seat = mirror.seat(trial.seat)
+    others = tuple(t for t in seat.trials if (t.attempt, t.trial) != (trial.attempt, trial.trial))
+    told = replace(seat, trials=(*others, trial)[-TRIALS_KEPT:], mark="")
+    return replace(mirror.with_seat(trial.seat, told), prompt=None)
+
+
+def _marked(mirror: Mirror, marked: TrialMarked) -> Mirror:
+    seat = mirror.seat(marked.seat)
+    trials = tuple(
+        replace(t, correct=marked.correct) if (t.attempt, t.trial) == (marked.attempt, marked.trial) else t
+        for t in seat.trials
+    )
+    return mirror.with_seat(marked.seat, replace(seat, trials=trials, mark=marked.mark))
+
+
+def _attempted(mirror: Mirror, ended: AttemptEnded) -> Mirror:
+    return mirror.with_seat(ended.seat, replace(mirror.seat(ended.seat), attempt=ended))
+
+
+def _leveled(mirror: Mirror, changed: LevelChanged) -> Mirror:
+    return replace(mirror, next_level=changed.level)
+
+
+def _ended(mirror: Mirror, ended: SessionEnded) -> Mirror:
+    return replace(mirror, ended=ended.status, prompt=None)
+
+
+def _sensed(mirror: Mirror, changed: SensorChanged) -> Mirror:
+    return replace(mirror, sensor=changed)
+
+
+# --- the agent -----------------------------------------------------------------------------------------------------
+
+
+def _said(mirror: Mirror, action: Action) -> Mirror:
+    agent = mirror.agent
+    if action.text and action.joins and agent.words:
+        agent = replace(agent, more=action.text)
+    elif action.text:
+        agent = replace(agent, words=action.text, more="", valence=action.valence)
+    return replace(mirror, agent=replace(agent, face=action.face or agent.face, moves=action))
+
+
+def _halted(mirror: Mirror, _: Halt) -> Mirror:
+    return replace(mirror, agent=replace(mirror.agent, still=mirror.agent.still + 1))
+
+
+def _acts(mirror: Mirror, acting: AgentActing) -> Mirror:
+    return replace(mirror, acting=acting.acting)
+
+
+def _reported(mirror: Mirror, report: OutputReport) -> Mirror:
+    if report.deed == "say" and report.state in ("started", "failed"):
+        return replace(mirror, voice=report.detail or "it failed" if report.state == "failed" else "")
+    return mirror
+
+
+def _stands(mirror: Mirror, standing: Standing) -> Mirror:
+    return replace(mirror, standing=standing, operated=standing.operated)
+
+
+def _worn(mirror: Mirror, worn: ThemeWorn) -> Mirror:
+    return replace(mirror, theme=worn.theme)
+
+
+# --- who is there --------------------------------------------------------------------------------------------------
+
+
+def _came_or_went(mirror: Mirror, changed: OperatorChanged) -> Mirror:
+    holder = mirror.holder
+    if changed.state == "baton":
+        holder = changed.actor
+    elif changed.state in ("left", "lost") and changed.actor == holder:
+        holder = ""
+    return replace(mirror, peers=changed.peers, holder=holder, operated=changed.operated)
+
+
+_HEARD: dict[str, Callable[[Mirror, Any], Mirror]] = {
+    WAITING.name: _waits,
+    PROMPT.name: _prompted,
+    VOIDED.name: _voided,
+    TRIAL.name: _tried,
+    MARKED.name: _marked,
+    ATTEMPT_ENDED.name: _attempted,
+    LEVEL.name: _leveled,
+    SESSION_ENDED.name: _ended,
+    SENSOR.name: _sensed,
+    ACTION.name: _said,
+    HALT.name: _halted,
+    ACTING.name: _acts,
+    REPORT.name: _reported,
+    STANDING.name: _stands,
+    THEME.name: _worn,
+    PRESENCE.name: _came_or_went,
+}

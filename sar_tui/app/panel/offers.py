@@ -1,0 +1,98 @@
+"""The strip of proposals: the one that is to be decided, how long there is, and those behind it."""
+
+from textual.content import Content
+
+from sar_tui.app.panel.deeds import DEEDS, key_name
+from sar_tui.app.panel.figures import Piece, bar, cut, two_lines
+from sar_tui.app.panel.mirror import Mirror
+from sar_tui.app.panel.own_file import OwnFile
+from sar_tui.app.panel.palette import MODES, RULED
+from sar_tui.framework.clock import SECOND
+from sar_tui.framework.messages import Offer, Proposal
+
+_TONES = {"positive": "$success", "neutral": "$neutral", "negative": "$warning"}
+_BUTTONS = ("approve", "veto", "edit", "positive", "neutral", "negative")
+
+
+def title(offer: Offer, number: int, count: int) -> str:
+    """What stands above a proposal: its kind, its valence, and its mode."""
+    proposal = offer.proposal
+    parts = [proposal.kind.upper(), *filter(None, (proposal.valence, proposal.degree)), offer.mode]
+    return " · ".join(parts) + (f" · {number} of {count}" if count > 1 else "")
+
+
+def says(proposal: Proposal, level: int | None) -> str:
+    """A proposal in words, as it would be said or done."""
+    if level is not None:
+        return f"The next attempt at level {level}"
+    text = proposal.text or proposal.spoken
+    return f"“{text}”" if text else f"[{(proposal.gesture or proposal.tone or proposal.face).replace('_', ' ')}]"
+
+
+def left(offer: Offer, now: int) -> str:
+    """How long there is to decide, and what happens then."""
+    if offer.deadline is None:
+        return "waits for you"
+    seconds = max(0, offer.deadline - now) / SECOND
+    if seconds == 0:
+        return "its time is over"
+    return f"{'acts by itself' if offer.otherwise == 'act' else 'is dropped'} in {seconds:.1f} s"
+
+
+def body(offer: Offer, now: int, given: int | None, width: int) -> Content:
+    """The words, and the time that is left.
+
+    Args:
+        offer: what waits.
+        now: on the session's clock (ns).
+        given: how long there was to decide when it was first seen (ns).
+        width: characters in a line.
+    """
+    words = two_lines(says(offer.proposal, offer.level), width)
+    time = left(offer, now)
+    style = f"{_TONES.get(offer.proposal.valence or '', '$foreground')} bold"
+    parts: list[Piece] = [(words, style), ("\n", "")]
+    if offer.deadline is None or not given:
+        return Content.assemble(*parts, (time, "$accent bold"))
+    full, empty = bar((offer.deadline - now) / given, width - 27)
+    urgent = "$warning" if offer.deadline - now < SECOND else "$accent"
+    return Content.assemble(*parts, (full, urgent), (empty, "$text-muted"), (f"  {time}", f"{urgent} bold"))
+
+
+def buttons(file: OwnFile, *, has_words: bool) -> Content:
+    """The keys that decide."""
+    parts: list[Piece] = []
+    for deed in DEEDS:
+        if deed.id in _BUTTONS and (has_words or deed.id in ("approve", "veto", "edit")):
+            style = "bold reverse" if deed.id == "approve" else "bold"
+            key = key_name(file.keys_of(deed)[0])
+            parts += [(f" {key} ", f"$accent {style}"), (f" {deed.short.lower()} ", "")]
+    return Content.assemble(*parts)
+
+
+def quiet(mirror: Mirror, loss: str, width: int) -> Content:
+    """What stands there while nothing waits: why, if the link is down or nothing would ever come."""
+    if loss:
+        return Content.assemble((two_lines(loss, width), "$warning bold"))
+    if mirror.standing is None:
+        return Content.assemble(("What the agent proposes is not known yet.", "$text-muted"))
+    if all(mode == "autonomous" for mode in mirror.standing.modes.values()):
+        return Content.assemble(("Nothing waits: the agent decides everything by itself.", "$text-muted"))
+    return Content.assemble(("Nothing waits for you.", "$text-muted"))
+
+
+def behind(offers: tuple[Offer, ...], chosen: Offer, now: int, width: int) -> str:
+    """The other proposals, on one line."""
+    others = [f"{o.proposal.kind} {says(o.proposal, o.level)}, {left(o, now)}" for o in offers if o is not chosen]
+    return cut(f"Behind it: {' · '.join(others)}", width) if others else ""
+
+
+def modes(mirror: Mirror, width: int) -> str:
+    """Who decides, by mode; what the agent decides by itself is not listed."""
+    if mirror.standing is None:
+        return "modes not known yet"
+    of = mirror.standing.modes
+    kinds = {mode: [kind for kind in RULED if of.get(kind) == mode] for mode in MODES}
+    told = [f"{mode}: {', '.join(kinds[mode])}" for mode in MODES[1:] if kinds[mode]]
+    rest = ["the rest: autonomous" if told else "all: autonomous"] if kinds["autonomous"] else []
+    return cut(" · ".join((*told, *rest)), width)

@@ -1,0 +1,197 @@
+"""The mirror in words: what stands in the head of the panel, and beside the agent."""
+
+from textual.content import Content
+
+from sar_tui.app.panel import figures
+from sar_tui.app.panel.figures import Piece, cut
+from sar_tui.app.panel.journal import Line, short
+from sar_tui.app.panel.mirror import Mirror, Seat
+from sar_tui.app.panel.phrases import figure
+from sar_tui.framework.messages import Waiting
+
+UNKNOWN = "not known yet"
+_WAITS = {
+    "enter": "Waits for Enter",
+    "start": "Waits for the start key",
+    "agent": "Waits until the agent is still",
+    "answer": "Waits to give the answer",
+    "quiet": "Waits until no key is pressed",
+    "foreperiod": "A prompt comes at once",
+    "storage": "Waits for the disk",
+    "response": "Waits for a response",
+    "resume": "Paused",
+    "sensor": "Waits for the motion sensor",
+    "nothing": "Waits for nothing",
+}
+_STAGES = {"instructions": "instructions", "review": "all done"}
+_REASONS = {
+    "tired": "tired",
+    "pain": "in pain",
+    "interrupted": "interrupted",
+    "storage": "the disk",
+    "held": "a key is held",
+}
+_SIGNS = {"plain": ("·", "$text-muted"), "good": ("✓", "$success"), "bad": ("!", "$warning bold")}
+
+
+def where(mirror: Mirror) -> str:
+    """The task, who does it, and how far the session has come."""
+    welcome, waiting = mirror.welcome, mirror.waiting
+    if welcome is None:
+        return "Operator"
+    parts = [welcome.title, " and ".join(welcome.participants.values())]
+    if mirror.ended:
+        parts.append(f"session {mirror.ended}")
+    elif waiting and waiting.attempt_name:
+        parts.append(waiting.attempt_name)
+    if mirror.level is not None:
+        follows = f", then {mirror.next_level}" if mirror.next_level not in (None, mirror.level) else ""
+        parts.append(f"level {mirror.level}{follows}")
+    return " · ".join(part for part in parts if part)
+
+
+def link(mirror: Mirror) -> Content:
+    """How the link is, and who is at it."""
+    state = mirror.connection.state
+    if state != "connected":
+        words = {"connecting": "connecting", "lost": "connection lost", "away": "no connection"}[state]
+        return Content.assemble((f"○ {words}", "$warning bold"))
+    me = mirror.welcome.name if mirror.welcome else ""
+    others = [name for name in mirror.peers if name not in (me, mirror.holder)]
+    parts: list[Piece] = [("● ", "$success")]
+    if mirror.welcome and mirror.welcome.role == "observer":
+        parts.append(("you watch", "bold"))
+        parts.append((f" · {short(mirror.holder)} steers", "$text-muted") if mirror.holder else ("", ""))
+    elif mirror.holder == me and me:
+        parts.append(("you steer", "$success bold"))
+    elif mirror.holder:
+        parts.append((f"{short(mirror.holder)} steers", "$warning bold"))
+    else:
+        parts.append(("connected", "$success"))
+    parts.extend(
+        (f" · {short(name)}" + (" watches" if mirror.peers[name] == "observer" else ""), "$text-muted")
+        for name in others
+    )
+    return Content.assemble(*parts)
+
+
+def loss(mirror: Mirror) -> str:
+    """What an operator has to know while the link is down; empty while it is up."""
+    connection, parameters = mirror.connection, mirror.welcome.parameters if mirror.welcome else {}
+    why = f" ({connection.why.rstrip('.')})" if connection.why else ""
+    if connection.state == "away":
+        return f"The link is closed{why}. This panel shows what was known last."
+    if connection.state == "connecting" and connection.why:
+        return f"There is no connection yet: {connection.why}"
+    if connection.state != "lost":
+        return ""
+    alone = {"autonomous": "by itself (autonomous)", "silent": "by itself, and says nothing that needs an operator"}
+    goes = alone.get(str(parameters.get("operator_lost")), "by itself")
+    return f"Connection lost{why}. If it runs, the session goes on {goes}. Trying to get back."
+
+
+# --- what the participant does ----------------------------------------------------------------------------------
+
+
+def doing(mirror: Mirror, width: int) -> Content:
+    """What the session waits for, what stands before the participant, how they do, what the agent does."""
+    if mirror.welcome is None:
+        return Content.assemble((UNKNOWN.capitalize(), "$text-muted"))
+    seats = sorted({*mirror.welcome.participants, *mirror.seats}) or ["A"]
+    rows: list[list[Piece]] = [[(cut(_waits(mirror.waiting, mirror.ended), width), "bold")], _prompt(mirror, width)]
+    for name in seats:
+        label = f"{name} " if len(seats) > 1 else ""
+        rows += _seat(mirror, mirror.seat(name), label, width, is_short=len(seats) > 1)
+    rows.append(_agent(mirror, width))
+    return Content.assemble(*[piece for row in rows for piece in (*row, ("\n", ""))][:-1])
+
+
+def _waits(waiting: Waiting | None, ended: str) -> str:
+    if ended:
+        return f"The session is over ({ended})"
+    if waiting is None:
+        return f"The session: {UNKNOWN}"
+    words = _WAITS[waiting.what]
+    if reason := _REASONS.get(waiting.reason):
+        words += f": {reason}"
+    if waiting.stage == "trial":
+        return f"{words} · {waiting.trial} of {waiting.trials}"
+    return f"{words} · {stage}" if (stage := _STAGES.get(waiting.stage)) else words
+
+
+def _prompt(mirror: Mirror, width: int) -> list[Piece]:
+    if mirror.prompt is None:
+        return [("No prompt is up", "$text-muted")]
+    return [("Prompt  ", "$text-muted"), (cut(mirror.prompt.text, width - 8), "$accent bold")]
+
+
+def _seat(mirror: Mirror, seat: Seat, label: str, width: int, *, is_short: bool) -> list[list[Piece]]:
+    """One participant: responses, times, the last attempt, and the hand, where a sensor is worn."""
+    room = width - len(label)
+    head: Piece = (label, "$accent bold")
+    done: list[Piece] = figures.responses(seat.trials, room) if seat.trials else [("No response yet", "$text-muted")]
+    times = _times(mirror, seat, room)
+    attempt = _attempt(mirror, seat, room)
+    rows = [[head, *done], [(" " * len(label), ""), *(times if seat.trials or not is_short else attempt)]]
+    if not is_short:
+        rows += [attempt, _hand(mirror, seat, room)]
+    return rows
+
+
+def _times(mirror: Mirror, seat: Seat, width: int) -> list[Piece]:
+    if not seat.trials:
+        return [("No times yet", "$text-muted")]
+    decimals, unit = (mirror.welcome.decimals, mirror.welcome.unit) if mirror.welcome else (0, "")
+    values = [figures.timed(trial) for trial in seat.trials]
+    last = [f"{value:.{decimals}f}" if value is not None else "–" for value in values[-4:]]
+    told = f"{' '.join(last)} {unit}".rstrip()
+    line = figures.sparkline(values, min(20, width - len(told) - 1))
+    return [(line, "$accent"), (" ", ""), (told, "")]
+
+
+def _attempt(mirror: Mirror, seat: Seat, width: int) -> list[Piece]:
+    ended = seat.attempt
+    if ended is None:
+        return [("No attempt is done yet", "$text-muted")]
+    decimals = mirror.welcome.decimals if mirror.welcome else 0
+    metric = f"{ended.metric:.{decimals}f}" if ended.metric is not None else "–"
+    goal = f" of {figure(ended.goal, mirror)}" if ended.goal is not None else ""
+    right = f", {ended.accuracy:.0%}" if ended.accuracy is not None else ""
+    sign = ("✓ ", "$success") if ended.outcome == "success" else ("✗ ", "$warning bold")
+    head = f"Attempt {ended.attempt} "
+    return [(head, "$text-muted"), sign, (cut(f"{metric}{goal}{right}", width - len(head) - 2), "")]
+
+
+def _hand(mirror: Mirror, seat: Seat, width: int) -> list[Piece]:
+    if not seat.rates:
+        known = mirror.sensor is not None
+        return [(f"Motion sensor: {mirror.sensor.state}" if known and mirror.sensor else "", "$text-muted")]
+    last = f" {abs(seat.rates[-1]):.1f} rad/s"
+    return [("Hand ", "$text-muted"), (figures.motion(seat.rates, width - 5 - len(last)), "$accent"), (last, "")]
+
+
+def _agent(mirror: Mirror, width: int) -> list[Piece]:
+    if mirror.voice:
+        return [(cut(f"No voice: {mirror.voice}", width), "$warning")]
+    if mirror.acting is None:
+        return [(f"The agent: {UNKNOWN}", "$text-muted")]
+    current = mirror.standing.current if mirror.standing else None
+    if not mirror.acting:
+        return [("The agent is still", "$text-muted")]
+    return [("▶ The agent speaks" if current is None or current.spoken else "▶ The agent moves", "$accent bold")]
+
+
+# --- the log -----------------------------------------------------------------------------------------------------
+
+
+def log(lines: list[Line], width: int, rows: int) -> Content:
+    """The last lines, the newest at the bottom."""
+    parts: list[Piece] = []
+    for line in lines[-rows:] if rows > 0 else []:
+        sign, style = _SIGNS[line.tone]
+        parts += [
+            (f"{sign} ", style),
+            (cut(line.text, width - 2), "$warning" if line.tone == "bad" else ""),
+            ("\n", ""),
+        ]
+    return Content.assemble(*parts[:-1])

@@ -1,0 +1,186 @@
+"""The mirror: what an operator knows, from what the link brings."""
+
+import pytest
+from msgspec.structs import replace
+from rich.cells import cell_len
+
+from sar_tui.app.panel import views
+from sar_tui.app.panel.figures import cut, motion, responses, sparkline, two_lines
+from sar_tui.app.panel.mirror import TRIALS_KEPT, Mirror
+from sar_tui.framework import messages as m
+from sar_tui.framework import topics as t
+from sar_tui.framework.bus import Topic
+from sar_tui.framework.clock import SECOND
+from sar_tui.link.peer import Connection, Trace
+from tests.app.panel import booth as b
+
+
+def after(*told: tuple[Topic[object], m.Message]) -> Mirror:
+    """What is known of a session that was joined, when all this has happened."""
+    mirror = Mirror().hear(Connection("connected")).hear(b.welcome())
+    return mirror.hear([b.frame(topic, message, seq=seq) for seq, (topic, message) in enumerate(told, 1)])
+
+
+def lines(mirror: Mirror) -> list[str]:
+    return [line.text for line in mirror.journal]
+
+
+def test_before_anything_is_heard_nothing_is_claimed() -> None:
+    mirror = Mirror()
+    assert not mirror.is_connected
+    assert views.doing(mirror, 60).plain == "Not known yet"
+    assert views.where(mirror) == "Operator"
+
+
+def test_a_prompt_is_up_until_its_trial_ends() -> None:
+    up = after((t.WAITING, b.waiting()), (t.PROMPT, b.prompt()))
+    assert up.prompt is not None
+    assert "Press: f" in views.doing(up, 60).plain
+    over = up.hear([b.frame(t.TRIAL, b.trial(5, "f", 412))])
+    assert over.prompt is None
+    assert over.seat("A").trials[-1].reaction_time_ms == 412
+
+
+def test_a_prompt_that_was_broken_off_is_not_up() -> None:
+    voided = m.PromptVoided(attempt=3, trial=5, presentation=1, reason="pause")
+    assert after((t.PROMPT, b.prompt()), (t.VOIDED, voided)).prompt is None
+
+
+def test_words_stand_until_a_trial_begins_and_the_face_then_listens() -> None:
+    said = after((t.ACTION, b.action("a1")))
+    assert (said.agent.words, said.agent.face) == (b.proposal().text, "happy")
+    begun = said.hear([b.frame(t.WAITING, b.waiting("quiet"))])
+    assert (begun.agent.words, begun.agent.face) == ("", "listening")
+
+
+def test_words_that_join_stand_below_those_that_are_there() -> None:
+    mirror = after((t.ACTION, b.action("a1")), (t.ACTION, b.action("a2", text="And rest a little.", joins=True)))
+    assert (mirror.agent.words, mirror.agent.more) == (b.proposal().text, "And rest a little.")
+
+
+def test_an_answer_that_is_awaited_makes_the_agent_think_and_then_listen() -> None:
+    thinking = after((t.WAITING, b.waiting("answer", "answer")))
+    assert thinking.agent.face == "thinking"
+    assert thinking.hear([b.frame(t.WAITING, b.waiting("enter", "attempt"))]).agent.face == "listening"
+
+
+def test_the_level_of_the_next_attempt_is_told_apart_from_that_of_this_one() -> None:
+    changed = m.LevelChanged(previous=4, level=5, reason="operator")
+    mirror = after((t.WAITING, b.waiting()), (t.LEVEL, changed))
+    assert "level 4, then 5" in views.where(mirror)
+    assert lines(mirror) == ["Level 4 → 5 (an operator)."]
+
+
+def test_a_trial_that_is_told_twice_counts_once_and_old_ones_are_forgotten() -> None:
+    twice = after(*[(t.TRIAL, b.trial(number, "f", 400)) for number in (1, 2, 2)])
+    assert [trial.trial for trial in twice.seat("A").trials] == [1, 2]
+    many = after(*[(t.TRIAL, b.trial(number, "f", 400)) for number in range(1, 90)])
+    assert len(many.seat("A").trials) == TRIALS_KEPT
+
+
+def test_a_mark_changes_whether_the_trial_was_right() -> None:
+    marked = m.TrialMarked(attempt=3, trial=1, mark="missed", correct=False)
+    mirror = after((t.TRIAL, b.trial(1, "f", 400)), (t.MARKED, marked))
+    assert not mirror.seat("A").trials[0].correct
+
+
+def test_the_baton_goes_to_who_takes_it_and_is_free_when_they_are_gone() -> None:
+    mine = after((t.PRESENCE, b.presence()))
+    assert (mine.holder, mine.steers) == (b.ANNA, True)
+    theirs = mine.hear([b.frame(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))])
+    assert (theirs.holder, theirs.steers) == ("operator.ben", False)
+    gone = theirs.hear([b.frame(t.PRESENCE, b.presence("lost", "operator.ben"))])
+    assert (gone.holder, gone.steers) == ("", True)
+    assert lines(gone) == ["You hold the baton.", "ben holds the baton.", "ben is no longer heard."]
+
+
+def test_an_observer_never_steers() -> None:
+    assert not Mirror().hear(Connection("connected")).hear(b.welcome("observer")).steers
+
+
+def test_a_welcome_that_comes_again_begins_anew_so_that_nothing_is_told_twice() -> None:
+    mirror = after((t.TRIAL, b.trial(1, "f", 400)), (t.PRESENCE, b.presence()))
+    again = mirror.hear(b.welcome())
+    assert again.seats == {}
+    assert again.journal == ()
+    assert again.is_connected
+
+
+def test_when_the_link_is_lost_what_is_shown_stays_and_what_goes_on_is_told() -> None:
+    mirror = after((t.TRIAL, b.trial(1, "f", 400))).hear(Connection("lost", "The connection broke."))
+    assert mirror.seat("A").trials
+    assert not mirror.is_connected
+    assert "goes on by itself (autonomous)" in views.loss(mirror)
+    assert "The connection broke" in views.loss(mirror)
+
+
+def test_what_was_refused_or_missed_or_fell_away_is_told_in_a_line() -> None:
+    mirror = after(
+        (t.REFUSED, m.ActRefused(actor="observer.cara", what="an act", why="An observer cannot act.", count=3)),
+        (t.MISSED, m.ActMissed(actor=b.ANNA, what="veto p1", why="Its time was over.")),
+        (t.DROPPED, m.Dropped(id="p1", reason="expired")),
+        (t.DROPPED, m.Dropped(id="p2", reason="vetoed", actor=b.ANNA)),
+        (t.STORAGE, m.StorageChanged(working=False, reason="The disk is full.")),
+    )
+    assert lines(mirror) == [
+        "Refused of cara: an act (3 times). An observer cannot act.",
+        "Too late: veto p1. Its time was over.",
+        "A proposal expired: nobody decided in time.",
+        "The disk refuses to write: The disk is full.",
+    ]
+
+
+def test_a_voice_that_fails_is_told_until_it_sounds_again() -> None:
+    failed = m.OutputReport(action="a1", output="speech", deed="say", state="failed", at=0, detail="no loudspeaker")
+    mirror = after((t.REPORT, failed))
+    assert "No voice: no loudspeaker" in views.doing(mirror, 60).plain
+    assert mirror.hear([b.frame(t.REPORT, replace(failed, state="started"))]).voice == ""
+
+
+def test_two_participants_are_shown_each_with_their_own_responses() -> None:
+    mirror = Mirror().hear(Connection("connected")).hear(b.welcome(participants={"A": "P01", "B": "P02"}))
+    mirror = mirror.hear(
+        [b.frame(t.TRIAL, b.trial(1, "f", 400)), b.frame(t.TRIAL, b.trial(1, "k", 500, correct=False, seat="B"))]
+    )
+    shown = views.doing(mirror, 36).plain
+    assert "A ✓f" in shown
+    assert "B ✗k" in shown
+    assert len(shown.splitlines()) <= 7
+
+
+def test_a_hands_motion_is_kept_for_some_seconds_only() -> None:
+    mirror = Mirror()
+    for _ in range(20):
+        mirror = mirror.hear(Trace("A", SECOND, 10.0, (0.5,) * 10))
+    assert len(mirror.seat("A").rates) == 80
+
+
+def test_right_and_wrong_are_told_by_signs_and_a_miss_by_another() -> None:
+    trials = [b.trial(1, "f", 400), b.trial(2, "j", 400, correct=False), b.trial(3, "d", None)]
+    assert "".join(text for text, _ in responses(trials, 40)) == "✓f ✗j –d "
+
+
+def test_what_does_not_fit_is_the_oldest() -> None:
+    trials = [b.trial(number, "f", 400) for number in range(1, 9)]
+    assert "".join(text for text, _ in responses([b.trial(0, "a", 1.0), *trials], 24)) == "✓f " * 8
+
+
+def test_a_sparkline_reaches_from_the_least_to_the_greatest_and_leaves_gaps() -> None:
+    assert sparkline([100.0, None, 200.0], 10) == "▁·█"
+    assert sparkline([None], 10) == "·"
+    assert sparkline([300.0, 300.0], 10) == "▁▁"
+
+
+def test_motion_is_drawn_within_its_width_and_noise_stays_low() -> None:
+    assert len(motion([0.1] * 400, 30)) <= 30
+    assert set(motion([0.05] * 30, 30)) == {"▁"}
+    assert motion([], 30) == ""
+
+
+@pytest.mark.parametrize("text", ["", "short", "one two three four five six", "漢字 漢字 漢字 漢字 漢字", "x" * 50])
+def test_words_stand_on_two_lines_whatever_they_are(text: str) -> None:
+    lines = two_lines(text, 10).split("\n")
+    assert len(lines) == 2
+    assert all(cell_len(line) <= 10 for line in lines)
+    assert cell_len(cut(text, 10)) <= 10
+    assert "".join(lines).endswith("…") == (cell_len(text) > 20)

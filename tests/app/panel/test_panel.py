@@ -1,0 +1,454 @@
+"""The panel in front of an operator: what each key sends, and what is seen of it."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+from msgspec.structs import replace
+
+from sar_tui.app.panel.own_file import FILE
+from sar_tui.app.panel.steering import TOO_SOON
+from sar_tui.framework import messages as m
+from sar_tui.framework import topics as t
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.messages import Role
+from sar_tui.link.peer import Connection
+from sar_tui.plugins import Catalogue
+from tests.app.panel import booth as b
+from tests.app.panel.booth import ANNA, Booth
+
+
+@asynccontextmanager
+async def panel(catalogue: Catalogue, folder: Path, role: Role = "operator") -> AsyncIterator[Booth]:
+    async with b.sit_down(catalogue, folder, role=role, size=(100, 30)) as booth:
+        yield booth
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return tmp_path
+
+
+# --- proposals -----------------------------------------------------------------------------------------------------
+
+
+async def test_one_key_decides_on_a_proposal(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        for number, key in enumerate(("enter", "x", "delete", "plus", "equals_sign", "minus")):
+            await booth.offer(b.offer(f"p{number}"))
+            await booth.press(key)
+        assert booth.acts(t.DECISION) == [
+            m.Decision(action="p0", verdict="accept", actor=ANNA),
+            m.Decision(action="p1", verdict="veto", actor=ANNA),
+            m.Decision(action="p2", verdict="veto", actor=ANNA),
+            m.Decision(action="p3", verdict="edit", valence="positive", actor=ANNA),
+            m.Decision(action="p4", verdict="edit", valence="neutral", actor=ANNA),
+            m.Decision(action="p5", verdict="edit", valence="negative", actor=ANNA),
+        ]
+
+
+async def test_an_act_is_stamped_with_the_time_of_its_key_on_the_sessions_clock(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer())
+        await booth.press("enter")
+        at = next(message.at for name, message in booth.peer.sent if name == t.DECISION.name)
+        assert booth.peer.now() - 5 * SECOND < at <= booth.peer.now()
+
+
+async def test_a_proposal_is_told_seen_once_it_has_been_painted_and_only_once(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer())
+        await booth.pass_by(300)
+        assert [seen.action for seen in booth.acts(t.SEEN)] == ["p1"]
+
+
+async def test_words_are_edited_in_place_and_sent_with_enter(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer(text="Well done"))
+        await booth.press("e", "!", "enter")
+        assert booth.acts(t.DECISION) == [m.Decision(action="p1", verdict="edit", text="Well done!", actor=ANNA)]
+
+
+async def test_words_that_were_not_changed_are_an_approval(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer())
+        await booth.press("e", "enter")
+        assert booth.acts(t.DECISION) == [m.Decision(action="p1", verdict="accept", actor=ANNA)]
+
+
+async def test_escape_leaves_an_edit_and_sends_nothing(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer())
+        await booth.press("e", "x", "escape")
+        assert booth.acts(t.DECISION) == []
+        await booth.press("x")
+        assert [decision.verdict for decision in booth.acts(t.DECISION)] == ["veto"]
+
+
+async def test_an_edit_that_comes_too_late_is_kept_and_can_be_said_all_the_same(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer(text="Well done"))
+        await booth.press("e", "!")
+        await booth.offer()
+        await booth.press("enter")
+        assert booth.acts(t.DECISION) == booth.acts(t.REMARK) == []
+        assert "Too late: it was decided." in booth.text
+        await booth.press("enter")
+        assert booth.acts(t.REMARK) == [m.Remark(text="Well done!", source="free text", actor=ANNA)]
+
+
+async def test_where_nothing_waits_what_is_typed_after_the_edit_key_is_not_taken_for_keys(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("e", "s", "r", "space", "u", "enter")
+        assert booth.acts(t.OPERATOR) == []
+        assert booth.acts(t.REMARK) == [m.Remark(text="sr u", source="free text", actor=ANNA)]
+
+
+async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        gesture = b.offer("g1", kind="gesture", text="", spoken="", gesture="nod")
+        await booth.offer(b.offer("d1", level=5), gesture)
+        assert "The next attempt at level 5" in booth.text
+        await booth.press("e", "backspace", "x", "enter")
+        assert booth.acts(t.DECISION) == []
+        assert "A level is a number" in booth.text
+        await booth.press("backspace", "3", "enter")
+        await booth.pass_by(500)
+        await booth.press("e", *["backspace"] * 3, *"bow", "enter")
+        assert "The theme has no gesture 'bow'" in booth.text
+        await booth.press(*["backspace"] * 3, *"lean", "space", *"in", "enter")
+        assert booth.acts(t.DECISION) == [
+            m.Decision(action="d1", verdict="edit", level=3, actor=ANNA),
+            m.Decision(action="g1", verdict="edit", gesture="lean_in", actor=ANNA),
+        ]
+
+
+async def test_arrows_select_and_the_selection_stays_when_others_come_and_go(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer("p1"), b.offer("p2", text="Second"))
+        await booth.press("right")
+        assert "“Second”" in booth.text
+        await booth.offer(b.offer("p2", text="Second"), b.offer("p3", text="Third"))
+        await booth.press("enter")
+        assert [decision.action for decision in booth.acts(t.DECISION)] == ["p2"]
+
+
+async def test_one_that_was_decided_makes_room_for_the_next_and_is_not_decided_twice(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer("p1"), b.offer("p2", text="Second"))
+        await booth.press("enter")
+        assert "“Second”" in booth.text
+        await booth.pass_by(500)
+        await booth.press("x", "x")
+        assert [(each.action, each.verdict) for each in booth.acts(t.DECISION)] == [("p1", "accept"), ("p2", "veto")]
+        assert "Vetoed feedback …" in booth.text
+
+
+async def test_a_decision_that_was_refused_or_never_arrived_can_be_made_again(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer(ms=None))
+        await booth.press("enter")
+        await booth.tell(t.REFUSED, m.ActRefused(actor=ANNA, what=t.DECISION.name, why="Too many at once."))
+        await booth.press("enter")
+        await booth.pass_by(4000)
+        await booth.press("x")
+        assert [decision.verdict for decision in booth.acts(t.DECISION)] == ["accept", "accept", "veto"]
+
+
+async def test_a_key_that_was_meant_for_the_proposal_before_decides_nothing(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer("p1"))
+        await booth.tell(t.STANDING, b.standing(b.offer("p2", text="Quite another")))
+        await booth.pass_by(TOO_SOON // MS // 3)
+        await booth.press("enter")
+        assert booth.acts(t.DECISION) == []
+        assert "Too soon" in booth.text
+        await booth.pass_by(500)
+        await booth.press("enter")
+        assert [decision.action for decision in booth.acts(t.DECISION)] == ["p2"]
+
+
+async def test_the_time_that_is_left_runs_down_and_what_happens_then_is_told(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.tell(t.STANDING, b.standing(b.offer(ms=4000)))
+        assert "acts by itself in 4.0 s" in booth.text
+        full = booth.text.count("█")
+        await booth.pass_by(2000)
+        assert "acts by itself in 2.0 s" in booth.text
+        assert booth.text.count("█") < full
+        await booth.tell(t.STANDING, b.standing(replace(b.offer("p2"), otherwise="drop")))
+        assert "is dropped in 2.0 s" in booth.text
+        await booth.tell(t.STANDING, b.standing(b.offer("p3", ms=None)))
+        assert "waits for you" in booth.text
+
+
+# --- the session ---------------------------------------------------------------------------------------------------
+
+
+async def test_one_key_steers_the_session(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("f2", "space", "s", "r", "u")
+        await booth.join()
+        await booth.press("d")
+        assert booth.acts(t.OPERATOR) == [
+            m.Operator(command="stop", actor=ANNA),
+            m.Operator(command="pause", actor=ANNA),
+            m.Operator(command="skip", actor=ANNA),
+            m.Operator(command="repeat", actor=ANNA),
+            m.Operator(command="level", value=5, actor=ANNA),
+            m.Operator(command="level", value=4, actor=ANNA),
+        ]
+
+
+async def test_the_stop_key_works_while_something_is_typed_and_over_the_list_of_keys(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("t", "a", "f2", "escape", "f1", "f2")
+        assert [act.command for act in booth.acts(t.OPERATOR)] == ["stop", "stop"]
+
+
+async def test_the_key_for_a_pause_ends_one_that_is_there(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.tell(t.WAITING, b.waiting("resume", "paused", reason="tired"))
+        assert "Paused: tired" in booth.text
+        await booth.press("space")
+        assert [act.command for act in booth.acts(t.OPERATOR)] == ["resume"]
+
+
+async def test_two_steps_up_at_once_are_two_levels_and_the_highest_is_the_end(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("u", "u")
+        assert [act.value for act in booth.acts(t.OPERATOR)] == [5, 6]
+        await booth.tell(t.OPERATOR, replace(booth.peer.sent[0][1]))
+        await booth.tell(t.OPERATOR, replace(booth.peer.sent[1][1]))
+        await booth.tell(t.LEVEL, m.LevelChanged(previous=6, level=10, reason="success"))
+        await booth.press("u")
+        assert len(booth.acts(t.OPERATOR)) == 2
+        assert "Level 10 is the highest there is." in booth.text
+
+
+async def test_the_end_is_asked_for_once(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("end")
+        assert "End the session? End again ends it" in booth.text
+        await booth.press("escape", "end")
+        assert booth.acts(t.OPERATOR) == []
+        await booth.press("end")
+        assert [act.command for act in booth.acts(t.OPERATOR)] == ["end"]
+
+
+async def test_the_level_is_held_and_let_go_again(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("h")
+        held = b.standing(modes={**b.MODES, "difficulty": "manual"})
+        await booth.tell(t.STANDING, held)
+        assert "manual: difficulty" in booth.text
+        await booth.press("h")
+        assert booth.acts(t.MODE) == [
+            m.ModeChosen(kind="difficulty", mode="manual", actor=ANNA),
+            m.ModeChosen(kind="difficulty", mode="veto", actor=ANNA),
+        ]
+
+
+# --- the palette, words, notes --------------------------------------------------------------------------------------
+
+
+async def test_a_number_says_a_phrase_and_on_the_page_of_gestures_makes_one(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("1", "g", "4")
+        phrase, gesture = booth.acts(t.REMARK)
+        assert (phrase.text, phrase.source) == (catalogue.theme("calm").phrases["encouragement"][0], "phrase")
+        assert gesture == m.Remark(gesture="wave", source="gesture", actor=ANNA)
+
+
+async def test_numbers_mark_trials_change_modes_and_cancel_what_waits(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.join(marks=b.MARKS)
+        await booth.tell(t.STANDING, b.standing(queued=(b.action("a9", text="Next."),)))
+        await booth.press("m", "2", "o", "5", "c", "1", "9")
+        assert booth.acts(t.OPERATOR) == [m.Operator(command="mark", reason="assisted", actor=ANNA)]
+        assert booth.acts(t.MODE) == [m.ModeChosen(kind="difficulty", mode="approve", actor=ANNA)]
+        assert booth.acts(t.DECISION) == [m.Decision(action="a9", verdict="veto", actor=ANNA)]
+
+
+async def test_tab_turns_the_page_and_escape_goes_back_to_the_first(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        assert "Encourage · 1/10" in booth.text
+        await booth.press("tab")
+        assert "Praise · 2/10" in booth.text
+        await booth.press("shift+tab", "shift+tab")
+        assert "Queue: a number cancels · 10/10" in booth.text
+        await booth.press("escape")
+        assert "Encourage · 1/10" in booth.text
+
+
+async def test_own_words_a_note_and_an_event_are_sent_each_as_what_it_is(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("t", *"Hi", "enter", "n", *"tired", "enter", "f5")
+        assert booth.acts(t.REMARK) == [m.Remark(text="Hi", source="free text", actor=ANNA)]
+        assert booth.acts(t.NOTED) == [m.Noted(text="tired", actor=ANNA), m.Noted(label="distracted", actor=ANNA)]
+
+
+async def test_a_note_is_of_the_moment_at_which_it_was_begun(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("n")
+        await booth.pass_by(20_000)
+        await booth.press("a", "enter")
+        note = next(message for name, message in booth.peer.sent if name == t.NOTED.name)
+        assert note.at <= booth.peer.now() - 20 * SECOND
+
+
+async def test_with_two_participants_words_go_to_the_one_that_is_chosen(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.join(participants={"A": "P01", "B": "P02"})
+        assert "Encourage · to P01" in booth.text
+        await booth.press("a", "1")
+        assert "Encourage · to P02" in booth.text
+        assert [remark.seat for remark in booth.acts(t.REMARK)] == ["B"]
+
+
+async def test_keys_and_phrases_of_the_operators_own_file_are_used(catalogue: Catalogue, folder: Path) -> None:
+    (folder / FILE).write_text('phrases = ["Go on, {participant}."]\n[keys]\napprove = "y"\n')
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer())
+        assert " y  approve" in booth.text
+        await booth.press("enter")
+        assert booth.acts(t.DECISION) == []
+        await booth.press("y", "1")
+        assert [decision.verdict for decision in booth.acts(t.DECISION)] == ["accept"]
+        assert [remark.text for remark in booth.acts(t.REMARK)] == ["Go on, P01."]
+
+
+async def test_a_file_that_is_wrong_is_told_in_the_log_and_the_usual_keys_work(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    (folder / FILE).write_text("[keys]\nstpo = 'y'\n")
+    async with panel(catalogue, folder) as booth:
+        assert "is left out" in booth.text
+        await booth.press("f2")
+        assert [act.command for act in booth.acts(t.OPERATOR)] == ["stop"]
+
+
+# --- who is there, and the link ------------------------------------------------------------------------------------
+
+
+async def test_an_act_stands_in_the_log_with_how_long_it_took(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("s")
+        assert "Skipped the prompt …" in booth.text
+        sent = booth.peer.sent[-1][1]
+        await booth.hear([b.frame(t.OPERATOR, sent, sent.at + 14 * MS)])
+        assert "Skipped the prompt · 14 ms" in booth.text
+
+
+async def test_an_act_that_was_refused_is_told_so(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("s")
+        refused = m.ActRefused(actor=ANNA, what=t.OPERATOR.name, why="Another operator holds the baton.")
+        await booth.tell(t.REFUSED, refused)
+        assert "Skipped the prompt: refused" in booth.text
+        assert "Refused: an act. Another operator holds the baton." in booth.text
+
+
+async def test_an_act_that_is_not_confirmed_is_told_so_after_a_while(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("s")
+        await booth.pass_by(5000)
+        assert "Skipped the prompt: the session has not confirmed it" in booth.text
+
+
+async def test_an_observer_sees_the_same_and_no_key_of_theirs_acts(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder, "observer") as booth:
+        await booth.offer(b.offer())
+        assert "Well done." in booth.text
+        assert "you watch" in booth.text
+        assert "approve " not in booth.text.replace("· approve", "")
+        for key in ("enter", "x", "e", "plus", "f2", "space", "s", "u", "h", "1", "t", "n", "f5", "b", "end", "end"):
+            await booth.press(key)
+        assert booth.peer.sent == []
+        assert booth.peer.batons == 0
+
+
+async def test_without_the_baton_nothing_is_sent_until_it_is_taken(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.tell(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator", cara="observer"))
+        assert "ben steers" in booth.text
+        assert "cara watches" in booth.text
+        await booth.press("s", "t")
+        assert booth.acts(t.OPERATOR) == []
+        assert "ben has the baton. Nothing was sent." in booth.text
+        await booth.press("b")
+        assert booth.peer.batons == 1
+        await booth.tell(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
+        await booth.press("s")
+        assert [act.command for act in booth.acts(t.OPERATOR)] == ["skip"]
+
+
+async def test_a_lost_link_is_told_with_what_goes_on_and_comes_back(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer())
+        await booth.hear(Connection("lost", "Nothing is heard from the session."))
+        assert "connection lost" in booth.text
+        assert "goes on by itself" in booth.text
+        await booth.press("enter", "s")
+        assert booth.acts(t.DECISION) == booth.acts(t.OPERATOR) == []
+        assert "There is no connection. Nothing was sent." in booth.text
+        await booth.join()
+        await booth.press("s")
+        assert "you steer" in booth.text
+        assert [act.command for act in booth.acts(t.OPERATOR)] == ["skip"]
+
+
+async def test_a_connection_that_cannot_be_made_says_why(catalogue: Catalogue, folder: Path) -> None:
+    async with b.sit_down(catalogue, folder, joins=False) as booth:
+        await booth.hear(Connection("connecting", "The other side does not know this invitation."))
+        assert "There is no connection yet: The other side does not know this invitation." in booth.text
+
+
+async def test_the_panel_is_left_when_asked_twice_and_the_link_is_let_go(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("q")
+        assert "Leave the panel? q again leaves it" in booth.text
+        assert not booth.peer.is_closed
+        await booth.press("q")
+        assert booth.peer.is_closed
+
+
+async def test_what_the_participant_sees_of_the_agent_is_seen(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.tell(t.ACTION, b.action("a2", text="Look at that!"))
+        assert "Look at that!" in booth.text
+        assert booth.text.count("◠") == 2
+        await booth.hear(b.TRACE)
+        assert "rad/s" in booth.text
+        await booth.tell(t.WAITING, b.waiting("quiet"))
+        assert "Look at that!" not in booth.text
+
+
+async def test_all_keys_are_listed_on_one_screen(catalogue: Catalogue, folder: Path) -> None:
+    async with b.sit_down(catalogue, folder) as booth:
+        await booth.press("f1")
+        for words in ("Approve", "Hold the level", "Event: something else", "Take the baton", "All keys", "Close what"):
+            assert words in booth.text
+        await booth.press("f1")
+        assert "Take the baton" not in booth.text

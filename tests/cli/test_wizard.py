@@ -1,0 +1,69 @@
+"""`sar-tui wizard`: what it joins, and what it refuses, each in a sentence and before the screen changes."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.cli import joining
+from sar_tui.cli.errors import Refused
+from sar_tui.cli.wizard import name_there, session_to_show
+from sar_tui.link import folder
+from sar_tui.link.folder import Live
+from sar_tui.link.invitation import Invitation
+from sar_tui.link.settings import Credentials
+from tests.cli.conftest import Call
+
+ONE, OTHER = Live("abc1", "keyboard", "l1", 1), Live("abd2", "reaching", "l2", 2)
+
+
+def live(monkeypatch: pytest.MonkeyPatch, *sessions: Live) -> None:
+    monkeypatch.setattr(folder, "live_sessions", lambda: list(sessions))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sessions", "said"),
+    [
+        ([], [], "`sar-tui run keyboard -p P01 --operator`"),
+        (["x"], [ONE], "begins with x"),
+        (["--link", "gone.sar-link"], [], "There is no file gone.sar-link."),
+        (["abc1", "--link", "file"], [ONE], "leave out SESSION and --wait"),
+        (["--name", "two words"], [ONE], "'two words' cannot be a name here"),
+        ([], [ONE], "needs a real terminal"),
+        (["--wait"], [], "needs a real terminal"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_sentence(
+    call: Call, monkeypatch: pytest.MonkeyPatch, arguments: list[str], sessions: list[Live], said: str
+) -> None:
+    live(monkeypatch, *sessions)
+    called = call("wizard", *arguments)
+    assert (called.code, called.out) == (2, "")
+    assert said in called.err
+
+
+def test_the_only_session_is_joined_and_of_several_one_is_chosen_on_the_screen(monkeypatch: pytest.MonkeyPatch) -> None:
+    live(monkeypatch, ONE)
+    assert session_to_show(None, None, wait=False, observe=False) == ONE
+    live(monkeypatch, ONE, OTHER)
+    assert session_to_show(None, None, wait=False, observe=False) is None
+    assert session_to_show("abd", None, wait=False, observe=False) == OTHER
+
+
+def test_an_invitation_to_act_is_not_one_to_look_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    def read(session: Any, link: Path) -> Invitation:
+        return Invitation(
+            role="operator",
+            name="anna",
+            link="abcdef01",
+            endpoints=("tls/127.0.0.1:7447",),
+            expires=datetime.now(UTC),
+            credentials=Credentials("", "", ""),
+        )
+
+    monkeypatch.setattr(joining, "session_to_join", read)
+    with pytest.raises(Refused, match="have an observer invited"):
+        session_to_show(None, Path("anna.sar-link"), wait=False, observe=True)
+    with pytest.raises(Refused, match="leave out --name"):
+        name_there("ben", Path("anna.sar-link"))
