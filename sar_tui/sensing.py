@@ -13,14 +13,14 @@ from sar_tui.inputs.imu import ImuSource, SourceError
 from sar_tui.inputs.recorded import RecordedSource
 from sar_tui.inputs.sensor import Imu
 from sar_tui.inputs.sources import open_source, source_names
-from sar_tui.simulation.participant import SimulatedMover, SimulatedParticipant
+from sar_tui.simulation.participant import SimulatedMover, SimulatedParticipant, SimulatedPartner
 from sar_tui.simulation.person import PEOPLE, Person
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
 
 
-def sensor(parameters: TaskParameters, seed: int, clock: Clock, folder: Path) -> ImuFeed:
-    """The motion sensor that a task's ``imu`` parameter names, not started yet.
+def sensor(parameters: TaskParameters, seed: int, clock: Clock, folder: Path, seat: str = "A") -> ImuFeed:
+    """The motion sensor that a task's ``imu`` parameter names, not started yet; of seat B, its ``imu_b``.
 
     As `inputs.sources.open_source` knows them; and ``session:ID``, what was measured in an earlier session.
 
@@ -29,14 +29,15 @@ def sensor(parameters: TaskParameters, seed: int, clock: Clock, folder: Path) ->
         StoreError: there is no such session, or it cannot be read.
     """
     virtual = clock if isinstance(clock, VirtualClock) else None
-    kind, _, name = str(getattr(parameters, "imu", "phidget")).partition(":")
+    asked_in = "imu" if seat == "A" else f"imu_{seat.lower()}"
+    kind, _, name = str(getattr(parameters, asked_in, "phidget")).partition(":")
     try:
         if kind == "session":
             source: ImuSource = _stored(name, folder, virtual)
         else:
             source = open_source(f"{kind}:{name}" if name else kind, seed=seed, clock=virtual)
     except SourceError as error:
-        raise ParameterError({"imu": str(error)}) from error
+        raise ParameterError({asked_in: str(error)}) from error
     return ImuFeed(source, clock.now)
 
 
@@ -65,11 +66,13 @@ def _stored(name: str, folder: Path, clock: Clock | None) -> RecordedSource:
     )
 
 
-def sensing(task: Task, seed: int, feed: ImuFeed) -> list[Node]:
-    """The nodes of a live session's motion sensor; a simulated hand moves by itself as an average person's would."""
-    nodes: list[Node] = [Imu(feed)]
-    if move := _movable(feed.source):
-        nodes.append(SimulatedMover(PEOPLE["average"], task, seed, move))
+def sensing(task: Task, seed: int, *feeds: ImuFeed) -> list[Node]:
+    """The nodes of a live session's motion sensors, one a seat; a simulated hand moves as an average person's would."""
+    nodes: list[Node] = []
+    for seat, feed in zip(task.seats, feeds, strict=False):
+        nodes.append(Imu(feed, seat))
+        if move := _movable(feed.source):
+            nodes.append(SimulatedMover(PEOPLE["average"], task, seed, move, seat))
     return nodes
 
 
@@ -77,7 +80,12 @@ def _movable(source: ImuSource) -> Callable[[int, Any], None] | None:
     return getattr(source, "move", None)
 
 
-def simulated(person: Person, task: Task, seed: int, clock: Clock) -> list[Node]:
-    """A simulated participant with a sensor on the hand, and that sensor."""
+def simulated(person: Person, task: Task, seed: int, clock: Clock, partner: Person) -> list[Node]:
+    """A simulated participant with a sensor on the hand, and that sensor; and a partner's, in a task for two."""
     hand = open_source(f"simulated:{person.hand}", seed=seed, clock=clock)
-    return [SimulatedParticipant(person, task, seed, _movable(hand)), Imu(ImuFeed(hand, clock.now))]
+    nodes: list[Node] = [SimulatedParticipant(person, task, seed, _movable(hand)), Imu(ImuFeed(hand, clock.now))]
+    for seat in task.seats[1:]:
+        other = open_source(f"simulated:{partner.hand}", seed=seed + 1, clock=clock)
+        nodes.append(SimulatedPartner(partner, task, seed, seat, _movable(other)))
+        nodes.append(Imu(ImuFeed(other, clock.now), seat))
+    return nodes

@@ -23,6 +23,9 @@ class ViewStage(AgentStage, Protocol):
     def wait(self, waiting: Waiting) -> None:
         """What the session waits for: in a trial nothing moves, and no words stand."""
 
+    def clear_agent(self, face: str) -> None:
+        """What the agent said is no longer meant."""
+
     def connected(self, connection: Connection) -> None:
         """How the link is."""
 
@@ -138,10 +141,16 @@ class AgentView:
         self._stage.speaking(bool(self._sounding))
 
     def _wait(self, waiting: Waiting, seq: int) -> None:
-        """Words are gone when a response is about to be awaited; those that were said before come no more."""
+        """Words are gone when a response is about to be awaited; those that were said before come no more.
+
+        A word that covered a wait is gone with it.
+        """
         if waiting.stage == "trial" and waiting.what != "agent":
             self._cleared = seq
             self._drawn.clear()
+        if waiting.stage in ("attempt", "review") and self._drawn.shows("filler"):
+            self._drawn.clear()
+            self._stage.clear_agent("listening")
         self._stage.wait(waiting)
 
     def _hush(self) -> None:

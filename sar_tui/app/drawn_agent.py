@@ -1,11 +1,12 @@
 """The agent on the screen as an output: what it is asked to do is drawn on a stage, and reported back."""
 
 from collections import deque
+from collections.abc import Callable
 from typing import Protocol
 
 from sar_tui.framework.clock import MS, Handle
 from sar_tui.framework.gesture import Gesture
-from sar_tui.framework.messages import Action
+from sar_tui.framework.messages import Action, CueGiven, Deed, Kind
 from sar_tui.framework.theme import Theme
 from sar_tui.outputs.output import Output
 
@@ -21,6 +22,9 @@ class AgentStage(Protocol):
 
     def gaze(self, where: str) -> None:
         """The drawn robot looks somewhere (see `theme.GAZES`)."""
+
+    def cue(self, gaze: str, gesture: Gesture | None) -> None:
+        """The drawn robot looks or points, in a single frame, while everything else is still."""
 
     def be_still(self) -> None:
         """The drawn robot rests at once."""
@@ -52,6 +56,15 @@ class DrawnAgent(Output):
         self._shown = ""
         self._gestures: deque[tuple[str, str]] = deque()
         self._moving: tuple[str, Handle] | None = None
+        self._is_cueing = False
+
+    def cue(self, cue: CueGiven, do: Callable[[CueGiven], None]) -> None:
+        """Draw a cue at once; ``do`` asks for its deeds, which with that are done."""
+        self._is_cueing = True
+        if self.can:
+            self._stage.cue(cue.gaze, self.theme.gestures.get(cue.gesture))
+        do(cue)
+        self._is_cueing = False
 
     def wear(self, theme: Theme) -> None:
         super().wear(theme)
@@ -68,6 +81,10 @@ class DrawnAgent(Output):
         else:
             self.tell(action, "show", "done")
 
+    def shows(self, kind: Kind) -> bool:
+        """Whether the words that stand are of that kind."""
+        return bool(self._shown) and self.action.kind == kind
+
     def clear(self) -> None:
         """Words that stood are gone."""
         if self._shown:
@@ -76,6 +93,9 @@ class DrawnAgent(Output):
 
     def gesture(self, action: str, name: str) -> None:
         """One gesture after the other."""
+        if self._is_cueing:
+            self._did(action, "gesture")
+            return
         self._gestures.append((action, name))
         if self._moving is None:
             self._move_on()
@@ -100,9 +120,13 @@ class DrawnAgent(Output):
         self._move_on()
 
     def gaze(self, action: str, where: str) -> None:
-        self._stage.gaze(where)
-        self.tell(action, "gaze", "started")
-        self.tell(action, "gaze", "done")
+        if not self._is_cueing:
+            self._stage.gaze(where)
+        self._did(action, "gaze")
+
+    def _did(self, action: str, deed: Deed) -> None:
+        self.tell(action, deed, "started")
+        self.tell(action, deed, "done")
 
     def stop(self, action: str = "") -> None:
         """Gestures are broken off; words stay where they are."""

@@ -8,6 +8,7 @@ from sar_tui.framework.messages import (
     Action,
     AttemptEnded,
     AttemptStarted,
+    CueGiven,
     OutputReport,
     Prompt,
     PromptVoided,
@@ -24,6 +25,7 @@ from sar_tui.framework.topics import (
     ACTION,
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
+    CUE,
     MARKED,
     PROMPT,
     REACH,
@@ -58,6 +60,12 @@ class Stage(AgentStage, Protocol):
     def progress(self, done: int) -> None:
         """So many trials of the attempt are done."""
 
+    def clear_agent(self, face: str) -> None:
+        """What the agent said is no longer meant."""
+
+    def won(self, seat: str) -> None:
+        """Who was the first in a trial of a race."""
+
     def end_attempt(self, ended: AttemptEnded) -> None:
         """An attempt is scored."""
 
@@ -80,6 +88,11 @@ class ScreenOutput(OutputNode):
         self._stage = stage
         self._sounding: set[tuple[str, str]] = set()
 
+    @on(CUE)
+    def cued(self, cue: CueGiven) -> None:
+        """One frame, and nothing that would still move when the prompt comes."""
+        self._agent.cue(cue, super().cued)
+
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
         """Nothing but the prompt: the agent has no cue of its own here."""
@@ -101,6 +114,8 @@ class ScreenOutput(OutputNode):
     def trial_ended(self, trial: TrialEnded) -> None:
         self._stage.clear_prompt()
         self._stage.progress(trial.trial)
+        if trial.details.get("won") is True:
+            self._stage.won(trial.seat)
 
     @on(VOIDED)
     def voided(self, _: PromptVoided) -> None:
@@ -136,9 +151,15 @@ class ScreenOutput(OutputNode):
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Words are gone when a response is about to be awaited, so that nothing stands beside the prompt."""
+        """Words are gone when a response is about to be awaited, so that nothing stands beside the prompt.
+
+        A word that covered a wait is gone when the wait is over, whether or not an answer came of it.
+        """
         if waiting.stage == "trial" and waiting.what != "agent":
             self._agent.clear()
+        if waiting.stage in ("attempt", "review") and self._agent.shows("filler"):
+            self._agent.clear()
+            self._stage.clear_agent("listening")
         self._stage.wait(waiting)
 
     @on(SESSION_ENDED)

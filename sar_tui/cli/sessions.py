@@ -50,12 +50,12 @@ def sessions(
         return
 
     from sar_tui.cli.tables import add, table
-    from sar_tui.store.sessions import local_time
+    from sar_tui.store.sessions import local_time, who
 
     made = table("session", "began", "who", "task", "status", "attempts", right=("attempts",))
     for row in rows:
         status = row["status"] if row["mode"] == "live" else f"{row['status']}, {row['mode']}"
-        add(made, row["id"], local_time(row["started_at"]), row["participant"], row["task"], status, row["attempts"])
+        add(made, row["id"], local_time(row["started_at"]), who(row), row["task"], status, row["attempts"])
     out.print(made)
 
 
@@ -82,7 +82,7 @@ def show(
         print_json({"session": found, "attempts": attempts, "trials": trials, "outputs": outputs})
         return
 
-    from sar_tui.cli.tables import attempts_table, summary
+    from sar_tui.cli.tables import attempts_table, seats, summary
     from sar_tui.store import provenance
 
     metric = provenance.metric(found["software"])
@@ -90,7 +90,8 @@ def show(
     _print_facts(out, found)
     if attempts:
         out.print(attempts_table(attempts, metric), end="\n\n")
-        _print_figure(out, attempts, metric)
+        for seat in seats(attempts):
+            _print_figure(out, [row for row in attempts if row["seat"] == seat], metric)
     out.print(summary(attempts, metric), soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
     _print_timing(out, found["machine"], trials)
@@ -105,12 +106,12 @@ def print_failed_outputs(out: "Console", outputs: "Sequence[OutputSummary]") -> 
 
 
 def _print_facts(out: "Console", row: Row) -> None:
-    from sar_tui.store.sessions import local_time
+    from sar_tui.store.sessions import local_time, who
 
     ended = f", ended {local_time(row['ended_at'])}" if row["ended_at"] else ""
     for name, value in (
         ("Session", f"{row['id']}  {row['status']}{'' if row['mode'] == 'live' else ', ' + row['mode']}"),
-        ("Participant", row["participant"]),
+        ("Participant", who(row)),
         ("Task", f"{row['task']}, theme {row['theme']}, seed {row['seed']}"),
         ("Began", f"{local_time(row['started_at'])}{ended}"),
         ("Made by", f"sar-tui {row['software']['sar_tui']}, Python {row['software']['python']}"),

@@ -9,6 +9,7 @@ import typer
 
 from sar_tui.cli.agent import Language, Outputs, Speech, agent_parameters
 from sar_tui.cli.common import AsJson, Data, Home, Pairs, Seed, Tasks, console, new_seed, print_json
+from sar_tui.cli.errors import Refused
 from sar_tui.cli.setting import pairs
 
 if TYPE_CHECKING:
@@ -23,15 +24,37 @@ class User(StrEnum):
     competent = "competent"
 
 
+class OperatorName(StrEnum):
+    """Who can decide: the names in `simulation.operator.CHARACTERS`."""
+
+    careful = "careful"
+    hasty = "hasty"
+    absent = "absent"
+
+
 def simulate(
     context: typer.Context,
     task: Annotated[
         str, typer.Argument(metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False)
     ],
-    user: Annotated[User, typer.Option(help="Who does it: how fast, and how often wrong.", show_default=False)],
+    user: Annotated[
+        list[User],
+        typer.Option(
+            help="Who does it: how fast, and how often wrong. Twice for a task for two: on the left, then on the "
+            "right.",
+            show_default=False,
+        ),
+    ],
     participant: Annotated[
-        str, typer.Option("-p", "--participant", metavar="CODE", help="The code it is kept under.")
-    ] = "SIM",
+        list[str] | None,
+        typer.Option(
+            "-p",
+            "--participant",
+            metavar="CODE",
+            show_default=False,
+            help="The code it is kept under, else SIM; in a task for two, the other's after it.",
+        ),
+    ] = None,
     attempts: Annotated[
         int | None, typer.Option(metavar="N", show_default=False, help="How many attempts; else as the task says.")
     ] = None,
@@ -55,11 +78,19 @@ def simulate(
         float | None,
         typer.Option(metavar="SHARE", min=0, max=1, show_default=False, help="What each attempt adds to it, 0 to 1."),
     ] = None,
+    operator: Annotated[
+        OperatorName | None,
+        typer.Option(
+            show_default=False,
+            help="An operator decides on what the agent proposes: careful; hasty, often wrong; absent, who comes and "
+            "goes. Feedback then needs an approval (operator_feedback=approve), unless --set says otherwise.",
+        ),
+    ] = None,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Run a session with a simulated participant.
+    """Run a session with a simulated participant; two, in a task for two.
 
     The same nodes as in front of a person, on a clock that jumps from one event to the next, into the database.
     """
@@ -69,22 +100,34 @@ def simulate(
     values: dict[str, object] = {**pairs(settings)}
     if attempts is not None:
         values["attempts"] = attempts
+    if operator is not None:
+        values.setdefault("operator_feedback", "approve")
 
     from sar_tui import runs
+    from sar_tui.cli.live import both_codes
     from sar_tui.cli.session_outputs import output_summaries
-    from sar_tui.store import participants, sessions
+    from sar_tui.simulation.operator import CHARACTERS
+    from sar_tui.store import sessions
 
+    if len(user) > len(kind.seats):
+        raise Refused(f"The task {kind.name} is for {len(kind.seats)}: name no more with --user.")
+    codes = participant or ["SIM"]
+    if len(kind.seats) > len(codes):
+        codes = [*codes, f"{codes[0]}-B"]
+    code, partner = both_codes(kind, codes)
     plan = runs.Plan(
         task=kind,
         parameters=agent_parameters(kind, values, outputs, speech, language),
         theme=theme,
-        participant=participants.check_code(participant),
+        participant=code,
         seed=new_seed() if seed is None else seed,
         mode="simulated",
+        partner=partner,
     )
-    person = _person(user, practice_effect, fatigue)
+    people = [_person(each, practice_effect, fatigue) for each in user]
     with _progress(plan.parameters.practice_attempts + plan.parameters.attempts) as advance:
-        session = runs.simulate(plan, person, home.folder, catalogue, advance)
+        character = None if operator is None else CHARACTERS[operator.value]
+        session = runs.simulate(plan, people[0], home.folder, catalogue, advance, character, people[-1])
     with home.database() as database:
         rows = sessions.rows(database, "attempts", session)
         spoke = output_summaries(database, session)

@@ -198,8 +198,9 @@ def _outcome(simulated: Simulated, parameters: TaskParameters) -> str:
         if record.topic is FAULT and isinstance(fault := record.message, Fault):
             return f"The node {fault.node} failed at {fault.topic} ({fault.error})."
     expected = parameters.practice_attempts + parameters.attempts
-    if simulated.session["status"] != "completed" or len(simulated.attempts) != expected:
-        status, found = simulated.session["status"], len(simulated.attempts)
+    found = len({attempt["attempt"] for attempt in simulated.attempts})
+    if simulated.session["status"] != "completed" or found != expected:
+        status = simulated.session["status"]
         return f"The session is {status} after {found} of {expected} attempts."
     scores = [attempt["metric"] for attempt in simulated.attempts]
     if any(score is not None and not math.isfinite(score) for score in scores):

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 from sar_tui.framework.messages import AttemptEnded, Attempts, Degree, Feedback, Form, Valence
+from sar_tui.framework.policies.feedback import RACED
 from sar_tui.framework.task import Quality, Task
 
 ALIKE = 0.2
@@ -92,11 +93,14 @@ class Answers:
     # --- knowledge of results ------------------------------------------------------------------------------
 
     def _results(self, feedback: Feedback, recalled: Attempts) -> "_Pair":
-        situation = feedback.reason if feedback.reason in ("accuracy", "empty") else _graded(feedback)
+        told_by_reason = feedback.reason in ("accuracy", "empty", *RACED)
+        situation = feedback.reason if told_by_reason else _graded(feedback)
         return _Pair(self._word(situation), self._figures(feedback, recalled))
 
     def _figures(self, feedback: Feedback, recalled: Attempts) -> str:
         """Compare with what is asked for; where there is nothing to compare with, give the result and the goal."""
+        if feedback.reason in RACED:
+            return self._word("race_figures", reached=str(feedback.won), trials=str(feedback.trials))
         if feedback.reason in ("accuracy", "empty") or feedback.metric is None:
             situation = "empty" if feedback.reason == "empty" else "accuracy"
             return self._word(f"{situation}_figures", correct=str(feedback.correct), trials=str(feedback.trials))

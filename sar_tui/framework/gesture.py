@@ -47,6 +47,11 @@ class Gesture(msgspec.Struct, frozen=True):
         """From its beginning to its last keyframe."""
         return self.keyframes[-1].at_ms
 
+    @property
+    def farthest(self) -> Pose:
+        """The keyframe that is farthest from rest: what a single picture shows of it."""
+        return max(self.keyframes, key=lambda frame: sum(abs(getattr(frame, joint)) for joint in JOINTS)).pose
+
     def pose_at(self, ms: float, start: Pose = REST) -> Pose:
         """Where the body is ``ms`` after the beginning, having begun in ``start``.
 

@@ -10,24 +10,29 @@ _RECENT = 5 * SECOND
 
 
 class Obstacles:
-    """Keeps what was told of the disk and of the sensor.
+    """Keeps what was told of the disk and of the sensors.
 
     Args:
-        needs_sensor: whether the task needs one; it is then missing until it is attached.
+        sensors_of: the seats that need a sensor each, which is missing until it is attached.
     """
 
-    def __init__(self, *, needs_sensor: bool) -> None:
-        self._needs_sensor = needs_sensor
+    def __init__(self, sensors_of: tuple[str, ...]) -> None:
+        self._sensors_of = sensors_of
         self.disk_refuses = False
-        self.sensor_lost = needs_sensor
+        self._lost = set(sensors_of)
         self._disk_says = ""
         self._sensor_says = ""
         self._error: SensorChanged | None = None
 
+    @property
+    def sensor_lost(self) -> bool:
+        """Whether nothing comes from a sensor that is needed."""
+        return bool(self._lost)
+
     def begin_run(self) -> None:
         """A run of the program begins: nothing is known yet."""
         self.disk_refuses = False
-        self.sensor_lost = self._needs_sensor
+        self._lost = set(self._sensors_of)
 
     def hear_storage(self, storage: StorageChanged) -> None:
         """The disk told something."""
@@ -35,16 +40,18 @@ class Obstacles:
         self._disk_says = storage.reason
 
     def hear_sensor(self, sensor: SensorChanged) -> bool:
-        """The sensor told something; False if that is nothing to a session: it lost a sample, say."""
-        if not self._needs_sensor:
+        """A sensor told something; False if that is nothing to a session: it lost a sample, say."""
+        if sensor.seat not in self._sensors_of:
             return False
         if sensor.state in _BACK:
-            self.sensor_lost, self._sensor_says = False, ""
+            self._lost.discard(sensor.seat)
+            self._sensor_says = "" if not self._lost else self._sensor_says
             return True
         if sensor.state == "error":
             self._error = sensor
-        if sensor.state in _LOST or (sensor.state == "error" and self.sensor_lost):
-            self.sensor_lost, self._sensor_says = True, sensor.detail or self._reason(sensor.at)
+        if sensor.state in _LOST or (sensor.state == "error" and sensor.seat in self._lost):
+            self._lost.add(sensor.seat)
+            self._sensor_says = sensor.detail or self._reason(sensor.at)
             return True
         return False
 

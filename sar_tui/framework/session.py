@@ -31,6 +31,8 @@ class Session:
         seed: of all that is random.
         extra: input and output nodes: a screen, a simulated participant.
         best: the participant's best results of earlier sessions, by level.
+        others_best: those of who sits at the other seats, by seat.
+        names: what the agent calls who sits where, by seat, where that is not the seat.
     """
 
     def __init__(
@@ -41,11 +43,15 @@ class Session:
         seed: int,
         extra: Sequence[Node] = (),
         best: dict[str, float] | None = None,
+        others_best: dict[str, dict[str, float]] | None = None,
+        names: dict[str, str] | None = None,
     ) -> None:
         self.task = task
         self.theme = theme
         self.seed = seed
         self.best = best or {}
+        self.others_best = others_best or {}
+        self.names = names or {}
         self.clock = clock
         self.bus = Bus(clock)
         self.faults: list[Fault] = []
@@ -74,7 +80,15 @@ class Session:
         for node in self._extra:
             node.attach(self.bus)
         self.wear(self.theme)
-        started = SessionStarted(run=run, task=self.task.name, theme=self.theme.name, seed=self.seed, best=self.best)
+        started = SessionStarted(
+            run=run,
+            task=self.task.name,
+            theme=self.theme.name,
+            seed=self.seed,
+            best=self.best,
+            others_best=self.others_best,
+            names=self.names,
+        )
         self.bus.publish(SESSION, started)
 
     def wear(self, theme: Theme) -> None:
@@ -146,7 +160,8 @@ class Session:
 
 def core_nodes(task: Task, theme: Theme, seed: int) -> tuple[Node, ...]:
     """The nodes of the framework, with the task's own perception, in the order in which they hear a message."""
-    perception = (Perception(task.parameters), *task.nodes())
+    seat_of = task.seat_of if len(task.seats) > 1 else None
+    perception = (Perception(task.parameters, seat_of), *task.nodes())
     return (
         *perception,
         Memory(),

@@ -17,6 +17,18 @@ SITUATIONS: dict[str, set[str]] = {
     "filler": set(),
     "goodbye": set(),
     "goodbye_early": set(),
+    # the same to two people at once
+    "greeting_both": set(),
+    "welcome_back_both": set(),
+    "encouragement_both": set(),
+    "rest_both": set(),
+    "goodbye_both": set(),
+    "goodbye_early_both": set(),
+    # what came of a race
+    "won": set(),
+    "lost": set(),
+    "drawn": set(),
+    "race_figures": {"reached", "trials"},
     # knowledge of results, in words; how far from the goal sets the degree
     "positive_slight": set(),
     "positive": set(),

@@ -93,6 +93,14 @@ class Situation(msgspec.Struct, frozen=True):
     session: Chance
 
 
+class Cue(msgspec.Struct, frozen=True):
+    """What the agent does before a prompt to draw the eye to a side: it looks there, points there, or both."""
+
+    side: Literal["left", "right"]
+    lead_ms: int
+    by: Literal["gaze", "gesture", "both"] = "gaze"
+
+
 class Stimulus(msgspec.Struct, frozen=True):
     """What a prompt shows.
 
@@ -104,6 +112,9 @@ class Stimulus(msgspec.Struct, frozen=True):
         hint: a word of help under it.
         choices: among how many stimuli it was drawn.
         signals: whether it asks for a response at once, so that the time from its onset is a reaction time.
+        seat: whose it is, in a task with several seats; empty: everybody's.
+        halves: what stands in the left and in the right half of the screen, in place of ``glyph``.
+        cue: what the agent does before it. Whose turn it is, is then not told before.
     """
 
     name: str
@@ -113,12 +124,16 @@ class Stimulus(msgspec.Struct, frozen=True):
     hint: str = ""
     choices: int = 1
     signals: bool = True
+    seat: str = ""
+    halves: tuple[str, ...] = ()
+    cue: Cue | None = None
 
 
 class Trial(msgspec.Struct, frozen=True):
     """A prompt that is up: what was shown, since when (ns), and what was perceived so far.
 
-    ``started``: when the participant started the trial, where that is theirs to do.
+    ``started``: when the participant started the trial, where that is theirs to do. ``cued``: when the agent gave its
+    cue.
     """
 
     situation: Situation
@@ -126,6 +141,7 @@ class Trial(msgspec.Struct, frozen=True):
     onset: int
     percepts: tuple[Any, ...] = ()
     started: int | None = None
+    cued: int | None = None
 
     def latency_ms(self, at: int) -> float:
         """Milliseconds from onset to a stamp."""
@@ -163,6 +179,10 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         return self.correct and self.value is not None and "anticipation" not in self.flags
 
 
+Results = dict[str, Result]
+"""How a trial ended for each of those who took part, by their seat."""
+
+
 class Mark(msgspec.Struct, frozen=True):
     """What a therapist can say of a trial with one key.
 
@@ -198,12 +218,16 @@ class Again(msgspec.Struct, frozen=True):
 
 
 class Score(msgspec.Struct, frozen=True):
-    """An attempt's result. ``accuracy`` is None where a task has none."""
+    """An attempt's result. ``accuracy`` is None where a task has none.
+
+    ``won``: in how many trials this seat was the first, where they race.
+    """
 
     metric: float | None
     accuracy: float | None
     correct: int
     trials: int
+    won: int | None = None
 
 
 class Performance(msgspec.Struct, frozen=True):
@@ -251,6 +275,7 @@ class Task(ABC):
     sensors: ClassVar[tuple[Literal["imu"], ...]] = ()
     qualities: ClassVar[tuple[Quality, ...]] = ()
     marks: ClassVar[tuple[Mark, ...]] = ()
+    seats: ClassVar[tuple[str, ...]] = ("A",)
 
     def __init__(self, parameters: TaskParameters) -> None:
         self.parameters = parameters
@@ -280,6 +305,19 @@ class Task(ABC):
     def feedback_on(self) -> Literal["results", "performance", "both"]:
         """What the agent answers: how well the goal was met, how it was done (the ``qualities``), or both."""
         return "results"
+
+    @property
+    def address(self) -> Literal["seat", "code"]:
+        """How the agent calls the participants of a task with several seats: by their seat, or by their code."""
+        return "seat"
+
+    def seat_of(self, key: str) -> str:
+        """Whose a key is, in a task with several seats; empty for nobody's, which is never a response."""
+        return ""
+
+    def seat_name(self, seat: str) -> str:
+        """What a seat is called, in a task with several."""
+        return self.tr({"A": "Left", "B": "Right"}.get(seat, seat))
 
     def nodes(self) -> tuple[Node, ...]:
         """More perception: nodes that make percepts of what its sensors tell. New ones at each call."""
@@ -319,13 +357,15 @@ class Task(ABC):
         """What to show. Must depend on ``situation`` and the parameters alone."""
 
     @abstractmethod
-    def perceived(self, trial: Trial, percept: Any) -> Result | Again | None:
+    def perceived(self, trial: Trial, percept: Any) -> Result | Results | Again | None:
         """Judge a percept that came while the prompt is up; None to go on waiting.
 
-        ``trial.percepts`` holds the earlier ones of this trial, so that a task need not remember them.
+        ``trial.percepts`` holds the earlier ones of this trial, so that a task need not remember them. Where several
+        take part, each percept has its seat, and the trial is over for all of them at once: with a result for each, or
+        one that is everybody's.
         """
 
-    def timed_out(self, trial: Trial) -> Result:
+    def timed_out(self, trial: Trial) -> Result | Results:
         """Judge a trial whose time is over. A miss, unless the task says otherwise."""
         return Result(correct=False)
 
@@ -340,11 +380,15 @@ class Task(ABC):
             trials=len(results),
         )
 
+    def measures(self, results: Sequence[Result]) -> dict[str, float]:
+        """What else there is to tell of an attempt, by name: kept with its qualities."""
+        return {}
+
     def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
         """What a simulated participant does for a prompt: (ms after onset, key or movement).
 
         Args:
-            stimulus: what is shown.
+            stimulus: what is shown; ``seat`` is that of this person.
             performance: how this person does it this time.
             chance: for whatever else is random.
 

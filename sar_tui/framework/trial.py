@@ -5,7 +5,7 @@ import math
 import msgspec
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import Percept, Prompt, PromptVoided, Shown, Timing, TrialEnded
+from sar_tui.framework.messages import CueGiven, Percept, Prompt, PromptVoided, Shown, Timing, TrialEnded
 from sar_tui.framework.task import Mark, Result, Situation, Stimulus, Trial
 
 
@@ -15,17 +15,22 @@ class OpenTrial:
     Args:
         situation: where in the session it stands.
         stimulus: what it shows.
+        seats: who takes part in the task.
     """
 
-    def __init__(self, situation: Situation, stimulus: Stimulus, presentation: int = 0) -> None:
+    def __init__(
+        self, situation: Situation, stimulus: Stimulus, seats: tuple[str, ...] = ("A",), presentation: int = 0
+    ) -> None:
         self.situation = situation
         self.stimulus = stimulus
+        self.seats = (stimulus.seat,) if stimulus.seat else seats
         self.presentation = presentation
         self.foreperiod = 0
         self.false_starts = 0
         self.lag = 0
         self.early: list[Percept] = []
         self.started: int | None = None
+        self.cued: int | None = None
         self.mark: Mark | None = None
         self._onset: int | None = None
         self._onset_source = ""
@@ -34,13 +39,37 @@ class OpenTrial:
 
     def anew(self) -> "OpenTrial":
         """The same trial, to be repeated."""
-        return OpenTrial(self.situation, self.stimulus, self.presentation)
+        return OpenTrial(self.situation, self.stimulus, self.seats, self.presentation)
+
+    @property
+    def turn(self) -> str:
+        """Whose turn it is, as far as that is told before the prompt; empty: everybody's, or not to be known."""
+        return "" if self.stimulus.cue else self._whose
+
+    @property
+    def _whose(self) -> str:
+        return self.seats[0] if len(self.seats) == 1 else ""
 
     def draw_foreperiod(self, shortest_ms: int, longest_ms: int) -> int:
         """Choose the wait before the prompt, in ns: uniform between the bounds, the same at each repetition."""
         share = self.situation.chance.uniform("foreperiod")
         self.foreperiod = round((shortest_ms + share * (longest_ms - shortest_ms)) * MS)
         return self.foreperiod
+
+    def cue(self, at: int) -> CueGiven:
+        """The agent looks or points to a side, at ``at`` (ns)."""
+        cue = self.stimulus.cue
+        assert cue
+        self.cued = at
+        return CueGiven(
+            seat="",
+            attempt=self.situation.attempt,
+            trial=self.situation.trial,
+            presentation=self.presentation + 1,
+            side=cue.side,
+            gaze=cue.side if cue.by != "gesture" else "",
+            gesture=f"point_{cue.side}" if cue.by != "gaze" else "",
+        )
 
     def flag(self, flag: str) -> None:
         """Mark the trial, once."""
@@ -51,6 +80,7 @@ class OpenTrial:
         """Present it once more."""
         self.presentation += 1
         return Prompt(
+            seat=self._whose,
             attempt=self.situation.attempt,
             trial=self.situation.trial,
             presentation=self.presentation,
@@ -63,6 +93,8 @@ class OpenTrial:
             choices=self.stimulus.choices,
             timeout=timeout,
             started=self.started,
+            halves=self.stimulus.halves,
+            cue=self.stimulus.cue.side if self.stimulus.cue else "",
         )
 
     def is_shown_by(self, shown: Shown) -> bool:
@@ -82,7 +114,7 @@ class OpenTrial:
     def view(self) -> Trial:
         """What a task is given to judge by. Only once shown."""
         assert self._onset is not None
-        return Trial(self.situation, self.stimulus, self._onset, self._percepts, self.started)
+        return Trial(self.situation, self.stimulus, self._onset, self._percepts, self.started, self.cued)
 
     def remember(self, percept: Percept) -> None:
         """Keep a percept that has been judged."""
@@ -107,13 +139,13 @@ class OpenTrial:
             return None
         return (at - self._onset) / MS
 
-    def ended(self, result: Result) -> TrialEnded:
-        """Its row.
+    def ended(self, result: Result, seat: str = "A") -> TrialEnded:
+        """Its row, for one of those who took part.
 
         Raises:
             TypeError: the task's result is not of the types it declares, or not finite, so that it cannot be kept.
         """
-        row = self._row(result)
+        row = self._row(result, seat)
         try:
             msgspec.convert(msgspec.to_builtins(row), TrialEnded)
         except (msgspec.ValidationError, TypeError) as error:
@@ -123,10 +155,18 @@ class OpenTrial:
             raise TypeError("the result of a trial cannot be kept: a number in it is not finite")
         return row
 
-    def _row(self, result: Result) -> TrialEnded:
+    def _judged(self, result: Result, seat: str) -> Percept | None:
+        """The percept that a result came of: the last, or where several take part the one that was the response."""
+        mine = [percept for percept in self._percepts if percept.seat == seat]
+        if len(self.seats) > 1:
+            mine = [percept for percept in mine if percept.at == result.response_at]
+        return mine[-1] if mine else None
+
+    def _row(self, result: Result, seat: str) -> TrialEnded:
         latency = self.latency_ms(result)
-        last = self._percepts[-1] if self._percepts else None
+        last = self._judged(result, seat)
         return TrialEnded(
+            seat=seat,
             attempt=self.situation.attempt,
             trial=self.situation.trial,
             stimulus=self.stimulus.name,

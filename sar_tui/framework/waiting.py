@@ -9,7 +9,9 @@ ASK_KEY = "tab"
 """The key with which a participant asks how the last attempt went, where feedback is given on request."""
 
 
-def waiting(phase: Phase, course: Course, task: Task, *, notice: str, reason: str, detail: str) -> Waiting:
+def waiting(
+    phase: Phase, course: Course, task: Task, *, notice: str, reason: str, detail: str, seat: str = "A"
+) -> Waiting:
     """The message for a phase.
 
     Args:
@@ -17,11 +19,12 @@ def waiting(phase: Phase, course: Course, task: Task, *, notice: str, reason: st
         course: how far it has come.
         task: whose words are said.
         notice: what the participant has to know first.
-        reason, detail: as in `messages.Waiting`.
+        reason, detail, seat: as in `messages.Waiting`.
     """
     what, stage = (PAUSES.get(reason, "resume"), "paused") if phase is Phase.PAUSED else WAITS[phase]
     goal = "" if stage == "trial" else task.goal(course.level)
     return Waiting(
+        seat=seat,
         what=what,  # type: ignore[arg-type]
         stage=stage,  # type: ignore[arg-type]
         attempt=course.attempt,

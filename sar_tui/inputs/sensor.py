@@ -21,14 +21,16 @@ class Imu(Node):
 
     Args:
         feed: of the sensor; one that runs already (the sensor has been looked at before) is taken over as it is.
+        seat: who wears it.
     """
 
     name = "imu"
     emits = (IMU, SENSOR)
 
-    def __init__(self, feed: ImuFeed) -> None:
+    def __init__(self, feed: ImuFeed, seat: str = "A") -> None:
         super().__init__()
         self.feed = feed
+        self.seat = seat
         self._next: Handle | None = None
         self._stopped = False
 
@@ -73,19 +75,19 @@ class Imu(Node):
         for status in statuses[:before]:
             self._tell(status)
         if len(samples):
-            self.emit(IMU, ImuBlock(samples=pack(samples)))
+            self.emit(IMU, ImuBlock(seat=self.seat, samples=pack(samples)))
         for status in statuses[before:]:
             self._tell(status)
         self._next = self.bus.clock.call_at(self.bus.clock.now() + DRAIN, self._drain)
 
     def _tell(self, status: Status) -> None:
-        self.emit(SENSOR, changed(status, self.feed.info))
+        self.emit(SENSOR, changed(status, self.feed.info, self.seat))
 
 
-def changed(status: Status, info: Info | None) -> SensorChanged:
+def changed(status: Status, info: Info | None, seat: str = "A") -> SensorChanged:
     """A status as a message; with what the sensor is, when it is attached."""
     facts = msgspec.structs.asdict(status)
     if status.state == "attached" and info:
         known = {field.name for field in msgspec.structs.fields(SensorChanged)}
         facts |= {name: value for name, value in msgspec.structs.asdict(info).items() if name in known}
-    return SensorChanged(**facts)
+    return SensorChanged(seat=seat, **facts)

@@ -9,7 +9,7 @@ from sar_tui.framework.clock import MS, SECOND, Handle
 from sar_tui.framework.messages import Deed, DeedState
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
+from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
 from sar_tui.outputs.hearing import heard, told_by, words
 from sar_tui.outputs.output import Output, OutputError, Report
 
@@ -104,6 +104,14 @@ class OutputNode(Node):
         if action.spoken:
             self._do(action.id, "say", action.spoken)
 
+    @on(CUE)
+    def cued(self, cue: m.CueGiven) -> None:
+        """Look or point before a prompt, at once."""
+        if cue.gaze:
+            self._do(cue.id, "gaze", cue.gaze)
+        if cue.gesture:
+            self._do(cue.id, "gesture", cue.gesture)
+
     @on(PROMPT)
     def prompted(self, prompt: m.Prompt) -> None:
         if "go" in self._cues:
@@ -111,9 +119,10 @@ class OutputNode(Node):
 
     @on(ATTEMPT_ENDED)
     def attempt_ended(self, ended: m.AttemptEnded) -> None:
-        """An attempt that is scored once more has ended before."""
-        if "end" in self._cues and ended.ended == self.now:
-            self._begin(f"end-{ended.attempt}", "tone", "end")
+        """An attempt that is scored once more has ended before; that of two ends for both of them at once."""
+        id = f"end-{ended.attempt}"
+        if "end" in self._cues and ended.ended == self.now and (id, "tone") not in self._open:
+            self._begin(id, "tone", "end")
 
     @on(HALT)
     def halt(self, halt: m.Halt) -> None:

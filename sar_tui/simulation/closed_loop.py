@@ -10,7 +10,7 @@ import sqlite3
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
-from contextlib import closing
+from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -47,12 +47,14 @@ class Program(msgspec.Struct, frozen=True):
         recorded: from that folder to the recorded trials in order: ``response``, ``correct``,
             ``reaction_time_ms``, and ``timing`` where there is one.
         leave: the key that ends it, if it does not end by itself.
+        beside: from that folder and its terminal to what goes on beside it, begun before the first prompt.
     """
 
     name: str
     command: Callable[[Path, Block], list[str]]
     recorded: Callable[[Path], list[Row]]
     leave: str | None = None
+    beside: Callable[[Path, Terminal], AbstractContextManager[object]] = lambda folder, terminal: nullcontext()
 
 
 class Trial(msgspec.Struct, frozen=True):
@@ -130,6 +132,7 @@ def run_block(program: Program, block: Block, folder: Path, on_press: Callable[[
     with (
         tempfile.TemporaryDirectory(prefix="sar-tui-", dir=folder) as own,
         Terminal(program.command(Path(own), block)) as terminal,
+        program.beside(Path(own), terminal),
     ):
         participant = ScriptedParticipant(terminal, answer)
         gc.collect()

@@ -7,7 +7,7 @@ from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS, Handle
 from sar_tui.framework.messages import Action, DeedState, KeyPressed, OutputReport, Prompt, Shown, Waiting
 from sar_tui.framework.node import Node, on
-from sar_tui.framework.task import Act, Stimulus, Task
+from sar_tui.framework.task import Act, Cue, Stimulus, Task
 from sar_tui.framework.topics import ACTION, KEY, PROMPT, REPORT, SHOWN, WAITING
 from sar_tui.simulation.person import Person
 
@@ -18,12 +18,20 @@ READING = 1200 * MS
 _SEEN: tuple[DeedState, ...] = ("queued", "started", "done")
 
 
-def acts(person: Person, task: Task, seed: int, prompt: Prompt) -> list[Act]:
-    """What a person does for a prompt: nothing, where they miss it."""
-    chance = Chance(seed, "person", prompt.attempt, prompt.trial)
-    if person.misses_it(chance):
+def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A") -> list[Act]:
+    """What a person at a seat does for a prompt: nothing, where they miss it or it is another's."""
+    chance = Chance(seed, "person" if seat == "A" else f"person {seat}", prompt.attempt, prompt.trial)
+    if prompt.seat not in ("", seat) or person.misses_it(chance):
         return []
-    stimulus = Stimulus(prompt.stimulus, prompt.expected, prompt.text, choices=prompt.choices)
+    stimulus = Stimulus(
+        prompt.stimulus,
+        prompt.expected,
+        prompt.text,
+        choices=prompt.choices,
+        seat=seat,
+        halves=prompt.halves,
+        cue=Cue(prompt.cue, 0) if prompt.cue else None,  # type: ignore[arg-type]
+    )
     return task.rehearse(stimulus, person.perform(prompt.choices, prompt.attempt, chance), chance)
 
 
@@ -88,25 +96,70 @@ class SimulatedParticipant(Node):
         return self.bus.clock.call_at(at, lambda: self.emit(KEY, KeyPressed(key=key, at=at)))
 
 
+class SimulatedPartner(Node):
+    """The other of two: answers what is theirs to answer at the same keyboard, and leaves the rest to the first.
+
+    Args:
+        person, task, seed: who does what, and how it comes out.
+        seat: where they sit.
+        move: moves their hand: (when in ns, movement), for a task that asks for movements.
+    """
+
+    name = "partner"
+    emits = (KEY,)
+
+    def __init__(
+        self,
+        person: Person,
+        task: Task,
+        seed: int,
+        seat: str = "B",
+        move: Callable[[int, Any], None] | None = None,
+    ) -> None:
+        super().__init__()
+        self._person = person
+        self._task = task
+        self._seed = seed
+        self._seat = seat
+        self._move = move
+
+    @on(PROMPT)
+    def prompted(self, prompt: Prompt) -> None:
+        onset = self.now + SHOWING
+        for delay_ms, act in acts(self._person, self._task, self._seed, prompt, self._seat):
+            at = onset + round(delay_ms * MS)
+            if isinstance(act, str):
+                self._press(act, at)
+            elif self._move:
+                self._move(at, act)
+
+    def _press(self, key: str, at: int) -> None:
+        self.bus.clock.call_at(at, lambda: self.emit(KEY, KeyPressed(key=key, at=at)))
+
+
 class SimulatedMover(Node):
     """Moves a simulated hand as its person would, while somebody else presses the keys: to try a task without a sensor.
 
     Args:
         person, task, seed: who does what, and how it comes out.
         move: moves the hand: (when in ns, movement).
+        seat: whose hand it is.
     """
 
     name = "mover"
 
-    def __init__(self, person: Person, task: Task, seed: int, move: Callable[[int, Any], None]) -> None:
+    def __init__(
+        self, person: Person, task: Task, seed: int, move: Callable[[int, Any], None], seat: str = "A"
+    ) -> None:
         super().__init__()
         self._person = person
         self._task = task
         self._seed = seed
         self._move = move
+        self._seat = seat
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
-        for delay_ms, act in acts(self._person, self._task, self._seed, prompt):
+        for delay_ms, act in acts(self._person, self._task, self._seed, prompt, self._seat):
             if not isinstance(act, str):
                 self._move(self.now + round(delay_ms * MS), act)

@@ -29,6 +29,7 @@ _KEYS = {
     "right": b"\x1b[C",
     "left": b"\x1b[D",
     "f1": b"\x1bOP",
+    "f2": b"\x1bOQ",
 }
 
 _SEQUENCE = re.compile(rb"\x1b(?:\[[0-?]*[ -/]*(?:[@-~]|$)|[\]PX^_].*?(?:\x1b\\|\x07|$)|[ -/]*(?:[0-~]|$))", re.DOTALL)
@@ -63,7 +64,8 @@ def visible(output: bytes) -> str:
 class Terminal:
     """A terminal with a program in it. Use it as a context: what still runs at the end is killed.
 
-    Nothing is read but by ``read`` and what calls it; a program whose output nobody reads stands still.
+    Nothing is read but by ``read`` and what calls it, or that of another (see ``together``); a program whose output
+    nobody reads stands still.
 
     Args:
         command: the program and its arguments.
@@ -93,6 +95,7 @@ class Terminal:
             raise NoTerminal("Windows has no pseudo-terminals that a program can be timed in.")
         self.output = bytearray()
         self.ended = False
+        self._beside: list[Terminal] = []
         self._file, far = os.openpty()
         try:
             self.resize(columns, rows)
@@ -130,12 +133,27 @@ class Terminal:
         return list(termios.tcgetattr(self._file))
 
     def read(self, until: int) -> bool:
-        """Read once, and stamp it; False if nothing came until then (ns), or the program has let go."""
-        if self.ended:
-            return False
-        left = max(0, until - time.monotonic_ns())
-        if not select.select([self._file], [], [], left / 1e9)[0]:
-            return False
+        """Read once, and stamp it; False if nothing came until then (ns), or the program has let go.
+
+        What terminals beside it have to say meanwhile is read, too.
+        """
+        while not self.ended:
+            left = max(0, until - time.monotonic_ns())
+            ready = select.select([each for each in (self, *self._beside) if not each.ended], [], [], left / 1e9)[0]
+            for each in ready:
+                each._take()
+            if self in ready:
+                break
+            if not left:
+                return False
+        return not self.ended
+
+    def fileno(self) -> int:
+        """The near end of the terminal, to be waited for."""
+        return self._file
+
+    def _take(self) -> None:
+        """Read what is there."""
         try:
             data = os.read(self._file, 65536)
         except OSError:  # Linux says EIO where other systems say end of file
@@ -143,7 +161,6 @@ class Terminal:
         self.read_at = time.monotonic_ns()
         self.ended = not data
         self.output += data
-        return not self.ended
 
     def write(self, data: bytes) -> int:
         """Type; returns the stamp taken right before."""
@@ -206,6 +223,12 @@ class Terminal:
             self.kill()
         self.hang_up()
         self.process.wait()
+
+
+def together(*terminals: Terminal) -> None:
+    """Whenever one of these is read, so are the others: none stands still because somebody looks at another."""
+    for terminal in terminals:
+        terminal._beside = [other for other in terminals if other is not terminal]
 
 
 def _take_terminal() -> None:

@@ -33,69 +33,73 @@ def layout() -> str:
 
 
 class Streams:
-    """Makes rows of what a sensor tells: a stream each time one is attached, a chunk for the samples between events.
+    """Makes rows of what sensors tell: a stream each time one is attached, a chunk for its samples between events.
 
-    Chunks begin and end where events lie between them, so that a replay can feed both in their order.
+    Chunks begin and end where events lie between them, so that a replay can feed both in their order. Each seat has a
+    sensor of its own.
 
     Args:
         session, run: what the rows belong to.
-        stream, seq: the numbers of the last stream and chunk that the session has already.
+        stream: the number of the last stream that the session has already.
+        last: by seat, the numbers of its last stream and chunk.
     """
 
-    def __init__(self, session: str, run: int, stream: int = 0, seq: int = 0) -> None:
+    def __init__(self, session: str, run: int, stream: int = 0, last: dict[str, tuple[int, int]] | None = None) -> None:
         self._session = session
         self._run = run
         self._stream = stream
-        self._seq = seq
+        self._last = dict(last or {})
 
     def rows(self, records: Sequence[Record]) -> tuple[list[tuple[Any, ...]], list[tuple[Any, ...]], "Streams"]:
         """Rows for ``imu_streams`` and ``imu_chunks``, and where the counting stands after them."""
-        after = Streams(self._session, self._run, self._stream, self._seq)
+        after = Streams(self._session, self._run, self._stream, self._last)
         streams, chunks = [], []
-        waiting: list[Record] = []
+        waiting: dict[str, list[Record]] = {}
         for record in records:
+            seat = record.message.seat
             match record.message:
                 case ImuBlock():
-                    if waiting and waiting[-1].seq != record.seq:
-                        chunks.append(after._chunk(waiting))
-                        waiting = []
-                    waiting.append(record)
+                    if seat in waiting and waiting[seat][-1].seq != record.seq:
+                        chunks.append(after._chunk(seat, waiting.pop(seat)))
+                    waiting.setdefault(seat, []).append(record)
                 case SensorChanged(state="attached") as sensor:
-                    if waiting:
-                        chunks.append(after._chunk(waiting))
-                        waiting = []
+                    if seat in waiting:
+                        chunks.append(after._chunk(seat, waiting.pop(seat)))
                     streams.append(after._opened(sensor))
-        if waiting:
-            chunks.append(after._chunk(waiting))
+        chunks += [after._chunk(seat, records) for seat, records in waiting.items()]
         return streams, chunks, after
 
     def _opened(self, sensor: SensorChanged) -> tuple[Any, ...]:
         self._stream += 1
-        self._seq = 0
+        self._last[sensor.seat] = (self._stream, 0)
         return (
             self._session, self._stream, sensor.seat, self._run, sensor.source, sensor.model, sensor.serial,
             sensor.rate_hz, sensor.rate_range_rad_s, sensor.acceleration_range_m_s2, layout(), sensor.at,
         )  # fmt: skip
 
-    def _chunk(self, records: Sequence[Record]) -> tuple[Any, ...]:
+    def _chunk(self, seat: str, records: Sequence[Record]) -> tuple[Any, ...]:
         from sar_tui.motion.samples import unpack
 
-        self._seq += 1
+        stream, seq = self._last.get(seat, (self._stream, 0))
+        self._last[seat] = (stream, seq := seq + 1)
         data = b"".join(record.message.samples for record in records if isinstance(record.message, ImuBlock))
         stamps = unpack(data)["at"]
         return (
-            self._session, self._stream, self._seq, len(stamps), int(stamps[0]), int(stamps[-1]), records[0].seq,
+            self._session, stream, seq, len(stamps), int(stamps[0]), int(stamps[-1]), records[0].seq,
             records[-1].at, zlib.crc32(data), data,
         )  # fmt: skip
 
 
 def counted(db: sqlite_utils.Database, session: str, run: int) -> Streams:
     """Go on counting where a session's streams and chunks end."""
-    (stream,) = db.execute("SELECT coalesce(max(stream), 0) FROM imu_streams WHERE session=?", (session,)).fetchone()
-    (seq,) = db.execute(
-        "SELECT coalesce(max(seq), 0) FROM imu_chunks WHERE session=? AND stream=?", (session, stream)
-    ).fetchone()
-    return Streams(session, run, stream, seq)
+    last = db.execute(
+        "SELECT seat, max(imu_streams.stream), coalesce(max(seq), 0) FROM imu_streams"
+        " LEFT JOIN imu_chunks USING (session, stream) WHERE session=? AND stream IN"
+        " (SELECT max(stream) FROM imu_streams WHERE session=? GROUP BY seat) GROUP BY seat",
+        (session, session),
+    ).fetchall()
+    newest = {seat: (stream, seq) for seat, stream, seq in last}
+    return Streams(session, run, max((stream for stream, _ in newest.values()), default=0), newest)
 
 
 def blocks(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
@@ -104,13 +108,14 @@ def blocks(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
     Raises:
         StoreError: a block is damaged.
     """
-    for stream, seq, before, at, crc, data in db.execute(
-        "SELECT stream, seq, before_event, at_ns, crc32, data FROM imu_chunks WHERE session=? ORDER BY stream, seq",
+    for seat, stream, seq, before, at, crc, data in db.execute(
+        "SELECT seat, stream, seq, before_event, at_ns, crc32, data FROM imu_chunks"
+        " LEFT JOIN imu_streams USING (session, stream) WHERE session=? ORDER BY before_event, stream, seq",
         (session,),
     ):
         if zlib.crc32(data) != crc:
             raise StoreError(f"Block {seq} of sensor stream {stream} of session {session} is damaged.")
-        yield Record(before, at, IMU, ImuBlock(samples=data))
+        yield Record(before, at, IMU, ImuBlock(seat=seat or "A", samples=data))
 
 
 def samples(
@@ -119,8 +124,9 @@ def samples(
     from_ns: int = -(2**63),
     to_ns: int = 2**63 - 1,
     run: int | None = None,
+    seat: str = "A",
 ) -> "Samples":
-    """A session's samples measured in [from_ns, to_ns), of one run of the program where stamps may recur.
+    """A seat's samples measured in [from_ns, to_ns), of one run of the program where stamps may recur.
 
     Raises:
         StoreError: a block is damaged.
@@ -130,9 +136,9 @@ def samples(
     found = []
     for stream, seq, crc, data in db.execute(
         "SELECT imu_chunks.stream, seq, crc32, data FROM imu_chunks JOIN imu_streams USING (session, stream)"
-        " WHERE session=:session AND t1_ns>=:first AND t0_ns<:last AND (:run IS NULL OR run=:run)"
+        " WHERE session=:session AND t1_ns>=:first AND t0_ns<:last AND (:run IS NULL OR run=:run) AND seat=:seat"
         " ORDER BY imu_chunks.stream, seq",
-        {"session": session, "first": from_ns, "last": to_ns, "run": run},
+        {"session": session, "first": from_ns, "last": to_ns, "run": run, "seat": seat},
     ):
         if zlib.crc32(data) != crc:
             raise StoreError(f"Block {seq} of sensor stream {stream} of session {session} is damaged.")

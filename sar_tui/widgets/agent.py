@@ -73,6 +73,8 @@ class Agent(Horizontal):
         self._more = Static(classes="more", markup=False)
         self._note = Static(classes="note", markup=False)
         self._has_words = False
+        self._joined = ""
+        self._still: Pose | None = None
 
     def compose(self) -> ComposeResult:
         if self._picture:
@@ -99,13 +101,15 @@ class Agent(Horizontal):
             text: the words.
             face: the expression (see `theme.FACES`); without one it stays.
             valence: sets the colour of the words; they tell it too.
-            joins: the words come below those that stand, instead of in their place.
+            joins: the words come below all that stand, instead of in their place.
         """
         if text and joins and self._has_words:
-            self._put(self._more, text)
+            self._joined = f"{self._joined}\n{text}" if self._joined else text
+            self._put(self._more, self._joined)
         elif text:
             self._has_words = True
             self._said.update(text)
+            self._joined = ""
             self._put(self._more, "")
             for name in _VALENCES:
                 self.set_class(valence == name, name)
@@ -117,6 +121,7 @@ class Agent(Horizontal):
         if self._has_words:
             self._has_words = False
             self._said.update("")
+            self._joined = ""
             self._put(self._more, "")
         self._gaze = "ahead"
         self.look(face)
@@ -156,6 +161,17 @@ class Agent(Horizontal):
         self._gaze = where
         self._go_on()
 
+    def cue(self, gaze: str, gesture: Gesture | None = None) -> None:
+        """Look somewhere, or stand in the farthest pose of a gesture, in a single frame: also when held still.
+
+        It stays so until it may move again. A picture, which can neither look nor point, makes way for the drawing.
+        """
+        self._gaze = gaze or "ahead"
+        self._still = gesture.farthest if gesture else REST
+        if self._picture:
+            self._picture.display, self._robot.display = False, True
+        self._draw()
+
     def speaking(self, sounds: bool) -> None:
         """Move the mouth from now on, or shut it."""
         if sounds != (self._sounds_since is not None):
@@ -180,6 +196,9 @@ class Agent(Horizontal):
         """Move again."""
         if self.is_held:
             self.is_held = False
+            if self._still:
+                self._still, self._gaze = None, "ahead"
+                self.look(self.face)
             self._go_on()
 
     @property
@@ -190,7 +209,7 @@ class Agent(Horizontal):
     @property
     def _pose(self) -> Pose:
         if self._gesture is None:
-            return REST
+            return self._still or REST
         return self._gesture.pose_at((self._clock.now() - self._began) / MS, self._from)
 
     def _go_on(self) -> None:

@@ -5,45 +5,50 @@ from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, Vertical
+from textual.containers import Vertical
+from textual.content import Content
 from textual.events import Click
 from textual.message import Message
 from textual.reactive import reactive
-from textual.widgets import Static
+from textual.widget import Widget
 
 from sar_tui.framework.parameters import show
 from sar_tui.widgets.parameter_field import ParameterField
 
+_TITLE = 28
+"""Columns that a title takes at least, so that what is told beside the titles stands in one column."""
 
-class Heading(Horizontal, can_focus=True):
-    """One line: the title, and beside it what is folded away under it."""
+
+class Heading(Widget, can_focus=True):
+    """One line: the title, beside it what is folded away under it, and while it has the focus, what Enter does."""
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter,space", "fold", "Fold or unfold", show=False, id="fold")]
+    DEFAULT_CSS = "Heading { height: 1; margin: 0 0 1 0; padding: 0 1; background: $surface; }"
+
+    title: reactive[str] = reactive("")
+    told: reactive[str] = reactive("")
+    hint: reactive[str] = reactive("")
+    is_wrong: reactive[bool] = reactive(False)
 
     class Pressed(Message):
         """Somebody wants to fold or unfold it."""
 
-    def __init__(self, title: str) -> None:
-        super().__init__()
-        self._title = title
-        self._told = ("", "", "")
-
-    def compose(self) -> ComposeResult:
-        yield Static(classes="heading", markup=False)
-        yield Static(classes="told", markup=False)
-        yield Static(classes="hint", markup=False)
-
-    def tell(self, words: str, hint: str, is_folded: bool) -> None:
-        """Show whether it is folded, some words on what is under it, and a hint while it has the focus."""
-        told = (f"{'▶' if is_folded else '▼'} {self._title}", words, hint)
-        if told != self._told:  # every update lays out the whole form anew
-            self._told = told
-            for part, text in zip((".heading", ".told", ".hint"), told, strict=True):
-                self.query_one(part, Static).update(text)
+    def render(self) -> Content:
+        """The parts that there is room for: of what is told, as much as fits."""
+        style = "bold reverse $accent" if self.has_focus else "bold $accent"
+        title = Content.assemble((self.title, style), " " * (_TITLE - len(self.title)))
+        hint = Content.styled(f" {self.hint}" if self.has_focus else "", "$text-muted")
+        room = max(self.content_size.width - title.cell_length - hint.cell_length, 0)
+        told = Content(self.told).truncate(room, ellipsis=True, pad=True)
+        return title + told.stylize("$warning" if self.is_wrong else "$text-muted") + hint
 
     def action_fold(self) -> None:
         """Ask the group to fold or unfold."""
         self.post_message(self.Pressed())
+
+    def on_focus(self) -> None:
+        """Be seen at once."""
+        self.scroll_visible(animate=False, immediate=True)
 
     def on_click(self, event: Click) -> None:
         """A click does what Enter does."""
@@ -52,7 +57,7 @@ class Heading(Horizontal, can_focus=True):
 
 
 class FieldGroup(Vertical):
-    """A heading and its fields.
+    """A heading and its fields, which are mounted when they are unfolded for the first time.
 
     While it is folded, the heading tells what is set under it that differs from the defaults.
 
@@ -64,49 +69,43 @@ class FieldGroup(Vertical):
 
     DEFAULT_CSS = """
     FieldGroup { height: auto; }
-    FieldGroup Heading { height: 1; margin: 0 0 1 0; padding: 0 1; background: $surface; }
-    FieldGroup .heading { width: auto; min-width: 26; margin: 0 2 0 0; text-style: bold; color: $accent; }
-    FieldGroup .told { width: 1fr; padding: 0 1 0 0; color: $text-muted; text-wrap: nowrap; text-overflow: ellipsis; }
-    FieldGroup .hint { width: auto; display: none; color: $text-muted; }
-    FieldGroup Heading:focus .hint { display: block; }
-    FieldGroup Heading:focus .heading { text-style: bold reverse; }
-    FieldGroup.wrong .told { color: $warning; }
     FieldGroup > .fields { height: auto; }
-    FieldGroup.folded > .fields { display: none; }
     """
-
-    folded: reactive[bool] = reactive(False, init=False)
 
     def __init__(self, title: str, fields: Iterable[ParameterField], folded: bool = False) -> None:
         super().__init__()
-        self.heading = Heading(title)
+        self.heading = Heading()
         self.fields = tuple(fields)
-        self.set_reactive(FieldGroup.folded, folded)
+        self._title = title
+        self._folded = folded
+        self._under = Vertical(*self.fields, classes="fields")
+
+    @property
+    def folded(self) -> bool:
+        """Whether only the heading is to be seen."""
+        return self._folded
 
     def compose(self) -> ComposeResult:
         yield self.heading
-        with Vertical(classes="fields"):
-            yield from self.fields
+        if not self.folded:
+            yield self._under
 
-    def on_mount(self) -> None:
-        """Begin folded, or not."""
-        self.watch_folded()
-
-    def watch_folded(self) -> None:
+    async def fold(self, folded: bool) -> None:
         """Hide the fields, or show them."""
-        self.set_class(self.folded, "folded")
+        self._folded = folded
+        if not folded and not self._under.is_attached:
+            await self.mount(self._under)
+        self._under.display = not folded
         self._tell()
 
-    def heed(self) -> None:
+    async def heed(self) -> None:
         """Its fields hold other values, or have been found wrong: what is wrong is never left folded away."""
-        wrong = any(field.has_class("wrong") for field in self.fields)
-        self.set_class(wrong, "wrong")
-        if wrong:
-            self.folded = False
+        if self.folded and any(field.problem for field in self.fields):
+            await self.fold(False)
         self._tell()
 
     def _tell(self) -> None:
-        count, wrong = len(self.fields), sum(field.has_class("wrong") for field in self.fields)
+        count, wrong = len(self.fields), sum(bool(field.problem) for field in self.fields)
         if not self.folded:
             words, hint = "", "Enter folds it"
         elif wrong:
@@ -115,12 +114,13 @@ class FieldGroup(Vertical):
             words, hint = f"● {', '.join(map(_in_short, changed))}", ""  # these words need the room
         else:
             words, hint = f"{count} settings, none changed" if count > 1 else "1 setting, not changed", "Enter opens it"
-        self.heading.tell(words, hint, self.folded)
+        self.heading.title = f"{'▶' if self.folded else '▼'} {self._title}"
+        self.heading.told, self.heading.hint, self.heading.is_wrong = words, hint, bool(wrong)
 
-    def on_heading_pressed(self, event: Heading.Pressed) -> None:
+    async def on_heading_pressed(self, event: Heading.Pressed) -> None:
         """Fold or unfold, and bring what is unfolded into view."""
         event.stop()
-        self.folded = not self.folded
+        await self.fold(not self.folded)
         if not self.folded:
             self._to_top()
 
@@ -130,7 +130,7 @@ class FieldGroup(Vertical):
         self._to_top()
 
     def _to_top(self) -> None:
-        self.call_after_refresh(self.heading.scroll_visible, animate=False, top=True)
+        self.call_after_refresh(self.heading.scroll_visible, animate=False, top=True, immediate=True)
 
 
 def _in_short(field: ParameterField) -> str:

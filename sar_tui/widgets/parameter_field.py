@@ -1,110 +1,135 @@
 """One field of the settings form, made from a parameter's declaration."""
 
-from collections.abc import Iterable
+from functools import lru_cache
 
 from textual import on
 from textual.app import ComposeResult
-from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.geometry import Size
 from textual.message import Message
-from textual.widgets import Input, Label, Select, Static
+from textual.widget import Widget
+from textual.widgets import Input
 
 from sar_tui.framework.parameters import Field, show
+from sar_tui.widgets.choice import Choice
 
 _YES_NO = ("yes", "no")
+_MARK, _TITLE, _EDITOR = 2, 26, 20
+"""Columns."""
 
 
-class ParameterField(Vertical):
+class ParameterField(Widget):
     """Title, value, unit, and under it what is allowed, what it means, or what is wrong.
+
+    It knows its value, and what is wrong with it, whether it stands on a screen or not; and all but the value it
+    draws itself, for a form has so many fields that a widget for each word would make it slow.
 
     Args:
         field: the declaration.
         value: what it is set to.
     """
 
-    DEFAULT_CSS = """
-    ParameterField { height: auto; padding: 0 1; margin: 0 0 1 0; }
-    ParameterField > Horizontal { height: 1; }
-    ParameterField .mark { width: 2; color: $accent; }
-    ParameterField .title { width: 26; }
-    ParameterField Input, ParameterField Select { width: 20; }
-    ParameterField .unit { width: 1fr; padding: 0 1; color: $text-muted; }
-    ParameterField .help { padding: 0 2; color: $text-muted; height: auto; }
-    ParameterField.wrong .help { color: $warning; }
-    ParameterField:focus-within .title { text-style: bold; }
+    DEFAULT_CSS = f"""
+    ParameterField {{ width: 1fr; height: auto; padding: 0 1; margin: 0 0 1 0; }}
+    ParameterField > Input, ParameterField > Choice {{ width: {_EDITOR}; margin: 0 0 0 {_MARK + _TITLE}; }}
     """
 
     class Changed(Message):
         """The field holds another value."""
 
-        def __init__(self, field: "ParameterField") -> None:
-            super().__init__()
-            self.field = field
-
     def __init__(self, field: Field, value: object) -> None:
         super().__init__(id=f"parameter-{field.name}")
         self.field = field
-        self._value = value
-        self._told = ("  ", field.help)
+        self.value = value
+        """What the field holds: the value that was kept, or the default; a truth value, or text as it was typed."""
+        self.problem = ""
+        """What is wrong with the value, if anything is."""
+        self._told = (self.is_changed, self.beneath)
 
     def compose(self) -> ComposeResult:
-        with Horizontal():
-            yield Static(self._told[0], classes="mark")
-            yield Label(self.field.title, classes="title", markup=False)
-            yield self._editor()
-            yield Label(self._about(), classes="unit", markup=False)
-        yield Static(self._told[1], classes="help", markup=False)
-
-    def _editor(self) -> Input | Select[str]:
         match self.field.kind:
             case "choice":
-                return _select(self.field.choices, str(self._value))
+                yield Choice(self.field.choices, str(self.value))
             case "bool":
-                return _select(_YES_NO, show(bool(self._value)))
+                yield Choice(_YES_NO, show(bool(self.value)))
             case _:
-                return Input(show(self._value), compact=True)
+                yield Input(show(self.value), compact=True)
 
-    def _about(self) -> str:
-        bounds = "" if self.field.choices else self.field.bounds
-        unit = f"{self.field.unit} " if self.field.unit else ""
-        return f"{unit}{f'({bounds})' if bounds else ''}"
+    def render(self) -> Content:
+        """All but the value itself, for which room is left."""
+        mark = "●" if self.is_changed else ""
+        lines = (
+            Content.assemble(
+                (f"{mark:{_MARK}}", "$accent"),
+                (f"{self.field.title:{_TITLE}}", "bold" if self.has_focus_within else ""),
+                (f"{'':{_EDITOR}} {self._about}", "$text-muted"),
+            ),
+            *(
+                Content.styled(f"  {line}", "$warning" if self.problem else "$text-muted")
+                for line in _wrapped(self.beneath, self.content_size.width)
+            ),
+        )
+        return Content("\n").join(lines)
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """The lines of a field so wide."""
+        return 1 + len(_wrapped(self.beneath, width))
 
     @property
-    def value(self) -> object:
-        """What the field holds: a truth value, or text as it was typed."""
-        return self._value
+    def _about(self) -> str:
+        bounds = "" if self.field.choices else self.field.bounds
+        return " ".join(filter(None, (self.field.unit, f"({bounds})" if bounds else "")))
+
+    @property
+    def beneath(self) -> str:
+        """What is wrong, or what the parameter means and what it is by default."""
+        default = f" Default: {show(self.field.default) or 'none'}." if self.is_changed else ""
+        return self.problem or self.field.help + default
 
     @property
     def is_changed(self) -> bool:
         """Whether it differs from the default."""
-        return show(self._value) != show(self.field.default)
+        return show(self.value) != show(self.field.default)
+
+    def focus_editor(self) -> None:
+        """Put the cursor into it."""
+        self.query_exactly_one("Input, Choice").focus()
 
     def reset(self) -> None:
         """Put the default back."""
-        editor = self.query_one("Input, Select")
-        if isinstance(editor, Input | Select):
-            editor.value = show(self.field.default)
+        self.value = self.field.default
+        for editor in self.children:
+            if isinstance(editor, Input | Choice):
+                editor.value = show(self.value)
 
     @on(Input.Changed)
-    @on(Select.Changed)
-    def _edited(self, event: Input.Changed | Select.Changed) -> None:
+    @on(Choice.Changed)
+    def _edited(self, event: Input.Changed | Choice.Changed) -> None:
         event.stop()
-        self._value = event.value == _YES_NO[0] if self.field.kind == "bool" else event.value
-        self.post_message(self.Changed(self))
+        if event.value != show(self.value):
+            self.value = event.value == _YES_NO[0] if self.field.kind == "bool" else event.value
+            self.post_message(self.Changed())
 
     def on_descendant_focus(self) -> None:
-        """The help beneath the editor is shown with it."""
-        self.call_after_refresh(self.scroll_visible, animate=False)
+        """The title stands out, and the help beneath the editor is shown with it."""
+        self.refresh()
+        self.scroll_visible(animate=False, immediate=True)
+
+    def on_descendant_blur(self) -> None:
+        """The title stands out no more."""
+        self.refresh()
 
     def tell(self, problem: str) -> None:
-        """Mark the field as changed from its default, and as wrong if there is a problem."""
-        default = f" Default: {show(self.field.default) or 'none'}." if self.is_changed else ""
-        told = ("● " if self.is_changed else "  ", problem or self.field.help + default)
-        if told != self._told:  # every update lays out the whole form anew
+        """Show the value as changed from its default or not, and as wrong if there is a problem."""
+        self.problem = problem
+        told = self.is_changed, self.beneath
+        if told != self._told:
             self._told = told
-            self.query_one(".mark", Static).update(told[0])
-            self.query_one(".help", Static).update(told[1])
-        self.set_class(bool(problem), "wrong")
+            if self.is_mounted:
+                self.refresh(layout=True)  # which lays out the whole form anew
 
 
-def _select(choices: Iterable[str], value: str) -> Select[str]:
-    return Select([(choice, choice) for choice in choices], value=value, allow_blank=False, compact=True)
+@lru_cache(maxsize=1024)
+def _wrapped(text: str, width: int) -> tuple[str, ...]:
+    """A text in lines that leave two columns on either side; a form measures every field several times."""
+    return tuple(line.plain for line in Content(text).wrap(max(width - 4, 1))) if text else ("",)

@@ -47,13 +47,17 @@ class ReachPerception(TimedNode):
     Args:
         analysis: how reaches are found and measured.
         still_ms: the rest after which a reach needs no key.
+        seat: whose hand it is; each of two has a node of their own.
     """
 
     name = "reach_perception"
     emits = (TIMER, REACH)
 
-    def __init__(self, analysis: AnalysisParameters, still_ms: int) -> None:
+    def __init__(self, analysis: AnalysisParameters, still_ms: int, seat: str = "A") -> None:
         super().__init__()
+        self._seat = seat
+        if seat != "A":
+            self.name = f"{self.name}_{seat.lower()}"
         self._analysis = analysis
         self._still_s = still_ms / 1000
         self._settled_s = max(SETTLED_S, analysis.thesis.still_ms / 1000 + MARGIN_S)
@@ -75,6 +79,8 @@ class ReachPerception(TimedNode):
     @on(SENSOR)
     def sensor_changed(self, sensor: SensorChanged) -> None:
         """What was measured before a sensor was attached is another story; what goes wrong in a reach is noted."""
+        if sensor.seat != self._seat:
+            return
         if sensor.state == "attached":
             self._blocks.clear()
             self._rate_hz = sensor.rate_hz
@@ -83,6 +89,8 @@ class ReachPerception(TimedNode):
 
     @on(IMU)
     def samples_came(self, block: ImuBlock) -> None:
+        if block.seat != self._seat:
+            return
         samples = unpack(block.samples)
         self._blocks.append(samples)
         newest = int(samples["at"][-1])
@@ -129,6 +137,8 @@ class ReachPerception(TimedNode):
     def prompted(self, prompt: Prompt) -> None:
         """A reach may begin; it may have begun with the key that asked for the prompt."""
         self._clear()
+        if prompt.seat not in ("", self._seat):
+            return
         self._prompt = prompt
         self._started = self.now if prompt.started is None else prompt.started
         self.set_timer("timeout", self.now + prompt.timeout)
@@ -137,7 +147,9 @@ class ReachPerception(TimedNode):
     def key_pressed(self, press: KeyPerceived) -> None:
         """The second press of the key says that the hand is back."""
         prompt = self._prompt
-        if prompt is None or self._ended is not None or press.repeat or press.key != prompt.expected:
+        if prompt is None or self._ended is not None or press.repeat or press.seat != self._seat:
+            return
+        if press.key != prompt.expected:
             return
         if press.gap is not None and press.gap < HELD:
             return
@@ -190,7 +202,7 @@ class ReachPerception(TimedNode):
         self.emit(
             REACH,
             ReachPerceived(
-                seat=self._prompt.seat,
+                seat=self._seat,
                 at=at,
                 delay=self.now - last,
                 onset=found.onset_ns,

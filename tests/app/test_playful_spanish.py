@@ -13,7 +13,7 @@ from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.runs import Plan
 from tests.app.chair import Chair, sit_down
 
-TASKS = ("keyboard", "reaching")
+TASKS = ("keyboard", "pairs", "reaching")
 USTED = re.compile(
     r"\b(su(?! sesgo)|sus|usted|le damos|verle|lo ha|ha (hecho|tenido)|haya vuelto"
     r"|tómese|hágal[oa]|púlsela|manténgala|(des)?conéctelo|tiene (?!\{)|puede (leer|desc)"

@@ -6,36 +6,49 @@ from typing import Annotated, Any
 import msgspec
 import pytest
 from textual.widget import Widget
-from textual.widgets import Select
 
 from sar_tui.app.screens.settings import SettingsScreen
 from sar_tui.framework.parameter_groups import grouped
 from sar_tui.framework.parameters import fields, meta, show
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.widgets.choice import Choice
 from sar_tui.widgets.field_group import FieldGroup
 from sar_tui.widgets.parameter_field import ParameterField
 from tests.app.chair import Chair, known, sit_down, stored
 
 
+def groups(chair: Chair) -> list[FieldGroup]:
+    return list(chair.app.screen.query(FieldGroup))
+
+
+def every_field(chair: Chair) -> list[ParameterField]:
+    """Those that are folded away as well."""
+    return [widget for found in groups(chair) for widget in found.fields]
+
+
 def field(chair: Chair, name: str) -> ParameterField:
-    return chair.app.screen.query_one(f"#parameter-{name}", ParameterField)
+    return next(widget for widget in every_field(chair) if widget.field.name == name)
+
+
+def lines(widget: ParameterField) -> list[str]:
+    """What a field draws."""
+    return str(widget.render()).splitlines()
 
 
 def reads(chair: Chair, name: str) -> str:
     """What stands under a field."""
-    return str(field(chair, name).query_one(".help").render())
+    return " ".join(" ".join(lines(field(chair, name))[1:]).split())
 
 
 def group(chair: Chair, title: str) -> FieldGroup:
     """The heading that begins with some words, and what stands under it."""
-    return next(found for found in chair.app.screen.query(FieldGroup) if title in heading(found))
+    return next(found for found in groups(chair) if title in found.heading.title)
 
 
 def heading(found: FieldGroup) -> str:
-    """All that stands in the line of a heading."""
-    parts = (str(found.query_one(part).render()) for part in (".heading", ".told"))
-    return " ".join(" ".join(parts).split())
+    """The title and what is told beside it."""
+    return f"{found.heading.title} {found.heading.told}".rstrip()
 
 
 def on_the_form(chair: Chair) -> str:
@@ -45,11 +58,11 @@ def on_the_form(chair: Chair) -> str:
 
 async def go_to(chair: Chair, name: str) -> None:
     """Put the cursor into a field, and open its heading for that."""
-    around = next(found for found in field(chair, name).ancestors if isinstance(found, FieldGroup))
+    around = next(found for found in groups(chair) if field(chair, name) in found.fields)
     if around.folded:
         around.heading.focus()
         await chair.press("enter")
-    field(chair, name).query_one("Input, Select").focus()
+    field(chair, name).focus_editor()
     await chair.settle()
 
 
@@ -96,9 +109,9 @@ async def test_tab_reaches_every_heading_and_every_field_under_it_in_order(data:
         group(chair, "Timing").heading.focus()
         await chair.press("enter")
         order: list[Widget] = []
-        for found in chair.app.screen.query(FieldGroup):
+        for found in groups(chair):
             inside = () if found.folded else found.fields
-            order += [found.heading, *(widget.query_one("Input, Select") for widget in inside)]
+            order += [found.heading, *(widget.query_one("Input, Choice") for widget in inside)]
         chain = chair.app.screen.focus_chain
         assert chain[: len(order)] == order
         assert [widget.id for widget in chain[len(order) :]] == ["save", "reset-all", "back"]
@@ -121,7 +134,7 @@ async def test_a_parameter_that_a_task_adds_has_a_field_with_no_other_change(
     async with sit_down(data, catalogue) as chair:
         chair.app.push_screen(SettingsScreen("P01", Drummed))
         await chair.settle()
-        assert len(chair.app.screen.query(ParameterField)) == len(fields(keyboard.Parameters)) + 2
+        assert len(every_field(chair)) == len(fields(keyboard.Parameters)) + 2
         await go_to(chair, "tempo")
         assert chair.sees("Tempo 3 beats (1 to 9)")
         assert chair.sees("How fast the drum beats.")
@@ -187,23 +200,19 @@ async def test_a_sensor_that_there_is_not_is_told_where_it_is_set(data: Path, ca
         assert "There is no" not in reads(chair, "imu")
 
 
-@pytest.mark.usefixtures("a_participant")
 async def test_a_dot_marks_what_differs_from_the_default(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("f2")
-        assert "●" not in chair.text
-        await fill(chair, "prompts_per_attempt", "5")
-        assert chair.sees("● Prompts per attempt 5")
-        await fill(chair, "prompts_per_attempt", "20")
-        assert "●" not in chair.text
-
-
-async def test_a_dot_marks_what_was_changed_before(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", prompts_per_attempt=5)
     async with sit_down(data, catalogue) as chair:
         await chair.press("f2")
         assert chair.sees("● Prompts per attempt 5")
         assert not chair.sees("not saved")
+        await fill(chair, "prompts_per_attempt", "20")
+        assert chair.sees("not saved")
+        await fill(chair, "attempts", "20")
+        await go_to(chair, "prompts_per_attempt")
+        assert "●" not in chair.text
+        await fill(chair, "prompts_per_attempt", "6")
+        assert chair.sees("● Prompts per attempt 6")
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -214,11 +223,11 @@ async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogu
         await fill(chair, "sequence_length", "6")
         await fill(chair, "attempts", "7")
         await chair.press("ctrl+r")
-        assert field(chair, "attempts").value == "20"
-        assert field(chair, "sequence_length").value == "6"
+        assert chair.sees("Attempts 20")
+        assert show(field(chair, "sequence_length").value) == "6"
         chair.app.screen.query_one("#reset-all").focus()
         await chair.press("enter")
-        assert not any(widget.is_changed for widget in chair.app.screen.query(ParameterField))
+        assert not any(widget.is_changed for widget in every_field(chair))
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -229,7 +238,7 @@ async def test_saved_settings_are_those_of_the_participants_next_session(data: P
         await fill(chair, "attempts", "3")
         await go_to(chair, "choice_set")
         await chair.press("enter", "down", "enter")
-        assert chair.app.screen.query_one("#parameter-choice_set").query_one(Select).value == "arrow keys"
+        assert chair.app.screen.query_one("#parameter-choice_set").query_one(Choice).value == "arrow keys"
         await chair.press("ctrl+s")
         assert chair.sees("saved for P01")
         await chair.press("escape", *["right"] * 3, "enter", "enter")
@@ -299,13 +308,13 @@ async def test_no_title_touches_its_value_and_no_unit_is_cut_off(data: Path, cat
         for name in ("keyboard", "reaching"):
             chair.app.push_screen(SettingsScreen("P01", catalogue.task(name)))
             await chair.settle()
-            for found in chair.app.screen.query(FieldGroup):
-                found.folded = False
+            for found in groups(chair):
+                await found.fold(False)
             await chair.settle()
-            for widget in chair.app.screen.query(ParameterField):
-                title, unit = widget.query_one(".title"), widget.query_one(".unit")
-                assert len(widget.field.title) <= title.size.width - 2, widget.field.name
-                assert len(str(unit.render()).rstrip()) <= unit.size.width, widget.field.name
+            for widget in every_field(chair):
+                line = lines(widget)[0]
+                assert line[2 + len(widget.field.title) : 28].strip() == ""
+                assert len(line) <= widget.content_size.width, widget.field.name
 
 
 # --- headings -------------------------------------------------------------------------------------------------------
@@ -318,7 +327,7 @@ async def test_the_form_opens_in_the_tasks_first_field_with_what_few_need_folded
     async with sit_down(data, catalogue) as chair:
         await chair.press("f2")
         assert field(chair, "prompts_per_attempt").has_focus_within
-        folded = {heading(found): found.folded for found in chair.app.screen.query(FieldGroup)}
+        folded = {heading(found): found.folded for found in groups(chair)}
         assert next(iter(folded)) == "▼ Keyboard reaction"
         assert [words for words in folded if folded[words]] == [
             "▶ Operator 10 settings, none changed",
@@ -326,19 +335,20 @@ async def test_the_form_opens_in_the_tasks_first_field_with_what_few_need_folded
         ]
 
 
-@pytest.mark.parametrize("key", ["enter", "space"])
 @pytest.mark.usefixtures("a_participant")
-async def test_a_heading_opens_and_folds_with_a_key(key: str, data: Path, catalogue: Catalogue) -> None:
+async def test_a_heading_opens_and_folds_with_a_key(data: Path, catalogue: Catalogue) -> None:
     async with sit_down(data, catalogue) as chair:
         await chair.press("f2", "pageup")
         assert chair.sees("▼ Keyboard reaction Enter folds it")
-        await chair.press(key)
+        await chair.press("enter")
         assert chair.sees("▶ Keyboard reaction 6 settings, none changed Enter opens it")
         assert not chair.sees("Prompts per attempt")
         await chair.press("tab")
         assert group(chair, "Session").heading.has_focus
-        await chair.press("up", key)
+        await chair.press("up", "space")
         assert chair.sees("Prompts per attempt 20")
+        await chair.press("space")
+        assert not chair.sees("Prompts per attempt")
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -355,19 +365,19 @@ async def test_a_heading_opens_with_a_click(data: Path, catalogue: Catalogue) ->
 async def test_page_keys_go_from_heading_to_heading_and_first_to_ones_own(data: Path, catalogue: Catalogue) -> None:
     async with sit_down(data, catalogue) as chair:
         await chair.press("f2")
-        groups = list(chair.app.screen.query(FieldGroup))
+        found = groups(chair)
         for key, at in (("pageup", 0), ("pageup", 0), ("pagedown", 1), ("pagedown", 2)):
             await chair.press(key)
-            assert groups[at].heading.has_focus
+            assert found[at].heading.has_focus
         chair.app.screen.query_one("#back").focus()
         for key in ("pageup", "pagedown"):
             await chair.press(key)
-            assert groups[-1].heading.has_focus
+            assert found[-1].heading.has_focus
         await go_to(chair, "start_level")
         await chair.press("pageup")
         assert chair.rows[2].split() == ["▼", "Difficulty", "Enter", "folds", "it"]
         await chair.press("pageup")
-        assert groups[1].heading.has_focus
+        assert found[1].heading.has_focus
 
 
 async def test_a_folded_heading_tells_what_differs_from_the_defaults(data: Path, catalogue: Catalogue) -> None:
@@ -378,9 +388,7 @@ async def test_a_folded_heading_tells_what_differs_from_the_defaults(data: Path,
         group(chair, "Operator").heading.focus()
         await chair.settle()
         assert chair.sees("▶ Operator ● feedback: approve, time to decide: 6000 ms")
-        await chair.press("enter")
-        assert heading(group(chair, "Operator")) == "▼ Operator"
-        await chair.press("enter", "ctrl+r")
+        await chair.press("ctrl+r")
         assert heading(group(chair, "Operator")) == "▶ Operator 10 settings, none changed"
         assert field(chair, "levels").is_changed
         assert chair.sees("not saved")
@@ -401,11 +409,6 @@ async def test_emptied_settings_are_told_as_none(data: Path, catalogue: Catalogu
 async def test_what_is_wrong_unfolds_its_heading(data: Path, catalogue: Catalogue) -> None:
     async with sit_down(data, catalogue) as chair:
         await chair.press("f2")
-        await fill(chair, "foreperiod_max_ms", "600")
-        group(chair, "Timing").heading.focus()
-        await chair.press("enter")
-        assert group(chair, "Timing").folded
-        field(chair, "foreperiod_min_ms").reset()
         await fill(chair, "foreperiod_max_ms", "400")
         assert reads(chair, "foreperiod_min_ms") == "Shortest wait (500 ms) is above the longest (400 ms)."
         group(chair, "Timing").heading.focus()
@@ -430,3 +433,68 @@ async def test_what_is_folded_away_is_saved_all_the_same(data: Path, catalogue: 
         assert heading(group(chair, "Timing")) == "▶ Timing ● quiet before a prompt: 700 ms"
         assert chair.sees("saved for P01")
     assert kept(data) == {"quiet_ms": 700}
+
+
+async def test_what_was_never_unfolded_is_saved_and_put_back_as_well(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=700, operator_lost_ms=3000)
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        group(chair, "Operator").heading.focus()
+        await chair.press("ctrl+r", "ctrl+s")
+        assert chair.sees("saved for P01")
+        assert kept(data) == {"quiet_ms": 700}
+        chair.app.screen.query_one("#reset-all").focus()
+        await chair.press("enter", "ctrl+s")
+        assert not any(field(chair, name).is_mounted for name in ("quiet_ms", "operator_lost_ms"))
+        group(chair, "Timing").heading.focus()
+        await chair.press("enter")
+        assert chair.sees("Quiet before a prompt 500")
+    assert kept(data) == {}
+
+
+async def test_what_is_kept_wrong_is_unfolded_as_the_form_opens(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=9999)
+    async with sit_down(data, catalogue, size=(80, 200)) as chair:
+        await chair.press("f2")
+        assert chair.sees("Quiet before a prompt is a whole number, 0 to 5000, not 9999.")
+        assert chair.sees("1 to mend")
+
+
+# --- choices --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_a_choice_is_made_from_a_list_that_opens(data: Path, catalogue: Catalogue) -> None:
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        await go_to(chair, "layout")
+        choice = field(chair, "layout").query_one(Choice)
+        await chair.press("down")
+        assert chair.sees("azerty")
+        await chair.press("down", "escape")
+        assert choice.has_focus
+        assert not chair.sees("azerty")
+        assert field(chair, "layout").value == "qwerty"
+        await chair.press("space", "a", "enter")
+        assert chair.sees("● Keyboard layout azerty ▼")
+        await chair.press("enter", "tab")
+        assert not choice.children
+        await chair.pilot.click(choice)
+        await chair.press("up", "enter")
+        assert field(chair, "layout").value == "qwerty"
+        await chair.pilot.click(choice)
+        await chair.pilot.click(choice)
+        await chair.settle()
+        assert choice.has_focus
+
+
+async def test_a_choice_that_there_is_no_more_is_told_and_another_can_be_made(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", attempts=20, layout="sholes")
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("f2")
+        assert chair.sees("Keyboard layout sholes ▼")
+        assert reads(chair, "layout").endswith(", not sholes.")
+        await go_to(chair, "layout")
+        await chair.press("enter", "enter")
+        assert field(chair, "layout").value == "qwerty"
+        assert not chair.sees("to mend")

@@ -64,6 +64,20 @@ def test_without_a_command_the_app_opens(call: Call, opened: list[dict[str, Any]
     assert (how["folder"], how["plan"], how["resume"]) == (tmp_path / "data", None, None)
 
 
+def test_run_seats_two_left_and_right(call: Call, opened: list[dict[str, Any]]) -> None:
+    assert call("run", "pairs", "-p", "p01", "-p", "p02", "--set", "policy=race").code == 7
+    plan = opened[0]["plan"]
+    assert (plan.task.name, plan.participant, plan.partner, plan.parameters.policy) == ("pairs", "P01", "P02", "race")
+
+
+def test_a_task_for_two_is_not_begun_with_one(call: Call, opened: list[dict[str, Any]]) -> None:
+    called = call("run", "pairs", "-p", "p01")
+    assert (called.code, opened) == (2, [])
+    assert called.err == (
+        "The task pairs is for two: name the participant on the left, and then the one on the right.\n"
+    )
+
+
 def test_run_plans_a_live_session(call: Call, opened: list[dict[str, Any]]) -> None:
     options = ("--set", "attempts=3", "--theme", "high-contrast", "--seed", 5)
     assert call("run", "keyboard", "-p", "p01", *options).code == 7

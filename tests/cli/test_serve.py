@@ -110,6 +110,6 @@ def test_without_the_extra_it_says_what_to_install(call: Call, monkeypatch: pyte
 def test_what_a_browser_is_shown_is_words_of_a_list_that_cannot_be_taken_for_others(tmp_path: Path) -> None:
     home = Home(tmp_path, (tmp_path / "tasks",))
     program = _program("observer", "--link; rm -rf /", None, home)
-    assert program[1:5] == ["-m", "sar_tui", "wizard", "--observe"]
+    assert program[1:6] == ["-P", "-m", "sar_tui", "wizard", "--observe"]
     assert program[-4:] == ["--tasks", str(tmp_path / "tasks"), "--", "--link; rm -rf /"]
     assert _program("agent", None, tmp_path / "an invitation", home)[-2:] == ["--link", str(tmp_path / "an invitation")]

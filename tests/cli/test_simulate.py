@@ -120,7 +120,7 @@ def test_bad_parameters_point_to_the_list_of_them(call: Call) -> None:
 
 def test_an_unknown_task_is_bad_input(call: Call) -> None:
     called = call("simulate", "juggling", "--user", "poor")
-    assert (called.code, called.err) == (2, "There is no task juggling. There is: keyboard, reaching.\n")
+    assert (called.code, called.err) == (2, "There is no task juggling. There is: keyboard, pairs, reaching.\n")
 
 
 def test_a_task_that_breaks_in_mid_session_is_a_failure_that_keeps_what_was_done(call: Call, tmp_path: Path) -> None:
@@ -167,3 +167,47 @@ def test_an_output_that_failed_is_told_at_the_end(call: Call, monkeypatch: pytes
     assert "the throat is dry" in hoarse["why"]
     told = f"! hoarse: {hoarse['failed']} of {hoarse['failed']} failed ({hoarse['why']})"
     assert call(*AVERAGE, *options).out.rstrip().split("\n")[-1] == told
+
+
+# --- two participants ------------------------------------------------------------------------------------------------
+
+
+def test_two_users_sit_left_and_right(call: Call) -> None:
+    called = call("simulate", "pairs", "--user", "competent", "--user", "poor", "--attempts", 3, "--seed", 2, "--json")
+    attempts = called.json["attempts"]
+    assert [(row["attempt"], row["seat"]) for row in attempts] == [(n, seat) for n in (1, 2, 3) for seat in "AB"]
+    means = {seat: sum(row["metric"] for row in attempts if row["seat"] == seat) for seat in "AB"}
+    assert means["A"] < means["B"]
+    (row,) = call("sessions", "-p", "sim-b", "--json").json["sessions"]
+    assert (row["participant"], row["partner"]) == ("SIM", "SIM-B")
+
+
+def test_a_session_of_two_is_told_seat_by_seat(call: Call) -> None:
+    called = call("simulate", "pairs", "--user", "average", "-p", "p01", "-p", "p02", "--attempts", 2, "--seed", 2)
+    assert called.code == 0
+    assert "seat" in called.out.splitlines()[0]
+    assert "Seat A: 2 attempts" in called.out
+    assert "Seat B: 2 attempts" in called.out
+    shown = call("show", "last").out
+    assert "Participant  P01, P02" in shown
+    assert shown.count("reaction time (ms)") == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        (("keyboard", "--user", "poor", "--user", "poor"), "The task keyboard is for 1: name no more with --user.\n"),
+        (
+            ("keyboard", "--user", "poor", "-p", "a", "-p", "b"),
+            "The task keyboard is for one: name one participant only.\n",
+        ),
+        (("pairs", "--user", "poor", "-p", "a", "-p", "A"), "A cannot sit at both seats: name two participants.\n"),
+        (
+            ("pairs", "--user", "poor", "-p", "a", "-p", "b", "-p", "c"),
+            "At most two can take part: name no more with -p.\n",
+        ),
+    ],
+)
+def test_too_many_and_the_same_twice_are_bad_input(call: Call, arguments: tuple[str, ...], why: str) -> None:
+    called = call("simulate", *arguments)
+    assert (called.code, called.err) == (2, why)

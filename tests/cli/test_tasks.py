@@ -42,9 +42,10 @@ def test_tasks_are_listed_with_title_summary_and_metric(call: Call) -> None:
 
 
 def test_tasks_json(call: Call) -> None:
-    row, reaching = call("tasks", "--json").json["tasks"]
+    row, pairs, reaching = call("tasks", "--json").json["tasks"]
     assert (row["name"], row["title"]) == ("keyboard", "Keyboard reaction")
     assert row["metric"]["better"] == "lower"
+    assert (pairs["name"], pairs["metric"]["name"]) == ("pairs", "reaction_time")
     assert (reaching["name"], reaching["metric"]["name"]) == ("reaching", "reach_time")
 
 
@@ -64,6 +65,9 @@ def test_a_task_shows_what_can_be_set(call: Call) -> None:
     assert called.code == 0
     for part in ("prompts_per_attempt", "1 to 200", "How many keys an attempt asks for.", "100 to 60000 ms"):
         assert part in called.out
+    words = called.out.split()
+    own, heading, common = words.index("sequence_length"), words.index("Session"), words.index("attempts")
+    assert own < heading < common
 
 
 def test_what_can_be_set_as_json(call: Call) -> None:

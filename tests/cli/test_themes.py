@@ -206,7 +206,7 @@ def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change)
     called = call("themes", "check", folder)
     assert called.code == 1
     assert "✓ can say everything in en" in called.out
-    assert "✗ can say everything in es (103 wordings)" in called.out
+    assert "✗ can say everything in es (126 wordings)" in called.out
     assert "    There is no wording for rest (es); the English is said." in called.out
     assert call("themes", "check", folder, "--json").json["english"] == {"es": ["rest"]}
 

@@ -6,14 +6,16 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from sar_tui.simulation.closed_loop import BARE, Block, run_block
 from sar_tui.simulation.scripted import NoPrompt, ScriptedParticipant, random_answers
-from sar_tui.simulation.terminal import Terminal, encode, visible
+from sar_tui.simulation.terminal import Terminal, encode, together, visible
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals on Windows")
 
@@ -95,6 +97,20 @@ def test_a_program_still_running_is_killed_at_the_end() -> None:
     assert terminal.process.returncode == -signal.SIGKILL
     with pytest.raises(ProcessLookupError):
         os.kill(terminal.process.pid, 0)
+
+
+def test_of_programs_that_are_together_none_stands_still_because_another_is_looked_at() -> None:
+    talks = "print('x' * 200_000, 'that is all', flush=True)"
+    with Terminal(python("print('begun'); input(); print('over')")) as one, Terminal(python(talks)) as other:
+        together(one, other)
+        one.wait_for("begun")
+        until = time.monotonic() + 20
+        while not other.ended and time.monotonic() < until:
+            one.read(time.monotonic_ns() + 10_000_000)
+        assert b"that is all" in other.output
+        one.press("enter")
+        one.wait_for("over")
+        assert b"that is all" not in one.output
 
 
 def test_what_does_not_come_is_told_with_what_came() -> None:
@@ -194,3 +210,16 @@ def test_the_closed_loop_joins_each_recorded_trial_with_its_truth(tmp_path: Path
     trials = run_block(BARE, Block(prompts=6, seed=2), tmp_path)
     assert len(trials) == 6
     assert not list(tmp_path.iterdir()), "nothing is left behind"
+
+
+def test_what_goes_on_beside_a_program_begins_before_the_first_prompt_and_ends_with_it(tmp_path: Path) -> None:
+    told: list[str] = []
+
+    @contextmanager
+    def beside(folder: Path, terminal: Terminal) -> Iterator[None]:
+        told.append("begins" if folder.is_dir() and b"Press:" not in terminal.output else "late")
+        yield
+        told.append("ends" if folder.is_dir() and terminal.process.poll() == 0 else "early")
+
+    run_block(msgspec.structs.replace(BARE, beside=beside), Block(prompts=2, seed=2), tmp_path)
+    assert told == ["begins", "ends"]

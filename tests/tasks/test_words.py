@@ -22,9 +22,10 @@ from sar_tui.store.database import connect
 from sar_tui.widgets.glyphs import draw
 from tests.english import english_in, phrases
 
-TASKS = ("keyboard", "reaching")
+TASKS = ("keyboard", "pairs", "reaching")
 SETTINGS: dict[str, dict[str, object]] = {
     "keyboard": {"attempts": 6, "prompts_per_attempt": 3, "practice_attempts": 1, "start_level": 9},
+    "pairs": {"attempts": 6, "prompts_per_attempt": 4, "practice_attempts": 1, "policy": "race"},
     "reaching": {"attempts": 6, "practice_attempts": 1, "feedback_on": "both", "imu": "simulated"},
 }
 
@@ -121,7 +122,7 @@ def test_a_session_in_spanish_says_nothing_in_english(name: str, person: str, da
     shown = list(told(data, name, person))
     said = phrases(Catalogue().theme("calm"), Catalogue().theme("calm", "es"))
     assert english_in(shown, translations(name) | said) == []
-    assert any("Su meta: " in text for text in shown)
+    assert any("meta: " in text for text in shown)
     assert {"intento de práctica 1 de 1", "intento 6 de 6"} <= set(shown)
 
 

@@ -85,6 +85,9 @@ class AgentScreen(Screen[None]):
     def gaze(self, where: str) -> None:
         self.agent.gaze(where)
 
+    def cue(self, gaze: str, gesture: Gesture | None) -> None:
+        self.agent.cue(gaze, gesture)
+
     def be_still(self) -> None:
         self.agent.be_still()
 

@@ -88,6 +88,9 @@ class AgentViewScreen(Screen[None]):
         elif self._agent.face in ("thinking", "sleeping") and waiting.stage != "paused":
             self._agent.look("listening")
 
+    def clear_agent(self, face: str) -> None:
+        self._agent.clear(face)
+
     def connected(self, connection: Connection) -> None:
         self._connection = connection
         if connection.state != "connected":
@@ -107,7 +110,8 @@ class AgentViewScreen(Screen[None]):
             case "connected":
                 told = ""
             case "connecting":
-                told = self.tr("One moment…")
+                why = self._connection.why
+                told = f"{self.tr('One moment…')}\n{why}" if why else self.tr("One moment…")
             case "lost":
                 told = self.tr("Out of reach for the moment; it comes back by itself.")
             case "away":

@@ -27,13 +27,14 @@ class PastSessionScreen(Screen[None]):
     def compose(self) -> ComposeResult:
         row = self._row
         began = sessions.local_time(row["started_at"])
-        yield Static(f"{row['participant']} · {row['task']} · {began} · {row['status']}", id="top", markup=False)
+        yield Static(f"{sessions.who(row)} · {row['task']} · {began} · {row['status']}", id="top", markup=False)
         yield Summary(provenance.metric(row["software"]), id="summary")
         yield Footer()
 
     def on_mount(self) -> None:
         attempts = [
             AttemptEnded(
+                seat=row["seat"],
                 attempt=row["attempt"],
                 practice=row["practice"],
                 level=row["level"],
@@ -45,11 +46,16 @@ class PastSessionScreen(Screen[None]):
                 goal=row["goal"],
                 outcome=row["outcome"],
                 feedback=row["feedback"],
+                qualities=row["qualities"],
                 started=row["started_ns"],
                 ended=row["ended_ns"],
             )
             for row in sessions.rows(self.app.database, "attempts", self._row["id"])
             if not row["practice"]
         ]
+        codes = {"A": self._row["participant"], "B": self._row["partner"]}
+        seats = [seat for seat, code in codes.items() if code]
+        each = [[one for one in attempts if one.seat == seat] for seat in seats]
+        names = [codes[seat] for seat in seats] if len(seats) > 1 else []
         for summary in self.query(Summary):
-            summary.show(attempts, self._row["status"])
+            summary.show(*each, status=self._row["status"], names=names)

@@ -1,6 +1,6 @@
 """The session's screen: what the participant sees, from the instructions to the summary."""
 
-from collections import deque
+from collections import Counter, deque
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import events
@@ -58,6 +58,7 @@ class SessionScreen(AgentScreen):
         self._reaches = 0
         self._mark = ""
         self._press = ""
+        self._won: Counter[str] = Counter()
 
     @property
     def help_text(self) -> str:
@@ -88,7 +89,7 @@ class SessionScreen(AgentScreen):
                     yield SpeedTrace(id="reaches")
                 yield Static("", id="enter", markup=False)
                 yield Static("", id="ask", markup=False)
-            yield BigPrompt(id="prompt")
+            yield BigPrompt(id="prompt", names=self._halves())
             yield PauseMenu(id="menu")
             yield Summary(session.task.metric, id="summary")
         yield from self.compose_agent()
@@ -175,7 +176,9 @@ class SessionScreen(AgentScreen):
         report_onset(self, self._live, prompt)
         if self._shown != "prompt":
             self._stage("prompt")
-        self.query_one(BigPrompt).show(prompt.glyph, prompt.text, prompt.hint)
+        big = self.query_one(BigPrompt)
+        big.name_halves(self._halves(prompt.seat))
+        big.show(prompt.glyph, prompt.text, prompt.hint, prompt.halves)
 
     def clear_prompt(self) -> None:
         self._quiet.end_trial()
@@ -184,6 +187,7 @@ class SessionScreen(AgentScreen):
     def begin_attempt(self, started: AttemptStarted) -> None:
         self._quiet.begin_attempt()
         self._mark = ""
+        self._won.clear()
 
     def reached(self, reach: ReachPerceived) -> None:
         if reach.trace_marks:
@@ -204,6 +208,9 @@ class SessionScreen(AgentScreen):
     def progress(self, done: int) -> None:
         self._count(done)
 
+    def won(self, seat: str) -> None:
+        self._won[seat] += 1
+
     def end_attempt(self, ended: AttemptEnded) -> None:
         self._quiet.end_attempt()
         self._count_attempts(ended.attempt)
@@ -219,6 +226,8 @@ class SessionScreen(AgentScreen):
                 self._quiet.begin_trial()
             return
         said = words(waiting, self._live.run.session.task)
+        if waiting.stage == "trial" and waiting.what == "quiet":
+            self.query_one(BigPrompt).name_halves(self._halves(waiting.seat))
         if waiting.reason == "held":
             self.ask(self.tr("Please let go of the keys for a moment."))
         elif said is not None:
@@ -238,12 +247,26 @@ class SessionScreen(AgentScreen):
         self.let_agent_move(not is_awaited)
 
     def end(self, ended: SessionEnded) -> None:
-        session = self._live.run.session
-        attempts = session.bus.call(RECALL, Recall()).attempts
-        self.query_one(Summary).show(attempts, ended.status)
+        task, bus = self._live.run.session.task, self._live.run.session.bus
+        attempts = {seat: bus.call(RECALL, Recall(seat=seat)).attempts for seat in task.seats}
+        codes = self._live.run.participants if len(task.seats) > 1 else {}
+        names = [f"{task.seat_name(seat)} ({code})" for seat, code in codes.items()]
+        self.query_one(Summary).show(*attempts.values(), status=ended.status, names=names)
         self._stage("summary")
 
     # --- what stands where ------------------------------------------------------------------------------------
+
+    def _halves(self, turn: str = "") -> list[str]:
+        """Where two take part: whose each half of the screen is, whose turn it is, and who won how often."""
+        task = self._live.run.session.task
+        if len(task.seats) == 1:
+            return []
+        return [self._half(task.seat_name(seat), self._won[seat], is_turn=seat == turn) for seat in task.seats]
+
+    def _half(self, name: str, won: int, *, is_turn: bool) -> str:
+        if is_turn:
+            return self.tr("[ {who}: your turn ]", who=name)
+        return self.tr("{who}, ahead: {count}", who=name, count=won) if won else name
 
     def _begin_trials(self, waiting: Waiting) -> None:
         self._count(waiting.trial - 1)

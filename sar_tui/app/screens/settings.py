@@ -37,7 +37,7 @@ class SettingsScreen(Screen[None]):
         "Page Down and Page Up go from heading to heading. Enter opens a heading, or folds it; "
         "Ctrl-R on a heading resets all under it.\n"
     )
-    AUTO_FOCUS = "ParameterField Input, ParameterField Select"
+    AUTO_FOCUS = "ParameterField Input, ParameterField Choice"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "save", "Save", id="save"),
         Binding("ctrl+r", "reset", "Reset this", id="reset"),
@@ -67,7 +67,7 @@ class SettingsScreen(Screen[None]):
                 self._fields += made
                 self._groups.append(FieldGroup(heading or self._motor_task.title, made, folded=heading in _FOLDED))
             yield from self._groups
-        self._saved = self._checked = self._shown()
+        self._saved = self._shown()
         with Horizontal(id="buttons"):
             yield Static("", id="status", markup=False)
             yield Button("Save", id="save", variant="primary", compact=True)
@@ -75,8 +75,8 @@ class SettingsScreen(Screen[None]):
             yield Button("Back", id="back", compact=True)
         yield Footer()
 
-    def on_mount(self) -> None:
-        self._check()
+    async def on_mount(self) -> None:
+        await self._check()
 
     def _values(self) -> dict[str, object]:
         return {widget.field.name: widget.value for widget in self._fields}
@@ -85,19 +85,14 @@ class SettingsScreen(Screen[None]):
         return [show(widget.value) for widget in self._fields]
 
     @on(ParameterField.Changed)
-    def _edited(self) -> None:
-        if self._shown() != self._checked:  # while the form opens, each field tells what it holds
-            self._check()
-
-    def _check(self) -> None:
+    async def _check(self) -> None:
         """Each by itself, and all together: settings that are each right may not go together."""
-        self._checked = self._shown()
         problems = self._problems()
         for widget in self._fields:
             widget.tell(problems.get(widget.field.name, ""))
         for group in self._groups:
-            group.heed()
-        unsaved = "not saved" if self._checked != self._saved else ""
+            await group.heed()
+        unsaved = "not saved" if self._shown() != self._saved else ""
         self.query_one("#status", Static).update(f"{len(problems)} to mend" if problems else unsaved)
 
     def _problems(self) -> dict[str, str]:
@@ -124,10 +119,10 @@ class SettingsScreen(Screen[None]):
         return {"language": f"{has} Type one of these, or give the theme a file phrases.{language}.toml."}
 
     @on(Button.Pressed, "#save")
-    def action_save(self) -> None:
+    async def action_save(self) -> None:
         """Keep the settings, if they can be."""
         if problems := self._problems():
-            self._go_to(next(iter(problems)))
+            await self._go_to(next(iter(problems)))
             return
         parameters = build(self._motor_task.Parameters, self._values())
         theme = participants.settings(self.app.database, self._participant, self._motor_task.name).theme
@@ -141,13 +136,13 @@ class SettingsScreen(Screen[None]):
         self._saved = self._shown()
         self.query_one("#status", Static).update(f"saved for {self._participant}")
 
-    def _go_to(self, name: str) -> None:
+    async def _go_to(self, name: str) -> None:
         """Put the cursor into a field, wherever it is folded away."""
         for group in self._groups:
             for widget in group.fields:
                 if widget.field.name == name:
-                    group.folded = False
-                    self.call_after_refresh(widget.query_one("Input, Select").focus)
+                    await group.fold(False)
+                    self.call_after_refresh(widget.focus_editor)
 
     def action_heading(self, step: int) -> None:
         """Go to the heading after that of the field with the focus, or back to its own, or to the one before."""
@@ -157,17 +152,19 @@ class SettingsScreen(Screen[None]):
             step = 0
         self._groups[max(0, min(here + step, end - 1))].go_to()
 
-    def action_reset(self) -> None:
+    async def action_reset(self) -> None:
         """Put back the default of the field that has the focus, or of all under the heading that has it."""
         for group in self._groups:
             for widget in group.fields:
                 if widget.has_focus_within or group.heading.has_focus:
                     widget.reset()
+        await self._check()
 
     @on(Button.Pressed, "#reset-all")
-    def _reset_all(self) -> None:
+    async def _reset_all(self) -> None:
         for widget in self._fields:
             widget.reset()
+        await self._check()
 
     @on(Button.Pressed, "#back")
     def action_leave(self) -> None:

@@ -18,62 +18,82 @@ class Summary(Vertical):
     def __init__(self, metric: Metric, id: str | None = None) -> None:
         super().__init__(id=id)
         self._metric = metric
-        self._attempts: Sequence[AttemptEnded] = ()
+        self._attempts: tuple[Sequence[AttemptEnded], ...] = ()
+        self._names: Sequence[str] = ()
 
     def compose(self) -> ComposeResult:
         yield Static("", id="facts", markup=False)
         yield Static("", id="plot")
         yield Static("", id="finish", markup=False)
 
-    def show(self, attempts: Sequence[AttemptEnded], status: str = "completed") -> None:
-        """Show a session's scored attempts."""
-        self._attempts, tr = attempts, language_of(self.app)
-        self.query_one("#facts", Static).update(self._facts(status))
+    def show(self, *attempts: Sequence[AttemptEnded], status: str = "completed", names: Sequence[str] = ()) -> None:
+        """Show a session's scored attempts; where two took part, those of each, and what they are called."""
+        self._attempts, self._names, tr = attempts, names, language_of(self.app)
+        facts = [self._facts(each, status) for each in attempts]
+        if names:
+            facts = [tr("{who}: {words}", who=who, words=words) for who, words in zip(names, facts, strict=True)]
+        self.query_one("#facts", Static).update("\n".join(facts))
         self.query_one("#finish", Static).update(tr("Press Enter to finish."))
         self.call_after_refresh(self._draw)
 
     def on_resize(self) -> None:
         self._draw()
 
-    def _facts(self, status: str) -> str:
-        tr, count = language_of(self.app), len(self._attempts)
+    def _facts(self, attempts: Sequence[AttemptEnded], status: str) -> str:
+        tr, count = language_of(self.app), len(attempts)
         if status == "completed":
             done = tr("You did 1 attempt") if count == 1 else tr("You did {count} attempts", count=count)
         else:
             done = tr("Ended early, after 1 attempt")
             if count != 1:
                 done = tr("Ended early, after {count} attempts", count=count)
-        reached = [a.metric for a in self._attempts if a.outcome == "success" and a.metric is not None]
+        reached = [a.metric for a in attempts if a.outcome == "success" and a.metric is not None]
+        won = [a.qualities["won"] for a in attempts if "won" in a.qualities]
+        raced = tr("Ahead in {won} of {trials}.", won=round(sum(won)), trials=sum(a.trials for a in attempts))
+        ahead = f" {raced}" if won else ""
         if not reached:
-            return f"{done}."
+            return f"{done}.{ahead}"
         best = (min if self._metric.better == "lower" else max)(reached)
-        return tr(
+        facts = tr(
             "{done}; goal reached in {count}. Best: {best}. Highest level: {level}.",
             done=done,
             count=len(reached),
             best=self._metric.show(best),
-            level=max(a.level for a in self._attempts),
+            level=max(a.level for a in attempts),
         )
+        return f"{facts}{ahead}"
 
     def _draw(self) -> None:
-        from sar_tui.plot import EMPTY, LEVEL, MISSED, REACHED, attempts_figure
+        from sar_tui.plot import EMPTY, LEVEL, MISSED, REACHED
 
-        plot, tr = self.query_one("#plot", Static), language_of(self.app)
-        if not self._attempts or plot.size.width < 20 or plot.size.height < 6:
+        plot = self.query_one("#plot", Static)
+        figures = [
+            self._figure(each, plot.size.width // len(self._attempts), plot.size.height) for each in self._attempts
+        ]
+        if not figures or not all(figures):
             return
-        figure = attempts_figure(
-            [a.level for a in self._attempts],
-            [a.metric for a in self._attempts],
-            metric=tr(self._metric.label),
-            goals=[a.goal or 0.0 for a in self._attempts],
-            width=plot.size.width,
-            height=plot.size.height,
-            color=False,
-            outcomes=[a.outcome for a in self._attempts],
-            tr=tr,
-        )
-        text = Text(figure)
+        text = Text("\n".join(map("".join, zip(*figures, strict=True))))
         colors = self.app.theme_variables
         for marks, color in ((LEVEL, "text-muted"), (REACHED, "success"), (MISSED + EMPTY, "warning")):
             text.highlight_regex(f"[{marks}]+", colors[color])
         plot.update(text)
+
+    def _figure(self, attempts: Sequence[AttemptEnded], width: int, height: int) -> list[str]:
+        """The lines of a plot, each of that width; none where there is nothing to draw, or no room."""
+        from sar_tui.plot import attempts_figure
+
+        tr = language_of(self.app)
+        if not attempts or width < 20 or height < 6:
+            return []
+        figure = attempts_figure(
+            [a.level for a in attempts],
+            [a.metric for a in attempts],
+            metric=tr(self._metric.label),
+            goals=[a.goal or 0.0 for a in attempts],
+            width=width,
+            height=height,
+            color=False,
+            outcomes=[a.outcome for a in attempts],
+            tr=tr,
+        )
+        return [line.ljust(width) for line in figure.splitlines()]

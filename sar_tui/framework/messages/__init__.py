@@ -53,8 +53,8 @@ from sar_tui.framework.messages.inputs import (
 )
 from sar_tui.framework.messages.loop import (
     AttemptEnded,
-    AttemptStarted,
     Attempts,
+    AttemptStarted,
     CueGiven,
     Fault,
     Feedback,

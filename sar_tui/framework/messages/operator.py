@@ -86,13 +86,15 @@ class OperatorChanged(Message, frozen=True, kw_only=True):
     """Somebody came to the link or left it, or is no longer heard.
 
     ``state``: ``joined``, ``left``, ``lost`` (``detail`` says how that was seen), ``baton`` (they hold it from here
-    on). ``operated``: whether there is an operator with the baton now. ``peers``: who is there, by name.
+    on). ``operated``: whether there is an operator with the baton now. ``holder``: who that is, by name; empty where
+    there is none. ``peers``: who is there, by name.
     """
 
     actor: str
     role: Role = "operator"
     state: Literal["joined", "left", "lost", "baton"]
     operated: bool
+    holder: str = ""
     detail: str = ""
     peers: dict[str, Role] = {}
 

@@ -44,6 +44,10 @@ RULES: dict[Kind, _Rule] = {
 filler has begun when the answer comes, and is heard out."""
 
 
+_TOWARDS = {"A": "left", "B": "right"}
+"""Where the agent looks when it speaks to one of two."""
+
+
 class ActionCenter(Node):
     """Turns what happens into words, a face, a gesture: each with its importance."""
 
@@ -58,6 +62,8 @@ class ActionCenter(Node):
         self._answers = Answers(task, self._words)
         self._instructed = False
         self._ready_for = 0
+        self._answered = 0
+        self._names: dict[str, str] = {}
 
     @on(THEME)
     def wear(self, worn: ThemeWorn) -> None:
@@ -67,28 +73,45 @@ class ActionCenter(Node):
     @on(SESSION)
     def greet(self, session: SessionStarted) -> None:
         self._instructed = False
-        self._propose("greeting", self._words("greeting" if session.run == 1 else "welcome_back"))
+        self._names = session.names
+        self._propose("greeting", self._to_all("greeting" if session.run == 1 else "welcome_back"))
 
     @on(SESSION_ENDED)
     def say_goodbye(self, ended: SessionEnded) -> None:
         """Who stops early, in pain perhaps, is not waved at."""
         how = "goodbye" if ended.status == "completed" else "goodbye_early"
-        self._propose("goodbye", self._words(how), how)
+        self._propose("goodbye", self._to_all(how), how)
 
     @on(FEEDBACK)
     def answer(self, feedback: Feedback) -> None:
         recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level))
         answer = self._answers.answer(feedback, recalled)
         plain = answer.valence == "neutral" or answer.degree == "clear"
+        follows = self._answered == feedback.attempt and feedback.seat != self._task.seats[0]
+        self._answered = feedback.attempt
         self._propose(
             "feedback",
-            answer.text,
+            self._to(feedback.seat, answer.text),
             answer.valence if plain else f"{answer.valence}_{answer.degree}",
+            seat=feedback.seat,
             valence=answer.valence,
             degree=answer.degree,
             attempt=feedback.attempt,
             due=feedback.due,
+            joins=follows,
+            policy="queue" if follows else None,
         )
+
+    def _to(self, seat: str, words: str) -> str:
+        """Words for one of several: they say for whom they are."""
+        if len(self._task.seats) == 1:
+            return words
+        who = self._names.get(seat) or self._task.seat_name(seat)
+        return self._task.tr("{who}: {words}", who=who, words=words)
+
+    def _to_all(self, situation: str) -> str:
+        """Words for all who sit there."""
+        return self._words(situation if len(self._task.seats) == 1 else f"{situation}_both")
 
     @on(STALLING)
     def cover(self, stalling: Stalling) -> None:
@@ -107,11 +130,11 @@ class ActionCenter(Node):
 
     def _before_attempt(self, waiting: Waiting) -> None:
         parameters = self._task.parameters
-        attempts = self.ask(RECALL, Recall(seat=waiting.seat)).attempts
+        attempts = self.ask(RECALL, Recall(seat=self._task.seats[0])).attempts
         if encouragement.rest_due(len(attempts), parameters.rest_every):
-            self._propose("rest", self._words("rest"), attempt=waiting.attempt, joins=True)
+            self._propose("rest", self._to_all("rest"), attempt=waiting.attempt, joins=True)
         elif parameters.encouragement and encouragement.is_hard(attempts, waiting.level):
-            self._propose("encouragement", self._words("encouragement"), attempt=waiting.attempt, joins=True)
+            self._propose("encouragement", self._to_all("encouragement"), attempt=waiting.attempt, joins=True)
 
     def _propose(
         self,
@@ -126,6 +149,7 @@ class ActionCenter(Node):
         attempt: int = 0,
         due: int = 0,
         joins: bool = False,
+        policy: Policy | None = None,
     ) -> None:
         self._words.count += 1
         theme = self._words.theme
@@ -140,14 +164,14 @@ class ActionCenter(Node):
                 spoken=theme.spoken(text if spoken is None else spoken),
                 face=how.face,
                 gesture=how.gesture,
-                gaze=how.gaze,
+                gaze=_TOWARDS[seat] if kind == "feedback" and len(self._task.seats) > 1 else how.gaze,
                 tone=how.tone,
                 valence=valence,  # type: ignore[arg-type]
                 degree=degree,  # type: ignore[arg-type]
                 attempt=attempt,
                 joins=joins,
                 priority=RULES[kind].priority,
-                policy=RULES[kind].policy,
+                policy=policy or RULES[kind].policy,
                 due=due,
             ),
         )

@@ -79,6 +79,7 @@ class Arbiter(TimedNode):
         self._has_operators = False
         self._remarks = self._levels = 0
         self._stalling = ""
+        self._scored: dict[tuple[str, int], tuple[str, int]] = {}
 
     # --- the session -----------------------------------------------------------------------------------------
 
@@ -94,10 +95,15 @@ class Arbiter(TimedNode):
 
     @on(SESSION)
     def session_started(self, _: m.SessionStarted) -> None:
-        """A run begins: what was under way in another is over, and so is whoever was there."""
+        """A run begins: what was under way in another is over, and so is whoever was there.
+
+        Words that waited are late now; a level that waited is not.
+        """
         self._outputs, self._announced = self._announced, []
         self.cancel_timers()
         self._agenda.abandon()
+        for offer in self._offers.clear(lambda offer: offer.level is not None):
+            self._do_without_operator(offer)
         self._drop("late")
         self._rules = msgspec.structs.replace(self._rules, operated=False)
         self._is_closed = False
@@ -128,8 +134,17 @@ class Arbiter(TimedNode):
 
     @on(ATTEMPT_ENDED)
     def attempt_ended(self, ended: m.AttemptEnded) -> None:
-        """An attempt that is scored once more is answered anew, if it has not been answered yet."""
+        """An attempt that is scored once more is answered anew, if it has not been answered yet.
+
+        If it comes out another way and no level was asked for with that, the level that waits is not called for.
+        """
         here = (ended.seat, ended.attempt)
+        before = self._scored.get(here)
+        self._scored = {at: known for at, known in self._scored.items() if at[1] == ended.attempt}
+        self._scored[here] = (ended.outcome, self._levels)
+        if before and before[0] != ended.outcome and before[1] == self._levels:
+            for offer in self._offers.clear(lambda offer: offer.level is not None):
+                self._give_up(offer, "amended", "mode")
         self._drop("amended", lambda saying: saying.kind == "feedback" and (saying.seat, saying.attempt) == here)
         self._tell()
 
@@ -203,12 +218,8 @@ class Arbiter(TimedNode):
         self._has_operators = True
         self._rules = msgspec.structs.replace(self._rules, operated=changed.operated)
         if not changed.operated:
-            acts = self._parameters.operator_lost == "autonomous"
             for offer in self._offers.clear():
-                if acts:
-                    self._act(offer, "agent", "no operator")
-                else:
-                    self._give_up(offer, "no operator", "no operator")
+                self._do_without_operator(offer)
         self._go_on()
 
     @on(MODE)
@@ -304,6 +315,12 @@ class Arbiter(TimedNode):
             self._rule_level(offer, "accepted", offer.level, actor, ground)
         else:
             self._take_turn(accepted(offer.proposal, actor, ground, offer, self.now))
+
+    def _do_without_operator(self, offer: Offer) -> None:
+        if self._parameters.operator_lost == "autonomous":
+            self._act(offer, "agent", "no operator")
+        else:
+            self._give_up(offer, "no operator", "no operator")
 
     def _take_turn(self, action: Action) -> None:
         """It is decided, and waits for its turn; what was to cover the wait is needed no more."""

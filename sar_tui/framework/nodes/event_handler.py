@@ -11,10 +11,11 @@ from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.nodes.trials import Trials
 from sar_tui.framework.obstacles import Obstacles
 from sar_tui.framework.phase import ENTER_GOES_ON, IN_TRIAL, MARKABLE, OVER, PAUSES, Phase
-from sar_tui.framework.task import Mark, Result, Task
+from sar_tui.framework.task import Mark, Result, Results, Task
 from sar_tui.framework.topics import (
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
+    CUE,
     FEEDBACK,
     LEVEL,
     LEVEL_RULED,
@@ -43,6 +44,7 @@ class EventHandler(Trials):
         TIMER,
         WAITING,
         ATTEMPT_STARTED,
+        CUE,
         PROMPT,
         VOIDED,
         TRIAL,
@@ -59,11 +61,11 @@ class EventHandler(Trials):
         super().__init__(task)
         self.vital = vital
         self._course = Course(task, seed)
-        self._unmarked: Result
+        self._unmarked: Results
         self._marked: Mark | None = None
         self._paused_from = Phase.INSTRUCTIONS
         self._pause_reason = ""
-        self._obstacles = Obstacles(needs_sensor=bool(task.sensors))
+        self._obstacles = Obstacles(task.seats if task.sensors else ())
         self._after_answer = Phase.READY
         self._answer_due = 0
         self._is_owing = False
@@ -223,11 +225,15 @@ class EventHandler(Trials):
         """Score, adapt, answer: in this order, so that memory holds the attempt before it is spoken of."""
         scored = self._course.score(self.now)
         self._tell(scored)
-        if scored.is_answered:
-            self.emit(FEEDBACK, scored.feedback)
+        self._answer(scored)
         self._after_answer = Phase.READY if self._course.advance() else Phase.REVIEW
-        self._answer_due = scored.feedback.due
+        self._answer_due = max(one.feedback.due for one in scored.each)
         self._await_answer()
+
+    def _answer(self, scored: Scored) -> None:
+        for one in scored.each:
+            if one.is_answered:
+                self.emit(FEEDBACK, one.feedback)
 
     def _await_answer(self) -> None:
         """An answer that comes after a delay is waited for; the next attempt does not begin before."""
@@ -257,13 +263,14 @@ class EventHandler(Trials):
         """The participant wants to know how the last attempt went."""
         if asked := self._course.ask(self.now):
             self._tell(asked)
-            self.emit(FEEDBACK, asked.feedback)
+            self._answer(asked)
             self._wait(self._phase)
 
     def _tell(self, scored: Scored) -> None:
-        """The attempt; and the level that follows from it, if no operator has to be asked first."""
-        self.emit(ATTEMPT_ENDED, scored.ended)
-        if scored.level and self.ask(RULE, scored.level).happens:
+        """The attempt; and the level that follows, if no operator has to be asked: after the last attempt none is."""
+        for one in scored.each:
+            self.emit(ATTEMPT_ENDED, one.ended)
+        if scored.level and (self._course.is_last or self.ask(RULE, scored.level).happens):
             self.emit(LEVEL, scored.level)
         elif scored.level:
             self._course.hold(scored.level)
@@ -286,13 +293,13 @@ class EventHandler(Trials):
 
     # --- trials and marks -----------------------------------------------------------------------------------
 
-    def _trial_done(self, result: Result) -> Result:
-        self._unmarked = result
+    def _trial_done(self, results: Results) -> Results:
+        self._unmarked = results
         self._marked = self._trial.mark
-        result = self._marked.applied(result) if self._marked else result
-        self._course.results.append(result)
+        results = _marked(results, self._marked)
+        self._course.results.append(results)
         self._last_trial = self._course.last_trial
-        return result
+        return results
 
     def _next(self) -> None:
         if self._course.is_attempt_done:
@@ -312,21 +319,24 @@ class EventHandler(Trials):
             return
         attempt, trial = last
         self._marked = None if self._marked is mark else mark
-        marked = self._marked.applied(self._unmarked) if self._marked else self._unmarked
+        marked = _marked(self._unmarked, self._marked)
         name = self._marked.name if self._marked else ""
-        self.emit(MARKED, m.TrialMarked(attempt=attempt, trial=trial, mark=name, correct=marked.correct))
+        for seat, result in marked.items():
+            told = m.TrialMarked(seat=seat, attempt=attempt, trial=trial, mark=name, correct=result.correct)
+            self.emit(MARKED, told)
         is_pending = self._phase is Phase.ANSWER and self._answer_due > self.now
         if scored := self._course.amend(marked, is_told=not is_pending):
             self._tell(scored)
-            if is_pending and scored.is_answered:
-                self.emit(FEEDBACK, scored.feedback)
+            if is_pending:
+                self._answer(scored)
             self._wait(self._phase)
 
     def _marked_open(self, mark: Mark | None) -> None:
         self._trial.mark = mark
         attempt, trial = self._course.attempt, self._course.trial
         name, correct = (mark.name, mark.counts) if mark else ("", True)
-        self.emit(MARKED, m.TrialMarked(attempt=attempt, trial=trial, mark=name, correct=correct))
+        for seat in self._trial.seats:
+            self.emit(MARKED, m.TrialMarked(seat=seat, attempt=attempt, trial=trial, mark=name, correct=correct))
 
     # --- waiting ------------------------------------------------------------------------------------------------
 
@@ -342,10 +352,23 @@ class EventHandler(Trials):
         why = reason or self._reason
         notice = self._notice_for(phase)
         detail = self._obstacles.says(why)
-        self.emit(WAITING, waiting(phase, self._course, self.task, notice=notice, reason=why, detail=detail))
+        told = waiting(phase, self._course, self.task, notice=notice, reason=why, detail=detail, seat=self._turn)
+        self.emit(WAITING, told)
+
+    @property
+    def _turn(self) -> str:
+        """Whose turn it is, as far as that may be known; empty: everybody's."""
+        if len(self.task.seats) == 1:
+            return self.task.seats[0]
+        return self._trial.turn if self._phase in IN_TRIAL else ""
 
     def _notice_for(self, phase: Phase) -> str:
         """What has to be known first: that a trial is done again, or that the level is another."""
         if phase is Phase.READY and self._course.level != self._told_level:
             return self.task.notice(self._course.level, self._told_level)
         return self._notice if phase is Phase.START else ""
+
+
+def _marked(results: Results, mark: Mark | None) -> Results:
+    """The results of a trial with a therapist's mark, if there is one."""
+    return {seat: mark.applied(result) for seat, result in results.items()} if mark else results

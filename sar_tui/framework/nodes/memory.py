@@ -13,12 +13,12 @@ class Memory(Node):
     def __init__(self) -> None:
         super().__init__()
         self._attempts: dict[tuple[str, int], AttemptEnded] = {}
-        self._earlier_best: dict[str, float] = {}
+        self._earlier_best: dict[str, dict[str, float]] = {}
 
     @on(SESSION)
     def session_started(self, session: SessionStarted) -> None:
         """What was achieved in earlier sessions is told at the beginning."""
-        self._earlier_best = session.best
+        self._earlier_best = {session.seat: session.best, **session.others_best}
 
     @on(ATTEMPT_ENDED)
     def attempt_ended(self, attempt: AttemptEnded) -> None:
@@ -33,5 +33,5 @@ class Memory(Node):
                 for attempt in self._attempts.values()
                 if attempt.seat == request.seat and not attempt.practice and request.level in (None, attempt.level)
             ),
-            earlier_best=self._earlier_best.get(str(request.level)),
+            earlier_best=self._earlier_best.get(request.seat, {}).get(str(request.level)),
         )

@@ -8,8 +8,8 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.node import STALLED, TimedNode, on
 from sar_tui.framework.phase import BEFORE_PROMPT, IN_TRIAL, Phase
-from sar_tui.framework.task import Again, Mark, Result, Task
-from sar_tui.framework.topics import ACTING, FOCUS, PASTE, PERCEIVED, PROMPT, REACH, SHOWN, STORED, TRIAL, VOIDED
+from sar_tui.framework.task import Again, Mark, Result, Results, Task
+from sar_tui.framework.topics import ACTING, CUE, FOCUS, PASTE, PERCEIVED, PROMPT, REACH, SHOWN, STORED, TRIAL, VOIDED
 from sar_tui.framework.trial import OpenTrial
 
 GRACE = 50 * MS
@@ -27,7 +27,8 @@ class Trials(TimedNode):
 
     A trial runs (start) → quiet → foreperiod → (storing) → onset → response; a key in the foreperiod begins it anew;
     a pause, a sensor that comes loose, or the end of the program, voids it, and it is repeated under the same number
-    with the same prompt. It does not go on towards its prompt while the agent speaks or moves.
+    with the same prompt. It does not go on towards its prompt while the agent speaks or moves. Where several take part
+    it ends for all of them at once; the keys of those whose turn it is not do nothing.
     """
 
     def __init__(self, task: Task) -> None:
@@ -55,8 +56,8 @@ class Trials(TimedNode):
         """A key where no trial is under way."""
         raise NotImplementedError
 
-    def _trial_done(self, result: Result) -> Result:
-        """A trial has its result. Returns it as it is to be kept."""
+    def _trial_done(self, results: Results) -> Results:
+        """A trial has its results. Returns them as they are to be kept."""
         raise NotImplementedError
 
     def _next(self) -> None:
@@ -127,6 +128,8 @@ class Trials(TimedNode):
         wait = self._trial.draw_foreperiod(self.parameters.foreperiod_min_ms, self.parameters.foreperiod_max_ms)
         self._wait(Phase.FOREPERIOD)
         self.set_timer("foreperiod", self.now + wait)
+        if cue := self._trial.stimulus.cue:
+            self.set_timer("cue", max(self.now, self.now + wait - cue.lead_ms * MS))
 
     def timer(self, name: str, late: int) -> None:
         match name:
@@ -134,6 +137,8 @@ class Trials(TimedNode):
                 self._when_agent_is_still(self._await_quiet)
             case "quiet":
                 self._begin_foreperiod()
+            case "cue":
+                self.emit(CUE, self._trial.cue(self.now))
             case "foreperiod":
                 self._show_when_stored()
             case "timeout" if late > STALLED:
@@ -149,7 +154,9 @@ class Trials(TimedNode):
         """A key where none belongs: wait for quiet, and begin the foreperiod anew."""
         if self._phase is not Phase.QUIET:
             self._trial.false_starts += 1
+            self._trial.cued = None
             self.cancel_timer("foreperiod")
+            self.cancel_timer("cue")
             self._await_quiet()
         else:
             self._set_quiet_timer()
@@ -224,6 +231,10 @@ class Trials(TimedNode):
             self._trial.flag("focus_lost")
 
     def _judge(self, percept: m.Percept) -> None:
+        if percept.seat not in self._trial.seats:
+            if percept.seat:
+                self._trial.flag("other_seat")
+            return
         if percept.repeat:
             self._trial.flag("repeat_key")
             return
@@ -247,15 +258,22 @@ class Trials(TimedNode):
         else:
             self._finish(Result(correct=False, flags=("unmeasured", again.reason), remark=again.words))
 
-    def _finish(self, result: Result) -> None:
+    def _finish(self, result: Result | Results) -> None:
         """Record the trial, and go on to the next or to the end of the attempt."""
         self.cancel_timers()
-        latency = self._trial.latency_ms(result)
-        if latency is not None and latency < self.parameters.min_rt_ms:
-            result = msgspec.structs.replace(result, flags=(*result.flags, "anticipation"))
+        results = result if isinstance(result, dict) else dict.fromkeys(self._trial.seats, result)
         self._agains = 0
-        self.emit(TRIAL, self._trial.ended(self._trial_done(result)))
+        kept = self._trial_done({seat: self._flagged(mine) for seat, mine in results.items()})
+        for seat, mine in kept.items():
+            self.emit(TRIAL, self._trial.ended(mine, seat))
         self._next()
+
+    def _flagged(self, result: Result) -> Result:
+        """A result, marked if it came too soon to be a response."""
+        latency = self._trial.latency_ms(result)
+        if latency is None or latency >= self.parameters.min_rt_ms:
+            return result
+        return msgspec.structs.replace(result, flags=(*result.flags, "anticipation"))
 
     def _void(self, reason: str) -> None:
         """Break a trial off; it will be repeated."""

@@ -8,7 +8,9 @@ from sar_tui.framework.messages import Degree, FeedbackChoice, Outcome, Valence
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.task import Metric, Score, Target
 
-Reason = Literal["goal", "missed", "band", "accuracy", "empty"]
+Reason = Literal["goal", "missed", "band", "accuracy", "empty", "won", "lost", "drawn"]
+RACED = ("won", "lost", "drawn")
+"""The reasons that a race gives."""
 Content = Literal["results", "performance", "both"]
 
 RAREST = 10
@@ -66,6 +68,24 @@ def judge(score: Score, metric: Metric, target: Target, min_accuracy: float) -> 
     if abs(score.metric - target.threshold) <= target.neutral_band + _ROUNDING * abs(target.threshold):
         return Judgement(outcome, "neutral", "band")
     return Judgement(outcome, "positive", "goal") if success else Judgement(outcome, "negative", "missed")
+
+
+def judge_race(scores: dict[str, Score], verdicts: dict[str, Judgement]) -> dict[str, Judgement]:
+    """What to tell those who raced: how often each was the first, whatever they reached.
+
+    Who was more often is praised, who was less often consoled; a draw is neutral. Whether the goal was reached, as
+    ``verdicts`` has it, stands; it is also what is told without a race, or where nobody won anything.
+    """
+    won = {seat: score.won for seat, score in scores.items() if score.won is not None}
+    most = max(won.values(), default=0)
+    if len(won) < 2 or not most:
+        return verdicts
+    is_drawn = min(won.values()) == most
+    told: dict[str, tuple[Valence, Reason]] = {
+        seat: ("neutral", "drawn") if is_drawn else ("positive", "won") if count == most else ("negative", "lost")
+        for seat, count in won.items()
+    }
+    return {seat: Judgement(verdicts[seat].outcome, *what) for seat, what in told.items()}
 
 
 def degree(metric: float | None, target: Target) -> Degree:

@@ -7,9 +7,20 @@ import pytest
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ACTION, DECISION, LEVEL, OFFERED, OPERATOR, PRESENCE, WAITING
+from sar_tui.framework.topics import (
+    ACTION,
+    DECISION,
+    LEVEL,
+    LEVEL_RULED,
+    OFFERED,
+    OPERATOR,
+    PRESENCE,
+    STANDING,
+    WAITING,
+)
 from sar_tui.plugins import Catalogue
 from tests.desk import Desk
+from tests.lifting import Bench, Lift
 
 
 def operated(theme: Theme, **settings: Any) -> Desk:
@@ -136,6 +147,47 @@ def test_a_level_set_by_hand_while_one_is_asked_for_is_the_one_that_holds(calm: 
     desk.session.bus.publish(OPERATOR, m.Operator(command="level", value=4, actor="operator.ana"))
     desk.wait(10_000)
     assert desk.waiting.level == 4
+
+
+def test_a_level_that_a_marked_trial_no_longer_calls_for_is_asked_for_no_longer(calm: Theme) -> None:
+    desk = Bench(Lift, calm, operator_difficulty="approve", operator_time_ms=60_000)
+    desk.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    desk.begin_lifts()
+    desk.lift()
+    desk.lift()
+    assert [offer.proposal.id for offer in desk.last(STANDING).offers] == ["l1"]
+    desk.operate("mark", reason="caught")
+    assert desk.last(STANDING).offers == ()
+    decide(desk, "l1", "accept")
+    assert (desk.waiting.stage, desk.waiting.level) == ("attempt", 1)
+    desk.operate("mark", reason="caught")
+    assert [offer.proposal.id for offer in desk.last(STANDING).offers] == ["l2"], "the mark was taken back"
+    decide(desk, "l2", "accept")
+    assert desk.waiting.level == 2
+
+
+@pytest.mark.parametrize(("lost", "level"), [("autonomous", 2), ("silent", 1)])
+def test_a_level_that_waits_when_the_program_is_killed_is_decided_as_without_an_operator(
+    calm: Theme, lost: str, level: int
+) -> None:
+    settings = {"operator_difficulty": "approve", "operator_time_ms": 60_000, "operator_lost": lost}
+    killed = operated(calm, **settings)
+    assert (killed.waiting.stage, killed.waiting.level) == ("answer", 1)
+    desk = Desk(
+        Catalogue().task("keyboard"),
+        calm,
+        history=killed.records,
+        attempts=3,
+        prompts_per_attempt=2,
+        filler="never",
+        encouragement=False,
+        **settings,
+    )
+    desk.press("enter")
+    assert (desk.waiting.stage, desk.waiting.level) == ("attempt", level)
+    assert [(ruled.id, ruled.actor, ruled.ground) for ruled in desk.all(LEVEL_RULED)] == [
+        ("l1", "agent", "no operator")
+    ]
 
 
 # --- with and without -------------------------------------------------------------------------------------------------

@@ -1,0 +1,112 @@
+"""One of a few values, chosen from a list that is only there while it is open."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+from textual import on
+from textual.binding import Binding, BindingType
+from textual.content import Content
+from textual.events import Click, Key
+from textual.message import Message
+from textual.reactive import reactive
+from textual.widget import Widget
+from textual.widgets import OptionList
+
+
+class ChoiceList(OptionList):
+    """The values there are. It closes when something else gets the focus."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "close", "Close the list", id="close-list")]
+
+    def action_close(self) -> None:
+        """Leave the value as it was."""
+        if self.parent:
+            self.screen.set_focus(self.query_ancestor(Choice))
+
+    def on_blur(self) -> None:
+        """A press outside closes it; on the value beside it, that press is not to open it again."""
+        self.suppress_click()
+        self.remove()
+
+    def on_key(self, event: Key) -> None:
+        """A letter goes to the next value that begins with it."""
+        if not event.is_printable or event.key == "space":
+            return
+        event.stop()
+        event.prevent_default()
+        prompts = [str(option.prompt).lower() for option in self.options]
+        start = (self.highlighted or 0) + 1
+        for at in [*range(start, len(prompts)), *range(start)]:
+            if prompts[at].startswith((event.character or "").lower()):
+                self.highlighted = at
+                return
+
+
+class Choice(Widget, can_focus=True):
+    """One line: the value, and an arrow that says that there are others.
+
+    Args:
+        values: what can be chosen.
+        value: what is chosen; it may be none of them.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("enter,space,down,up", "open", "Show", show=False, id="choices")]
+    ALLOW_SELECT = False
+    DEFAULT_CSS = """
+    Choice { height: 1; padding: 0 1 0 0; background: $surface; color: $foreground; pointer: pointer; }
+    Choice:focus { background-tint: $foreground 5%; }
+    Choice > ChoiceList {
+        width: 1fr; height: auto; max-height: 12; overlay: screen; constrain: none inside; background: $surface;
+    }
+    Choice > ChoiceList > .option-list--option { padding: 0 1; }
+    """
+
+    value: reactive[str] = reactive("", init=False)
+
+    class Changed(Message):
+        """Another value was chosen."""
+
+        def __init__(self, value: str) -> None:
+            super().__init__()
+            self.value = value
+
+    def __init__(self, values: Sequence[str], value: str) -> None:
+        super().__init__()
+        self._values = values
+        self.set_reactive(Choice.value, value)
+
+    def render(self) -> Content:
+        """The value, cut to the room there is, and the arrow."""
+        arrow = "▲" if self.children else "▼"
+        words = Content(self.value).truncate(self.content_size.width - 2, ellipsis=True, pad=True)
+        return Content.assemble(words, " ", (arrow, "$foreground 50%"))
+
+    def watch_value(self) -> None:
+        """Tell whoever shows this."""
+        self.post_message(self.Changed(self.value))
+
+    def action_open(self) -> None:
+        """Show the list, with the cursor on the value."""
+        if self.children:
+            return
+        values = ChoiceList(*map(Content, self._values), compact=True)
+        if self.value in self._values:
+            values.highlighted = self._values.index(self.value)
+        self.mount(values)
+        values.focus(scroll_visible=False)
+        self.refresh()
+
+    def on_click(self, event: Click) -> None:
+        """A click does what Enter does."""
+        event.stop()
+        self.action_open()
+
+    @on(OptionList.OptionSelected)
+    def _chosen(self, event: OptionList.OptionSelected) -> None:
+        event.stop()
+        self.value = self._values[event.option_index]
+        self.focus()
+
+    @on(OptionList.OptionHighlighted)
+    def _looked_at(self, event: OptionList.OptionHighlighted) -> None:
+        event.stop()

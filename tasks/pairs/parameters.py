@@ -1,0 +1,58 @@
+"""The Task Base of the pairs task."""
+
+from typing import Annotated, Literal
+
+from sar_tui.framework.parameters import TaskParameters, meta
+
+Policy = Literal["alternate", "race", "cooperative", "joint attention"]
+
+
+class PairsParameters(TaskParameters, frozen=True, kw_only=True):
+    """The Task Base of the pairs task."""
+
+    policy: Annotated[
+        Policy,
+        meta("Together", help="alternate: in turn. race: the faster wins. cooperative: both within a window. joint "
+             "attention: the agent looks to a side first."),
+    ] = "alternate"  # fmt: skip
+    prompts_per_attempt: Annotated[
+        int, meta("Prompts per attempt", help="How many prompts an attempt has, for both together.", ge=2, le=200)
+    ] = 12
+    threshold: Annotated[
+        float,
+        meta("Goal", "ms", "The mean reaction time of an attempt has to be below this; equal is not enough.",
+             ge=100, le=60_000),
+    ] = 1000.0  # fmt: skip
+    neutral_band: Annotated[
+        float, meta("Neutral band", "ms", "This near the goal, on either side, feedback is neutral.", ge=0, le=5000)
+    ] = 10.0
+    layout: Annotated[
+        Literal["qwerty", "azerty", "qwertz"],
+        meta("Keyboard layout", help="The six letters at the top left of the keyboard."),
+    ] = "qwerty"
+    window_ms: Annotated[
+        int, meta("Window", "ms", "For cooperative: both respond within so much of each other.", ge=20, le=10_000)
+    ] = 400
+    congruent_share: Annotated[
+        float,
+        meta("Congruent share", help="For joint attention: how often the agent looks to the right side, 0 to 1.",
+             ge=0, le=1),
+    ] = 0.5  # fmt: skip
+    cue_lead_ms: Annotated[
+        int, meta("Cue lead", "ms", "For joint attention: so long before the prompt the agent looks.", ge=50, le=5000)
+    ] = 400
+    cue_by: Annotated[
+        Literal["gaze", "gesture", "both"],
+        meta("Cue", help="For joint attention: the agent looks (gaze), points (gesture), or both."),
+    ] = "gaze"
+    address: Annotated[
+        Literal["seat", "code"], meta("Called by", help="The agent says who is meant: left and right, or by code.")
+    ] = "seat"
+
+    def problems(self) -> dict[str, str]:
+        problems = super().problems()
+        if self.policy == "joint attention" and self.cue_lead_ms > self.foreperiod_min_ms:
+            problems["cue_lead_ms"] = (
+                f"Cue lead ({self.cue_lead_ms} ms) is longer than the shortest wait ({self.foreperiod_min_ms} ms)."
+            )
+        return problems

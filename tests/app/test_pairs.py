@@ -1,0 +1,189 @@
+"""Given two people at one keyboard, when they play, then each sees whose half, turn and result is whose."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework.messages import Prompt
+from sar_tui.framework.parameters import build
+from sar_tui.framework.task import Task
+from sar_tui.framework.topics import CUE
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan
+from sar_tui.store import participants
+from sar_tui.store.database import connect
+from sar_tui.widgets.agent import Agent
+from tests.app.chair import Chair, sit_down
+from tests.app.test_agent import count_frames
+
+SHORT = {"attempts": 1, "prompts_per_attempt": 2}
+WALL = 39
+"""The column between the halves of a terminal of 80."""
+Play = Callable[..., Plan]
+
+
+@pytest.fixture
+def pairs(catalogue: Catalogue) -> type[Task]:
+    return catalogue.task("pairs")
+
+
+@pytest.fixture
+def play(pairs: type[Task]) -> Play:
+    def planned(policy: str, **parameters: object) -> Plan:
+        built = build(pairs.Parameters, SHORT | {"policy": policy} | parameters)
+        return Plan(pairs, built, "calm", "P01", 7, "live", "P02")
+
+    return planned
+
+
+def halves(chair: Chair) -> tuple[str, str]:
+    """What stands in the left and the right half of the stage, but for the plain line at its foot."""
+    stage = chair.app.screen.query_one("#prompt").region
+    rows = [row.ljust(80) for row in chair.rows[stage.y : stage.bottom - 1]]
+    return "\n".join(row[:WALL] for row in rows), "\n".join(row[WALL + 1 :] for row in rows)
+
+
+async def press_theirs(chair: Chair, prompt: Prompt, left_ms: float = 300, right_ms: float = 500) -> None:
+    left, right = prompt.halves
+    if left:
+        await chair.wait(left_ms)
+        await chair.press(left)
+    if right:
+        await chair.wait(right_ms - (left_ms if left else 0))
+        await chair.press(right)
+
+
+async def test_in_turn_a_letter_stands_in_the_half_of_whose_turn_it_is(
+    data: Path, catalogue: Catalogue, play: Play
+) -> None:
+    async with sit_down(data, catalogue, play("alternate")) as chair:
+        prompt = await chair.to_first_prompt()
+        left, right = halves(chair)
+        assert "█" in left
+        assert "█" not in right
+        assert "[ Left: your turn ]" in left
+        assert right.split() == ["Right"]
+        assert chair.sees(f"Left: {prompt.expected}")
+        await press_theirs(chair, prompt)
+        await chair.wait(600)
+        left, right = halves(chair)
+        assert "[ Right: your turn ]" in right, "told before the letter comes"
+        assert "█" not in left + right
+        prompt = await chair.to_prompt()
+        left, right = halves(chair)
+        assert ("█" in left, "█" in right) == (False, True)
+        assert [fault.error for fault in chair.session.faults] == []
+
+
+async def test_in_a_race_each_has_a_letter_and_sees_who_was_ahead(data: Path, catalogue: Catalogue, play: Play) -> None:
+    async with sit_down(data, catalogue, play("race")) as chair:
+        prompt = await chair.to_first_prompt()
+        left, right = halves(chair)
+        assert "█" in left
+        assert "█" in right
+        assert "turn" not in left + right
+        await press_theirs(chair, prompt)
+        await chair.wait(600)
+        assert "Left, ahead: 1" in halves(chair)[0]
+        await press_theirs(chair, await chair.to_prompt())
+        await chair.wait(5000)
+        assert chair.said.startswith("Left: ")
+        assert "Right: " in chair.said, "the second answer stands below the first"
+        await chair.see_the_summary()
+        assert chair.sees("Left (P01): You did 1 attempt; goal reached in 1. Best: 300 ms.")
+        assert chair.sees("Right (P02): You did 1 attempt; goal reached in 1. Best: 500 ms.")
+        assert chair.sees("Ahead in 2 of 2.")
+        assert chair.sees("Ahead in 0 of 2.")
+        assert sum("reaction time (ms)" in row[:40] and "reaction time (ms)" in row[40:] for row in chair.rows) == 1
+        assert [fault.error for fault in chair.session.faults] == []
+
+
+async def test_the_agent_looks_to_a_side_in_one_frame_and_is_still_while_the_response_is_awaited(
+    data: Path, catalogue: Catalogue, play: Play, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with sit_down(data, catalogue, play("joint attention", cue_by="both", foreperiod_min_ms=900)) as chair:
+        await chair.press("enter")
+        await chair.wait(300)
+        cues: list[object] = []
+        chair.session.bus.subscribe(CUE, cues.append)
+        await chair.press("enter")
+        while chair.waiting.what != "foreperiod":
+            assert chair.clock.step()
+        await chair.settle()
+        before = chair.text
+        while not cues:
+            assert chair.clock.step()
+        await chair.settle()
+        looking = chair.text
+        assert looking != before
+        assert not chair.app.screen.query_one(Agent).is_moving
+        await chair.to_prompt()
+        frames = count_frames(chair, monkeypatch)
+        for _ in range(5):
+            await chair.wait(200)
+        assert frames == []
+        reports = [one for one in chair.messages("output/report") if one["action"].startswith("cue-")]
+        for deed in ("gaze", "gesture"):
+            assert [one["state"] for one in reports if one["deed"] == deed] == ["queued", "started", "done"]
+
+
+async def test_nothing_tells_before_the_prompt_on_which_side_it_will_come_but_the_agents_look(
+    data: Path, catalogue: Catalogue, play: Play
+) -> None:
+    async with sit_down(data, catalogue, play("joint attention")) as chair:
+        prompt = await chair.to_first_prompt()
+        assert "your turn" in "".join(halves(chair))
+        await press_theirs(chair, prompt)
+        await chair.wait(600)
+        assert "your turn" not in "".join(halves(chair))
+
+
+async def test_two_are_spoken_to_in_spanish(data: Path, catalogue: Catalogue, play: Play) -> None:
+    async with sit_down(data, catalogue, play("alternate", language="es")) as chair:
+        assert chair.sees("Me alegra verles.") or chair.sees("Les doy la bienvenida.")
+        prompt = await chair.to_first_prompt()
+        assert "[ Izquierda: ahora ]" in halves(chair)[0]
+        assert chair.sees(f"Izquierda: {prompt.expected}")
+
+
+async def test_the_first_screen_asks_who_sits_on_the_right_and_offers_nobody_twice(
+    data: Path, catalogue: Catalogue
+) -> None:
+    database = connect(data)
+    for code in ("P01", "P02"):
+        participants.add(database, code)
+    database.conn.close()
+    async with sit_down(data, catalogue) as chair:
+        await chair.press("right", "down")
+        names = [option.id for option in chair.app.screen.query_one("#task").options]
+        chair.app.screen.query_one("#task").highlighted = names.index("pairs")
+        chair.app.screen.query_one("#start").press()
+        await chair.settle()
+        assert chair.screen_name == "SecondParticipantScreen"
+        assert chair.sees("P01 sits on the left.")
+        assert [option.id for option in chair.app.screen.query_one("#others").options] == ["P02", "+"]
+        await chair.press("escape")
+        assert chair.screen_name == "HomeScreen"
+        chair.app.screen.query_one("#start").press()
+        await chair.settle()
+        await chair.press("down", "enter")
+        assert chair.screen_name == "NewParticipantScreen"
+        await chair.write(*"P09", "enter")
+        assert chair.screen_name == "SessionScreen"
+        assert chair.stored("SELECT seat, participant FROM seats ORDER BY seat") == [("A", "P01"), ("B", "P09")]
+
+
+async def test_a_past_session_of_two_shows_the_results_of_both(data: Path, catalogue: Catalogue, play: Play) -> None:
+    async with sit_down(data, catalogue, play("race")) as chair:
+        await press_theirs(chair, await chair.to_first_prompt())
+        await press_theirs(chair, await chair.to_prompt())
+        await chair.see_the_summary()
+        await chair.press("enter")
+    async with sit_down(data, catalogue) as chair:
+        assert chair.sees("P01, P02")
+        chair.app.screen.query_one("#recent").focus()
+        await chair.press("enter")
+        assert chair.screen_name == "PastSessionScreen"
+        assert chair.sees("P01: You did 1 attempt")
+        assert chair.sees("P02: You did 1 attempt")

@@ -1,0 +1,135 @@
+"""Given two people with a sensor on a hand each, when they reach, then each reach is kept as that of who made it."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import pytest
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.node import Node
+from sar_tui.framework.parameters import ParameterError, build, meta
+from sar_tui.framework.session import Session
+from sar_tui.framework.task import Again, Trial
+from sar_tui.framework.topics import REACH, SENSOR, WAITING
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, simulate
+from sar_tui.sensing import sensor
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import imu, sessions
+from sar_tui.store.database import connect
+from tests.desk import Desk
+
+REACHING: Any = Catalogue().task("reaching")
+REACH_PERCEPTION: Any = type(REACHING(build(REACHING.Parameters, {"imu": "simulated"})).nodes()[0])
+
+
+class TwoHandsParameters(REACHING.Parameters, frozen=True, kw_only=True):
+    """Each has a sensor."""
+
+    imu_b: Annotated[str, meta("Motion sensor on the right", help="As Motion sensor.", min_length=1)] = "simulated"
+
+
+class TwoHands(REACHING):  # type: ignore[misc]
+    """Both reach, each on their own; the trial is over when both are back."""
+
+    name = "two hands"
+    seats = ("A", "B")
+    start_key = ""
+    has_foreperiod = True
+    Parameters = TwoHandsParameters
+
+    def nodes(self) -> tuple[Node, ...]:
+        return tuple(REACH_PERCEPTION(self.analysis(), self.parameters.still_ms, seat) for seat in self.seats)
+
+    def perceived(self, trial: Trial, percept: Any) -> Any:
+        found = {one.seat: one for one in (*trial.percepts, percept) if isinstance(one, m.ReachPerceived)}
+        if set(found) < {"A", "B"}:
+            return None
+        judged = {seat: super(TwoHands, self).perceived(trial, found[seat]) for seat in self.seats}
+        again = [result for result in judged.values() if isinstance(result, Again)]
+        return again[0] if again else judged
+
+
+def parameters(**more: object) -> Any:
+    return build(TwoHands.Parameters, {"imu": "simulated", "attempts": 2, "reaches_per_attempt": 2, **more})
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("two") / "data"
+
+
+@pytest.fixture(scope="module")
+def played(data: Path) -> str:
+    plan = Plan(TwoHands, parameters(), "calm", "P01", 5, "simulated", "P02")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sar_tui.runs.task_folder", lambda kind: Path(__file__).parent / "nowhere")
+        return simulate(plan, PEOPLE["competent"], data, Catalogue(), partner=PEOPLE["poor"])
+
+
+def test_each_reach_is_of_whose_hand_made_it(data: Path, played: str) -> None:
+    database = connect(data)
+    trials = sessions.rows(database, "trials", played)
+    streams = sessions.rows(database, "imu_streams", played)
+    samples = {seat: imu.samples(database, played, seat=seat) for seat in "AB"}
+    history = list(sessions.history(database, played))
+    database.conn.close()
+    assert [(row["seat"], row["stream"]) for row in streams] == [("A", 1), ("B", 2)]
+    assert [(row["attempt"], row["trial"], row["seat"]) for row in trials] == [
+        (attempt, trial, seat) for attempt in (1, 2) for trial in (1, 2) for seat in "AB"
+    ]
+    for row in trials:
+        assert row["correct"]
+        for seat, measured in samples.items():
+            moved = measured[(measured["at"] >= row["onset_ns"]) & (measured["at"] < row["response_ns"])]
+            assert len(moved) > 50, seat
+    times = {seat: np.mean([row["details"]["reach_time_ms"] for row in trials if row["seat"] == seat]) for seat in "AB"}
+    assert times["A"] < times["B"]
+    reaches = [record.message for record in history if record.topic is REACH]
+    assert {reach.seat for reach in reaches} == {"A", "B"}
+
+
+def test_the_samples_of_each_are_their_own_and_in_order(data: Path, played: str) -> None:
+    database = connect(data)
+    samples = {seat: imu.samples(database, played, seat=seat) for seat in "AB"}
+    database.conn.close()
+    for measured in samples.values():
+        assert np.all(np.diff(measured["at"]) > 0)
+        assert 240 < len(measured) / (measured["at"][-1] - measured["at"][0]) * 1e9 < 260
+    assert not np.array_equal(samples["A"]["rate"], samples["B"]["rate"])
+
+
+def test_a_session_with_two_sensors_comes_out_the_same_when_replayed(data: Path, played: str) -> None:
+    database = connect(data)
+    history = list(sessions.history(database, played))
+    database.conn.close()
+    replayed = Session(TwoHands(parameters()), Catalogue().theme("calm"), VirtualClock(), 5)
+    replayed.replay(history)
+    assert replayed.ended
+
+
+def test_the_session_waits_for_the_sensor_of_either(calm: Any) -> None:
+    desk = Desk(TwoHands, calm, imu="simulated")
+    tell = desk.session.bus.publish
+    tell(SENSOR, m.SensorChanged(seat="A", state="attached", at=desk.clock.now(), rate_hz=250))
+    desk.enter()
+    assert (desk.last(WAITING).stage, desk.last(WAITING).what) == ("paused", "sensor")
+    tell(SENSOR, m.SensorChanged(seat="B", state="attached", at=desk.clock.now(), rate_hz=250))
+    assert (desk.last(WAITING).stage, desk.last(WAITING).what) == ("attempt", "enter")
+    tell(SENSOR, m.SensorChanged(seat="A", state="detached", at=desk.clock.now(), detail="Unplugged."))
+    assert (desk.last(WAITING).what, desk.last(WAITING).detail) == ("sensor", "Unplugged.")
+    tell(SENSOR, m.SensorChanged(seat="B", state="flowing", at=desk.clock.now()))
+    assert desk.last(WAITING).what == "sensor"
+    tell(SENSOR, m.SensorChanged(seat="A", state="attached", at=desk.clock.now(), rate_hz=250))
+    assert desk.last(WAITING).stage == "attempt"
+
+
+def test_each_seat_names_its_sensor_and_a_wrong_name_is_told_by_its_parameter(data: Path) -> None:
+    clock = VirtualClock()
+    given = parameters(imu_b="recorded")
+    assert sensor(given, 1, clock, data, "A").source is not None
+    with pytest.raises(ParameterError) as raised:
+        sensor(given, 1, clock, data, "B")
+    assert set(raised.value.problems) == {"imu_b"}
