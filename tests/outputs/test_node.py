@@ -13,7 +13,7 @@ from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import Deed
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
+from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
 from sar_tui.outputs.node import GIVES_UP, PER_CHARACTER, STILL, OutputNode
 from sar_tui.outputs.output import Output, OutputError, Report
 from tests.outputs.contract import THEME as BARE
@@ -33,6 +33,7 @@ _TOPICS: dict[type, Topic[Any]] = {
     m.Action: ACTION,
     m.Halt: HALT,
     m.Prompt: PROMPT,
+    m.CueGiven: CUE,
     m.AttemptEnded: ATTEMPT_ENDED,
 }
 
@@ -41,7 +42,7 @@ class Loop(Node):
     """Stands in for the nodes of the loop."""
 
     name = "loop"
-    emits = (ACTION, HALT, PROMPT, ATTEMPT_ENDED)
+    emits = (ACTION, HALT, CUE, PROMPT, ATTEMPT_ENDED)
 
     @on(TOLD)
     def told(self, told: Told) -> None:
@@ -567,6 +568,23 @@ def test_each_cue_sounds_once_for_what_it_stands_for_and_an_attempt_that_is_amen
     assert [what[2] for what in asked(stage)] == sounds
     names = [what[1] for what in asked(stage)]
     assert len(set(names)) == len(names), "each has a name of its own"
+
+
+def test_the_attempt_of_two_ends_once() -> None:
+    stage = Stage(Puppet(can=frozenset({"tone"})), ("end",))
+    for seat in "AB":
+        stage.publish(msgspec.structs.replace(attempt_ended(stage.clock.now()), seat=seat))
+    assert [what[2] for what in asked(stage)] == ["end"]
+
+
+@pytest.mark.parametrize(("can", "done"), [(("gaze",), ["gaze"]), (("gesture",), ["gesture"]), (("say",), [])])
+def test_a_look_before_a_prompt_is_done_at_once_by_whatever_can(can: tuple[str, ...], done: list[str]) -> None:
+    stage = Stage(Puppet(can=frozenset(can)))
+    stage.publish(m.CueGiven(attempt=1, trial=2, presentation=1, side="left", gaze="left", gesture="point_left"))
+    assert [what[0] for what in asked(stage)] == done
+    assert [(what[1], what[2]) for what in asked(stage)] == [
+        ("cue-1-2-1", {"gaze": "left", "gesture": "point_left"}[deed]) for deed in done
+    ]
 
 
 def test_an_output_without_cues_sounds_only_what_an_action_asks_for() -> None:

@@ -79,7 +79,7 @@ def test_a_task_that_shares_too_little_or_does_not_run_fails_the_claim(
 
     monkeypatch.setattr(modularity, "load", loaded)
     (claim,) = modularity.run(Conditions(catalogue)).claims
-    assert claim.against == "reaching 60%, keyboard cannot be counted: its session does not end"
+    assert claim.against == "pairs 60%, reaching 60%, keyboard cannot be counted: its session does not end"
 
 
 def test_a_task_that_cannot_be_loaded_is_told_of(tmp_path: Path) -> None:

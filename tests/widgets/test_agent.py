@@ -233,3 +233,45 @@ async def test_nothing_waits_for_its_time_when_the_agent_is_gone(calm: Theme) ->
     async with enter(calm) as room:
         room.agent.speaking(True)
     assert not room.draws_again()
+
+
+# --- a cue before a prompt ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("gaze", "gesture"), [("left", None), ("right", None), ("", ARMS_UP), ("left", ARMS_UP)])
+async def test_a_cue_is_one_frame_while_it_is_held_and_gone_when_it_may_move_again(
+    calm: Theme, gaze: str, gesture: Gesture | None
+) -> None:
+    async with enter(calm) as room:
+        rest = room.drawing
+        room.agent.hold()
+        room.agent.cue(gaze, gesture)
+        cued = room.drawing
+        assert cued != rest
+        assert room.watch(2 * SECOND) == [cued]
+        assert not room.draws_again()
+        room.agent.release()
+        assert room.drawing == rest
+
+
+async def test_a_cue_to_one_side_is_the_mirror_of_one_to_the_other(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.hold()
+        drawn = []
+        for side in ("left", "right"):
+            room.agent.cue(side)
+            eyes = next(line for line in room.drawing if "●" in line)
+            drawn.append([column for column, character in enumerate(eyes) if character == "●"])
+        left, right = drawn
+        assert [column + 2 for column in left] == right
+
+
+async def test_words_that_join_stand_below_all_that_stand(calm: Theme) -> None:
+    async with enter(calm) as room:
+        room.agent.say("One.")
+        room.agent.say("Two.", joins=True)
+        room.agent.say("Three.", joins=True)
+        assert (room.words("said"), room.words("more")) == ("One.", "Two.\nThree.")
+        room.agent.say("Four.")
+        room.agent.say("Five.", joins=True)
+        assert (room.words("said"), room.words("more")) == ("Four.", "Five.")

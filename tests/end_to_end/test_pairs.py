@@ -1,0 +1,62 @@
+"""Given two people at a real terminal, when they answer, then each prompt's onset is that of its own flush."""
+
+import json
+import re
+import time
+from pathlib import Path
+
+import pytest
+
+from sar_tui.simulation.terminal import Terminal
+from tests.end_to_end.seat import QUICK, Eyes, command, rows, see_the_summary
+
+_ASKED = re.compile(r"^ *(?:Left: (\w))? *(?:Right: (\w))?$", re.MULTILINE)
+_PATIENCE = 20
+
+
+def asked(terminal: Terminal, eyes: Eyes) -> list[str]:
+    """The keys that the next prompt asks for, once its plain line stands on the screen."""
+    deadline = time.monotonic() + _PATIENCE
+    while time.monotonic() < deadline:
+        terminal.read(time.monotonic_ns() + 20_000_000)
+        for found in _ASKED.finditer(eyes.text()):
+            if any(found.groups()):
+                return [key for key in found.groups() if key]
+    raise AssertionError(f"no prompt came up:\n{eyes.text()}")
+
+
+@pytest.mark.parametrize("policy", ["race", "joint attention"])
+def test_two_play_in_a_real_terminal(tmp_path: Path, policy: str) -> None:
+    data = tmp_path / "data"
+    settings = QUICK | {"policy": policy, "attempts": 1, "prompts_per_attempt": 2, "cue_lead_ms": 60}
+    given = [f"--set={name}={value}" for name, value in settings.items()]
+    words = command("run", "pairs", "-p", "P01", "-p", "P02", "--data", str(data), "--seed", "7", *given)
+    with Terminal(words) as terminal:
+        eyes = Eyes(terminal)
+        terminal.wait_for("Press Enter to go on.")
+        terminal.press("enter")
+        terminal.wait_for("Press Enter to begin")
+        terminal.settle()
+        terminal.press("enter")
+        pressed = []
+        for number in (1, 2):
+            keys = asked(terminal, eyes)
+            terminal.settle(silence_ms=100)  # slower than an anticipation
+            for key in keys:
+                terminal.press(key)
+                terminal.settle(silence_ms=30)
+            pressed.append(keys)
+            terminal.wait_for(f"Prompts {number} of 2")
+        see_the_summary(terminal)
+        terminal.press("enter")
+        assert terminal.wait() == 0
+    kept = rows(data, "SELECT trial, seat, response, correct, timing, details FROM trials ORDER BY trial, seat")
+    assert [response for _, _, response, *_ in kept] == [key for keys in pressed for key in keys]
+    for _, _, _, correct, timing, details in kept:
+        assert correct
+        assert json.loads(timing)["onset_source"] == "flush"
+        assert json.loads(timing)["flags"] == []
+        if policy == "joint attention":
+            assert json.loads(details)["cue_lead_ms"] >= 60
+    assert {seat for _, seat, *_ in kept} <= {"A", "B"}
+    assert rows(data, "SELECT count(*) FROM events WHERE topic='framework/fault'") == [(0,)]
