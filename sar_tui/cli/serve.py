@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from sar_tui import child_process
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, print_json
 from sar_tui.cli.errors import Refused
 
@@ -94,7 +95,7 @@ def serve(
 def _program(view: str, session: str | None, link: Path | None, home: Home) -> list[str]:
     """The command that each browser is shown: words of a list, which no shell reads."""
     command = {"operator": ["wizard"], "observer": ["wizard", "--observe"], "agent": ["agent"]}[view]
-    program = [sys.executable, "-m", "sar_tui", *command, "--data", str(home.folder.absolute())]
+    program = [*child_process.python("sar_tui"), *command, "--data", str(home.folder.absolute())]
     for folder in home.tasks:
         program += ["--tasks", str(folder.absolute())]
     if link is not None:

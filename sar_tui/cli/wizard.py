@@ -39,7 +39,7 @@ def wizard(
     """
     home = Home.of(context, data, tasks)
     where = session_to_show(session, link, wait=wait, observe=observe)
-    called = name_there(name, link)
+    called = name_there(name, link, observe=observe)
     need_screen()
     from sar_tui.app.wizard import WizardApp, run_wizard
     from sar_tui.plugins import DEFAULT_THEME
@@ -77,8 +77,9 @@ def session_to_show(session: str | None, link: Path | None, *, wait: bool, obser
     return session_to_join(session, None)
 
 
-def name_there(name: str | None, link: Path | None) -> str:
-    """What to be called; an invitation says it itself."""
+def name_there(name: str | None, link: Path | None, *, observe: bool) -> str:
+    """What to be called; an invitation says it itself. Of one user's observers there may be several, as in browsers."""
+    import os
     import re
 
     from sar_tui.link.invitation import NAME
@@ -86,7 +87,7 @@ def name_there(name: str | None, link: Path | None) -> str:
     if name is None:
         from sar_tui.app.panel.joining import own_name
 
-        return own_name()
+        return f"{own_name()[:20]}-{os.getpid()}" if observe else own_name()
     if link is not None:
         raise Refused("An invitation says what you are called: leave out --name.")
     if not re.fullmatch(NAME, name):

@@ -25,8 +25,9 @@ from sar_tui.link.wire import Batch, Greeting, Hello, Over, Pong, Traces
 
 M = TypeVar("M", bound=Message)
 
-BEAT_S = 0.5
-"""How often a panel gives a sign of life, from its own loop: one that hangs gives none."""
+BEAT_S = 0.15
+"""How often a panel gives a sign of life, from its own loop: one that hangs gives none. However short a silence a
+session is set to take for a loss, a few signs come within it."""
 SILENT = 2 * SECOND
 """A session that has told nothing for so long is lost; it answers every sign of life."""
 

@@ -120,7 +120,11 @@ class Desk:
                 self._tell(Refused(name, what, why, count))
 
     def refuse(self, name: str, what: str, why: str, now: int) -> None:
-        """Tell that something of a peer's was refused; not each time, where it is often."""
+        """Tell that something of a peer's was refused; not each time, where it is often.
+
+        What is no name of a peer is not repeated: it may be as long, and hold whatever, its sender likes.
+        """
+        name = name if role_of(name) else "unknown"
         with self._lock:
             if count := self._refused.add((name, what, why), now):
                 self._tell(Refused(name, what, why, count))

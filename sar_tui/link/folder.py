@@ -94,9 +94,12 @@ def announced(live: Live) -> Iterator[Path]:
     except OSError as error:
         raise LinkError(f"{path.parent} cannot be written to: {error.strerror}.") from None
     try:
-        half = path.with_suffix(".half")
-        half.write_bytes(msgspec.json.encode(live))
-        half.replace(path.with_suffix(".json"))
+        try:
+            half = path.with_suffix(".half")
+            half.write_bytes(msgspec.json.encode(live))
+            half.replace(path.with_suffix(".json"))
+        except OSError as error:
+            raise LinkError(f"{path.parent} cannot be written to: {error.strerror}.") from None
         yield path
     finally:
         _clear(path)

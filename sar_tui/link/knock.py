@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 
+from sar_tui import child_process
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.refusals import GUEST_LOG, log_environment, why_not_connected
 
@@ -21,7 +22,7 @@ def knock(settings: str, link: str) -> None:
     """
     need_packages()
     with subprocess.Popen(
-        [sys.executable, "-m", "sar_tui.link.knock"],
+        child_process.python("sar_tui.link.knock"),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,

@@ -10,8 +10,8 @@ from sar_tui.framework.topics import IMU, PRESENCE, PROMPT, SHOWN, TRIAL, VOIDED
 
 SENT: tuple[Topic[Any], ...] = (
     # how the session stands and what the participant sees
-    t.SESSION, t.THEME, t.WAITING, t.LEVEL, t.ATTEMPT_STARTED, t.PROMPT, t.SHOWN, t.VOIDED, t.FOCUS, t.SENSOR,
-    t.STORAGE, t.SESSION_ENDED,
+    t.SESSION, t.THEME, t.WAITING, t.LEVEL, t.ATTEMPT_STARTED, t.CUE, t.PROMPT, t.SHOWN, t.VOIDED, t.FOCUS,
+    t.SENSOR, t.STORAGE, t.SESSION_ENDED,
     # how they do; keys and percepts stay here, for a trial tells what came of them
     t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.FEEDBACK,
     # what the agent would say, says and has said

@@ -161,6 +161,7 @@ class LinkNode(Node):
             role=role,
             state=state,
             operated=bool(self._baton.holder),
+            holder=self._baton.holder,
             detail=detail,
             peers=dict(self._baton.peers),
         )

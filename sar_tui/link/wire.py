@@ -11,7 +11,7 @@ from typing import IO, Any, Literal, TypeVar
 import msgspec
 
 from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.messages import Message
+from sar_tui.framework.messages import Message, Operator
 from sar_tui.framework.topics import DECISION, MODE, NOTED, OPERATOR, REMARK, SEEN
 from sar_tui.link.peer import Frame, Trace, Welcome
 
@@ -248,6 +248,8 @@ def act(topic: str, raw: msgspec.Raw) -> Message:
                 raise WireError(f"A text is longer than {most} characters.")
             if not all(_is_plain(each) for each in value if not (is_note and each in "\n\t")):
                 raise WireError("A text holds control characters.")
+    if isinstance(message, Operator) and message.command == "pause" and message.reason not in _PAUSES:
+        raise WireError("That is no reason for a pause.")
     return message
 
 
@@ -257,6 +259,9 @@ def _is_plain(character: str) -> bool:
 
 
 _TURNS = "".join(map(chr, (*range(0x202A, 0x202F), *range(0x2066, 0x206A))))
+
+_PAUSES = ("", "tired", "pain", "finished")
+"""What an operator can say of a pause: other reasons are the session's own, and it acts on them."""
 
 _LENGTH = struct.Struct("<I")
 

@@ -68,10 +68,15 @@ class Guard:
         elif not self._address.is_own_page(asked.origin, asked.host):
             return FOREIGN_PAGE
         if asked.token is not None:
-            return None if hmac.compare_digest(asked.token.encode(), self._token) else WRONG_TOKEN
+            return None if _is_same(asked.token, self._token) else WRONG_TOKEN
         if asked.cookie:
-            return None if hmac.compare_digest(asked.cookie.encode(), self.cookie.encode()) else WRONG_TOKEN
+            return None if _is_same(asked.cookie, self.cookie.encode()) else WRONG_TOKEN
         return NO_TOKEN
+
+
+def _is_same(shown: str, secret: bytes) -> bool:
+    """In the same time whether it is nearly right or not. Bytes that are no text come as lone surrogates."""
+    return hmac.compare_digest(shown.encode(errors="surrogatepass"), secret)
 
 
 class Patience:

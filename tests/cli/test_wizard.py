@@ -1,5 +1,7 @@
 """`sar-tui wizard`: what it joins, and what it refuses, each in a sentence and before the screen changes."""
 
+import os
+import re
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -11,7 +13,7 @@ from sar_tui.cli.errors import Refused
 from sar_tui.cli.wizard import name_there, session_to_show
 from sar_tui.link import folder
 from sar_tui.link.folder import Live
-from sar_tui.link.invitation import Invitation
+from sar_tui.link.invitation import NAME, Invitation
 from sar_tui.link.settings import Credentials
 from tests.cli.conftest import Call
 
@@ -66,4 +68,14 @@ def test_an_invitation_to_act_is_not_one_to_look_on(monkeypatch: pytest.MonkeyPa
     with pytest.raises(Refused, match="have an observer invited"):
         session_to_show(None, Path("anna.sar-link"), wait=False, observe=True)
     with pytest.raises(Refused, match="leave out --name"):
-        name_there("ben", Path("anna.sar-link"))
+        name_there("ben", Path("anna.sar-link"), observe=False)
+
+
+def test_who_only_looks_on_does_not_take_the_name_of_another_who_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LOGNAME", "ben" * 20)
+    here = name_there(None, None, observe=True)
+    monkeypatch.setattr(os, "getpid", lambda: 4_194_304)
+    there = name_there(None, None, observe=True)
+    assert here != there
+    assert re.fullmatch(NAME, there)
+    assert name_there(None, None, observe=False) == ("ben" * 20)[:32]

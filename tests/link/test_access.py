@@ -268,3 +268,12 @@ def test_who_comes_too_late_is_told_when_they_knock(at: House) -> None:
 def test_who_knocks_where_nothing_listens_is_told(at: House) -> None:
     with pytest.raises(LinkError, match="Nothing listens there"):
         knock(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)
+
+
+def test_a_file_where_one_knocks_from_is_not_taken_for_a_library(
+    at: House, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "zenoh.py").write_text("open(0).read(); print('was let in')")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(LinkError, match="Nothing listens there"):
+        knock(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)

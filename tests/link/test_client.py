@@ -9,6 +9,7 @@ import pytest
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record
+from sar_tui.framework.parameters import TaskParameters, fields
 from sar_tui.framework.topics import KEY, LEVEL, NOTED
 from sar_tui.link import client, wire
 from sar_tui.link.folder import Live
@@ -199,3 +200,9 @@ def test_a_name_is_a_part_of_a_key_whatever_it_is(name: str, part: str) -> None:
 async def test_who_closes_without_a_link_waits_for_nothing(panel: Panel) -> None:
     panel.peer.close()
     assert (panel.line.is_closed, panel.line.awaits_answer) == (True, False)
+
+
+def test_a_few_signs_of_life_come_within_the_shortest_silence_that_a_session_takes_for_a_loss() -> None:
+    (lost,) = [field for field in fields(TaskParameters) if field.name == "operator_lost_ms"]
+    assert lost.ge is not None
+    assert lost.ge >= 3 * 1000 * client.BEAT_S

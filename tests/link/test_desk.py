@@ -97,7 +97,9 @@ def test_an_observer_cannot_act_whatever_it_sends(bench: Bench) -> None:
 def test_who_has_no_name_is_refused(bench: Bench, name: str) -> None:
     bench.hello(name, 0)
     bench.act(name, 0)
-    assert [type(news) for news in bench.take()] == [Refused, Refused]
+    refused = bench.take()
+    assert [type(news) for news in refused] == [Refused, Refused]
+    assert all(isinstance(news, Refused) and news.name == "unknown" for news in refused), "nobody has to read it"
     assert bench.answers == []
 
 

@@ -1,5 +1,6 @@
 """Where sessions on this machine are found, and by whom."""
 
+import errno
 import os
 import signal
 import stat
@@ -108,6 +109,16 @@ def test_a_session_is_announced_by_one_program_at_a_time() -> None:
         with pytest.raises(LinkError, match="Another program"), announced(HERE):
             pass
         assert live_sessions() == [HERE]
+
+
+def test_a_full_disk_is_told_and_nothing_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(LinkError, match="cannot be written to: No space left on device"), announced(HERE):
+        pass
+    assert list(place().iterdir()) == []
 
 
 def test_what_a_killed_program_left_is_cleared_away() -> None:

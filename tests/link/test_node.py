@@ -12,6 +12,7 @@ from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import Message
 from sar_tui.framework.node import Node
 from sar_tui.framework.topics import (
+    CUE,
     DECISION,
     IMU,
     KEY,
@@ -228,6 +229,7 @@ def test_when_the_holder_is_lost_the_session_is_operated_only_if_another_is_ther
         (ANNA, "joined", True),
         (ANNA, "baton", True),
     ]
+    assert [changed.holder for changed in bench.of(PRESENCE)] == [BEN, BEN, "", ANNA, ANNA]
 
 
 def test_when_the_process_ends_all_are_lost_and_when_it_cannot_come_back_that_is_told(bench: Bench) -> None:
@@ -294,6 +296,9 @@ def test_what_happens_goes_out_a_little_later_in_one_numbered_batch(bench: Bench
     bench.clock.advance(50 * MS)
     _, levels = bench.batches()
     assert [record.topic for record in levels.records] == [LEVEL, LEVEL]  # the keys stay here
+    bench.says.say((CUE, m.CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left")))
+    bench.clock.advance(50 * MS)
+    assert [record.topic for record in bench.batches()[-1].records] == [CUE]
     assert (presence.number, levels.number) == (1, 2)
 
 

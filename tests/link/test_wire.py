@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record
 from sar_tui.framework.messages import Message
-from sar_tui.framework.topics import ALL, DECISION, KEY, NOTED, REMARK, TRIAL
+from sar_tui.framework.topics import ALL, DECISION, KEY, NOTED, OPERATOR, REMARK, TRIAL
 from sar_tui.link import wire
 from sar_tui.link.wire import WireError
 
@@ -52,6 +52,7 @@ def test_a_frame_of_a_topic_that_is_not_known_or_not_as_it_should_be_is_left_out
         (REMARK.name, m.Remark(text="turned \u202e round"), "control characters"),
         (NOTED.name, m.Noted(text="bell \a"), "control characters"),
         (NOTED.name, m.Noted(actor="\0"), "control characters"),
+        (OPERATOR.name, m.Operator(command="pause", reason="sensor"), "no reason for a pause"),
     ],
 )
 def test_an_act_that_is_not_as_it_should_be_is_refused_in_words(topic: str, message: Message, why: str) -> None:

@@ -33,6 +33,7 @@ def test_a_wrong_token_or_cookie_is_one_whatever_characters_it_has() -> None:
     asked = Asked("127.0.0.1:8000", None, None, "", False)
     for wrong in ("", "righ", "rightt", "ríght", "right\0"):
         assert guard.refuses(asked._replace(token=wrong, cookie=guard.cookie)) is WRONG_TOKEN
-    assert guard.refuses(asked._replace(cookie="ñ")) is WRONG_TOKEN
+    for wrong in ("ñ", b"\xff".decode(errors="surrogateescape")):
+        assert guard.refuses(asked._replace(cookie=wrong)) is WRONG_TOKEN
     assert guard.refuses(asked._replace(token="right")) is None
     assert guard.refuses(asked._replace(cookie=guard.cookie)) is None

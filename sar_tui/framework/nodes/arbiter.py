@@ -1,6 +1,7 @@
 """The Arbiter: stands between what the agent proposes and what the participant gets."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import msgspec
 
@@ -39,6 +40,7 @@ from sar_tui.framework.topics import (
     STANDING,
     THEME,
     TIMER,
+    UNSAID,
     WAITING,
 )
 
@@ -53,6 +55,13 @@ OPERATORS_FIRST = 50
 _OVER = ("done", "aborted", "failed")
 _AFTER_ANSWER: tuple[Kind, ...] = ("encouragement", "rest")
 """What would be odd to hear before the answer that is owed."""
+
+
+class _Scored(NamedTuple):
+    """How an attempt came out at a seat, and how many levels had been asked for by then."""
+
+    outcome: m.Outcome
+    levels: int
 
 
 class Arbiter(TimedNode):
@@ -79,7 +88,7 @@ class Arbiter(TimedNode):
         self._has_operators = False
         self._remarks = self._levels = 0
         self._stalling = ""
-        self._scored: dict[tuple[str, int], tuple[str, int]] = {}
+        self._scored: dict[tuple[str, int], _Scored] = {}
 
     # --- the session -----------------------------------------------------------------------------------------
 
@@ -139,10 +148,10 @@ class Arbiter(TimedNode):
         If it comes out another way and no level was asked for with that, the level that waits is not called for.
         """
         here = (ended.seat, ended.attempt)
-        before = self._scored.get(here)
-        self._scored = {at: known for at, known in self._scored.items() if at[1] == ended.attempt}
-        self._scored[here] = (ended.outcome, self._levels)
-        if before and before[0] != ended.outcome and before[1] == self._levels:
+        known = {at: scored for at, scored in self._scored.items() if at[1] == ended.attempt}
+        self._scored = {**known, here: _Scored(ended.outcome, self._levels)}
+        comes_out_otherwise = here in known and _is_failure(known) != _is_failure(self._scored)
+        if comes_out_otherwise and known[here].levels == self._levels:
             for offer in self._offers.clear(lambda offer: offer.level is not None):
                 self._give_up(offer, "amended", "mode")
         self._drop("amended", lambda saying: saying.kind == "feedback" and (saying.seat, saying.attempt) == here)
@@ -186,6 +195,13 @@ class Arbiter(TimedNode):
             self._rule_level(Offer(proposal=proposal, mode=self._rules.mode("difficulty")), "rejected", change.previous)
         self._tell()
         return m.Ruling(happens=verdict.what == "act")
+
+    @serves(UNSAID)
+    def tell_unsaid(self, asked: m.Unsaid) -> m.UnsaidTo:
+        """Whose answers wait."""
+        waiting = (*self._agenda.waiting, *(offer.proposal for offer in self._offers.waiting))
+        answers = [saying for saying in waiting if saying.kind == "feedback" and saying.attempt == asked.attempt]
+        return m.UnsaidTo(seats=tuple(sorted({saying.seat for saying in answers})))
 
     def _rule(self, proposal: Proposal) -> None:
         verdict = arbitration.rule(self._rules, self._parameters, proposal, self.now)
@@ -431,6 +447,11 @@ class Arbiter(TimedNode):
 
 _FIELDS: dict[Deed, str] = {"say": "spoken", "gesture": "gesture", "gaze": "gaze", "tone": "tone"}
 """What of a saying each deed takes."""
+
+
+def _is_failure(scored: Mapping[tuple[str, int], _Scored]) -> bool:
+    """Whether an attempt counts as a failure for the level: where one of those who took part failed."""
+    return any(one.outcome == "failure" for one in scored.values())
 
 
 def _who(reason: str, actor: str) -> str:

@@ -9,9 +9,11 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
     ACTION,
+    ATTEMPT_ENDED,
     DECISION,
     LEVEL,
     LEVEL_RULED,
+    MODE,
     OFFERED,
     OPERATOR,
     PRESENCE,
@@ -188,6 +190,78 @@ def test_a_level_that_waits_when_the_program_is_killed_is_decided_as_without_an_
     assert [(ruled.id, ruled.actor, ruled.ground) for ruled in desk.all(LEVEL_RULED)] == [
         ("l1", "agent", "no operator")
     ]
+
+
+def lifted(calm: Theme, **settings: Any) -> Bench:
+    """A session with an operator and a therapist, at the end of its first attempt."""
+    desk = Bench(Lift, calm, **{"attempts": 3, "filler": "never", "encouragement": False, **settings})
+    desk.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    desk.begin_lifts()
+    desk.lift()
+    desk.lift()
+    return desk
+
+
+def offers(desk: Desk) -> list[str]:
+    return [offer.proposal.id for offer in desk.last(STANDING).offers]
+
+
+@pytest.mark.parametrize("attempts", [2, 3])
+def test_the_level_that_a_mark_calls_for_is_asked_about_before_the_last_attempt_too(calm: Theme, attempts: int) -> None:
+    desk = lifted(calm, attempts=attempts, operator_difficulty="approve", operator_time_ms=60_000)
+    decide(desk, "l1", "veto")
+    desk.operate("mark", reason="caught")
+    desk.operate("mark", reason="caught")
+    assert desk.all(LEVEL) == []
+    assert offers(desk) == ["l2"]
+
+
+@pytest.mark.parametrize(
+    ("how", "level"), [({"verdict": "veto"}, 1), ({"verdict": "accept"}, 2), ({"verdict": "edit", "level": 4}, 4)]
+)
+def test_a_mark_that_changes_no_outcome_leaves_the_level_as_the_operator_ruled(
+    calm: Theme, how: dict[str, Any], level: int
+) -> None:
+    desk = lifted(calm, operator_difficulty="approve", operator_time_ms=60_000)
+    decide(desk, "l1", **how)
+    desk.operate("mark", reason="leaned")
+    assert (desk.waiting.stage, desk.waiting.level, offers(desk)) == ("attempt", level, [])
+    desk.press("enter")
+    desk.wait(300)
+    assert desk.waiting.level == level
+
+
+def test_a_mark_that_changes_no_outcome_leaves_the_level_waiting(calm: Theme) -> None:
+    desk = lifted(calm, operator_difficulty="approve", operator_time_ms=60_000)
+    desk.operate("mark", reason="leaned")
+    assert offers(desk) == ["l1"]
+
+
+def test_an_answer_that_waits_for_the_operator_is_another_once_the_attempt_is_scored_anew(calm: Theme) -> None:
+    desk = lifted(calm, operator_feedback="approve", operator_time_ms=60_000)
+    desk.operate("mark", reason="caught")
+    assert desk.waiting.stage == "answer"
+    decide(desk, offered(desk), "accept")
+    assert [action.valence for action in feedback(desk)] == ["negative"]
+    assert desk.last(ATTEMPT_ENDED).feedback == "negative"
+
+
+def test_an_answer_that_was_given_is_not_given_again_while_the_level_waits(calm: Theme) -> None:
+    desk = lifted(calm, operator_difficulty="approve", operator_time_ms=60_000)
+    desk.operate("mark", reason="caught")
+    decide(desk, "l1", "accept")
+    assert [action.valence for action in feedback(desk)] == ["positive"]
+
+
+def test_an_answer_that_begins_to_be_owed_in_a_pause_is_waited_for_after_it(calm: Theme) -> None:
+    desk = operated(calm, operator_feedback="manual")
+    desk.operate("pause")
+    desk.session.bus.publish(MODE, m.ModeChosen(kind="feedback", mode="approve", actor="operator.ana"))
+    desk.operate("resume")
+    assert desk.waiting.stage == "answer"
+    decide(desk, offered(desk), "accept")
+    assert desk.waiting.stage == "attempt"
+    assert len(feedback(desk)) == 1
 
 
 # --- with and without -------------------------------------------------------------------------------------------------
