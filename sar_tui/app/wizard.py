@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import ClassVar
@@ -14,6 +15,7 @@ from sar_tui.app.driver import stamp_keys_as_read
 from sar_tui.app.panel.board import Board
 from sar_tui.app.panel.joining import ChooseScreen, panel
 from sar_tui.app.panel.screen import PanelScreen
+from sar_tui.app.quiet import SWITCH_INTERVAL
 from sar_tui.app.themes import textual_theme
 from sar_tui.framework.messages import Role
 from sar_tui.framework.theme import Theme
@@ -115,6 +117,7 @@ class WizardApp(App[int]):
 def run_wizard(app: WizardApp, tell: Callable[[str], object]) -> int:
     """Run it in this terminal, or browser; the exit code. ``tell``: is told why, if it could not go on."""
     stamp_keys_as_read()
+    sys.setswitchinterval(SWITCH_INTERVAL)  # the link's thread has what a key does to send while the panel is drawn
     app.run()
     if app.failure:
         with contextlib.suppress(OSError):  # there may be nobody any more

@@ -1,5 +1,6 @@
 """``sar-tui agent``: the agent alone, beside a session that runs in another terminal."""
 
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,8 +15,8 @@ if TYPE_CHECKING:
 
     from sar_tui.link.peer import Hear, Peer
 
-_NAME = "agent-view"
-"""What the view is called in the session's log."""
+_NAME = "agent"
+"""What the view is called in the session's log, with a number of its own, so that there can be several."""
 
 
 def follow_agent(
@@ -45,7 +46,7 @@ def follow_agent(
     from sar_tui.plugins import DEFAULT_THEME
 
     def join(hear: "Hear", loop: "asyncio.AbstractEventLoop") -> "Peer":
-        return connect(where, _NAME, "observer", hear, loop)
+        return connect(where, f"{_NAME}-{os.getpid()}", "observer", hear, loop)
 
     app = AgentApp(catalogue.theme(DEFAULT_THEME), join)
     app.run()

@@ -11,14 +11,15 @@ from textual.widgets import Static
 from sar_tui.app.agent_app import AgentApp
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import SECOND, host_now
-from sar_tui.framework.messages import Action, Halt, Message, OutputReport, ThemeWorn, Waiting
+from sar_tui.framework.messages import Action, CueGiven, Halt, Message, OutputReport, ThemeWorn, Waiting
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ACTION, HALT, REPORT, THEME, WAITING
+from sar_tui.framework.topics import ACTION, CUE, HALT, REPORT, THEME, WAITING
 from sar_tui.link.peer import Connection, Frame, Hear, Welcome
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
 
 BETWEEN = Waiting(what="enter", stage="attempt", attempt=1)
+FOREPERIOD = Waiting(what="foreperiod", stage="trial", attempt=1, trial=1)
 IN_A_TRIAL = Waiting(what="response", stage="trial", attempt=1, trial=1)
 
 
@@ -60,6 +61,9 @@ class Link:
     def tell(self, topic: Topic[Any], message: Message, *, ago_s: float = 0, seq: int | None = None) -> None:
         self._seq += 1
         self._hear([Frame(seq or self._seq, self.now() - round(ago_s * SECOND), topic, message)])
+
+    def refuse(self, why: str) -> None:
+        self._hear(Connection("connecting", why))
 
     def lose(self) -> None:
         self._hear(Connection("lost"))
@@ -188,6 +192,39 @@ async def test_when_the_link_goes_it_sleeps_and_is_silent(calm: Theme, how: str,
         ] in seen
         assert "Well done!" not in seen
         assert watcher.link.heard == [("hush",)]
+
+
+async def test_a_filler_is_gone_when_the_wait_that_it_covered_is_over_but_not_an_answer(calm: Theme) -> None:
+    async with watching(calm) as watcher:
+        watcher.link.welcome()
+        watcher.link.tell(ACTION, said("Just a moment, please.", kind="filler"))
+        assert "Just a moment, please." in await watcher.see()
+        watcher.link.tell(WAITING, BETWEEN)
+        assert "Just a moment, please." not in await watcher.see()
+        watcher.link.tell(ACTION, said("Well done!"))
+        watcher.link.tell(WAITING, BETWEEN)
+        assert "Well done!" in await watcher.see()
+
+
+async def test_it_looks_to_a_side_with_the_participants_screen_until_the_response_is_there(calm: Theme) -> None:
+    async with watching(calm) as watcher:
+        watcher.link.welcome()
+        watcher.link.tell(WAITING, FOREPERIOD)
+        ahead = await watcher.see()
+        watcher.link.tell(CUE, CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left"))
+        watcher.link.tell(WAITING, IN_A_TRIAL)
+        assert await watcher.see() != ahead
+        watcher.link.tell(WAITING, FOREPERIOD)
+        watcher.link.tell(WAITING, Waiting(what="quiet", stage="trial", attempt=1, trial=2))
+        assert await watcher.see() == ahead
+
+
+async def test_one_that_is_not_let_in_says_why(calm: Theme) -> None:
+    async with watching(calm) as watcher:
+        watcher.link.refuse("Somebody who is there already has this name.")
+        seen = await watcher.see()
+        assert "One moment…" in seen
+        assert "Somebody who is there already has this name." in seen
 
 
 async def test_it_wears_the_sessions_theme(calm: Theme, catalogue: Catalogue) -> None:

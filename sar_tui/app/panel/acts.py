@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 from msgspec.structs import replace
 
+from sar_tui.app.panel.figures import cut
 from sar_tui.app.panel.journal import Line
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS, SECOND
@@ -11,6 +12,7 @@ from sar_tui.framework.messages import ActRefused, Message
 from sar_tui.link.peer import Frame
 
 KEPT = 40
+_LONGEST = 56
 SLOW = 3 * SECOND
 """An act that the session does not confirm for so long may never have arrived."""
 
@@ -31,13 +33,14 @@ class Act(NamedTuple):
 
     def line(self, now: int) -> Line:
         """As it stands in the log."""
+        words = cut(self.words, _LONGEST)  # what became of it has to fit on the line, too
         if self.refused:
-            return Line(self.message.at, f"{self.words}: refused", "bad")
+            return Line(self.message.at, f"{words}: refused", "bad")
         if self.latency is None and now - self.message.at > SLOW:
-            return Line(self.message.at, f"{self.words}: the session has not confirmed it", "bad")
+            return Line(self.message.at, f"{words}: the session has not confirmed it", "bad")
         if self.latency is None:
-            return Line(self.message.at, f"{self.words} …")
-        return Line(self.message.at, f"{self.words} · {max(0, self.latency) / MS:.0f} ms", "good")
+            return Line(self.message.at, f"{words} …")
+        return Line(self.message.at, f"{words} · {max(0, self.latency) / MS:.0f} ms", "good")
 
 
 class ActLog:

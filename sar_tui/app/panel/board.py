@@ -14,8 +14,10 @@ from textual.screen import Screen
 from textual.widgets import Input, Static
 
 from sar_tui.app.panel import offers, own_file, palette, sheets, views
+from sar_tui.app.panel.figures import cut
+from sar_tui.app.panel.phrases import addressee
 from sar_tui.app.panel.shown_agent import ShownAgent
-from sar_tui.app.panel.steering import Steering
+from sar_tui.app.panel.steering import Steering, takes_valence
 from sar_tui.framework.clock import SECOND, Clock, LiveClock, host_now
 from sar_tui.framework.messages import Offer
 from sar_tui.framework.theme import Theme
@@ -139,7 +141,10 @@ class Board(Screen[str]):
 
     @property
     def chosen(self) -> Offer | None:
-        """The proposal that keys are about: the one that was selected, for as long as it waits; else the first."""
+        """The proposal that keys are about: the one that stands there, or was selected, for as long as it waits.
+
+        Then the first. One that comes meanwhile takes nobody's place: a key that is on its way is not for that.
+        """
         waiting = self.steering.offers
         undecided = [offer for offer in waiting if not self.steering.ruled(offer.proposal.id)] or list(waiting)
         selected = (offer for offer in undecided if offer.proposal.id == self.selected)
@@ -181,25 +186,40 @@ class Board(Screen[str]):
         strip, offer, loss = self.query_one("#strip"), self.chosen, views.loss(self.steering.mirror)
         strip.set_class(offer is not None, "waits")
         strip.set_class(bool(loss), "alarm")
-        strip.border_subtitle = offers.modes(mirror, width - 4)
+        modes = offers.modes(mirror, width - 4)
         if offer is None:
-            strip.border_title = "Connection" if loss else "Proposals"
+            self.selected = ""
+            self._frame("Connection" if loss else "Proposals", modes)
             self._put("offer", offers.quiet(mirror, loss, width))
             self._put("buttons", Content(""))
             self._put("behind", Content(""))
             return
         waiting = self.steering.offers
-        strip.border_title = offers.title(offer, waiting.index(offer) + 1, len(waiting))
-        id = offer.proposal.id
-        if offer.deadline is not None:
-            self._given = {id: self._given.get(id, offer.deadline - now)}
+        to = addressee(mirror, offer.proposal.seat) if offer.level is None else ""
+        title = offers.title(offer, waiting.index(offer) + 1, len(waiting), to)
+        id = self.selected = offer.proposal.id
+        self._given = {
+            each.proposal.id: self._given.get(each.proposal.id, each.deadline - now)
+            for each in waiting
+            if each.deadline is not None
+        }
         self._put("offer", offers.body(offer, now, self._given.get(id), width))
-        keys = offers.buttons(self.file, has_words=bool(offer.proposal.text))
+        keys = offers.buttons(self.file, has_words=takes_valence(offer))
+        keys = offers.decides(mirror, self.file) if self.steering.obstacle() else keys
         sent = self.steering.ruled(id)
-        self._put("buttons", Content(f"{sent} …" if sent else "") if sent or self.steering.obstacle() else keys)
-        self._put("behind", Content(offers.behind(waiting, offer, now, width)))
-        if id not in self.steering.painted:
+        self._put("buttons", Content(f"{sent} …") if sent else keys)
+        behind = offers.behind(waiting, offer, now, width)
+        self._put("behind", Content(behind))
+        self._frame(title, cut(behind, width - 4) if behind and not self.has_class("tall") else modes)
+        if id != self.steering.stands[0]:
             self.call_after_refresh(self._painted, offer)
+
+    def _frame(self, title: str, subtitle: str) -> None:
+        """What stands in the border of the strip: text as it is, which holds brackets now and then."""
+        if self._drawn.get("strip") != (title, subtitle):
+            self._drawn["strip"] = (title, subtitle)
+            strip = self.query_one("#strip")
+            strip.border_title, strip.border_subtitle = Content(title), Content(subtitle)
 
     def _painted(self, offer: Offer) -> None:
         if self.steering.peer:
@@ -207,10 +227,9 @@ class Board(Screen[str]):
 
     def _draw_palette(self) -> None:
         page, number, count = self.find_page()
-        participants = self.steering.mirror.welcome.participants if self.steering.mirror.welcome else {}
-        to = f" · to {participants.get(self.seat, self.seat)}" if len(participants) > 1 else ""
-        to = to if page.kind in ("phrases", "gestures") else ""
-        self._put("title", Content(f"{page.title}{to} · {number + 1}/{count}"))
+        to = addressee(self.steering.mirror, self.seat) if page.kind in ("phrases", "gestures") else ""
+        to = f" ·{to} ({sheets.key_of('seat', self.file)})" if to else ""
+        self._put("title", Content(f"{page.title} {number + 1}/{count}{to}"))
         self._put("palette", sheets.items(page, self._room("palette"), 5))
 
     def find_page(self) -> tuple[palette.Page, int, int]:

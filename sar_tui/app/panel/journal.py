@@ -3,6 +3,7 @@
 from typing import Any, Literal, NamedTuple
 
 from sar_tui.framework.messages import (
+    Action,
     ActMissed,
     ActRefused,
     Dropped,
@@ -10,9 +11,11 @@ from sar_tui.framework.messages import (
     LevelRuled,
     OperatorChanged,
     SensorChanged,
+    Standing,
     StorageChanged,
 )
 from sar_tui.framework.topics import (
+    ACTION,
     DECISION,
     DROPPED,
     LEVEL,
@@ -34,11 +37,11 @@ KEPT = 40
 Tone = Literal["plain", "good", "bad"]
 
 _DROPPED = {
-    "late": "A proposal came too late: the session had gone on.",
+    "late": "The {what} came too late: the session had gone on.",
     "stopped": "What waited was stopped.",
-    "amended": "A proposal fell away: the attempt was scored anew.",
-    "expired": "A proposal expired: nobody decided in time.",
-    "no operator": "A proposal fell away: there was no operator.",
+    "amended": "The {what} fell away: the attempt was scored anew.",
+    "expired": "The {what} expired: nobody decided in time.",
+    "no operator": "The {what} fell away: there was no operator.",
 }
 _SENSOR = {
     "attached": ("The motion sensor is there.", "good"),
@@ -71,13 +74,19 @@ def short(name: str) -> str:
     return name.partition(".")[2] or name
 
 
-def line(frame: Frame, me: Welcome | None) -> Line | None:
-    """What a message is worth in the journal, if anything. ``me``: the reader is told "you"."""
-    told = _words(frame.topic.name, frame.message, me.name if me else "")
+def line(frame: Frame, me: Welcome | None, before: Standing | None) -> Line | None:
+    """What a message is worth in the journal, if anything.
+
+    Args:
+        frame: the message.
+        me: the reader is told "you".
+        before: what waited until then.
+    """
+    told = _words(frame.topic.name, frame.message, me.name if me else "", before)
     return Line(frame.at, *told) if told else None
 
 
-def _words(topic: str, message: Any, me: str) -> tuple[str, Tone] | None:
+def _words(topic: str, message: Any, me: str, before: Standing | None) -> tuple[str, Tone] | None:
     told: tuple[str, Tone] | None = None
     if topic == REFUSED.name:
         told = _refused(message, me), "bad"
@@ -86,9 +95,11 @@ def _words(topic: str, message: Any, me: str) -> tuple[str, Tone] | None:
     elif topic == PRESENCE.name:
         told = _presence(message, me)
     elif topic == DROPPED.name:
-        told = _dropped(message)
+        told = _dropped(message, before)
     elif topic == LEVEL_RULED.name:
-        told = _level_ruled(message, me), "plain"
+        told = _level_ruled(message, me, before)
+    elif topic == ACTION.name:
+        told = _let_go(message)
     elif topic == LEVEL.name:
         told = _level(message)
     elif topic == SENSOR.name:
@@ -123,24 +134,47 @@ def _presence(changed: OperatorChanged, me: str) -> tuple[str, Tone]:
             return f"{who} came{' to watch' if changed.role == 'observer' else ''}.", "plain"
         case "left":
             return f"{who} left.", "plain"
-    return f"{who} {'were' if you else 'is'} no longer heard{f': {changed.detail}' if changed.detail else ''}.", "bad"
+    why = f": {changed.detail.rstrip('.')}" if changed.detail else ""
+    return f"{who} {'were' if you else 'is'} no longer heard{why}.", "bad"
 
 
-def _dropped(dropped: Dropped) -> tuple[str, Tone] | None:
-    words = _DROPPED.get(dropped.reason)  # a veto, and what only the operator does, are nobody's news
-    return (words, "bad" if dropped.reason in ("late", "expired") else "plain") if words else None
+def _dropped(dropped: Dropped, before: Standing | None) -> tuple[str, Tone] | None:
+    """A veto, and what only the operator does, are nobody's news; nor is a filler that was not needed."""
+    waited = (*(offer.proposal for offer in before.offers), *before.queued) if before else ()
+    kind = next((each.kind for each in waited if each.id == dropped.id), "proposal")
+    words = _DROPPED.get(dropped.reason)
+    if not words or kind == "filler":
+        return None
+    return words.format(what=kind), "bad" if dropped.reason in ("late", "expired") else "plain"
 
 
-def _level_ruled(ruled: LevelRuled, me: str) -> str:
+def _let_go(action: Action) -> tuple[str, Tone] | None:
+    """What was to be approved, and nobody did, is an operator's news; all else that is said is seen and heard."""
+    if action.ground == "deadline" and action.mode == "approve":
+        return f"Nobody decided in time: the {action.kind} went out as it was.", "bad"
+    return None
+
+
+def _level_ruled(ruled: LevelRuled, me: str, before: Standing | None) -> tuple[str, Tone] | None:
+    """What becomes of a change of level, unless that goes without saying.
+
+    What an operator approved stands in the log already, as their act; what they did not stop needs none of them.
+    """
+    offers = before.offers if before else ()
+    mode = next((offer.mode for offer in offers if offer.proposal.id == ruled.id), "")
+    if ruled.decision == "accepted" and (ruled.ground == "operator" or mode == "veto"):
+        return None
+    tone: Tone = "bad" if ruled.ground == "deadline" else "plain"
     if ruled.decision == "rejected":
-        return f"The level stays {ruled.level} ({_ground(ruled, me)})."
-    return f"The next level is {ruled.level} ({_ground(ruled, me)})."
+        level = f" {ruled.level}" if ruled.level else ""
+        return f"The level stays{level} ({_ground(ruled, me)}).", tone
+    return f"The next level is {ruled.level} ({_ground(ruled, me)}).", tone
 
 
 def _ground(ruled: LevelRuled, me: str) -> str:
     if ruled.ground == "operator":
         return _who(ruled.actor, me)
-    return {"deadline": "nobody decided in time", "no operator": "no operator"}.get(ruled.ground, "the task's rule")
+    return {"deadline": "nobody decided in time", "no operator": "no operator"}.get(ruled.ground, "nobody decided")
 
 
 def _level(changed: LevelChanged) -> tuple[str, Tone] | None:

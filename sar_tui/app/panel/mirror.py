@@ -12,6 +12,7 @@ from sar_tui.framework.messages import (
     Action,
     AgentActing,
     AttemptEnded,
+    CueGiven,
     Halt,
     LevelChanged,
     OperatorChanged,
@@ -32,6 +33,7 @@ from sar_tui.framework.topics import (
     ACTING,
     ACTION,
     ATTEMPT_ENDED,
+    CUE,
     HALT,
     LEVEL,
     MARKED,
@@ -48,6 +50,7 @@ from sar_tui.framework.topics import (
 )
 from sar_tui.link.peer import Connection, Frame, Heard, Trace, Welcome
 
+_QUIET = ("foreperiod", "storage", "response")
 TRIALS_KEPT = 60
 TRACE_SECONDS = 8
 """How much of the past is shown of responses, and of a hand's motion."""
@@ -56,15 +59,17 @@ TRACE_SECONDS = 8
 class Agent(msgspec.Struct, frozen=True):
     """What the participant sees of the agent: the words that stand, what was added to them, the expression.
 
-    ``moves`` is what was last said or done, with its gesture and gaze; ``still`` counts how often it was told to be
-    still.
+    ``kind`` is of the words. ``moves`` is what was last said or done, with its gesture and gaze; ``cue``: to which side
+    it looks or points, until the response is there; ``still`` counts how often it was told to be still.
     """
 
     words: str = ""
     more: str = ""
+    kind: str = ""
     face: str = "neutral"
     valence: str | None = None
     moves: Action | None = None
+    cue: CueGiven | None = None
     still: int = 0
 
 
@@ -120,6 +125,11 @@ class Mirror(msgspec.Struct, frozen=True):
         return self.connection.state == "connected" and self.welcome is not None
 
     @property
+    def is_quiet(self) -> bool:
+        """Whether the participant's screen stands still, because a response is awaited."""
+        return bool(self.waiting and self.waiting.stage == "trial" and self.waiting.what in _QUIET)
+
+    @property
     def steers(self) -> bool:
         """Whether this peer's acts are heeded, as far as is known."""
         mine = self.welcome.name if self.welcome else ""
@@ -136,9 +146,10 @@ class Mirror(msgspec.Struct, frozen=True):
     def _frames(self, frames: Iterable[Frame]) -> "Mirror":
         mirror = self
         for frame in frames:
+            before = mirror.standing
             if heard := _HEARD.get(frame.topic.name):
                 mirror = heard(mirror, frame.message)
-            if line := journal.line(frame, self.welcome):
+            if line := journal.line(frame, self.welcome, before):
                 mirror = replace(mirror, journal=(*mirror.journal, line)[-journal.KEPT :])
         return mirror
 
@@ -154,14 +165,17 @@ class Mirror(msgspec.Struct, frozen=True):
 def _waits(mirror: Mirror, waiting: Waiting) -> Mirror:
     agent = mirror.agent
     if waiting.stage == "trial" and waiting.what != "agent":
-        agent = replace(agent, words="", more="", face="listening")
+        agent = replace(agent, words="", more="", kind="", face="listening")
     elif waiting.stage == "answer":
         agent = replace(agent, face="thinking")
     elif agent.face == "thinking":
         agent = replace(agent, face="listening")
+    if waiting.stage in ("attempt", "review") and agent.kind == "filler":
+        agent = replace(agent, words="", more="", kind="", face="listening")
     level = waiting.level or mirror.level
     prompt = mirror.prompt if waiting.stage == "trial" else None
-    return replace(mirror, waiting=waiting, agent=agent, level=level, prompt=prompt)
+    waits = replace(mirror, waiting=waiting, agent=agent, level=level, prompt=prompt)
+    return waits if waits.is_quiet else replace(waits, agent=replace(agent, cue=None))
 
 
 def _prompted(mirror: Mirror, prompt: Prompt) -> Mirror:
@@ -210,10 +224,14 @@ def _sensed(mirror: Mirror, changed: SensorChanged) -> Mirror:
 def _said(mirror: Mirror, action: Action) -> Mirror:
     agent = mirror.agent
     if action.text and action.joins and agent.words:
-        agent = replace(agent, more=action.text)
+        agent = replace(agent, more=f"{agent.more}\n{action.text}".lstrip(), kind=action.kind)
     elif action.text:
-        agent = replace(agent, words=action.text, more="", valence=action.valence)
+        agent = replace(agent, words=action.text, more="", kind=action.kind, valence=action.valence)
     return replace(mirror, agent=replace(agent, face=action.face or agent.face, moves=action))
+
+
+def _cued(mirror: Mirror, cue: CueGiven) -> Mirror:
+    return replace(mirror, agent=replace(mirror.agent, cue=cue))
 
 
 def _halted(mirror: Mirror, _: Halt) -> Mirror:
@@ -242,12 +260,7 @@ def _worn(mirror: Mirror, worn: ThemeWorn) -> Mirror:
 
 
 def _came_or_went(mirror: Mirror, changed: OperatorChanged) -> Mirror:
-    holder = mirror.holder
-    if changed.state == "baton":
-        holder = changed.actor
-    elif changed.state in ("left", "lost") and changed.actor == holder:
-        holder = ""
-    return replace(mirror, peers=changed.peers, holder=holder, operated=changed.operated)
+    return replace(mirror, peers=changed.peers, holder=changed.holder, operated=changed.operated)
 
 
 _HEARD: dict[str, Callable[[Mirror, Any], Mirror]] = {
@@ -261,6 +274,7 @@ _HEARD: dict[str, Callable[[Mirror, Any], Mirror]] = {
     SESSION_ENDED.name: _ended,
     SENSOR.name: _sensed,
     ACTION.name: _said,
+    CUE.name: _cued,
     HALT.name: _halted,
     ACTING.name: _acts,
     REPORT.name: _reported,

@@ -4,6 +4,7 @@ from textual.content import Content
 
 from sar_tui.app.panel.deeds import DEEDS, key_name
 from sar_tui.app.panel.figures import Piece, bar, cut, two_lines
+from sar_tui.app.panel.journal import short
 from sar_tui.app.panel.mirror import Mirror
 from sar_tui.app.panel.own_file import OwnFile
 from sar_tui.app.panel.palette import MODES, RULED
@@ -11,20 +12,36 @@ from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import Offer, Proposal
 
 _TONES = {"positive": "$success", "neutral": "$neutral", "negative": "$warning"}
+_RANKS: dict[str, int] = {"feedback": 0, "encouragement": 1, "instruction": 2, "difficulty": 3, "gesture": 4}
+_TOGETHER = SECOND // 2
+"""Proposals that are due within so much of each other were made together."""
 _BUTTONS = ("approve", "veto", "edit", "positive", "neutral", "negative")
 
 
-def title(offer: Offer, number: int, count: int) -> str:
-    """What stands above a proposal: its kind, its valence, and its mode."""
+def in_order(waiting: tuple[Offer, ...]) -> tuple[Offer, ...]:
+    """What presses first: the earlier deadline; of those that are due together, what has to be read most carefully."""
+    timed = sorted((offer for offer in waiting if offer.deadline is not None), key=lambda offer: offer.deadline or 0)
+    ranks: dict[str, tuple[int, int]] = {}
+    group, begins = 0, 0
+    for offer in timed:
+        if (offer.deadline or 0) - begins > _TOGETHER:
+            group, begins = group + 1, offer.deadline or 0
+        ranks[offer.proposal.id] = (group, _RANKS.get(offer.proposal.kind, len(_RANKS)))
+    last = (group + 1, 0)
+    return tuple(sorted(waiting, key=lambda offer: ranks.get(offer.proposal.id, last)))
+
+
+def title(offer: Offer, number: int, count: int, to: str) -> str:
+    """What stands above a proposal: its kind, whom it is for, its valence, and its mode."""
     proposal = offer.proposal
-    parts = [proposal.kind.upper(), *filter(None, (proposal.valence, proposal.degree)), offer.mode]
+    parts = [proposal.kind.upper() + to, *filter(None, (proposal.valence, proposal.degree)), offer.mode]
     return " · ".join(parts) + (f" · {number} of {count}" if count > 1 else "")
 
 
 def says(proposal: Proposal, level: int | None) -> str:
     """A proposal in words, as it would be said or done."""
     if level is not None:
-        return f"The next attempt at level {level}"
+        return f"{proposal.text or f'Level {level}'}, from the next attempt on"
     text = proposal.text or proposal.spoken
     return f"“{text}”" if text else f"[{(proposal.gesture or proposal.tone or proposal.face).replace('_', ' ')}]"
 
@@ -32,7 +49,7 @@ def says(proposal: Proposal, level: int | None) -> str:
 def left(offer: Offer, now: int) -> str:
     """How long there is to decide, and what happens then."""
     if offer.deadline is None:
-        return "waits for you"
+        return "waits for you, until the next attempt begins"
     seconds = max(0, offer.deadline - now) / SECOND
     if seconds == 0:
         return "its time is over"
@@ -70,6 +87,15 @@ def buttons(file: OwnFile, *, has_words: bool) -> Content:
     return Content.assemble(*parts)
 
 
+def decides(mirror: Mirror, file: OwnFile) -> Content:
+    """In place of those keys, who has them, for those who only see it."""
+    if mirror.welcome and mirror.welcome.role == "observer":
+        return Content.assemble(("You watch.", "$text-muted"))
+    baton = next(deed for deed in DEEDS if deed.id == "baton")
+    takes = f"{key_name(file.keys_of(baton)[0])} takes the baton."
+    return Content.assemble((f"{short(mirror.holder)} decides; {takes}", "$text-muted"))
+
+
 def quiet(mirror: Mirror, loss: str, width: int) -> Content:
     """What stands there while nothing waits: why, if the link is down or nothing would ever come."""
     if loss:
@@ -78,13 +104,18 @@ def quiet(mirror: Mirror, loss: str, width: int) -> Content:
         return Content.assemble(("What the agent proposes is not known yet.", "$text-muted"))
     if all(mode == "autonomous" for mode in mirror.standing.modes.values()):
         return Content.assemble(("Nothing waits: the agent decides everything by itself.", "$text-muted"))
-    return Content.assemble(("Nothing waits for you.", "$text-muted"))
+    whom = "you" if mirror.steers else short(mirror.holder) or "an operator"
+    return Content.assemble((f"Nothing waits for {whom}.", "$text-muted"))
 
 
 def behind(offers: tuple[Offer, ...], chosen: Offer, now: int, width: int) -> str:
-    """The other proposals, on one line."""
-    others = [f"{o.proposal.kind} {says(o.proposal, o.level)}, {left(o, now)}" for o in offers if o is not chosen]
+    """The other proposals, on one line, each with its time."""
+    others = [f"{_time(o, now)}{o.proposal.kind} {says(o.proposal, o.level)}" for o in offers if o is not chosen]
     return cut(f"Behind it: {' · '.join(others)}", width) if others else ""
+
+
+def _time(offer: Offer, now: int) -> str:
+    return "" if offer.deadline is None else f"{max(0, offer.deadline - now) / SECOND:.0f} s "
 
 
 def modes(mirror: Mirror, width: int) -> str:

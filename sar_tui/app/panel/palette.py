@@ -6,7 +6,7 @@ import msgspec
 
 from sar_tui.app.panel.mirror import Mirror
 from sar_tui.app.panel.own_file import OwnFile
-from sar_tui.app.panel.phrases import Filled, fill, slot_values, theme_phrases
+from sar_tui.app.panel.phrases import Filled, addressee, fill, slot_values, theme_phrases
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.messages import Action, Decision, Message, Mode, ModeChosen, Operator, Remark, Ruled
 from sar_tui.framework.topics import DECISION, MODE, OPERATOR, REMARK
@@ -66,17 +66,17 @@ def pages(mirror: Mirror, words: Words, seat: str) -> list[Page]:
         for begin in range(0, len(phrases), PER_PAGE):
             filled = [fill(phrase, values) for phrase in phrases[begin : begin + PER_PAGE]]
             more = f" {begin // PER_PAGE + 1}" if len(phrases) > PER_PAGE else ""
-            found.append(Page("phrases", heading + more, tuple(_phrase(each, seat) for each in filled)))
+            found.append(Page("phrases", heading + more, tuple(_phrase(each, mirror, seat) for each in filled)))
     if not found:
         found.append(Page("phrases", "Phrases", (), "The theme's phrases are not known yet."))
     return [*found, _gestures(mirror, seat), _marks(mirror), _modes(mirror), _queue(mirror)]
 
 
-def _phrase(filled: Filled, seat: str) -> Item:
+def _phrase(filled: Filled, mirror: Mirror, seat: str) -> Item:
     if filled.missing:
         return Item(filled.text, why=f"{{{filled.missing}}} is not known yet")
     remark = msgspec.structs.replace(filled.phrase.remark(filled.text), seat=seat)
-    return Item(filled.text, f"Said “{filled.text}”", REMARK, remark)
+    return Item(filled.text, f"Said{addressee(mirror, seat)} “{filled.text}”", REMARK, remark)
 
 
 def _gestures(mirror: Mirror, seat: str) -> Page:

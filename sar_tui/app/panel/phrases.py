@@ -85,6 +85,12 @@ def slot_values(mirror: Mirror, seat: str) -> dict[str, str]:
     return values
 
 
+def addressee(mirror: Mirror, seat: str) -> str:
+    """To whom, of several: `` to P02``; nothing where there is one participant."""
+    people = mirror.welcome.participants if mirror.welcome else {}
+    return f" to {people.get(seat, seat)}" if len(people) > 1 else ""
+
+
 def figure(value: float, mirror: Mirror) -> str:
     """A value of the metric, with its unit."""
     decimals, unit = (mirror.welcome.decimals, mirror.welcome.unit) if mirror.welcome else (0, "")

@@ -10,8 +10,8 @@ from textual.widgets import Input, Static
 from sar_tui.app.panel import palette
 from sar_tui.app.panel.board import Board
 from sar_tui.app.panel.deeds import DEEDS, bindings
-from sar_tui.app.panel.phrases import LONGEST
-from sar_tui.app.panel.steering import editable
+from sar_tui.app.panel.phrases import LONGEST, addressee
+from sar_tui.app.panel.steering import editable, takes_valence
 from sar_tui.framework.clock import SECOND, host_now
 from sar_tui.framework.messages import Offer, Valence
 
@@ -56,7 +56,7 @@ class PanelScreen(Board):
             self._done(self.steering.decide(offer, "veto", self._at))
 
     def action_valence(self, valence: Valence) -> None:
-        if (offer := self.chosen) and offer.proposal.text:
+        if (offer := self.chosen) and takes_valence(offer):
             self._done(self.steering.revalue(offer, valence, self._at))
 
     def action_select(self, step: int) -> None:
@@ -142,7 +142,9 @@ class PanelScreen(Board):
             self.draw()
 
     def action_say(self) -> None:
-        self._type("Say:", "", lambda text, at: self.steering.say(text, self.seat, at))
+        seat = self.seat
+        to = addressee(self.steering.mirror, seat)
+        self._type(f"Say{to}:", "", lambda text, at: self.steering.say(text, seat, at))
 
     def action_note(self) -> None:
         begun = self._at

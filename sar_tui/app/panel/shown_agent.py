@@ -37,6 +37,7 @@ class ShownAgent:
         self._say(seen, before)
         if seen.still != before.still:
             self.widget.be_still()
+        self._hold(mirror, before)
         action = seen.moves
         if action and action is not before.moves and now - action.decided < _FRESH:
             if action.gesture in mirror.theme.gestures:
@@ -45,6 +46,16 @@ class ShownAgent:
                 self.widget.gaze(action.gaze)
         current = mirror.standing.current if mirror.standing else None
         self.widget.speaking(bool(mirror.acting and current and current.spoken and mirror.is_connected))
+
+    def _hold(self, mirror: Mirror, before: Seen) -> None:
+        """Stand still where the participant's does; and look to a side as it does, meanwhile."""
+        cue = mirror.agent.cue
+        if not mirror.is_quiet or (before.cue and before.cue is not cue):
+            self.widget.release()
+        if mirror.is_quiet:
+            self.widget.hold()
+        if cue and cue is not before.cue:
+            self.widget.cue(cue.gaze, mirror.theme.gestures.get(cue.gesture) if mirror.theme else None)
 
     def _say(self, seen: Seen, before: Seen) -> None:
         if (seen.words, seen.more, seen.valence) == (before.words, before.more, before.valence):
@@ -56,3 +67,8 @@ class ShownAgent:
             self.widget.say(seen.words, seen.face, seen.valence)
             if seen.more:
                 self.widget.say(seen.more, joins=True)
+                self.widget.call_after_refresh(self._show_newest)
+
+    def _show_newest(self) -> None:
+        """There is less room than the participant has: of words that joined others, the last are seen."""
+        self.widget.query_one(".words").scroll_end(animate=False, force=True)

@@ -4,10 +4,12 @@ from typing import Any, Literal
 
 from msgspec.structs import replace
 
+from sar_tui.app.panel import offers
 from sar_tui.app.panel.acts import SLOW, ActLog
 from sar_tui.app.panel.journal import short
 from sar_tui.app.panel.mirror import Mirror
 from sar_tui.app.panel.palette import MODES, Item
+from sar_tui.app.panel.phrases import addressee
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import (
@@ -32,7 +34,8 @@ TOO_SOON = 150 * MS
 class Steering:
     """One operator, at work: knows the mirror, sends acts by the peer, keeps the log.
 
-    ``painted``: the proposals that stand on the screen, and since when.
+    ``painted``: the proposals that have stood on the screen. ``stands``: the one that keys are about, by its id, and
+    since when (ns) it stands there.
     Each method takes ``at``, the stamp of the key (ns, on the session's clock), and says whether something was sent.
     """
 
@@ -40,7 +43,8 @@ class Steering:
         self.mirror = Mirror()
         self.peer: Peer | None = None
         self.log = ActLog()
-        self.painted: dict[str, int] = {}
+        self.painted: set[str] = set()
+        self.stands: tuple[str, int] = ("", 0)
         self._ruled: dict[str, tuple[str, int]] = {}
         self._held_from: Mode | None = None
 
@@ -57,9 +61,9 @@ class Steering:
 
     @property
     def offers(self) -> tuple[Offer, ...]:
-        """What waits for an operator, as far as is known; nothing while the link is down."""
+        """What waits for an operator, as far as is known, what presses first; nothing while the link is down."""
         mirror = self.mirror
-        return mirror.standing.offers if mirror.standing and mirror.is_connected else ()
+        return offers.in_order(mirror.standing.offers) if mirror.standing and mirror.is_connected else ()
 
     def obstacle(self) -> str:
         """Why an act would not be heeded; empty where it would."""
@@ -78,10 +82,11 @@ class Steering:
     # --- proposals -------------------------------------------------------------------------------------------
 
     def seen(self, offer: Offer, at: int) -> None:
-        """A proposal has been painted. Told once, by whoever may decide on it."""
+        """A proposal has been painted as the one that keys are about. Told once, by whoever may decide on it."""
+        self.stands = (offer.proposal.id, at)
         if offer.proposal.id not in self.painted:
             waiting = {each.proposal.id for each in self.offers}
-            self.painted = {id: when for id, when in self.painted.items() if id in waiting} | {offer.proposal.id: at}
+            self.painted = (self.painted & waiting) | {offer.proposal.id}
             self._ruled = {id: ruled for id, ruled in self._ruled.items() if id in waiting}
             if self.peer and not self.obstacle():
                 self.peer.send(SEEN, OfferSeen(action=offer.proposal.id, seat=offer.proposal.seat, at=at))
@@ -120,8 +125,8 @@ class Steering:
     def _rule(self, words: str, offer: Offer, decision: Decision, at: int) -> bool:
         if self.ruled(decision.action):
             return False
-        seen = self.painted.get(decision.action)
-        if seen is None or at - seen < TOO_SOON:
+        stands, since = self.stands
+        if stands != decision.action or at - since < TOO_SOON:
             self.log.told(at, "Too soon: that proposal had only just come. Nothing was sent.")
             return False
         words = f"{words} {offer.proposal.kind}"
@@ -184,7 +189,9 @@ class Steering:
 
     def say(self, text: str, seat: str, at: int) -> bool:
         """Free text."""
-        return self.send(f"Said “{text}”", REMARK, Remark(text=text, source="free text", seat=seat), at)
+        return self.send(
+            f"Said{addressee(self.mirror, seat)} “{text}”", REMARK, Remark(text=text, source="free text", seat=seat), at
+        )
 
     def note(self, text: str, at: int) -> bool:
         """A note, for the record."""
@@ -207,6 +214,11 @@ class Steering:
         self.log.sent(words, topic, act)
         self.peer.send(topic, act)
         return True
+
+
+def takes_valence(offer: Offer) -> bool:
+    """Whether it can be sent as a positive, neutral or negative one: words can, a level or a gesture cannot."""
+    return offer.level is None and bool(offer.proposal.text)
 
 
 def editable(offer: Offer) -> str:

@@ -10,6 +10,8 @@ from sar_tui.app.panel.phrases import figure
 from sar_tui.framework.messages import Waiting
 
 UNKNOWN = "not known yet"
+_LABEL = 8
+"""Characters of a participant's code, beside their responses."""
 _WAITS = {
     "enter": "Waits for Enter",
     "start": "Waits for the start key",
@@ -58,6 +60,7 @@ def link(mirror: Mirror) -> Content:
         return Content.assemble((f"○ {words}", "$warning bold"))
     me = mirror.welcome.name if mirror.welcome else ""
     others = [name for name in mirror.peers if name not in (me, mirror.holder)]
+    watchers = [short(name) for name in others if mirror.peers[name] == "observer"]
     parts: list[Piece] = [("● ", "$success")]
     if mirror.welcome and mirror.welcome.role == "observer":
         parts.append(("you watch", "bold"))
@@ -68,10 +71,10 @@ def link(mirror: Mirror) -> Content:
         parts.append((f"{short(mirror.holder)} steers", "$warning bold"))
     else:
         parts.append(("connected", "$success"))
-    parts.extend(
-        (f" · {short(name)}" + (" watches" if mirror.peers[name] == "observer" else ""), "$text-muted")
-        for name in others
-    )
+    parts.extend((f" · {short(name)}", "$text-muted") for name in others if mirror.peers[name] == "operator")
+    if watchers:
+        watch = f"{watchers[0]} watches" if len(watchers) == 1 else f"{len(watchers)} watch"
+        parts.append((f" · {watch}", "$text-muted"))
     return Content.assemble(*parts)
 
 
@@ -100,7 +103,7 @@ def doing(mirror: Mirror, width: int) -> Content:
     seats = sorted({*mirror.welcome.participants, *mirror.seats}) or ["A"]
     rows: list[list[Piece]] = [[(cut(_waits(mirror.waiting, mirror.ended), width), "bold")], _prompt(mirror, width)]
     for name in seats:
-        label = f"{name} " if len(seats) > 1 else ""
+        label = f"{cut(mirror.welcome.participants.get(name, name), _LABEL)} " if len(seats) > 1 else ""
         rows += _seat(mirror, mirror.seat(name), label, width, is_short=len(seats) > 1)
     rows.append(_agent(mirror, width))
     return Content.assemble(*[piece for row in rows for piece in (*row, ("\n", ""))][:-1])
@@ -131,8 +134,10 @@ def _seat(mirror: Mirror, seat: Seat, label: str, width: int, *, is_short: bool)
     head: Piece = (label, "$accent bold")
     done: list[Piece] = figures.responses(seat.trials, room) if seat.trials else [("No response yet", "$text-muted")]
     times = _times(mirror, seat, room)
-    attempt = _attempt(mirror, seat, room)
-    rows = [[head, *done], [(" " * len(label), ""), *(times if seat.trials or not is_short else attempt)]]
+    attempt = _attempt(mirror, seat, room, is_short=is_short)
+    in_trial = mirror.waiting is not None and mirror.waiting.stage == "trial"
+    shows_attempt = is_short and ((seat.attempt is not None and not in_trial) or not seat.trials)
+    rows = [[head, *done], [(" " * len(label), ""), *(attempt if shows_attempt else times)]]
     if not is_short:
         rows += [attempt, _hand(mirror, seat, room)]
     return rows
@@ -149,7 +154,7 @@ def _times(mirror: Mirror, seat: Seat, width: int) -> list[Piece]:
     return [(line, "$accent"), (" ", ""), (told, "")]
 
 
-def _attempt(mirror: Mirror, seat: Seat, width: int) -> list[Piece]:
+def _attempt(mirror: Mirror, seat: Seat, width: int, *, is_short: bool) -> list[Piece]:
     ended = seat.attempt
     if ended is None:
         return [("No attempt is done yet", "$text-muted")]
@@ -158,7 +163,7 @@ def _attempt(mirror: Mirror, seat: Seat, width: int) -> list[Piece]:
     goal = f" of {figure(ended.goal, mirror)}" if ended.goal is not None else ""
     right = f", {ended.accuracy:.0%}" if ended.accuracy is not None else ""
     sign = ("✓ ", "$success") if ended.outcome == "success" else ("✗ ", "$warning bold")
-    head = f"Attempt {ended.attempt} "
+    head = "" if is_short else f"Attempt {ended.attempt} "
     return [(head, "$text-muted"), sign, (cut(f"{metric}{goal}{right}", width - len(head) - 2), "")]
 
 

@@ -77,16 +77,16 @@ class AgentViewScreen(Screen[None]):
     def wait(self, waiting: Waiting) -> None:
         """Hold still while a response is awaited, as the participant's own screen does."""
         is_trial = waiting.stage == "trial"
-        if is_trial and waiting.what in _AWAITED:
-            self._agent.hold()
-        else:
-            self._agent.release()
         if is_trial and waiting.what != "agent":
             self._agent.clear("listening")
         elif waiting.stage == "answer":
             self._agent.look("thinking")
         elif self._agent.face in ("thinking", "sleeping") and waiting.stage != "paused":
             self._agent.look("listening")
+        if is_trial and waiting.what in _AWAITED:
+            self._agent.hold()
+        else:
+            self._agent.release()
 
     def clear_agent(self, face: str) -> None:
         self._agent.clear(face)

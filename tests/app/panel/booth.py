@@ -181,9 +181,15 @@ def prompt(text: str = "Press: f") -> m.Prompt:
     )
 
 
+def cue(side: Any = "left") -> m.CueGiven:
+    return m.CueGiven(attempt=3, trial=5, presentation=1, side=side, gaze=side)
+
+
 def presence(state: Any = "baton", actor: str = ANNA, **peers: Role) -> m.OperatorChanged:
+    """Somebody came, went or took the baton; unless it is ``actor`` who took it, Anna holds it."""
     there = {f"{role}.{name}": role for name, role in peers.items()}
-    return m.OperatorChanged(actor=actor, state=state, operated=True, peers={ANNA: "operator", **there})
+    holder = actor if state == "baton" else ANNA
+    return m.OperatorChanged(actor=actor, state=state, operated=True, holder=holder, peers={ANNA: "operator", **there})
 
 
 def begun(theme: Theme) -> list[Frame]:

@@ -1,10 +1,13 @@
 """The mirror: what an operator knows, from what the link brings."""
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from msgspec.structs import replace
 from rich.cells import cell_len
 
-from sar_tui.app.panel import views
+from sar_tui.app.panel import offers, views
+from sar_tui.app.panel.acts import Act
 from sar_tui.app.panel.figures import cut, motion, responses, sparkline, two_lines
 from sar_tui.app.panel.mirror import TRIALS_KEPT, Mirror
 from sar_tui.framework import messages as m
@@ -84,14 +87,38 @@ def test_a_mark_changes_whether_the_trial_was_right() -> None:
     assert not mirror.seat("A").trials[0].correct
 
 
-def test_the_baton_goes_to_who_takes_it_and_is_free_when_they_are_gone() -> None:
+def test_the_baton_is_with_whom_the_session_says_that_it_is() -> None:
     mine = after((t.PRESENCE, b.presence()))
     assert (mine.holder, mine.steers) == (b.ANNA, True)
     theirs = mine.hear([b.frame(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))])
     assert (theirs.holder, theirs.steers) == ("operator.ben", False)
-    gone = theirs.hear([b.frame(t.PRESENCE, b.presence("lost", "operator.ben"))])
+    lost = m.OperatorChanged(actor="operator.ben", state="lost", operated=False, detail="The connection broke.")
+    gone = theirs.hear([b.frame(t.PRESENCE, lost)])
     assert (gone.holder, gone.steers) == ("", True)
-    assert lines(gone) == ["You hold the baton.", "ben holds the baton.", "ben is no longer heard."]
+    assert lines(gone) == [
+        "You hold the baton.",
+        "ben holds the baton.",
+        "ben is no longer heard: The connection broke.",
+    ]
+
+
+def test_one_who_comes_late_knows_who_has_the_baton_from_what_was_told_last() -> None:
+    watcher = m.OperatorChanged(
+        actor="observer.cara",
+        role="observer",
+        state="joined",
+        operated=True,
+        holder="operator.ben",
+        peers={"operator.ben": "operator", "observer.cara": "observer"},
+    )
+    late = after((t.PRESENCE, watcher))
+    assert not late.steers
+    assert "ben steers · cara watches" in views.link(late).plain
+
+
+def test_of_many_who_watch_their_number_is_told() -> None:
+    peers: dict[str, m.Role] = {"cara": "observer", "dan": "observer", "eve": "observer"}
+    assert views.link(after((t.PRESENCE, b.presence(**peers)))).plain == "● you steer · 3 watch"
 
 
 def test_an_observer_never_steers() -> None:
@@ -125,7 +152,7 @@ def test_what_was_refused_or_missed_or_fell_away_is_told_in_a_line() -> None:
     assert lines(mirror) == [
         "Refused of cara: an act (3 times). An observer cannot act.",
         "Too late: veto p1. Its time was over.",
-        "A proposal expired: nobody decided in time.",
+        "The proposal expired: nobody decided in time.",
         "The disk refuses to write: The disk is full.",
     ]
 
@@ -143,9 +170,95 @@ def test_two_participants_are_shown_each_with_their_own_responses() -> None:
         [b.frame(t.TRIAL, b.trial(1, "f", 400)), b.frame(t.TRIAL, b.trial(1, "k", 500, correct=False, seat="B"))]
     )
     shown = views.doing(mirror, 36).plain
-    assert "A ✓f" in shown
-    assert "B ✗k" in shown
+    assert "P01 ✓f" in shown
+    assert "P02 ✗k" in shown
+    assert "400 ms" in shown
     assert len(shown.splitlines()) <= 7
+
+
+def test_of_two_participants_the_last_results_stand_between_attempts_and_the_times_in_trials() -> None:
+    mirror = Mirror().hear(Connection("connected")).hear(b.welcome(participants={"A": "P01", "B": "P02"}))
+    mirror = mirror.hear([b.frame(t.TRIAL, b.trial(1, "k", 430, seat="B")), b.frame(t.ATTEMPT_ENDED, b.attempt("B"))])
+    between = mirror.hear([b.frame(t.WAITING, b.waiting("enter", "attempt"))])
+    assert "✓ 498 of 520 ms, 95%" in views.doing(between, 32).plain
+    during = between.hear([b.frame(t.WAITING, b.waiting())])
+    assert "430 ms" in views.doing(during, 32).plain
+
+
+def test_a_filler_is_gone_when_the_wait_that_it_covered_is_over() -> None:
+    filler = b.action("s1", kind="filler", text="Just a moment, please.")
+    stalling = after((t.ACTION, filler), (t.WAITING, b.waiting("answer", "answer")))
+    assert stalling.agent.words == "Just a moment, please."
+    over = stalling.hear([b.frame(t.WAITING, b.waiting("enter", "attempt"))])
+    assert (over.agent.words, over.agent.face) == ("", "listening")
+    answered = stalling.hear([b.frame(t.ACTION, b.action("a1")), b.frame(t.WAITING, b.waiting("enter", "attempt"))])
+    assert answered.agent.words == b.proposal().text
+
+
+def test_a_cue_stands_until_the_response_is_there() -> None:
+    cued = after((t.WAITING, b.waiting("foreperiod")), (t.CUE, b.cue()), (t.WAITING, b.waiting("response")))
+    assert cued.agent.cue is not None
+    assert cued.hear([b.frame(t.WAITING, b.waiting("quiet"))]).agent.cue is None
+
+
+def test_what_went_out_because_nobody_approved_it_in_time_is_told_but_no_veto_that_was_not_made() -> None:
+    late = {"ground": "deadline", "actor": "agent"}
+    mirror = after(
+        (t.ACTION, b.action("a1", mode="approve", **late)),
+        (t.ACTION, b.action("a2", mode="veto", **late)),
+        (t.ACTION, b.action("a3", mode="approve", ground="operator", actor=b.ANNA)),
+    )
+    assert lines(mirror) == ["Nobody decided in time: the feedback went out as it was."]
+
+
+def test_what_fell_away_is_called_by_its_kind_and_a_filler_is_nobodys_news() -> None:
+    waits = b.standing(
+        b.offer("p1", kind="encouragement"),
+        b.offer("l1", level=5),
+        replace(b.offer("l2", level=6), mode="veto"),
+        queued=(b.action("s1", kind="filler"),),
+    )
+    ruled = {"level": 5, "ground": "deadline", "at": 0, "actor": "agent"}
+    mirror = after(
+        (t.STANDING, waits),
+        (t.DROPPED, m.Dropped(id="p1", reason="late")),
+        (t.DROPPED, m.Dropped(id="s1", reason="late")),
+        (t.LEVEL_RULED, m.LevelRuled(id="l1", decision="accepted", **ruled)),
+        (t.LEVEL_RULED, m.LevelRuled(id="l2", decision="accepted", **ruled)),
+        (t.LEVEL_RULED, m.LevelRuled(id="l1", decision="accepted", **ruled | {"ground": "operator"})),
+        (t.LEVEL_RULED, m.LevelRuled(id="l1", decision="rejected", **ruled | {"ground": "mode", "level": 0})),
+    )
+    assert lines(mirror) == [
+        "The encouragement came too late: the session had gone on.",
+        "The next level is 5 (nobody decided in time).",
+        "The level stays (nobody decided).",
+    ]
+
+
+def test_of_long_words_that_were_sent_the_log_keeps_room_for_what_became_of_them() -> None:
+    act = Act("Said “" + "on and " * 30 + "on”", "topic", m.Remark(at=b.START), latency=5_000_000)
+    assert act.line(b.START).text.endswith("… · 5 ms")
+    assert cell_len(act.line(b.START).text) < 70
+
+
+# --- the order of proposals ----------------------------------------------------------------------------------------
+
+
+def test_what_is_due_first_comes_first_and_of_what_was_made_together_what_has_to_be_read() -> None:
+    level, feedback = b.offer("l1", 4000, level=5), b.offer("f1", 4001)
+    gesture = b.offer("g1", 4002, kind="gesture", text="")
+    soon, free = b.offer("e1", 2000, kind="encouragement"), b.offer("m1", None)
+    order = offers.in_order((free, level, gesture, feedback, soon))
+    assert [offer.proposal.id for offer in order] == ["e1", "f1", "l1", "g1", "m1"]
+
+
+@given(st.lists(st.tuples(st.none() | st.integers(0, 9000), st.sampled_from(["feedback", "gesture", "rest"]))))
+def test_none_is_lost_in_the_order_and_what_needs_nobody_soon_is_last(waiting: list[tuple[int | None, str]]) -> None:
+    given_ = tuple(b.offer(f"p{n}", ms, kind=kind) for n, (ms, kind) in enumerate(waiting))
+    order = offers.in_order(given_)
+    assert sorted(order, key=given_.index) == list(given_)
+    is_free = [offer.deadline is None for offer in order]
+    assert is_free == sorted(is_free)
 
 
 def test_a_hands_motion_is_kept_for_some_seconds_only() -> None:

