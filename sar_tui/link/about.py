@@ -15,6 +15,7 @@ def about(task: Task, session: str, link: str, participants: dict[str, str]) -> 
         participants: their codes, by seat.
     """
     parameters = task.parameters
+    called = participants if task.address == "code" else {seat: task.seat_name(seat) for seat in participants}
     return Welcome(
         link=link,
         session=session,
@@ -29,5 +30,6 @@ def about(task: Task, session: str, link: str, participants: dict[str, str]) -> 
         attempts=parameters.practice_attempts + parameters.attempts,
         trials=task.trials_per_attempt,
         marks=tuple(MarkKey(mark.name, mark.title) for mark in task.marks),
+        called=called if len(participants) > 1 else {},
         parameters=msgspec.to_builtins(parameters),
     )

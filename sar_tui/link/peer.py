@@ -31,7 +31,8 @@ class Welcome(msgspec.Struct, frozen=True):
     """What a session tells a peer that has just come: what it is, and how it stands.
 
     ``link``: the link's id; ``name`` and ``role``: who the peer is to the session. ``unit`` and ``decimals``: of the
-    metric. ``parameters``: of the task, as plain values. The frames of kept topics and of what happened last follow.
+    metric. ``called``: what the agent calls each of several participants, by seat. ``parameters``: of the task, as
+    plain values. The frames of kept topics and of what happened last follow.
     """
 
     link: str
@@ -47,6 +48,7 @@ class Welcome(msgspec.Struct, frozen=True):
     attempts: int
     trials: int
     marks: tuple[MarkKey, ...] = ()
+    called: dict[str, str] = {}
     parameters: dict[str, Any] = {}
 
 

@@ -108,7 +108,7 @@ class Board(Screen[str]):
         self.app.set_keymap(self.file.keymap)
         self.query_one("#log").border_title = "Log"
         try:
-            self.steering.peer = self._connect(self.hear)
+            self.steering.peer = self._connect(self._told)
         except LinkError as error:
             self.dismiss(str(error))
             return
@@ -120,6 +120,13 @@ class Board(Screen[str]):
     def on_unmount(self) -> None:
         if self.steering.peer:
             self.steering.peer.close()
+
+    def _told(self, heard: Heard) -> None:
+        """From the link, which knows no app: a fault here ends the panel in words, and does not leave it half alive."""
+        try:
+            self.hear(heard)
+        except Exception as error:
+            self.app._handle_exception(error)
 
     def hear(self, heard: Heard) -> None:
         """What came over the link. It is drawn at once after a quiet spell, else with the next frame."""

@@ -49,7 +49,7 @@ def read(folder: Path) -> tuple[OwnFile, str]:
         file, problem = OwnFile(), f"it cannot be read ({error.strerror})"
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         file, problem = OwnFile(), str(error)
-    return (OwnFile(), f"{path} is left out: {problem.rstrip('.')}.") if problem else (file, "")
+    return (OwnFile(), f"{FILE} is left out: {problem.rstrip('.')}.") if problem else (file, "")
 
 
 def _problem(file: OwnFile) -> str:

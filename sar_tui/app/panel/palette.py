@@ -6,7 +6,7 @@ import msgspec
 
 from sar_tui.app.panel.mirror import Mirror
 from sar_tui.app.panel.own_file import OwnFile
-from sar_tui.app.panel.phrases import Filled, addressee, fill, slot_values, theme_phrases
+from sar_tui.app.panel.phrases import Filled, addressed, addressee, fill, slot_values, theme_phrases
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.messages import Action, Decision, Message, Mode, ModeChosen, Operator, Remark, Ruled
 from sar_tui.framework.topics import DECISION, MODE, OPERATOR, REMARK
@@ -75,7 +75,7 @@ def pages(mirror: Mirror, words: Words, seat: str) -> list[Page]:
 def _phrase(filled: Filled, mirror: Mirror, seat: str) -> Item:
     if filled.missing:
         return Item(filled.text, why=f"{{{filled.missing}}} is not known yet")
-    remark = msgspec.structs.replace(filled.phrase.remark(filled.text), seat=seat)
+    remark = msgspec.structs.replace(filled.phrase.remark(addressed(mirror, seat, filled.text)), seat=seat)
     return Item(filled.text, f"Said{addressee(mirror, seat)} “{filled.text}”", REMARK, remark)
 
 

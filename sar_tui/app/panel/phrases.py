@@ -91,6 +91,12 @@ def addressee(mirror: Mirror, seat: str) -> str:
     return f" to {people.get(seat, seat)}" if len(people) > 1 else ""
 
 
+def addressed(mirror: Mirror, seat: str, text: str) -> str:
+    """Words as the agent says them to one of several: it calls them first."""
+    called = mirror.welcome.called.get(seat, "") if mirror.welcome else ""
+    return f"{called}: {text}" if called else text
+
+
 def figure(value: float, mirror: Mirror) -> str:
     """A value of the metric, with its unit."""
     decimals, unit = (mirror.welcome.decimals, mirror.welcome.unit) if mirror.welcome else (0, "")

@@ -9,7 +9,7 @@ from sar_tui.app.panel.acts import SLOW, ActLog
 from sar_tui.app.panel.journal import short
 from sar_tui.app.panel.mirror import Mirror
 from sar_tui.app.panel.palette import MODES, Item
-from sar_tui.app.panel.phrases import addressee
+from sar_tui.app.panel.phrases import addressed, addressee
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import (
@@ -189,9 +189,8 @@ class Steering:
 
     def say(self, text: str, seat: str, at: int) -> bool:
         """Free text."""
-        return self.send(
-            f"Said{addressee(self.mirror, seat)} “{text}”", REMARK, Remark(text=text, source="free text", seat=seat), at
-        )
+        remark = Remark(text=addressed(self.mirror, seat, text), source="free text", seat=seat)
+        return self.send(f"Said{addressee(self.mirror, seat)} “{text}”", REMARK, remark, at)
 
     def note(self, text: str, at: int) -> bool:
         """A note, for the record."""

@@ -268,14 +268,16 @@ async def test_with_two_participants_words_go_to_the_one_that_is_chosen_and_each
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as booth:
-        await booth.join(participants={"A": "P01", "B": "P02"})
+        await booth.join(participants={"A": "P01", "B": "P02"}, called={"A": "Left", "B": "Right"})
         assert "Encourage 1/10 · to P01 (a)" in booth.text
         await booth.press("a", "1", "t", *"Hi")
         assert "Say to P02: Hi" in booth.text
         await booth.press("enter")
         assert "Encourage 1/10 · to P02 (a)" in booth.text
         assert "Said to P02 “Hi”" in booth.text
-        assert [remark.seat for remark in booth.acts(t.REMARK)] == ["B", "B"]
+        phrase, own = booth.acts(t.REMARK)
+        assert (phrase.seat, own.seat, own.text) == ("B", "B", "Right: Hi")
+        assert phrase.text.startswith("Right: ")
         await booth.offer(b.offer("p1", seat="B"))
         assert "FEEDBACK to P02 · positive" in booth.text
         await booth.offer(b.offer("l1", level=5))
