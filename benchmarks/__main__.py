@@ -13,19 +13,26 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
-from benchmarks import agent, paint, report, response, scale, sensor
+from benchmarks import agent, operator, paint, report, response, scale, sensor
 
+PARTS = ("response", "paint", "scale", "sensor", "agent", "operator")
 RESULTS = Path(__file__).parent / "results"
 
 
 def main() -> int:
     """Run the benchmarks; returns the exit code."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument(
+        "parts", nargs="*", metavar="PART", help=f"measure these alone, and keep nothing: {', '.join(PARTS)}"
+    )
     parser.add_argument("--quick", action="store_true", help="fewer of everything; nothing is kept")
     parser.add_argument("--trials", type=int, help="reaction times for each program")
     given = parser.parse_args()
+    if unknown := set(given.parts) - set(PARTS):
+        parser.error(f"there is no part {', '.join(sorted(unknown))}; there is: {', '.join(PARTS)}")
+    parts = given.parts or PARTS
     trials = given.trials or (50 if given.quick else 300)
-    starts, attempts, stops = (3, 10, 5) if given.quick else (10, 50, 25)
+    starts, attempts, stops, acts = (3, 10, 5, 10) if given.quick else (10, 50, 25, 200)
     console = Console()
     root = RESULTS.parent.parent / "build"
     root.mkdir(exist_ok=True)
@@ -42,20 +49,27 @@ def main() -> int:
             task = bar.add_task(what, total=total)
             return lambda: bar.update(task, advance=1, refresh=True)
 
-        pressed = progress("reaction times", trials * len(response.PROGRAMS))
-        started = progress("first paint", 2 * (starts + 1))
-        simulated = progress("simulated attempts", attempts)
-        streamed = progress("seconds of a sensor's stream", sensor.total_seconds(given.quick))
-        stopped = progress("stops of the agent", stops)
-        spoken = progress("reaction times beside the agent", 2 * trials)
-        results["response"] = response.measure(trials, place, lambda name: pressed())
-        results["paint"] = paint.measure(starts, place, started)
-        results["scale"] = scale.measure(attempts, place, simulated)
-        results["sensor"] = sensor.measure(given.quick, place, streamed)
-        results["agent"] = agent.measure(stops, trials, place, stopped, spoken)
+        if "response" in parts:
+            pressed = progress("reaction times", trials * len(response.PROGRAMS))
+            results["response"] = response.measure(trials, place, lambda name: pressed())
+        if "paint" in parts:
+            results["paint"] = paint.measure(starts, place, progress("first paint", 2 * (starts + 1)))
+        if "scale" in parts:
+            results["scale"] = scale.measure(attempts, place, progress("simulated attempts", attempts))
+        if "sensor" in parts:
+            streamed = progress("seconds of a sensor's stream", sensor.total_seconds(given.quick))
+            results["sensor"] = sensor.measure(given.quick, place, streamed)
+        if "agent" in parts:
+            stopped = progress("stops of the agent", stops)
+            spoken = progress("reaction times beside the agent", 2 * trials)
+            results["agent"] = agent.measure(stops, trials, place, stopped, spoken)
+        if "operator" in parts:
+            acted = progress("keys of an operator", 2 * acts)
+            attended = progress("reaction times beside an operator", 2 * trials)
+            results["operator"] = operator.measure(acts, trials, place, acted, attended)
     for title, rows in report.tables(results).items():
         console.print(report.drawn(title, rows))
-    if not given.quick:
+    if not given.quick and not given.parts:
         console.print(f"Kept in benchmarks/results/{_keep(results, now)}.")
     return 0 if all(report.checks(results).values()) else 1
 

@@ -2,7 +2,7 @@
 
 import os
 import platform
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -49,29 +49,43 @@ def _processor() -> str:
 
 
 def checks(results: Results) -> dict[str, bool]:
-    """What was checked, and whether it holds."""
+    """What was checked of what was measured, and whether it holds."""
     found: dict[str, bool] = {}
-    for name in ("response", "sensor", "agent"):
-        found |= results[name]["checks"]
+    for name in ("response", "sensor", "agent", "operator"):
+        found |= results.get(name, {}).get("checks", {})
     return found
 
 
 def tables(results: Results) -> dict[str, Rows]:
-    """Each table by its title; the first row is its head."""
-    response, paint, scale, sensor, agent = (
-        results[name] for name in ("response", "paint", "scale", "sensor", "agent")
-    )
+    """Each table by its title; the first row is its head. Of what was not measured there is none."""
+    found: dict[str, Rows] = {}
+    for name, tabled in _TABLES.items():
+        if name in results:
+            found |= tabled(results[name])
+    checked = [[name, "pass" if ok else "FAIL"] for name, ok in checks(results).items()]
+    return found | {"Checks": [["check", "result"], *checked]} if checked else found
+
+
+def _response(response: Results) -> dict[str, Rows]:
+    return {"Recorded minus true reaction time (ms)": _errors(response["programs"])}
+
+
+def _paint(paint: Results) -> dict[str, Rows]:
+    medians = [[name, f"{seconds:.3f}"] for name, seconds in paint["median_s"].items()]
+    return {"Start to first paint (s)": [["program", "median"], *medians, ["ratio", f"{paint['ratio']:.2f}"]]}
+
+
+def _scale(scale: Results) -> dict[str, Rows]:
     return {
-        "Recorded minus true reaction time (ms)": _errors(response["programs"]),
-        "Start to first paint (s)": [
-            ["program", "median"],
-            *([name, f"{seconds:.3f}"] for name, seconds in paint["median_s"].items()),
-            ["ratio", f"{paint['ratio']:.2f}"],
-        ],
         "A simulated trial, with the database on": [
             ["trials per second", "ms per trial", "ms per bare commit", "ratio"],
             [f"{scale[name]:.2f}" for name in ("trials_per_s", "trial_ms", "commit_ms", "ratio")],
-        ],
+        ]
+    }
+
+
+def _sensor(sensor: Results) -> dict[str, Rows]:
+    return {
         "A motion sensor's stream, with the session on the screen": [
             ["samples per second", "seconds", "kept", "lost", "CPU", "of it the sensor's own thread", "µs per sample"],
             *(
@@ -86,7 +100,12 @@ def tables(results: Results) -> dict[str, Rows]:
                 ]
                 for run in sensor["runs"]
             ),
-        ],
+        ]
+    }
+
+
+def _agent(agent: Results) -> dict[str, Rows]:
+    return {
         "Stop key to stillness (ms)": [
             ["what", "presses", "median", "worst"],
             *(
@@ -95,11 +114,30 @@ def tables(results: Results) -> dict[str, Rows]:
             ),
         ],
         "Recorded minus true reaction time (ms), beside the agent": _errors(agent["programs"]),
-        "Checks": [
-            ["check", "result"],
-            *([name, "pass" if ok else "FAIL"] for name, ok in checks(results).items()),
-        ],
     }
+
+
+def _operator(operator: Results) -> dict[str, Rows]:
+    return {
+        "Operator's key to participant's screen (ms)": [
+            ["what", "presses", "median", "p99", "worst"],
+            *(
+                [name, str(figures["n"]), *(f"{figures[each]:.1f}" for each in ("median_ms", "p99_ms", "max_ms"))]
+                for name, figures in operator["acts"].items()
+            ),
+        ],
+        "Recorded minus true reaction time (ms), beside an operator": _errors(operator["programs"]),
+    }
+
+
+_TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
+    "response": _response,
+    "paint": _paint,
+    "scale": _scale,
+    "sensor": _sensor,
+    "agent": _agent,
+    "operator": _operator,
+}
 
 
 def _errors(programs: Mapping[str, Mapping[str, float]]) -> Rows:

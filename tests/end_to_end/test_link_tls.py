@@ -1,0 +1,99 @@
+"""Given a session that listens on the network, when panels come, then who was invited steers and others are refused."""
+
+from pathlib import Path
+
+import msgspec
+import pytest
+import zenoh
+
+from sar_tui.link import invitation
+from sar_tui.link.authority import Authority
+from sar_tui.link.invitation import Invitation
+from sar_tui.link.settings import Guest, config, network_settings
+from tests.end_to_end.operator_seat import Room
+from tests.link.house import House, house, visiting
+
+SETTINGS = {
+    "attempts": 1,
+    "prompts_per_attempt": 1,
+    "filler": "never",
+    "operator_feedback": "approve",
+    "operator_time_ms": 60_000,
+}
+
+
+@pytest.fixture
+def at(data: Path) -> House:
+    return house(data)
+
+
+def file_of(invited: Invitation, folder: Path, name: str) -> str:
+    path = folder / f"{name}.sar-link"
+    invitation.write(invited, path)
+    return str(path)
+
+
+def without_certificate(invited: Invitation) -> str:
+    """A guest's settings who only looks like one."""
+    settings = msgspec.json.decode(network_settings(invited.where[0], invited.credentials))
+    for name in ("connect_certificate_base64", "connect_private_key_base64", "enable_mtls"):
+        del settings["transport"]["link"]["tls"][name]
+    return msgspec.json.encode(settings).decode()
+
+
+def test_who_was_invited_comes_in_as_what_they_are_and_nobody_else_does(at: House, data: Path, tmp_path: Path) -> None:
+    stranger = Authority.made(tmp_path / "elsewhere").invite(Guest("anna", "operator"), [at.where], 30)
+    with Room(data) as room:
+        participant = room.participant("--listen", at.where.locator, **SETTINGS)
+        participant.terminal.wait_for("Press Enter to go on.")
+        expired = room.panel("--link", file_of(at.late, tmp_path, "late"))
+        other = room.panel("--link", file_of(stranger, tmp_path, "stranger"))
+        eve = room.panel("--link", file_of(at.eve, tmp_path, "eve"))
+        anna = room.panel("--link", file_of(at.anna, tmp_path, "anna"))
+        room.until(lambda: room.is_operated, "the operator steers")
+        room.until(lambda: ("observer.eve", "joined") in room.presence(), "the observer watches")
+
+        assert expired.terminal.wait() == 2
+        assert "expired" in expired.sees()
+
+        participant.answer(1)
+        anna.wait_for_offer()
+        room.until(lambda: "FEEDBACK" in eve.sees(), "the observer sees the proposal, too")
+        eve.does("approve")
+        eve.does("stop")
+        with visiting(at.eve) as (forger,):
+            forger.put(at.keys.act("operator.anna"), b"in another's name")
+            forger.put(at.keys.act("observer.eve"), b"in their own")
+            room.until(lambda: len(refusals(room, "observer.eve")) == 2, "what the observer sends is refused")
+        assert room.offered(), "nothing that an observer does decides anything"
+        anna.does("approve")
+        room.until(lambda: room.actions("feedback")[0]["decided_ns"], "the operator decides")
+
+        pretender = msgspec.structs.replace(stranger.credentials, authority=at.anna.credentials.authority)
+        for settings in (
+            without_certificate(at.anna),
+            network_settings(at.where, at.late.credentials),
+            network_settings(at.where, pretender),
+        ):
+            with pytest.raises(zenoh.ZError):
+                zenoh.open(config(settings))
+        room.until(lambda: len(set(refusals(room, "unknown"))) == 4, "who did not get in is in the log")
+        room.until(lambda: "not the host that this invitation" in other.sees(), "the stranger's panel says why")
+        told = " ".join(refusals(room, "unknown"))
+        presence = {actor for actor, _ in room.presence()}
+        (feedback,) = room.actions("feedback")
+        seen = {word for line in participant.has_seen() for word in line.lower().split()}
+
+    assert "no certificate" in told
+    assert "expired" in told
+    assert "made by another authority" in told
+    assert "does not trust this host's certificate" in told, "another authority's guest refuses us in turn"
+    assert presence == {"operator.anna", "observer.eve"}
+    assert (feedback["decision"], feedback["actor"]) == ("accepted", "operator.anna")
+    assert "attempt" in seen
+    assert not seen & {"anna", "eve", "operator", "observer", "link", "listening"}, "the participant knows of nobody"
+
+
+def refusals(room: Room, actor: str) -> list[str]:
+    """Why things were refused of somebody."""
+    return [each["why"] for each in room.told("operator/refused") if each["actor"] == actor]

@@ -1,0 +1,195 @@
+"""Given an operator, when their program or the link fails, then the session goes on alone, and they come back."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from statistics import median
+
+import pytest
+
+from sar_tui.framework.clock import MS, host_now
+from sar_tui.link.settings import socket_settings
+from tests.end_to_end.operator_seat import Panel, Participant, Room, children, runs
+from tests.end_to_end.seat import only_session, rows
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
+
+LOST_MS = 700
+MOST_ERROR_MS = 30
+LATE_MS = 3000
+"""A busy machine may be this much later than what was set."""
+SETTINGS = {
+    "prompts_per_attempt": 1,
+    "outputs": "",  # so that nobody has to wait for the agent's gestures
+    "encouragement": "no",
+    "filler": "never",
+    "operator_feedback": "approve",
+    "operator_time_ms": 60_000,
+    "operator_lost_ms": LOST_MS,
+}
+ANA = "operator.ana"
+
+
+def broker_of(participant: Participant) -> int:
+    """The process that holds the link."""
+    found = children(participant.terminal.process.pid)
+    (broker,) = [pid for pid, words in found.items() if "sar_tui.link.broker" in words]
+    return broker
+
+
+def approves_one(room: Room, participant: Participant, panel: Panel) -> None:
+    """An attempt whose feedback the operator approves: the link works."""
+    before = [row["id"] for row in room.actions("feedback")]
+    participant.answer(1)
+    panel.wait_for_offer(before[-1] if before else "")
+    panel.does("approve")
+    room.until(lambda: room.actions("feedback")[len(before)]["decided_ns"], "it is decided")
+    row = room.actions("feedback")[len(before)]
+    assert (row["decision"], row["actor"], row["ground"]) == ("accepted", ANA, "operator")
+
+
+def falls_back(room: Room, since: int, within_ms: int) -> None:
+    """What waits for the operator is decided without one, and that is soon enough after ``since`` (ns)."""
+    room.until(lambda: room.actions("feedback")[-1]["decided_ns"], "it is decided without an operator")
+    row = room.actions("feedback")[-1]
+    assert (row["decision"], row["actor"], row["ground"]) == ("accepted", "agent", "no operator")
+    assert row["final"]["text"] == row["proposed"]["text"]
+    assert row["decided_ns"] - max(since, row["proposed_ns"]) < (within_ms + LATE_MS) * MS
+
+
+def holds_every_press(room: Room, participant: Participant) -> None:
+    """Each press is a row, right or wrong as it was pressed, with the reaction time that it had."""
+    room.until(lambda: len(_trials(room)) >= len(participant.script.presses), "all trials are kept")
+    trials = _trials(room)
+    assert [trial[:3] for trial in trials] == [
+        (press.expected, press.key, press.key == press.expected) for press in participant.script.presses
+    ]
+    errors = [
+        abs(recorded - press.reaction_time_ms)
+        for (_, _, _, recorded), press in zip(trials, participant.script.presses, strict=True)
+    ]
+    assert median(errors) < MOST_ERROR_MS, "no key had to wait for the link"
+
+
+def _trials(room: Room) -> list[tuple[str, str, int, float]]:
+    query = "SELECT stimulus, response, correct, reaction_time_ms FROM trials ORDER BY attempt, trial"
+    return rows(room.data, query)
+
+
+def test_a_killed_panel_is_missed_at_once_another_takes_its_place_and_takes_its_leave(data: Path) -> None:
+    with Room(data) as room:
+        participant, panel = room.both(attempts=4, **SETTINGS)
+        participant.answer(1)
+        panel.wait_for_offer()
+        killed = host_now()
+        panel.kill()
+        falls_back(room, killed, LOST_MS)
+        participant.answer(1)
+        room.until(lambda: len(room.actions("feedback")) == 2, "the next feedback is given")
+        falls_back(room, killed, 0)
+
+        back = room.panel("--name", "ana")
+        room.until(lambda: room.is_operated, "the operator is back")
+        approves_one(room, participant, back)
+        back.does("close")
+        room.until(lambda: "Leave the panel?" in back.sees(), "it asks once")
+        back.does("close")
+        assert back.terminal.wait() == 0
+        participant.answer(1)
+        room.until(lambda: len(room.actions("feedback")) == 4, "the last feedback is given")
+        falls_back(room, host_now(), 0)
+        holds_every_press(room, participant)
+        states = [state for actor, state in room.presence() if actor == ANA]
+    assert states == ["joined", "baton", "lost", "joined", "baton", "left"]
+
+
+def test_a_frozen_panel_is_missed_in_time_and_comes_back_by_itself(data: Path) -> None:
+    with Room(data) as room:
+        participant, panel = room.both(attempts=4, **SETTINGS)
+        participant.answer(1)
+        panel.wait_for_offer()
+        frozen = host_now()
+        panel.kill(signal.SIGSTOP)
+        falls_back(room, frozen, LOST_MS)
+        participant.answer(1)
+        falls_back(room, frozen, 0)
+        (lost,) = [each for each in room.told("operator/presence") if each["state"] == "lost"]
+        assert not lost["operated"]
+        assert lost["detail"]
+
+        panel.kill(signal.SIGCONT)
+        room.until(lambda: room.is_operated, "the operator is back")
+        room.until(lambda: "you steer" in panel.sees(), "and sees that")
+        approves_one(room, participant, panel)
+        holds_every_press(room, participant)
+        states = [state for actor, state in room.presence() if actor == ANA]
+    assert states == ["joined", "baton", "lost", "joined", "baton"]
+
+
+def test_a_killed_link_is_mended_and_the_operator_comes_back_by_itself(data: Path) -> None:
+    with Room(data) as room:
+        participant, panel = room.both(attempts=3, **SETTINGS)
+        participant.answer(1)
+        panel.wait_for_offer()
+        killed = host_now()
+        broker = broker_of(participant)
+        os.kill(broker, signal.SIGKILL)
+        falls_back(room, killed, LOST_MS)
+        room.until(lambda: room.is_operated, "the operator is back")
+        assert broker_of(participant) != broker
+        room.until(lambda: "you steer" in panel.sees(), "and sees that")
+        approves_one(room, participant, panel)
+        holds_every_press(room, participant)
+        states = [state for actor, state in room.presence() if actor == ANA]
+        broker = broker_of(participant)
+        participant.terminal.kill()
+        participant.terminal.wait()
+        room.until(lambda: not runs(broker), "the link's process ends with the program, even with kill -9")
+    assert states == ["joined", "baton", "lost", "joined", "baton"]
+
+
+# --- a flood ---------------------------------------------------------------------------------------------------------
+
+RATE, SECONDS = 10_000, 2
+_FLOOD = f"""
+import sys, time, zenoh
+from sar_tui.framework.messages import Noted
+from sar_tui.link import wire
+from sar_tui.link.settings import Keys, config
+act = wire.encode(wire.Act("flood", "operator/noted", wire.msgspec.Raw(wire.encode(Noted(text="x")))))
+key = Keys(sys.argv[2]).act("operator.flood")
+with zenoh.open(config(sys.argv[1])) as session:
+    begun, sent = time.monotonic(), 0
+    while sent < {RATE * SECONDS}:
+        while sent < min({RATE * SECONDS}, (time.monotonic() - begun) * {RATE}):
+            session.put(key, act, congestion_control=zenoh.CongestionControl.BLOCK)
+            sent += 1
+        time.sleep(0.001)
+"""
+
+
+def test_ten_thousand_messages_a_second_disturb_no_trial_and_are_counted(data: Path) -> None:
+    with Room(data) as room:
+        participant, _ = room.both(**SETTINGS | {"prompts_per_attempt": 20}, attempts=1)
+        session = only_session(data)
+        settings = socket_settings(room.runtime / "sar-tui" / f"{session}.sock")
+        participant.answer(1)
+        flood = subprocess.Popen([sys.executable, "-c", _FLOOD, settings, session])
+        try:
+            participant.answer(19)
+            assert flood.wait(30) == 0
+        finally:
+            flood.kill()
+            flood.wait()
+        holds_every_press(room, participant)
+        room.until(lambda: _refused(room) >= 0.9 * RATE * SECONDS, "what was too much has been counted")
+        assert _refused(room) <= RATE * SECONDS
+        assert len(room.told("operator/refused")) < 100, "and told in few words"
+        assert room.is_operated, "the operator is still there"
+    assert rows(data, "SELECT count(*) FROM notes WHERE author='operator.flood'") == [(0,)], "it has no baton"
+
+
+def _refused(room: Room) -> int:
+    return sum(each.get("count", 1) for each in room.told("operator/refused"))
