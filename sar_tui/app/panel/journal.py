@@ -62,11 +62,24 @@ _WHY_LEVEL = {"success": "goal reached", "failure": "goal missed", "operator": "
 
 
 class Line(NamedTuple):
-    """One line: when (ns, on the session's clock), what, and whether it is good news."""
+    """One line: when (ns, on the session's clock), what, whether it is good news, and how often it was told running."""
 
     at: int
     text: str
     tone: Tone = "plain"
+    times: int = 1
+
+    @property
+    def words(self) -> str:
+        """The text; of what came again and again, how often."""
+        return f"{self.times} times: {self.text}" if self.times > 1 else self.text
+
+
+def kept(lines: tuple[Line, ...], line: Line) -> tuple[Line, ...]:
+    """The journal after one more line: what comes again and again keeps one line, and pushes nothing else out."""
+    if lines and (lines[-1].text, lines[-1].tone) == (line.text, line.tone):
+        return (*lines[:-1], line._replace(times=lines[-1].times + 1))
+    return (*lines, line)[-KEPT:]
 
 
 def short(name: str) -> str:

@@ -150,7 +150,7 @@ class Mirror(msgspec.Struct, frozen=True):
             if heard := _HEARD.get(frame.topic.name):
                 mirror = heard(mirror, frame.message)
             if line := journal.line(frame, self.welcome, before):
-                mirror = replace(mirror, journal=(*mirror.journal, line)[-journal.KEPT :])
+                mirror = replace(mirror, journal=journal.kept(mirror.journal, line))
         return mirror
 
     def _moved(self, trace: Trace) -> "Mirror":

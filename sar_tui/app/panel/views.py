@@ -196,7 +196,7 @@ def log(lines: list[Line], width: int, rows: int) -> Content:
         sign, style = _SIGNS[line.tone]
         parts += [
             (f"{sign} ", style),
-            (cut(line.text, width - 2), "$warning" if line.tone == "bad" else ""),
+            (cut(line.words, width - 2), "$warning" if line.tone == "bad" else ""),
             ("\n", ""),
         ]
     return Content.assemble(*parts[:-1])

@@ -297,3 +297,13 @@ def test_words_stand_on_two_lines_whatever_they_are(text: str) -> None:
     assert all(cell_len(line) <= 10 for line in lines)
     assert cell_len(cut(text, 10)) <= 10
     assert "".join(lines).endswith("…") == (cell_len(text) > 20)
+
+
+def test_what_is_told_again_and_again_keeps_one_line_of_the_journal() -> None:
+    mirror = Mirror().hear(Connection("connected")).hear(b.welcome())
+    knock = m.ActRefused(actor="unknown", what="a connection", why="It has no certificate.")
+    mirror = mirror.hear([b.frame(t.REFUSED, knock) for _ in range(40)])
+    told = "40 times: Refused of unknown: a connection. It has no certificate."
+    assert [line.words for line in mirror.journal] == [told]
+    mirror = mirror.hear([b.frame(t.REFUSED, replace(knock, why="It has expired."))])
+    assert [line.times for line in mirror.journal] == [40, 1]
