@@ -53,7 +53,7 @@ class DrawnAgent(Output):
         self.can = frozenset(("show", "gesture", "gaze")) if is_shown else frozenset()
         self.action: Action
         self._stage = stage
-        self._shown = ""
+        self._shown, self._kind = "", ""
         self._gestures: deque[tuple[str, str]] = deque()
         self._moving: tuple[str, Handle] | None = None
         self._is_cueing = False
@@ -77,19 +77,19 @@ class DrawnAgent(Output):
         self._stage.say(self.action)
         self.tell(action, "show", "started")
         if text or not self._shown:
-            self._shown = action
+            self._shown, self._kind = action, self.action.kind
         else:
             self.tell(action, "show", "done")
 
     def shows(self, kind: Kind) -> bool:
         """Whether the words that stand are of that kind."""
-        return bool(self._shown) and self.action.kind == kind
+        return self._kind == kind
 
     def clear(self) -> None:
         """Words that stood are gone."""
         if self._shown:
             self.tell(self._shown, "show", "done")
-            self._shown = ""
+            self._shown, self._kind = "", ""
 
     def gesture(self, action: str, name: str) -> None:
         """One gesture after the other."""
@@ -149,4 +149,4 @@ class DrawnAgent(Output):
             self._moving[1].cancel()
         self._moving = None
         self._gestures.clear()
-        self._shown = ""
+        self._shown, self._kind = "", ""
