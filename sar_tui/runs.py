@@ -336,7 +336,7 @@ def simulate(
 
     def sit_down(task: Task, theme: Theme) -> list[Node]:
         beside = [*([SimulatedOperator(operator, plan.seed)] if operator else []), *speaking(task, theme)]
-        if not task.sensors:
+        if not task.sensed(task.parameters):
             others = [SimulatedPartner(partner or person, task, plan.seed, seat) for seat in task.seats[1:]]
             return [SimulatedParticipant(person, task, plan.seed), *others, *beside]
         from sar_tui.sensing import simulated  # loads numpy

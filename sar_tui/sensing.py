@@ -1,6 +1,6 @@
 """The motion sensor of a session: found by its name, looked at, put on the bus. Loads numpy, and so is loaded late."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,8 @@ from sar_tui.simulation.person import PEOPLE, Person
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
 
+_WHICH = "Say which is whose: --imu phidget:SERIAL for the left, --set imu_b=phidget:SERIAL for the right."
+
 
 def sensor(parameters: TaskParameters, seed: int, clock: Clock, folder: Path, seat: str = "A") -> ImuFeed:
     """The motion sensor that a task's ``imu`` parameter names, not started yet; of seat B, its ``imu_b``.
@@ -29,34 +31,74 @@ def sensor(parameters: TaskParameters, seed: int, clock: Clock, folder: Path, se
         StoreError: there is no such session, or it cannot be read.
     """
     virtual = clock if isinstance(clock, VirtualClock) else None
-    asked_in = "imu" if seat == "A" else f"imu_{seat.lower()}"
-    kind, _, name = str(getattr(parameters, asked_in, "phidget")).partition(":")
+    kind, _, name = _named(parameters, seat).partition(":")
     try:
         if kind == "session":
-            source: ImuSource = _stored(name, folder, virtual)
+            source: ImuSource = _stored(name, folder, virtual, seat)
         else:
             source = open_source(f"{kind}:{name}" if name else kind, seed=seed, clock=virtual)
     except SourceError as error:
-        raise ParameterError({asked_in: str(error)}) from error
+        raise ParameterError({_asked_in(seat): str(error)}) from error
     return ImuFeed(source, clock.now)
 
 
-def check_sensor(parameters: TaskParameters) -> None:
-    """Raise ParameterError if there is no kind of sensor of the name that ``imu`` has."""
-    kind = str(getattr(parameters, "imu", "phidget")).strip().partition(":")[0]
+def check_sensors(parameters: TaskParameters, seats: Sequence[str]) -> None:
+    """Raise ParameterError if there is no kind of sensor of a name that ``imu`` has, or ``imu_b`` for seat B.
+
+    Or if two seats are to have the same one.
+    """
     known = [*source_names(), "session"]
-    if kind not in known:
-        raise ParameterError({"imu": f'There is no sensor "{kind}". There is: {", ".join(known)}.'})
+    kinds = {_asked_in(seat): _named(parameters, seat).strip().partition(":")[0] for seat in seats}
+    problems = {
+        name: f'There is no sensor "{kind}". There is: {", ".join(known)}.'
+        for name, kind in kinds.items()
+        if kind not in known
+    }
+    if problems:
+        raise ParameterError(problems)
+    _check_apart(parameters, seats)
 
 
-def _stored(name: str, folder: Path, clock: Clock | None) -> RecordedSource:
-    """The samples of a stored session's last run that has any, in real time or (``ID?speed=fast``) at once."""
+def sensors(task: type[Task], parameters: TaskParameters, seed: int, clock: Clock, folder: Path) -> list[ImuFeed]:
+    """The sensors of all seats that wear one, in their order; not started yet.
+
+    Raises as ``sensor``, and ParameterError if two seats are to have the same one.
+    """
+    seats = task.sensed(parameters)
+    _check_apart(parameters, seats)
+    return [sensor(parameters, seed + number, clock, folder, seat) for number, seat in enumerate(seats)]
+
+
+def _check_apart(parameters: TaskParameters, seats: Sequence[str]) -> None:
+    """A device that two seats name would be anybody's: which is whose has to be said."""
+    if len(seats) > 1 and (name := _named(parameters, seats[0])) == _named(parameters, seats[1]):
+        kind = name.partition(":")[0]
+        if kind in ("phidget", "ros"):
+            raise ParameterError({_asked_in(seats[1]): f"Both sensors are named {name}. {_WHICH}"})
+
+
+def _asked_in(seat: str) -> str:
+    """The parameter that names the sensor of a seat."""
+    return "imu" if seat == "A" else f"imu_{seat.lower()}"
+
+
+def _named(parameters: TaskParameters, seat: str) -> str:
+    return str(getattr(parameters, _asked_in(seat), "phidget"))
+
+
+def _stored(name: str, folder: Path, clock: Clock | None, seat: str) -> RecordedSource:
+    """The samples of a stored session's last run that has any, in real time or (``ID?speed=fast``) at once.
+
+    Of two hands those of the seat; of one, that one's.
+    """
     name, _, how = name.partition("?")
     database = connect(folder)
     try:
         session = sessions.find(database, folder, name)["id"]
-        runs = sorted({stream["run"] for stream in sessions.rows(database, "imu_streams", session)}, reverse=True)
-        measured = [samples for run in runs if len(samples := imu.samples(database, session, run=run))]
+        streams = sessions.rows(database, "imu_streams", session)
+        runs = sorted({stream["run"] for stream in streams}, reverse=True)
+        worn = seat if seat in {stream["seat"] for stream in streams} else "A"
+        measured = [samples for run in runs if len(samples := imu.samples(database, session, run=run, seat=worn))]
     finally:
         database.conn.close()
     if not measured:
@@ -69,7 +111,7 @@ def _stored(name: str, folder: Path, clock: Clock | None) -> RecordedSource:
 def sensing(task: Task, seed: int, *feeds: ImuFeed) -> list[Node]:
     """The nodes of a live session's motion sensors, one a seat; a simulated hand moves as an average person's would."""
     nodes: list[Node] = []
-    for seat, feed in zip(task.seats, feeds, strict=False):
+    for seat, feed in zip(task.sensed(task.parameters), feeds, strict=True):
         nodes.append(Imu(feed, seat))
         if move := _movable(feed.source):
             nodes.append(SimulatedMover(PEOPLE["average"], task, seed, move, seat))

@@ -7,7 +7,7 @@ import os
 import signal
 import sqlite3
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -71,7 +71,7 @@ class SarTui(Wardrobe):
         self.folder = folder
         self.database = connect(folder)
         self.live: LiveSession | None = None
-        self.feed: ImuFeed | None = None
+        self.feeds: Sequence[ImuFeed] = ()
         self.failure = ""
         self._begin = begin
         self._session_clock = clock
@@ -101,40 +101,42 @@ class SarTui(Wardrobe):
         self._check_room(self.size)
 
     def begin_session(self, what: "Plan | str") -> None:
-        """Open a new or an interrupted session; say so if that cannot be. A new one's sensor is looked at first."""
+        """Open a new or an interrupted session; say so if that cannot be. A new one's sensors are looked at first."""
         if self.is_web:
             self._cannot_begin("A session does not run in a browser, where nothing can be timed; run it in a terminal.")
             return
-        if isinstance(what, str) or not what.task.sensors:
+        if isinstance(what, str) or not what.task.sensed(what.parameters):
             self._enter_session(what)
         else:
-            self._check_sensor(what)
+            self._check_sensors(what)
 
-    def _check_sensor(self, plan: "Plan") -> None:
-        """Start the sensor of a session, show what comes from it, and hand it over."""
+    def _check_sensors(self, plan: "Plan") -> None:
+        """Start the sensors of a session, show what comes from them, and hand them over."""
         from sar_tui.app.screens.sensor_check import SensorCheckScreen
-        from sar_tui.sensing import sensor
+        from sar_tui.sensing import sensors
 
         clock = self._session_clock or LiveClock(asyncio.get_running_loop())
         try:
             theme = self.catalogue.theme(plan.theme, plan.parameters.language)
-            feed = sensor(plan.parameters, plan.seed, clock, self.folder)
+            feeds = sensors(plan.task, plan.parameters, plan.seed, clock, self.folder)
         except (StoreError, PluginError, ParameterError) as error:
             self._cannot_begin(str(error))
             return
-        self.feed = feed
-        feed.start()
+        self.feeds = feeds
+        for feed in feeds:
+            feed.start()
         self.clear_notifications()
         self._wear(theme, plan.parameters.language)
-        screen = SensorCheckScreen(plan, feed, clock)
+        screen = SensorCheckScreen(plan, feeds, clock)
 
         def checked(begins: bool | None) -> None:
             if begins:
-                if screen.sensor.state == "ended":  # a recording that the session plays from its beginning
-                    feed.stop()
-                self._enter_session(plan, feed)
+                for sensor in screen.sensors:
+                    if sensor.state == "ended":  # a recording that the session plays from its beginning
+                        sensor.feed.stop()
+                self._enter_session(plan, feeds)
             else:
-                self._stop_feed()
+                self._stop_feeds()
                 if self.begins_at_once:
                     self.exit(return_code=0)
                 else:
@@ -142,19 +144,19 @@ class SarTui(Wardrobe):
 
         self.push_screen(screen, checked)
 
-    def _stop_feed(self) -> None:
-        """Let go of a sensor that no session has taken over."""
-        if self.feed:
-            self.feed.stop()
-            self.feed = None
+    def _stop_feeds(self) -> None:
+        """Let go of sensors that no session has taken over."""
+        for feed in self.feeds:
+            feed.stop()
+        self.feeds = ()
 
-    def _enter_session(self, what: "Plan | str", feed: "ImuFeed | None" = None) -> None:
+    def _enter_session(self, what: "Plan | str", feeds: "Sequence[ImuFeed]" = ()) -> None:
         """Open a session on a screen of its own."""
         from sar_tui.app.live import LiveSession
         from sar_tui.app.screens.session import SessionScreen
         from sar_tui.runs import Failed
 
-        live = LiveSession(self.folder, self.catalogue, self._session_clock, feed, self._link)
+        live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, self._link)
         screen = SessionScreen(live)
         try:
             live.open(screen, what)
@@ -164,14 +166,14 @@ class SarTui(Wardrobe):
         except sqlite3.Error as error:
             self._cannot_begin(str(explain(error)))
             return
-        self.live, self.feed = live, None
+        self.live, self.feeds = live, ()
         self.clear_notifications()
         session = live.run.session
         self._wear(session.theme, session.task.parameters.language)
         self.push_screen(screen, self._session_left)
 
     def _cannot_begin(self, why: str) -> None:
-        self._stop_feed()
+        self._stop_feeds()
         if self._begin is None:
             self.notify(why, severity="warning", timeout=15)
             self._tell_what_waited()
@@ -191,8 +193,8 @@ class SarTui(Wardrobe):
             self.notify(f"{UNSAVED} Free some space before the next session.", severity="error", timeout=30)
 
     def close_session(self) -> None:
-        """Let go of a sensor that is looked at, and of the live session, if there is one; end its workers."""
-        self._stop_feed()
+        """Let go of sensors that are looked at, and of the live session, if there is one; end its workers."""
+        self._stop_feeds()
         if self.live:
             self.live.close(self)
 
@@ -205,8 +207,8 @@ class SarTui(Wardrobe):
 
     @property
     def _seats_participant(self) -> bool:
-        """Whether a participant sits there: in a session, or before one, while its sensor is looked at."""
-        return self._open is not None or self.feed is not None
+        """Whether a participant sits there: in a session, or before one, while its sensors are looked at."""
+        return self._open is not None or bool(self.feeds)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """The stop key is one while there is a session; before and after, it is a screen's own."""

@@ -3,7 +3,7 @@
 import asyncio
 import contextlib
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -43,11 +43,11 @@ class LiveSession:
         folder: Path,
         catalogue: Catalogue,
         clock: Clock | None = None,
-        feed: "ImuFeed | None" = None,
+        feeds: "Sequence[ImuFeed]" = (),
         link: "Host | None" = None,
     ) -> None:
         self.clock = clock or LiveClock(asyncio.get_running_loop())
-        self._feed = feed
+        self._feeds = feeds
         self._link = link
         self._peers: LinkNode | None = None
         self.keyboard = Keyboard()
@@ -71,18 +71,17 @@ class LiveSession:
             self._peers.about = about(task, self.run.id, self._link.link, self.run.participants)
 
     def _nodes(self, task: Task, theme: Theme) -> list[Node]:
-        """Keyboard, screen and the agent's other outputs; the motion sensor, for a task that needs one; the link."""
+        """Keyboard, screen and the agent's other outputs; the motion sensors that the task needs; the link."""
         shows_agent = "screen" in task.parameters.outputs
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
         outputs = [self.screen, *speaking(task, theme), *self._linked()]
-        if not task.sensors:
+        if not task.sensed(task.parameters):
             return [self.keyboard, *outputs]
-        from sar_tui.sensing import sensing, sensor
+        from sar_tui.sensing import sensing, sensors
 
         seed = secrets.randbelow(2**31)
-        feed = self._feed or sensor(task.parameters, seed, self.clock, self._folder)
-        others = [sensor(task.parameters, seed + 1, self.clock, self._folder, seat) for seat in task.seats[1:]]
-        return [self.keyboard, *sensing(task, seed, feed, *others), *outputs]
+        feeds = self._feeds or sensors(type(task), task.parameters, seed, self.clock, self._folder)
+        return [self.keyboard, *sensing(task, seed, *feeds), *outputs]
 
     def _linked(self) -> "list[LinkNode]":
         """The node of the link, where there is one."""

@@ -65,6 +65,12 @@ def facts(watch: SensorWatch, tr: Language = _ENGLISH) -> list[Fact]:
     return found
 
 
+def worst(known: list[Fact]) -> Mark:
+    """What all of it comes to: wrong before waiting, waiting before right."""
+    marks = {fact.mark for fact in known}
+    return "wrong" if "wrong" in marks else "wait" if "wait" in marks else "right"
+
+
 def _sensor(watch: SensorWatch, tr: Language) -> Fact:
     title = tr("Sensor")
     if watch.attached and not watch.stalled:

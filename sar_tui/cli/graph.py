@@ -45,6 +45,7 @@ def _loop(kind: "type[Task]", theme: "Theme") -> "Graph":
     from sar_tui.inputs.sensor import Imu
     from sar_tui.store.recorder import Recorder
 
-    core = core_nodes(kind(parameters(kind, {})), theme, seed=0)
-    sensors = [Imu] if kind.sensors else []
+    task = kind(parameters(kind, {}))
+    core = core_nodes(task, theme, seed=0)
+    sensors = [Imu] if kind.sensed(task.parameters) else []
     return graph([Keyboard, *sensors, *(type(node) for node in core), ScreenOutput], [Recorder])

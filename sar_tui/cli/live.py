@@ -100,8 +100,10 @@ def run(
         id=new_id(),
         partner=partner,
     )
-    if kind.sensors:
+    if kind.sensed(parameters):
         _refuse_unknown_sensor(plan, home)
+    elif imu is not None:
+        raise Refused(f"The task {kind.name} uses no motion sensor as it is set: leave out --imu, or set it otherwise.")
     need_terminal()
     with _link(home, plan.id, task, operator, listen, parameters.operator_lost_ms) as link:
         from sar_tui.app.app import run_app
@@ -157,9 +159,9 @@ def _refuse_without_sensor(kind: "type[Task]") -> None:
 def _refuse_unknown_sensor(plan: "Plan", home: Home) -> None:
     """A sensor that cannot be is told of before the screen changes; one that is not plugged in is waited for there."""
     from sar_tui.framework.clock import VirtualClock
-    from sar_tui.sensing import sensor
+    from sar_tui.sensing import sensors
 
-    sensor(plan.parameters, plan.seed, VirtualClock(), home.folder)
+    sensors(plan.task, plan.parameters, plan.seed, VirtualClock(), home.folder)
 
 
 def resume(

@@ -44,8 +44,10 @@ class Agenda:
         return ready if ready and (self.current is None or self.breaks_off(ready)) else None
 
     def breaks_off(self, action: Action) -> bool:
-        """Whether an action takes the place of what is under way."""
-        return self.current is not None and action.policy == "interrupt" and action.priority >= self.current.priority
+        """Whether an action takes the place of what is under way; nobody's answer is cut off by another's."""
+        if self.current is None or action.policy != "interrupt" or action.priority < self.current.priority:
+            return False
+        return not (action.kind == self.current.kind == "feedback" and action.seat != self.current.seat)
 
     def next_due(self, now: int) -> int | None:
         """When the next of what is not due yet falls due (ns), if anything is."""

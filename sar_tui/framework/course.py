@@ -1,12 +1,13 @@
 """The course of a session: which attempt it is at, at what level, and what became of the trials so far."""
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 import msgspec
 
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import AttemptEnded, AttemptStarted, Feedback, FeedbackChoice, LevelChanged
+from sar_tui.framework.messages import AttemptEnded, AttemptStarted, Feedback, FeedbackChoice, LevelChanged, Outcome
 from sar_tui.framework.policies import difficulty, feedback
 from sar_tui.framework.task import Result, Results, Score, Situation, Target, Task
 from sar_tui.framework.trial import OpenTrial
@@ -35,7 +36,8 @@ class Scored(NamedTuple):
         return self.ended.feedback != "none"
 
 
-_FAILURE_FIRST = ("failure", "success")
+_FAILURE_FIRST: tuple[Outcome, ...] = ("failure", "success")
+"""Of several the one that counts for the level."""
 
 
 class _Ended(NamedTuple):
@@ -49,6 +51,7 @@ class _Ended(NamedTuple):
     results: list[Result | Results]
     scored: dict[str, AttemptEnded]
     feedback: dict[str, Feedback]
+    outcome: Outcome
 
     @property
     def at(self) -> int:
@@ -154,6 +157,7 @@ class Course:
             self._score(seat, score, feedback.Judged(score, target, verdicts[seat].outcome), told[seat], now)
             for seat, score in scores.items()
         ]
+        outcome = min((verdict.outcome for verdict in verdicts.values()), key=_FAILURE_FIRST.index)
         self._ended = _Ended(
             self.attempt,
             level,
@@ -163,10 +167,10 @@ class Course:
             self.results,
             {one.ended.seat: one.ended for one in each},
             {one.ended.seat: one.feedback for one in each},
+            outcome,
         )
         changed = None
         if not (self.is_practice or self._overridden):
-            outcome = min((verdict.outcome for verdict in verdicts.values()), key=_FAILURE_FIRST.index)
             self._difficulty = difficulty.step(self._difficulty, outcome, parameters, task.levels)
             changed = self._change(level, outcome)
         self.level = self._difficulty.level
@@ -283,23 +287,26 @@ class Course:
             return (self._ended.attempt, len(self._ended.results))
         return self.last_trial if self.results and not self.is_attempt_done else None
 
-    def amend(self, result: Result | Results, *, is_told: bool = True) -> Scored | None:
+    def amend(self, result: Result | Results, unsaid: Collection[str] = ()) -> Scored | None:
         """Put another result in the place of the last, and score its attempt once more if it has ended.
 
-        That can be done until the next attempt begins, or the level is set by hand. What was said of it stands; what
-        was not told yet is another answer then.
+        That can be done until the next attempt begins, or the level is set by hand. What was said of it stands; those
+        at the seats that are ``unsaid`` get another answer. The level stands, as an operator may have ruled on
+        it, unless the attempt comes out another way.
         """
         if self._ended is None:
             self.results[-1:] = [result]
             return None
-        level, was = self.level, self._ended
+        level, settled, was = self.level, self._difficulty, self._ended
         self.attempt, self.level, self._overridden, self._difficulty = was[:4]
         self._histories = dict(was.histories)
         self._started = next(iter(was.scored.values())).started
         self.results = [*was.results[:-1], result]
         anew = self.score(was.at)
-        each = [self._keep_told(one, was) if is_told else one for one in anew.each]
+        each = [one if one.ended.seat in unsaid else self._keep_told(one, was) for one in anew.each]
         self._ended.scored.update({one.ended.seat: one.ended for one in each})
+        if self._ended.outcome == was.outcome:
+            self.level, self._difficulty = level, settled
         self.advance()
         changed = LevelChanged(previous=level, level=self.level, reason="mark") if level != self.level else None
         return each[0]._replace(level=changed, others=tuple(each[1:]))
@@ -314,13 +321,13 @@ class Course:
         return anew._replace(ended=msgspec.structs.replace(anew.ended, feedback=told.feedback, choice=told.choice))
 
     @property
-    def is_last(self) -> bool:
-        """Whether no attempt comes after this one."""
-        return self.attempt == self._task.parameters.practice_attempts + self._task.parameters.attempts
+    def attempts(self) -> int:
+        """How many attempts there are, those for practice included: also the number of the last."""
+        return self._task.parameters.practice_attempts + self._task.parameters.attempts
 
     def advance(self) -> bool:
         """Go on to the next attempt; False if that was the last."""
-        if self.is_last:
+        if self.attempt == self.attempts:
             return False
         self.attempt += 1
         self.results = []
@@ -328,15 +335,9 @@ class Course:
 
     def set_level(self, level: int, *, under_way: bool) -> LevelChanged | None:
         """Set the level of the next attempt. One that is under way keeps its own, and does not change the next."""
-        parameters = self._task.parameters
-        highest = min(parameters.max_level, self._task.levels)
-        before = self._difficulty.level
-        self._difficulty = difficulty.Difficulty(max(parameters.min_level, min(level, highest)))
         self._ended = None
         self._overridden = True
-        if not under_way:
-            self.level = self._difficulty.level
-        return self._change(before, "operator")
+        return self._put(level, "operator", under_way=under_way)
 
     def hold(self, change: LevelChanged) -> None:
         """A change that followed from the last attempt does not happen, or not yet: the level stays as it was."""
@@ -348,9 +349,13 @@ class Course:
         """A change that was held happens after all, to ``level``; an attempt that is under way keeps its own."""
         held = self._held
         reason = held.reason if held and held.level == level else "operator"
-        highest = min(self._task.parameters.max_level, self._task.levels)
+        return self._put(level, reason, under_way=under_way)
+
+    def _put(self, level: int, reason: str, *, under_way: bool) -> LevelChanged | None:
+        parameters = self._task.parameters
+        highest = min(parameters.max_level, self._task.levels)
         before = self._difficulty.level
-        self._difficulty = difficulty.Difficulty(max(self._task.parameters.min_level, min(level, highest)))
+        self._difficulty = difficulty.Difficulty(max(parameters.min_level, min(level, highest)))
         if not under_way:
             self.level = self._difficulty.level
         return self._change(before, reason)

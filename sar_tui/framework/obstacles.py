@@ -19,20 +19,24 @@ class Obstacles:
     def __init__(self, sensors_of: tuple[str, ...]) -> None:
         self._sensors_of = sensors_of
         self.disk_refuses = False
-        self._lost = set(sensors_of)
+        self._lost = dict.fromkeys(sensors_of, "")
         self._disk_says = ""
-        self._sensor_says = ""
-        self._error: SensorChanged | None = None
+        self._errors: dict[str, SensorChanged] = {}
 
     @property
     def sensor_lost(self) -> bool:
         """Whether nothing comes from a sensor that is needed."""
         return bool(self._lost)
 
+    @property
+    def lacking(self) -> str:
+        """The seat whose sensor that is; empty where it is so at several."""
+        return next(iter(self._lost)) if len(self._lost) == 1 else ""
+
     def begin_run(self) -> None:
         """A run of the program begins: nothing is known yet."""
         self.disk_refuses = False
-        self._lost = set(self._sensors_of)
+        self._lost = dict.fromkeys(self._sensors_of, "")
 
     def hear_storage(self, storage: StorageChanged) -> None:
         """The disk told something."""
@@ -44,20 +48,20 @@ class Obstacles:
         if sensor.seat not in self._sensors_of:
             return False
         if sensor.state in _BACK:
-            self._lost.discard(sensor.seat)
-            self._sensor_says = "" if not self._lost else self._sensor_says
+            self._lost.pop(sensor.seat, None)
             return True
         if sensor.state == "error":
-            self._error = sensor
+            self._errors[sensor.seat] = sensor
         if sensor.state in _LOST or (sensor.state == "error" and sensor.seat in self._lost):
-            self._lost.add(sensor.seat)
-            self._sensor_says = sensor.detail or self._reason(sensor.at)
+            self._lost[sensor.seat] = sensor.detail or self._reason(sensor)
             return True
         return False
 
-    def _reason(self, at: int) -> str:
-        return self._error.detail if self._error and at - self._error.at < _RECENT else ""
+    def _reason(self, lost: SensorChanged) -> str:
+        error = self._errors.get(lost.seat)
+        return error.detail if error and lost.at - error.at < _RECENT else ""
 
     def says(self, reason: str) -> str:
         """The words of what stands in the way, for the experimenter."""
-        return {"storage": self._disk_says, "sensor": self._sensor_says}.get(reason, "")
+        sensors = " ".join(dict.fromkeys(filter(None, self._lost.values())))
+        return {"storage": self._disk_says, "sensor": sensors}.get(reason, "")

@@ -277,6 +277,11 @@ class Task(ABC):
     marks: ClassVar[tuple[Mark, ...]] = ()
     seats: ClassVar[tuple[str, ...]] = ("A",)
 
+    @classmethod
+    def sensed(cls, parameters: TaskParameters) -> tuple[str, ...]:
+        """The seats that wear a sensor, as the task is set: all of them, in a task that has ``sensors``."""
+        return cls.seats if cls.sensors else ()
+
     def __init__(self, parameters: TaskParameters) -> None:
         self.parameters = parameters
         self.tr = language(parameters.language, _FRAMEWORK, Path(inspect.getfile(type(self))).parent)

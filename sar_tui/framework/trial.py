@@ -159,7 +159,7 @@ class OpenTrial:
         """The percept that a result came of: the last, or where several take part the one that was the response."""
         mine = [percept for percept in self._percepts if percept.seat == seat]
         if len(self.seats) > 1:
-            mine = [percept for percept in mine if percept.at == result.response_at]
+            mine = [one for one in mine if result.response_at in (one.at, getattr(one, "onset", None))]
         return mine[-1] if mine else None
 
     def _row(self, result: Result, seat: str) -> TrialEnded:

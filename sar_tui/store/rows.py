@@ -43,7 +43,11 @@ SQL = {
         "UPDATE actions SET final=NULL, decision=?, actor=?, decided_ns=?, reason=?, mode=COALESCE(mode, 'autonomous'),"
         " ground=? WHERE session=? AND id=?"
     ),
-    "rulings": ("UPDATE actions SET final=?, decision=?, actor=?, decided_ns=?, ground=? WHERE session=? AND id=?"),
+    "rulings": (
+        "INSERT INTO actions (session, id, kind, final, decision, actor, decided_ns, ground)"
+        " VALUES (?,?,'difficulty',?,?,?,?,?) ON CONFLICT DO UPDATE SET final=excluded.final,"
+        " decision=excluded.decision, actor=excluded.actor, decided_ns=excluded.decided_ns, ground=excluded.ground"
+    ),
     "notes": "INSERT INTO notes (session, at_ns, author, text, label) VALUES (?,?,?,?,?)",
     "starts": "UPDATE actions SET started_ns=MIN(?, COALESCE(started_ns, 9e18)) WHERE session=? AND id=?",
     "ends": "UPDATE actions SET ended_ns=MAX(?, COALESCE(ended_ns, 0)) WHERE session=? AND id=?",
@@ -108,7 +112,7 @@ def _add_actions(rows: Rows, session: str, at: int, message: m.Message) -> None:
             rows["drops"].append((*_dropped(d), at, d.reason, _GROUNDS.get(d.reason, "mode"), session, d.id))
         case m.LevelRuled() as r:
             final = None if r.decision == "rejected" else _text({"level": r.level})
-            rows["rulings"].append((final, r.decision, r.actor, r.at, r.ground, session, r.id))
+            rows["rulings"].append((session, r.id, final, r.decision, r.actor, r.at, r.ground))
         case m.OutputReport(state="started") as r:
             rows["starts"].append((r.at, session, r.action))
         case m.OutputReport(state="done" | "aborted" | "failed") as r:

@@ -15,13 +15,17 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
         meta("Together", help="alternate: in turn. race: the faster wins. cooperative: both within a window. joint "
              "attention: the agent looks to a side first."),
     ] = "alternate"  # fmt: skip
+    respond_with: Annotated[
+        Literal["keys", "reaches"],
+        meta("Respond with", help="keys: a half of the keyboard each. reaches: out and back, a sensor on a hand each."),
+    ] = "keys"
     prompts_per_attempt: Annotated[
         int, meta("Prompts per attempt", help="How many prompts an attempt has, for both together.", ge=2, le=200)
     ] = 12
     threshold: Annotated[
         float,
-        meta("Goal", "ms", "The mean reaction time of an attempt has to be below this; equal is not enough.",
-             ge=100, le=60_000),
+        meta("Goal", "ms", "The mean reaction time of an attempt has to be below this; equal is not enough. With "
+             "reaches each level takes a tenth off it.", ge=100, le=60_000),
     ] = 1000.0  # fmt: skip
     neutral_band: Annotated[
         float, meta("Neutral band", "ms", "This near the goal, on either side, feedback is neutral.", ge=0, le=5000)
@@ -31,23 +35,40 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
         meta("Keyboard layout", help="The six letters at the top left of the keyboard."),
     ] = "qwerty"
     window_ms: Annotated[
-        int, meta("Window", "ms", "For cooperative: both respond within so much of each other.", ge=20, le=10_000)
+        int,
+        meta("Window", "ms", "Both respond within so much of each other.", ge=20, le=10_000, group="Cooperative"),
     ] = 400
     congruent_share: Annotated[
         float,
-        meta("Congruent share", help="For joint attention: how often the agent looks to the right side, 0 to 1.",
-             ge=0, le=1),
+        meta("Congruent share", help="How often the prompt comes up on the side that the agent looks to, 0 to 1.",
+             ge=0, le=1, group="Joint attention"),
     ] = 0.5  # fmt: skip
     cue_lead_ms: Annotated[
-        int, meta("Cue lead", "ms", "For joint attention: so long before the prompt the agent looks.", ge=50, le=5000)
+        int,
+        meta("Cue lead", "ms", "So long before the prompt the agent looks.", ge=50, le=5000, group="Joint attention"),
     ] = 400
     cue_by: Annotated[
         Literal["gaze", "gesture", "both"],
-        meta("Cue", help="For joint attention: the agent looks (gaze), points (gesture), or both."),
+        meta("Cue", help="The agent looks (gaze), points (gesture), or both.", group="Joint attention"),
     ] = "gaze"
     address: Annotated[
         Literal["seat", "code"], meta("Called by", help="The agent says who is meant: left and right, or by code.")
     ] = "seat"
+    imu: Annotated[
+        str,
+        meta("Sensor on the left", help="phidget:SERIAL, phidget://host:port, simulated, recorded:FILE, or session:ID.",
+             min_length=1, group="Reaches"),
+    ] = "phidget"  # fmt: skip
+    imu_b: Annotated[
+        str, meta("Sensor on the right", help="As on the left: another one.", min_length=1, group="Reaches")
+    ] = "phidget"
+    hand: Annotated[
+        Literal["right", "left"],
+        meta("Hand of who sits left", help="The hand that reaches, with the sensor on it.", group="Reaches"),
+    ] = "right"
+    hand_b: Annotated[
+        Literal["right", "left"], meta("Hand of who sits right", help="The same, of the other.", group="Reaches")
+    ] = "right"
 
     def problems(self) -> dict[str, str]:
         problems = super().problems()

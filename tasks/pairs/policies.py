@@ -1,37 +1,54 @@
-"""What a trial of two comes to, by policy: pure functions of who pressed what, and when."""
+"""What a trial of two comes to, by policy: pure functions of who did what, and when."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import msgspec
 
-from sar_tui.framework.messages import Json, KeyPerceived
+from sar_tui.framework.messages import Json
 from sar_tui.framework.task import Result, Results
 
 
 class Response(NamedTuple):
-    """What one of the two did: nothing, where there is no percept. ``is_real``: not too soon to be a response."""
+    """What one of the two did.
+
+    Args:
+        asked: what they were asked for.
+        is_over: whether nothing more is waited for: they responded, or were seen not to.
+        done: what they did: a key's name, or a reach; None for nothing.
+        at: when, ns: the key's stamp, or that of the movement's onset.
+        latency_ms: since the prompt's onset.
+        is_real: not too soon to be a response.
+        details: what is kept of it.
+        flags: what to beware of.
+        remark: what they should hear of it, where it failed.
+    """
 
     asked: str
-    percept: KeyPerceived | None
-    latency_ms: float | None
-    is_real: bool
+    is_over: bool = False
+    done: str | None = None
+    at: int | None = None
+    latency_ms: float | None = None
+    is_real: bool = False
+    details: Json = {}
+    flags: tuple[str, ...] = ()
+    remark: str = ""
 
     @property
     def is_right(self) -> bool:
-        """Whether the key was the one that was asked for."""
-        return self.percept is not None and self.percept.key.casefold() == self.asked.casefold()
+        """Whether it was what was asked for."""
+        return self.done is not None and self.done.casefold() == self.asked.casefold()
 
     def result(self, details: Json) -> Result:
         """It alone, held against the goal by its own reaction time."""
-        press = self.percept
-        gap = None if press is None or press.gap is None else press.gap / 1_000_000
         return Result(
             correct=self.is_right,
-            response=press.key if press else None,
-            response_at=press.at if press else None,
+            response=self.done,
+            response_at=self.at,
             value=self.latency_ms,
-            details={**details, "asked": self.asked, "right": self.is_right, "key_gap_ms": gap},
+            details={**details, "asked": self.asked, "right": self.is_right, **self.details},
+            flags=self.flags,
+            remark=self.remark,
         )
 
 

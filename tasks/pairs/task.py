@@ -1,4 +1,4 @@
-"""The pairs task: two people at one keyboard, each with a half of it and of the screen."""
+"""The pairs task: two people at one computer, each with a half of the screen, and of the keyboard or a sensor."""
 
 import math
 from collections.abc import Sequence
@@ -8,10 +8,12 @@ import msgspec
 
 from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import Json, KeyPerceived
+from sar_tui.framework.messages import Json, KeyPerceived, ReachPerceived
+from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.task import (
     Act,
+    Again,
     Cue,
     Metric,
     Performance,
@@ -20,10 +22,12 @@ from sar_tui.framework.task import (
     Score,
     Situation,
     Stimulus,
+    Target,
     Task,
     Trial,
 )
 
+from . import reaches
 from .details import PairsDetails
 from .layouts import Pair, levels, owners
 from .parameters import PairsParameters
@@ -34,9 +38,20 @@ _GAZE_EFFECT = 0.06
 """By what share a simulated participant is slower where the agent looked to the other side: some 25 ms (Friesen &
 Kingstone 1998; Driver et al. 1999)."""
 
+_AGAIN = {
+    "samples": "A sensor told us nothing of that reach, so it does not count.",
+    "gap": "A sensor missed a part of that reach, so it does not count.",
+    "rate": "A sensor is too slow to see a reach. Please fetch the experimenter.",
+}
+_NO_REACH = "I saw no whole reach. Wait for the signal, then reach out and come all the way back."
+
 
 class PairsTask(Task):
-    """Seat A has the left half of the keyboard and of the screen, seat B the right. The metric is the reaction time."""
+    """Seat A has the left half of the keyboard and of the screen, seat B the right. The metric is the reaction time.
+
+    Where they respond with reaches, each has a sensor on a hand instead of a half of the keyboard; the response is the
+    onset of the movement.
+    """
 
     name = "pairs"
     title = "Pairs"
@@ -44,17 +59,24 @@ class PairsTask(Task):
     metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
     Parameters = PairsParameters
     Details = PairsDetails
+    sensors = ("imu",)
     seats = ("A", "B")
     parameters: PairsParameters
+
+    @classmethod
+    def sensed(cls, parameters: TaskParameters) -> tuple[str, ...]:
+        reaching = isinstance(parameters, PairsParameters) and parameters.respond_with == "reaches"
+        return cls.seats if reaching else ()
 
     def __init__(self, parameters: TaskParameters) -> None:
         super().__init__(parameters)
         self._levels = levels(self.parameters.layout)
         self._owners = owners(self.parameters.layout)
+        self._reaching = bool(self.sensed(parameters))
 
     @property
     def levels(self) -> int:
-        return len(self._levels)
+        return len(reaches.SOONER if self._reaching else self._levels)
 
     @property
     def trials_per_attempt(self) -> int:
@@ -65,11 +87,23 @@ class PairsTask(Task):
         return self.parameters.address
 
     def seat_of(self, key: str) -> str:
-        return self._owners.get(key.casefold(), "")
+        return "" if self._reaching else self._owners.get(key.casefold(), "")
+
+    def nodes(self) -> tuple[Node, ...]:
+        return reaches.watchers(self.parameters) if self._reaching else ()
+
+    def target(self, level: int) -> Target:
+        """With reaches each level asks for a sooner start; with keys, for a choice among more."""
+        share = reaches.SOONER[level - 1] if self._reaching else 1.0
+        return Target(round(self.parameters.threshold * share, 3), self.parameters.neutral_band)
 
     # --- words ----------------------------------------------------------------------------------------------
 
     def instructions(self) -> str:
+        rest = self.tr("You may rest between attempts. To pause at any time, press Escape.")
+        return f"{self._reaches_explained() if self._reaching else self._keys_explained()}\n\n{rest}"
+
+    def _keys_explained(self) -> str:
         tr = self.tr
         does = {
             "alternate": tr("A letter appears in one half of the screen: it is that person's turn."),
@@ -82,19 +116,37 @@ class PairsTask(Task):
         return (
             f"{tr('Two take part. Each has one half of the screen, and that half of the keyboard.')}\n"
             f"{does[self.parameters.policy]}\n"
-            f"{tr('Press the letter in your half as fast as you can. Leave the other half alone.')}\n\n"
-            f"{tr('You may rest between attempts. To pause at any time, press Escape.')}"
+            f"{tr('Press the letter in your half as fast as you can. Leave the other half alone.')}"
+        )
+
+    def _reaches_explained(self) -> str:
+        tr = self.tr
+        does = {
+            "alternate": tr("GO appears in one half of the screen: it is that person's turn."),
+            "race": tr("GO appears in each half of the screen. Who is first to set off wins."),
+            "cooperative": tr("GO appears in each half of the screen. Set off at the same time as the other."),
+            "joint attention": tr("I look to one side. Then GO appears on one side, the same or the other."),
+        }
+        return (
+            f"{tr('Two take part. Each has one half of the screen, and a sensor on one hand.')}\n"
+            f"{tr('Rest that hand on the table, and keep it still until it is your turn.')}\n"
+            f"{does[self.parameters.policy]}\n"
+            f"{tr('At GO in your half reach out and come back, as fast as you can. Then keep still.')}"
         )
 
     def goal(self, level: int) -> str:
-        tr, seconds = self.tr, self.parameters.threshold / 1000
+        tr, seconds = self.tr, self.target(level).threshold / 1000
         time = tr("1 second") if seconds == 1 else tr("{count} seconds", count=f"{seconds:g}")
         match self.parameters.policy:
             case "race":
-                first = tr("Be the first to press your letter.")
+                first = tr("Be the first to set off.") if self._reaching else tr("Be the first to press your letter.")
                 return f"{first}\n{tr('The goal of each: less than {time} on average.', time=time)}"
+            case "cooperative" if self._reaching:
+                return tr("The goal together: both set off at once, in less than {time} on average.", time=time)
             case "cooperative":
                 return tr("The goal together: both letters at once, in less than {time} on average.", time=time)
+        if self._reaching:
+            return tr("The goal of each: to set off in less than {time} on average.", time=time)
         return tr("The goal of each: the right letter in less than {time} on average.", time=time)
 
     # --- prompts --------------------------------------------------------------------------------------------
@@ -102,32 +154,35 @@ class PairsTask(Task):
     def stimulus(self, situation: Situation) -> Stimulus:
         pairs = self._levels[situation.level - 1]
         pair = situation.chance.choice(pairs, "order")
+        asked = Stimulus(reaches.REACH, "", "") if self._reaching else Stimulus("", "", "", choices=len(pairs))
+        halves = (self.tr("GO"), self.tr("GO")) if self._reaching else pair
         match self.parameters.policy:
             case "alternate":
-                return self._for_one(pair, (situation.attempt + situation.trial) % 2, len(pairs))
+                return self._for_one(asked, halves, (situation.attempt + situation.trial) % 2)
             case "joint attention":
                 side = self._side(situation)
-                return msgspec.structs.replace(self._for_one(pair, side, len(pairs)), cue=self._cue(situation, side))
-        left, right = pair
-        names = {"left": self.seat_name("A"), "right": self.seat_name("B")}
-        return Stimulus(
-            name=f"{left} {right}",
-            expected="",
-            text=f"{names['left']}: {left}  {names['right']}: {right}",
-            halves=pair,
-            choices=len(pairs),
+                return msgspec.structs.replace(self._for_one(asked, halves, side), cue=self._cue(situation, side))
+        return msgspec.structs.replace(
+            asked,
+            name=asked.name or " ".join(halves),
+            text="  ".join(self._line(seat, half) for seat, half in zip(self.seats, halves, strict=True)),
+            halves=halves,
         )
 
-    def _for_one(self, pair: Pair, side: int, choices: int) -> Stimulus:
-        seat, key = self.seats[side], pair[side]
-        return Stimulus(
-            name=key,
-            expected=key,
-            text=f"{self.seat_name(seat)}: {key}",
+    def _for_one(self, asked: Stimulus, pair: Pair, side: int) -> Stimulus:
+        seat, half = self.seats[side], pair[side]
+        return msgspec.structs.replace(
+            asked,
+            name=asked.name or half,
+            expected="" if self._reaching else half,
+            text=self._line(seat, half),
             seat=seat,
-            halves=("", key) if side else (key, ""),
-            choices=choices,
+            halves=("", half) if side else (half, ""),
         )
+
+    def _line(self, seat: str, half: str) -> str:
+        """What is asked of a seat, as plain text."""
+        return f"{self.seat_name(seat)}: {self.tr('reach out and back') if self._reaching else half}"
 
     def _side(self, situation: Situation) -> int:
         """Each side as often as the other in an attempt, in an order of its own."""
@@ -141,26 +196,47 @@ class PairsTask(Task):
 
     # --- responses ------------------------------------------------------------------------------------------
 
-    def perceived(self, trial: Trial, percept: Any) -> Result | Results | None:
+    def perceived(self, trial: Trial, percept: Any) -> Result | Results | Again | None:
+        if isinstance(percept, ReachPerceived) and percept.invalid:
+            return Again(percept.invalid, self.tr(_AGAIN[percept.invalid]))
         responses = self._responses(trial, (*trial.percepts, percept))
-        if any(response.percept is None for response in responses.values()):
+        if not all(response.is_over for response in responses.values()):
             return None
         return self._judge(trial, responses)
 
     def timed_out(self, trial: Trial) -> Results:
         return self._judge(trial, self._responses(trial, trial.percepts))
 
-    def _responses(self, trial: Trial, percepts: Sequence[KeyPerceived]) -> dict[str, Response]:
-        """What each did first of those who are asked; a second key mends nothing."""
+    def _responses(self, trial: Trial, percepts: Sequence[Any]) -> dict[str, Response]:
+        """What each did first of those who are asked; a second key, or a second reach, mends nothing."""
         stimulus = trial.stimulus
-        keys = dict(zip(self.seats, stimulus.halves, strict=True))
-        asked = {seat: key for seat, key in keys.items() if stimulus.seat in ("", seat)}
-        return {seat: self._response(trial, seat, key, percepts) for seat, key in asked.items()}
+        halves = dict(zip(self.seats, stimulus.halves, strict=True))
+        asked = {seat: half for seat, half in halves.items() if stimulus.seat in ("", seat)}
+        respond = self._reach if self._reaching else self._press
+        return {
+            seat: respond(trial, half, next((one for one in percepts if one.seat == seat), None))
+            for seat, half in asked.items()
+        }
 
-    def _response(self, trial: Trial, seat: str, asked: str, percepts: Sequence[KeyPerceived]) -> Response:
-        press = next((percept for percept in percepts if percept.seat == seat), None)
-        latency = trial.latency_ms(press.at) if press else None
-        return Response(asked, press, latency, latency is not None and latency >= self.parameters.min_rt_ms)
+    def _press(self, trial: Trial, asked: str, press: KeyPerceived | None) -> Response:
+        if press is None:
+            return Response(asked, details={"key_gap_ms": None})
+        gap = None if press.gap is None else press.gap / MS
+        return self._timed(trial, Response(asked, True, press.key, press.at, details={"key_gap_ms": gap}))
+
+    def _reach(self, trial: Trial, _: str, reach: ReachPerceived | None) -> Response:
+        """The onset of the movement is the response; its end is kept. Half a reach is none."""
+        if reach is None or reach.onset is None:
+            flags = (*reach.flags, "no_reach") if reach else ()
+            return Response(reaches.REACH, reach is not None, flags=flags, remark=self.tr(_NO_REACH))
+        kept, flags = reaches.details(reach), reach.flags
+        return self._timed(trial, Response(reaches.REACH, True, reaches.REACH, reach.onset, details=kept, flags=flags))
+
+    def _timed(self, trial: Trial, response: Response) -> Response:
+        """A response held against the prompt's onset."""
+        assert response.at is not None
+        latency = trial.latency_ms(response.at)
+        return response._replace(latency_ms=latency, is_real=latency >= self.parameters.min_rt_ms)
 
     def _judge(self, trial: Trial, responses: dict[str, Response]) -> Results:
         details: Json = {"policy": self.parameters.policy, "choices": trial.stimulus.choices}
@@ -193,12 +269,14 @@ class PairsTask(Task):
     # --- simulated participants -----------------------------------------------------------------------------
 
     def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
-        """A slip hits another key of one's own half. A look to the other side costs a moment."""
+        """A slip hits another key of one's own half, or is no reach. A look to the other side costs a moment."""
         side = self.seats.index(stimulus.seat)
-        key = stimulus.halves[side]
         at = performance.reaction_ms
         if stimulus.cue and stimulus.cue.side != _SIDES[side]:
             at *= 1 + _GAZE_EFFECT
+        if self._reaching:
+            return reaches.rehearsed(at, performance, chance)
+        key = stimulus.halves[side]
         if performance.slips:
             key = chance.choice([pair[side] for pair in self._levels[-1] if pair[side] != key], "slip")
         return [(at, key)]

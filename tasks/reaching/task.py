@@ -105,7 +105,7 @@ class ReachingTask(Task):
         )
 
     def nodes(self) -> tuple[Node, ...]:
-        from .perception import ReachPerception
+        from sar_tui.reach_perception import ReachPerception  # loads numpy
 
         return (ReachPerception(self.analysis(), self.parameters.still_ms),)
 

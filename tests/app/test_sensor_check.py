@@ -143,10 +143,10 @@ async def test_the_session_takes_over_the_sensor_as_it_runs(seated: Callable[...
     source = Plugged()
     async with seated(source) as chair:
         await chair.wait(1000)
-        feed = chair.app.feed
+        (feed,) = chair.app.feeds
         await chair.press("enter")
         await chair.wait(1000)
-        assert chair.app.feed is None
+        assert chair.app.feeds == ()
         assert feed.is_running
         assert [message["state"] for message in chair.messages("input/sensor")] == ["attached"]
         assert feed.received > 450
@@ -177,14 +177,13 @@ async def test_escape_leads_back_home_and_the_check_can_be_opened_anew(data: Pat
     database.conn.close()
     async with sit_down(data, catalogue) as chair:
         chair.app.screen.query_one("#start", Button).active_effect_duration = 0  # it takes no second press meanwhile
-        for keys in (("right", "down", "right", "right", "enter"), ("enter",)):
+        for keys in (("right", "down", "down", "right", "right", "enter"), ("enter",)):
             await chair.press(*keys)
             assert chair.screen_name == "SensorCheckScreen"
             assert chair.app.theme == "sar-high-contrast"
-            feed = chair.app.feed
+            (feed,) = chair.app.feeds
             await chair.press("escape")
             assert chair.screen_name == "HomeScreen"
-            assert feed
             assert not feed.is_running
     assert stored(data, "SELECT id FROM sessions") == []
 
@@ -260,11 +259,11 @@ async def test_on_a_live_clock_the_check_has_a_worker_of_its_own_that_ends_with_
     async with app.run_test() as pilot:
         await pilot.pause()
         assert {worker.name for worker in app.workers if worker.is_running} == {"sensor check"}
-        assert app.feed
+        assert app.feeds
         await pilot.press("escape")
     app.close_session()
     assert not [worker for worker in app.workers if worker.is_running]
-    assert app.feed is None
+    assert app.feeds == ()
 
 
 # --- what is seen of the sensor ----------------------------------------------------------------------------

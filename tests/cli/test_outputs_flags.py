@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from sar_tui.link.host import Host
 from sar_tui.plugins import Catalogue
 from sar_tui.runs import Plan
 from sar_tui.store import participants
@@ -25,7 +26,7 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> list[Plan]:
     """A terminal, and an app that only notes the session it was opened with."""
     plans: list[Plan] = []
 
-    def run_app(folder: Path, catalogue: Catalogue, plan: Plan) -> int:
+    def run_app(folder: Path, catalogue: Catalogue, plan: Plan, link: Host | None) -> int:
         plans.append(plan)
         return 0
 

@@ -11,8 +11,8 @@ POLICIES: tuple[Policy, ...] = ("queue", "interrupt", "drop")
 OPEN: set[tuple[str, Deed]] = {("speech", "say"), ("robot", "gesture"), ("robot", "say")}
 
 
-def proposal(name: str, priority: int = 0, policy: Policy = "queue", due: int = 0) -> Proposal:
-    return Proposal(id=name, kind="feedback", text=name, priority=priority, policy=policy, due=due)
+def proposal(name: str, priority: int = 0, policy: Policy = "queue", due: int = 0, seat: str = "A") -> Proposal:
+    return Proposal(seat=seat, id=name, kind="feedback", text=name, priority=priority, policy=policy, due=due)
 
 
 def begun(agenda: Agenda, one: Proposal) -> Agenda:
@@ -36,6 +36,22 @@ def test_only_what_interrupts_and_is_no_less_important_breaks_off_what_is_under_
     second = proposal("second", priority, policy)
     agenda.add(second)
     assert agenda.next(0) == (second if policy == "interrupt" and priority >= under_way else None)
+
+
+def test_an_answer_to_one_does_not_cut_off_the_answer_to_the_other() -> None:
+    agenda = begun(Agenda(), proposal("to B", 40, "queue", seat="B"))
+    agenda.add(proposal("to A", 40, "interrupt"))
+    assert agenda.next(0) is None
+    agenda.add(proposal("to B again", 40, "interrupt", seat="B"))
+    agenda.take("to A")
+    assert [waiting.id for waiting in agenda.waiting] == ["to B again"]
+    assert agenda.next(0) in agenda.waiting
+
+
+def test_an_answer_to_either_cuts_off_what_is_less_important() -> None:
+    agenda = begun(Agenda(), Proposal(id="hello", kind="greeting", text="Hello.", priority=30))
+    agenda.add(proposal("to B", 40, "interrupt", seat="B"))
+    assert agenda.next(0) in agenda.waiting
 
 
 def test_what_is_not_due_lets_what_is_less_important_go_before_it() -> None:

@@ -232,3 +232,18 @@ def test_a_summary_with_an_attempt_amended_speaks_of_what_it_is_now() -> None:
 def test_an_answer_is_due_so_long_after_the_attempts_end() -> None:
     scored = attempt(course(feedback_delay_ms=1500), lift(400))
     assert scored.feedback.due == scored.ended.ended + 1500 * MS
+
+
+def test_a_level_that_is_settled_in_an_attempt_is_that_of_the_next_with_the_reason_it_had() -> None:
+    under_way = course()
+    changed = attempt(under_way, lift(400.0)).level
+    assert changed
+    under_way.hold(changed)
+    assert under_way.level == 1
+    under_way.begin(now=3000)
+    settled = under_way.settle(2, under_way=True)
+    assert settled is not None
+    assert (settled.previous, settled.level, settled.reason, under_way.level) == (1, 2, "success", 1)
+    under_way.results.append(lift(5000.0))
+    under_way.score(now=4000)
+    assert under_way.level == 1, "that attempt failed, and lowers the level it was settled to"

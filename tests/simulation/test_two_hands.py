@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.clock import SECOND, VirtualClock
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import ParameterError, build, meta
 from sar_tui.framework.session import Session
@@ -15,7 +15,7 @@ from sar_tui.framework.task import Again, Trial
 from sar_tui.framework.topics import REACH, SENSOR, WAITING
 from sar_tui.plugins import Catalogue
 from sar_tui.runs import Plan, simulate
-from sar_tui.sensing import sensor
+from sar_tui.sensing import sensor, sensors
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
@@ -124,6 +124,21 @@ def test_the_session_waits_for_the_sensor_of_either(calm: Any) -> None:
     assert desk.last(WAITING).what == "sensor"
     tell(SENSOR, m.SensorChanged(seat="A", state="attached", at=desk.clock.now(), rate_hz=250))
     assert desk.last(WAITING).stage == "attempt"
+
+
+def test_of_a_stored_session_each_seat_is_given_the_samples_of_its_own(data: Path, played: str) -> None:
+    database = connect(data)
+    measured = {seat: imu.samples(database, played, seat=seat) for seat in "AB"}
+    database.conn.close()
+    clock = VirtualClock()
+    given = parameters(imu=f"session:{played}?speed=fast", imu_b=f"session:{played}?speed=fast")
+    for feed, seat in zip(sensors(TwoHands, given, 1, clock, data), "AB", strict=True):
+        feed.start()
+        clock.advance(SECOND)
+        heard, _ = feed.drain()
+        assert len(heard) > 100
+        assert np.array_equal(heard["rate"][:100], measured[seat]["rate"][:100])
+        feed.stop()
 
 
 def test_each_seat_names_its_sensor_and_a_wrong_name_is_told_by_its_parameter(data: Path) -> None:

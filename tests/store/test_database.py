@@ -210,6 +210,25 @@ def test_a_database_of_the_second_version_keeps_its_attempts_and_can_take_why_th
     assert (attempt["feedback"], attempt["qualities"], attempt["choice"]) == ("positive", {}, None)
 
 
+def test_a_database_of_the_third_version_keeps_its_actions_and_notes_and_can_take_an_operators(data: Path) -> None:
+    data.mkdir()
+    third = sqlite_utils.Database(sqlite3.connect(data / FILE))
+    migrations.apply(third, stop_before="version_4")
+    third["actions"].insert(
+        {"session": "s", "id": "a1", "kind": "feedback", "final": '{"text": "Fine."}', "decision": "accepted"}
+    )
+    third["notes"].insert({"session": "s", "at_ns": 5, "author": "Ana", "text": "tired"})
+    third.execute("PRAGMA user_version=3")
+    third.conn.close()
+    opened = connect(data)
+    assert pragma(opened, "user_version") == VERSION
+    (action,) = sessions.rows(opened, "actions", "s")
+    assert (action["final"], action["decision"]) == ({"text": "Fine."}, "accepted")
+    assert [action[name] for name in ("mode", "ground", "reason", "shown_ns", "deadline_ns")] == [None] * 5
+    (note,) = sessions.rows(opened, "notes", "s")
+    assert (note["text"], note["label"]) == ("tired", None)
+
+
 @posix
 def test_the_backup_is_as_private_as_the_database(older: Path) -> None:
     connect(older)

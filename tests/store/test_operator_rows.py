@@ -116,6 +116,32 @@ def test_changes_of_level_that_were_asked_about_are_rows_too(data: Path) -> None
     assert levels == [(1,), (1,), (4,), (5,)]
 
 
+def test_a_change_of_level_that_is_left_out_because_nobody_is_there_is_a_row_too(data: Path) -> None:
+    operated = Operated(
+        data, {}, operator_difficulty="approve", operator_lost="silent", threshold=60_000, min_accuracy=0
+    )
+    gone = m.OperatorChanged(actor=ANA, state="left", operated=False)
+    operated.session.bus.publish(PRESENCE, gone)
+    rows = operated.rows("difficulty")
+    assert [(row["id"], row["final"], row["decision"], row["actor"], row["ground"]) for row in rows] == [
+        ("l1", None, "rejected", "agent", "no operator"),
+        ("l2", None, "rejected", "agent", "no operator"),
+    ]
+
+
+def test_of_all_who_saw_a_proposal_the_first_is_kept(data: Path) -> None:
+    operated = Operated(data, {1: {"verdict": "accept"}}, operator_feedback="approve")
+    bus, clock = operated.session.bus, operated.clock
+
+    def see_again(offer: m.Offer) -> None:
+        late = m.OfferSeen(action=offer.proposal.id, actor="observer.ben", at=clock.now() + 900 * MS)
+        clock.call_at(clock.now() + 300 * MS, lambda: bus.publish(SEEN, late))
+
+    bus.subscribe(OFFERED, see_again)
+    first = operated.rows("feedback")[0]
+    assert first["shown_ns"] - first["proposed_ns"] == 200 * MS
+
+
 def test_an_operators_stop_is_told_from_the_participants(data: Path) -> None:
     operated = Operated(data, {}, operator_feedback="approve", operator_time_ms=60_000)
     stop = m.Operator(command="stop", actor=ANA)
@@ -123,3 +149,27 @@ def test_an_operators_stop_is_told_from_the_participants(data: Path) -> None:
     bus.subscribe(OFFERED, lambda _: clock.call_at(clock.now() + 1, lambda: bus.publish(OPERATOR, stop)))
     rows = operated.rows("feedback")
     assert [(row["decision"], row["actor"], row["reason"]) for row in rows] == [("dropped", ANA, "stopped")] * 3
+
+
+def test_what_is_written_does_not_depend_on_what_was_written_together(data: Path) -> None:
+    stored = []
+    for folder, is_apart in (("apart", True), ("together", False)):
+        operated = Operated(
+            data / folder,
+            {1: {"verdict": "edit", "text": "Fine."}, 2: {"verdict": "edit", "level": 3}, 4: {"verdict": "veto"}},
+            operator_feedback="approve",
+            operator_difficulty="approve",
+            operator_time_ms=2000,
+            threshold=60_000,
+            min_accuracy=0,
+        )
+        bus = operated.session.bus
+        if is_apart:
+            bus.tap(lambda _, recorder=operated.recorder: recorder.write())
+        bus.publish(REMARK, m.Remark(text="Well held.", actor=ANA, at=operated.clock.now()))
+        operated.rows("feedback")
+        tables = [sessions.rows(operated.eyes, name, operated.id) for name in ("actions", "trials", "attempts")]
+        stored.append([sorted(str({**row, "session": ""}) for row in rows) for rows in tables])
+    apart, together = stored
+    assert len(apart[0]) > 8
+    assert apart == together

@@ -1,7 +1,8 @@
-"""Before a session with a motion sensor: is it there, is it worn right, does it see a reach."""
+"""Before a session with motion sensors, one or two: is it there, is it worn right, does it see a reach."""
 
 import functools
 import math
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 from rich.table import Table
@@ -14,10 +15,11 @@ from textual.widgets import Footer, Static
 
 from sar_tui.app.language import planned_language, translated
 from sar_tui.app.sensor_watch import SensorWatch
-from sar_tui.app.sensor_words import MARKS, Fact, Mark, facts, signed, words_of
+from sar_tui.app.sensor_words import MARKS, Fact, Mark, facts, signed, words_of, worst
 from sar_tui.framework.clock import MS, SECOND, Clock, Handle, LiveClock
 from sar_tui.framework.language import Language
 from sar_tui.inputs.feed import ImuFeed
+from sar_tui.motion.bounds import Hand
 from sar_tui.runs import Plan
 from sar_tui.widgets.speed_trace import SpeedTrace
 from sar_tui.widgets.worn_sensor import bar, draw_hand
@@ -28,10 +30,13 @@ ZEROING = 3 * SECOND
 """A sensor takes up to two seconds to find its bias."""
 
 _BAR = 8
+_SIDES = ("On the left", "On the right")
 _PLACE = "Fasten the sensor as drawn, and lay the hand flat on the table, palm down."
 _IDLE = "T: a test reach.  Z: zero the sensor.  Enter: begin the session."
 _ZEROED = "The sensor takes its bias for zero: keep the hand still for two seconds."
+_IDLE_FIRST = "T: a test reach.  Z: zero the sensor.  Enter: on to the other sensor."
 _NONE = "There is no sensor, so the session will wait for one. Press Enter again to begin it all the same."
+_NOT_BOTH = "A sensor is missing, so the session will wait for it. Press Enter again to begin it all the same."
 _NOTHING_TO_ZERO = "There is no sensor to zero. Plug it in first."
 _HELP = (
     "Fasten the sensor to the back of the hand as drawn: y along the fingers, z out of the hand. "
@@ -44,27 +49,33 @@ _HELP = (
 
 
 class SensorCheckScreen(Screen[bool]):
-    """Shows what comes from a feed that was started; ends with whether the session is to begin.
+    """Shows what comes from feeds that were started; ends with whether the session is to begin.
+
+    Of two sensors one is looked at after the other; how both are stands in a line above.
 
     Args:
         plan: the session that waits.
-        feed: of its sensor; it is neither started nor stopped here.
-        clock: the feed's.
+        feeds: of its sensors, in the order of the seats; they are neither started nor stopped here.
+        clock: the feeds'.
     """
 
     AUTO_FOCUS = ""
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("t", "test", "Test", id="test-reach"),
         Binding("z", "zero", "Zero", id="zero"),
+        Binding("tab", "other", "Other sensor", show=False, id="other-sensor"),
         Binding("enter", "begin", "Begin", id="begin"),
         Binding("escape", "leave", "Back", id="leave-check"),
     ]
 
     app: Any
 
-    def __init__(self, plan: Plan, feed: ImuFeed, clock: Clock) -> None:
+    def __init__(self, plan: Plan, feeds: Sequence[ImuFeed], clock: Clock) -> None:
         super().__init__()
-        self.sensor = SensorWatch(feed, clock.now, getattr(plan.parameters, "hand", "right"))
+        hands: list[Hand] = [getattr(plan.parameters, name, "right") for name in ("hand", "hand_b")]
+        self.sensors = [SensorWatch(feed, clock.now, hand) for feed, hand in zip(feeds, hands, strict=False)]
+        self.sensor = self.sensors[0]
+        self._unseen = self.sensors[1:]
         self._plan = plan
         self._clock = clock
         self._next: Handle | None = None
@@ -90,6 +101,8 @@ class SensorCheckScreen(Screen[bool]):
         with Horizontal(id="top"):
             yield Static(self.tr("Check the sensor"), id="task", markup=False)
             yield Static(f"{self._plan.participant} · {self.tr(self._plan.task.title)}", id="where", markup=False)
+        if len(self.sensors) > 1:
+            yield Static(id="sides")
         yield Static(self.tr(_PLACE), id="place", markup=False)
         with Horizontal(id="worn"):
             yield Static(id="hand")
@@ -103,7 +116,6 @@ class SensorCheckScreen(Screen[bool]):
         yield Footer()
 
     def on_mount(self) -> None:
-        self.query_one("#hand", Static).update(draw_hand(self.sensor.hand))
         if isinstance(self._clock, LiveClock):
             self.run_worker(self._clock.run(), name="sensor check", group="sensor check")
         self._look()
@@ -128,9 +140,27 @@ class SensorCheckScreen(Screen[bool]):
             self._say(self.tr(_NOTHING_TO_ZERO), "wrong", ZEROING)
         self._show()
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """There may be no other sensor."""
+        return len(self.sensors) > 1 if action == "other" else super().check_action(action, parameters)
+
+    def action_other(self) -> None:
+        """Look at the next sensor, or at the first again."""
+        number = (self.sensors.index(self.sensor) + 1) % len(self.sensors)
+        self.sensor = self.sensors[number]
+        self._unseen = [sensor for sensor in self._unseen if sensor is not self.sensor]
+        self._say("")
+        self._show()
+
+    @property
+    def _missing(self) -> list[SensorWatch]:
+        return [sensor for sensor in self.sensors if sensor.state not in ("attached", "ended")]
+
     def action_begin(self) -> None:
-        """On to the session; without a sensor only when asked twice."""
-        if self.sensor.state in ("attached", "ended") or self._asked:
+        """On to a sensor that was not looked at, or to the session; without a sensor only when asked twice."""
+        if self._unseen:
+            self.action_other()
+        elif not self._missing or self._asked:
             self._stop_looking()
             self.dismiss(True)
         else:
@@ -153,14 +183,19 @@ class SensorCheckScreen(Screen[bool]):
     def _look(self) -> None:
         if self._over:
             return
-        self.sensor.look()
+        for sensor in self.sensors:
+            sensor.look()
         self._show()
         self._next = self._clock.call_at(self._clock.now() + LOOK, self._look)
 
     def _show(self) -> None:
         """Bring the screen up to date; what has not changed stays untouched."""
-        if self.sensor.attached:
+        if all(sensor.attached for sensor in self.sensors):
             self._asked = False
+        if self._is_new("hand", self.sensor.hand):
+            self.query_one("#hand", Static).update(draw_hand(self.sensor.hand))
+        for sides in self.query("#sides").results(Static):
+            sides.update(self._sides())
         known, words = facts(self.sensor, self.tr), self._words()
         if self._is_new("facts", known):
             self.query_one("#facts", Static).update(self._facts(known))
@@ -183,12 +218,25 @@ class SensorCheckScreen(Screen[bool]):
         """What stands in the box of the test reach, the most urgent first."""
         words, mark, until = self._notice
         if self._asked:
-            return [("wrong", self.tr(_NONE))]
+            return [("wrong", self.tr(_NONE) if len(self.sensors) == 1 else self.tr(_NOT_BOTH))]
         if words and self._clock.now() < until:
             return [(mark, words)]
         if self.sensor.test:
             return words_of(self.sensor.test, self.sensor.hand, self.tr)
-        return [("wait", self.tr(_IDLE))] if self.sensor.attached else []
+        idle = self.tr(_IDLE_FIRST) if self._unseen else self.tr(_IDLE)
+        return [("wait", idle)] if self.sensor.attached else []
+
+    def _sides(self) -> Text:
+        """Whose each of two sensors is, how it is, and which is looked at."""
+        codes = (self._plan.participant, self._plan.partner)
+        text = Text()
+        for number, (sensor, code) in enumerate(zip(self.sensors, codes, strict=True)):
+            is_shown = sensor is self.sensor
+            text.append("▸ " if is_shown else "  ", f"bold {self._color('accent')}")
+            color = self._color("accent" if is_shown else "text-muted")
+            text.append(f"{self.tr(_SIDES[number])}: {code} ", f"bold {color}")
+            text.append_text(self._mark(worst(facts(sensor, self.tr)))).append("     ")
+        return text.append(self.tr("Tab: the other one"), self._color("text-muted"))
 
     def _facts(self, known: list[Fact]) -> Table:
         table = Table.grid(padding=(0, 1))

@@ -83,7 +83,7 @@ class SessionScreen(AgentScreen):
             with Vertical(id="message"):
                 yield Static("", id="headline", markup=False)
                 yield Static("", id="text", markup=False)
-                if session.task.sensors:
+                if session.task.sensors and len(session.task.seats) == 1:
                     from sar_tui.widgets.speed_trace import SpeedTrace  # loads numpy
 
                     yield SpeedTrace(id="reaches")

@@ -98,10 +98,10 @@ class SettingsScreen(Screen[None]):
     def _problems(self) -> dict[str, str]:
         try:
             parameters = build(self._motor_task.Parameters, self._values())
-            if self._motor_task.sensors:
-                from sar_tui.sensing import check_sensor
+            if seats := self._motor_task.sensed(parameters):
+                from sar_tui.sensing import check_sensors
 
-                check_sensor(parameters)
+                check_sensors(parameters, seats)
             check_outputs(parameters)
         except ParameterError as error:
             return error.problems

@@ -38,7 +38,7 @@ def words(waiting: Waiting, task: Task) -> Words | None:  # noqa: PLR0911
                 return Words(tr("Once more"), f"{waiting.notice}\n\n{waiting.goal}", press)
             return Words(tr("Ready?"), waiting.goal, press)
         case "paused":
-            return _paused(waiting, tr)
+            return _paused(waiting, task, tr)
         case "broken":
             stopped = tr("Something went wrong in this task, so the session has stopped.")
             text = f"{stopped}\n{tr('Everything you did is kept.')}"
@@ -55,7 +55,7 @@ def key_name(key: str, tr: Language) -> str:
     return {"space": tr("Space"), "enter": tr("Enter"), "tab": tr("Tab")}.get(key, key.capitalize())
 
 
-def _paused(waiting: Waiting, tr: Language) -> Words | None:
+def _paused(waiting: Waiting, task: Task, tr: Language) -> Words | None:
     match waiting.reason:
         case "interrupted":
             go_on = f"{tr('We go on with {attempt}.', attempt=waiting.attempt_name)} {waiting.goal}"
@@ -66,9 +66,12 @@ def _paused(waiting: Waiting, tr: Language) -> Words | None:
             return _no_space(waiting.detail, tr)
         case "sensor":
             why = waiting.detail or tr("The sensor sends nothing. Check its cable.")
+            unheard = tr("The sensor on your hand is not heard just now. Nothing is lost.")
+            if len(task.seats) > 1 and waiting.seat:
+                unheard = f"{task.seat_name(waiting.seat)}: {unheard}"
             return Words(
                 tr("Please wait"),
-                f"{tr('The sensor on your hand is not heard just now. Nothing is lost.')}\n\n"
+                f"{unheard}\n\n"
                 f"{tr('For the experimenter: {words}', words=why)}\n"
                 f"{tr('The session goes on by itself if it is heard again. To end it: Escape.')}",
                 "",

@@ -16,6 +16,8 @@ from sar_tui.framework.messages.agent import (
     Saying,
     Stalling,
     Standing,
+    Unsaid,
+    UnsaidTo,
 )
 from sar_tui.framework.messages.base import (
     Deed,
@@ -154,6 +156,8 @@ __all__ = [
     "Timing",
     "TrialEnded",
     "TrialMarked",
+    "Unsaid",
+    "UnsaidTo",
     "Valence",
     "Waiting",
 ]

@@ -100,6 +100,18 @@ class Standing(Message, frozen=True, kw_only=True):
     current: Action | None = None
 
 
+class Unsaid(Message, frozen=True, kw_only=True):
+    """Ask whose answer to an attempt is still to be said: it waits for an operator, or for its turn."""
+
+    attempt: int
+
+
+class UnsaidTo(Message, frozen=True, kw_only=True):
+    """The answer to Unsaid, by seat."""
+
+    seats: tuple[str, ...]
+
+
 class Stalling(Message, frozen=True, kw_only=True):
     """An answer (``id``) has been owed for a while: something may cover the wait."""
 

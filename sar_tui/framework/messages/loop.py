@@ -57,8 +57,8 @@ class Waiting(Message, frozen=True, kw_only=True):
     ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
     ``trial``, ``answer``, ``paused``, ``review`` (all attempts are done), ``ended``, ``broken`` (something failed).
     ``attempt_name`` is the attempt in words, "attempt 3 of 20"; ``goal`` what it aims at, but for trials.
-    ``seat``: whose turn it is; empty: everybody's, or not known before the prompt. ``notice`` is what the participant
-    has to know first: another level, a trial that has to be done again.
+    ``seat``: whose turn it is, or whose ``sensor`` is waited for; empty: everybody's, or not known before the prompt.
+    ``notice`` is what the participant has to know first: another level, a trial that has to be done again.
     ``reason``, when paused: how the person is (see `Operator`), ``interrupted`` (the program had ended),
     ``storage`` (the disk refuses; also at the end), ``restored`` (it no longer does), ``sensor`` (nothing comes from
     it); when quiet is awaited: ``held`` (keys are pressed all the time). ``detail`` is for the experimenter: the

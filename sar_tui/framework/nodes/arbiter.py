@@ -87,7 +87,7 @@ class Arbiter(TimedNode):
         self._standing: m.Standing | None = None
         self._has_operators = False
         self._remarks = self._levels = 0
-        self._stalling = ""
+        self._stalling: tuple[str, ...] = ()
         self._scored: dict[tuple[str, int], _Scored] = {}
 
     # --- the session -----------------------------------------------------------------------------------------
@@ -160,7 +160,7 @@ class Arbiter(TimedNode):
     @on(SESSION_ENDED)
     def session_ended(self, ended: m.SessionEnded) -> None:
         """Nothing is said after the goodbye; before it, where all was done, the last answers have their turn."""
-        answers = [action.id for action in self._agenda.waiting if action.kind == "feedback" and action.due <= self.now]
+        answers = [action.id for action in self._agenda.waiting if action.kind == "feedback"]
         self._drop("late", lambda saying: ended.status == "aborted" or saying.id not in answers)
         self._tell()
 
@@ -223,7 +223,7 @@ class Arbiter(TimedNode):
         delayed = proposal.due > self.now + STALLS_AFTER
         wanted = {"operator": offered, "always": offered or delayed, "never": False}[self._parameters.filler]
         if proposal.kind == "feedback" and wanted:
-            self._stalling = proposal.id
+            self._stalling = (*filter(self._is_owed, self._stalling), proposal.id)
             self.set_timer("filler", self.now + STALLS_AFTER)
 
     # --- what operators do ---------------------------------------------------------------------------------------
@@ -377,8 +377,8 @@ class Arbiter(TimedNode):
         if name == "patience" and (current := self._agenda.current):
             self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
             self._agenda.abandon()
-        elif name == "filler" and self._is_owed(self._stalling):
-            self.emit(STALLING, m.Stalling(id=self._stalling))
+        elif name == "filler" and (owed := next(filter(self._is_owed, self._stalling), None)):
+            self.emit(STALLING, m.Stalling(id=owed))
         elif name == "deadline":
             self._decide_without_operator()
         self._go_on()

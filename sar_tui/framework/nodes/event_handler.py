@@ -30,6 +30,7 @@ from sar_tui.framework.topics import (
     STORED,
     TIMER,
     TRIAL,
+    UNSAID,
     VOIDED,
     WAITING,
 )
@@ -55,7 +56,7 @@ class EventHandler(Trials):
         SESSION_ENDED,
     )
 
-    asks = (RULE,)
+    asks = (RULE, UNSAID)
 
     def __init__(self, task: Task, seed: int, vital: Collection[str] = VITAL) -> None:
         super().__init__(task)
@@ -65,7 +66,7 @@ class EventHandler(Trials):
         self._marked: Mark | None = None
         self._paused_from = Phase.INSTRUCTIONS
         self._pause_reason = ""
-        self._obstacles = Obstacles(task.seats if task.sensors else ())
+        self._obstacles = Obstacles(task.sensed(task.parameters))
         self._after_answer = Phase.READY
         self._answer_due = 0
         self._is_owing = False
@@ -175,6 +176,7 @@ class EventHandler(Trials):
             self._await_answer()
         else:
             self._wait(self._paused_from)
+            self._heed_owing()
 
     def _needs_sensor(self, phase: Phase) -> bool:
         """Whether a movement is about to be made: not in the instructions, nor when all attempts are done."""
@@ -225,14 +227,14 @@ class EventHandler(Trials):
         """Score, adapt, answer: in this order, so that memory holds the attempt before it is spoken of."""
         scored = self._course.score(self.now)
         self._tell(scored)
-        self._answer(scored)
+        self._answer(scored, self.task.seats)
         self._after_answer = Phase.READY if self._course.advance() else Phase.REVIEW
         self._answer_due = max(one.feedback.due for one in scored.each)
         self._await_answer()
 
-    def _answer(self, scored: Scored) -> None:
+    def _answer(self, scored: Scored, seats: Collection[str]) -> None:
         for one in scored.each:
-            if one.is_answered:
+            if one.is_answered and one.ended.seat in seats:
                 self.emit(FEEDBACK, one.feedback)
 
     def _await_answer(self) -> None:
@@ -246,12 +248,15 @@ class EventHandler(Trials):
     def agent_acted(self, agent: m.AgentActing) -> None:
         """While an operator decides, it is as if the answer came after a delay."""
         super().agent_acted(agent)
-        self._is_owing = agent.owing
-        if agent.owing and self._phase in (Phase.READY, Phase.REVIEW):
+        was_owing, self._is_owing = self._is_owing, agent.owing
+        if was_owing and not agent.owing and self._phase is Phase.ANSWER:
+            self._await_answer()
+        self._heed_owing()
+
+    def _heed_owing(self) -> None:
+        if self._is_owing and self._phase in (Phase.READY, Phase.REVIEW):
             self._after_answer = self._phase
             self._wait(Phase.ANSWER)
-        elif not agent.owing and self._phase is Phase.ANSWER:
-            self._await_answer()
 
     def timer(self, name: str, late: int) -> None:
         if name == "answer":
@@ -263,14 +268,14 @@ class EventHandler(Trials):
         """The participant wants to know how the last attempt went."""
         if asked := self._course.ask(self.now):
             self._tell(asked)
-            self._answer(asked)
+            self._answer(asked, self.task.seats)
             self._wait(self._phase)
 
     def _tell(self, scored: Scored) -> None:
         """The attempt; and the level that follows, if no operator has to be asked: after the last attempt none is."""
         for one in scored.each:
             self.emit(ATTEMPT_ENDED, one.ended)
-        if scored.level and (self._course.is_last or self.ask(RULE, scored.level).happens):
+        if scored.level and (scored.ended.attempt == self._course.attempts or self.ask(RULE, scored.level).happens):
             self.emit(LEVEL, scored.level)
         elif scored.level:
             self._course.hold(scored.level)
@@ -324,11 +329,10 @@ class EventHandler(Trials):
         for seat, result in marked.items():
             told = m.TrialMarked(seat=seat, attempt=attempt, trial=trial, mark=name, correct=result.correct)
             self.emit(MARKED, told)
-        is_pending = self._phase is Phase.ANSWER and self._answer_due > self.now
-        if scored := self._course.amend(marked, is_told=not is_pending):
+        unsaid = self.ask(UNSAID, m.Unsaid(attempt=attempt)).seats
+        if scored := self._course.amend(marked, unsaid):
             self._tell(scored)
-            if is_pending:
-                self._answer(scored)
+            self._answer(scored, unsaid)
             self._wait(self._phase)
 
     def _marked_open(self, mark: Mark | None) -> None:
@@ -352,7 +356,8 @@ class EventHandler(Trials):
         why = reason or self._reason
         notice = self._notice_for(phase)
         detail = self._obstacles.says(why)
-        told = waiting(phase, self._course, self.task, notice=notice, reason=why, detail=detail, seat=self._turn)
+        seat = self._obstacles.lacking if why == "sensor" else self._turn
+        told = waiting(phase, self._course, self.task, notice=notice, reason=why, detail=detail, seat=seat)
         self.emit(WAITING, told)
 
     @property

@@ -129,7 +129,7 @@ class Trials(TimedNode):
         self._wait(Phase.FOREPERIOD)
         self.set_timer("foreperiod", self.now + wait)
         if cue := self._trial.stimulus.cue:
-            self.set_timer("cue", max(self.now, self.now + wait - cue.lead_ms * MS))
+            self.set_timer("cue", self.now + wait - cue.lead_ms * MS)
 
     def timer(self, name: str, late: int) -> None:
         match name:
@@ -154,7 +154,6 @@ class Trials(TimedNode):
         """A key where none belongs: wait for quiet, and begin the foreperiod anew."""
         if self._phase is not Phase.QUIET:
             self._trial.false_starts += 1
-            self._trial.cued = None
             self.cancel_timer("foreperiod")
             self.cancel_timer("cue")
             self._await_quiet()

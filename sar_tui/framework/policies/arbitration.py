@@ -85,7 +85,7 @@ def rule(
 
 def is_apart(state: Arbitration, parameters: TaskParameters, proposal: Proposal) -> bool:
     """Whether a proposal's gesture is ruled on apart from its words, because its mode is not the agent's own."""
-    if not proposal.gesture or proposal.kind not in RULED or proposal.kind == "gesture":
+    if not proposal.gesture or proposal.kind not in RULED:
         return False
     return state.mode("gesture") != "autonomous" and (state.operated or parameters.operator_lost == "silent")
 

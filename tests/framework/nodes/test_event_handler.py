@@ -74,6 +74,13 @@ def test_a_session_goes_from_the_instructions_through_its_attempts_to_its_end(si
     assert desk.session.faults == []
 
 
+def test_alone_it_is_always_ones_own_turn(sit: Sit) -> None:
+    desk = sit()
+    desk.enter()
+    desk.attempt()
+    assert {waiting.seat for waiting in desk.all(WAITING)} == {"A"}
+
+
 def test_a_trial_is_quiet_then_foreperiod_then_prompt(sit: Sit) -> None:
     desk = sit()
     desk.enter()

@@ -24,6 +24,8 @@ from sar_tui.framework.topics import (
     RULE,
     STALLING,
     STANDING,
+    TIMER,
+    UNSAID,
 )
 from tests.framework.nodes.test_arbiter import TOLD, Floor, Told
 
@@ -49,6 +51,9 @@ class Room(Floor):
         self.bus.subscribe(OPERATOR, lambda _: happens.append(self.bus.call(RULE, change).happens))
         self.bus.publish(OPERATOR, m.Operator(command="mark"))
         return happens[0]
+
+    def ask_unsaid(self, attempt: int) -> tuple[str, ...]:
+        return self.bus.call(UNSAID, m.Unsaid(attempt=attempt)).seats
 
     @property
     def said(self) -> list[m.Action]:
@@ -94,6 +99,13 @@ def test_what_is_vetoed_is_not_said() -> None:
     assert room.said == []
     (dropped,) = room.all(DROPPED)
     assert (dropped.id, dropped.reason, dropped.actor) == ("a1", "vetoed", "operator.ana")
+
+
+def test_under_veto_silence_lets_it_pass_whatever_silence_means_under_approve() -> None:
+    room = Room(operator_feedback="veto", operator_timeout="drop")
+    room.propose("a1")
+    room.clock.advance(60 * SECOND)
+    assert room.acted == ["a1"]
 
 
 @pytest.mark.parametrize(("afterwards", "said"), [("act", 1), ("drop", 0)])
@@ -161,6 +173,16 @@ def test_each_kind_goes_by_the_mode_of_its_own(kind: str) -> None:
 # --- time ---------------------------------------------------------------------------------------------------------
 
 
+def test_after_a_fixed_delay_an_operator_has_until_then_and_no_longer() -> None:
+    room = Room(operator_feedback="approve", operator_time_ms=10_000)
+    due = room.clock.now() + 3 * SECOND
+    room.propose("a1", due=due, seat="B")
+    (offer,) = room.standing.offers
+    assert (offer.deadline, offer.seat) == (due, "B")
+    room.clock.advance(3 * SECOND)
+    assert room.acted == ["a1"]
+
+
 @pytest.mark.parametrize("mode", ["autonomous", "veto", "approve"])
 @given(decided_ms=st.integers(0, 2999))
 def test_after_a_fixed_delay_its_moment_does_not_tell_who_decided(mode: str, decided_ms: int) -> None:
@@ -180,6 +202,27 @@ def test_the_session_waits_while_an_answer_is_owed_and_no_longer() -> None:
     assert room.owing
     room.decide("a1", "veto")
     assert not room.owing
+
+
+def test_the_session_waits_for_no_kind_word() -> None:
+    room = Room(operator_encouragement="approve")
+    room.propose("a1", kind="encouragement")
+    assert [offer.proposal.id for offer in room.standing.offers] == ["a1"]
+    assert not room.owing
+
+
+def test_whose_answers_are_still_to_be_said_can_be_asked() -> None:
+    room = Room(operator_feedback="approve")
+    room.propose("a1", seat="B", attempt=3)
+    room.propose("a2", seat="A", attempt=2)
+    room.propose("a3", seat="A", attempt=3, kind="rest")
+    assert room.ask_unsaid(3) == ("B",)
+    room.wait_for("response")
+    room.decide("a1", "accept")
+    assert room.ask_unsaid(3) == ("B",), "it waits for its turn"
+    room.wait_for("enter", "attempt")
+    assert room.acted[-1] == "a1"
+    assert room.ask_unsaid(3) == ()
 
 
 def test_a_kind_word_is_not_said_before_the_answer_that_is_owed() -> None:
@@ -210,6 +253,45 @@ def test_what_is_under_way_can_be_cut_off() -> None:
     assert room.halted == [("a1", "vetoed")]
 
 
+def test_what_is_under_way_cannot_be_changed_and_nothing_else_is_cut_off_in_its_place() -> None:
+    room = Room()
+    room.propose("a1")
+    room.decide("a1", "edit", text="Else.")
+    room.decide("a7", "veto")
+    assert room.halted == []
+    assert [missed.what for missed in room.all(MISSED)] == ["edit a1", "veto a7"]
+
+
+def test_what_is_edited_is_told_when_it_is_decided_and_when_its_turn_comes() -> None:
+    room = Room(operator_feedback="approve")
+    room.wait_for("foreperiod")
+    room.propose("a1")
+    room.decide("a1", "edit", text="Else.")
+    room.decide("a1", "edit", text="Other.")
+    assert room.said == []
+    assert [(told.text, told.decision) for told in room.all(DECIDED)] == [("Else.", "edited"), ("Other.", "edited")]
+
+
+def test_a_filler_that_has_not_begun_is_left_out_once_it_is_decided() -> None:
+    room = Room(operator_feedback="approve")
+    room.wait_for("foreperiod")
+    room.propose("a1")
+    room.propose("a2", kind="filler")
+    room.decide("a1", "accept")
+    assert room.dropped == [("a2", "late")]
+    room.wait_for("enter", "attempt")
+    assert room.acted == ["a1"]
+
+
+def test_once_nothing_waits_for_an_operator_no_deadline_comes() -> None:
+    room = Room(operator_feedback="approve", filler="never")
+    room.propose("a1")
+    room.decide("a1", "accept")
+    room.report("a1")
+    room.clock.advance(60 * SECOND)
+    assert room.all(TIMER) == []
+
+
 def test_what_waits_for_its_turn_can_be_left_out_or_changed() -> None:
     room = Room()
     room.wait_for("foreperiod")
@@ -227,6 +309,33 @@ def test_a_filler_covers_a_wait_of_more_than_a_second_once() -> None:
     assert room.all(STALLING) == []
     room.clock.advance(5 * SECOND)
     assert room.all(STALLING) == [m.Stalling(id="a1")]
+
+
+@pytest.mark.parametrize(("decided", "covered"), [("a1", "a2"), ("a2", "a1")])
+def test_a_filler_covers_the_wait_of_either_of_two(decided: str, covered: str) -> None:
+    room = Room(operator_feedback="approve", operator_time_ms=8000)
+    room.propose("a1", seat="A")
+    room.propose("a2", seat="B")
+    room.decide(decided, "veto")
+    room.clock.advance(4 * SECOND)
+    assert room.all(STALLING) == [m.Stalling(id=covered)]
+
+
+def test_no_filler_covers_what_is_not_waited_for_or_comes_within_a_second() -> None:
+    manual = Room(operator_feedback="manual")
+    manual.propose("a1")
+    soon = Room(filler="always")
+    soon.propose("a1", due=soon.clock.now() + SECOND)
+    for room in (manual, soon):
+        room.clock.advance(10 * SECOND)
+        assert room.all(STALLING) == []
+
+
+def test_no_filler_covers_what_is_no_answer() -> None:
+    room = Room(operator_encouragement="approve", operator_time_ms=5000)
+    room.propose("a1", kind="encouragement")
+    room.clock.advance(4 * SECOND)
+    assert room.all(STALLING) == []
 
 
 def test_no_filler_covers_what_was_decided_in_time() -> None:
@@ -301,6 +410,13 @@ def test_a_mode_that_is_switched_rules_what_waits_already() -> None:
     assert room.acted == ["a1"]
 
 
+def test_a_mode_that_is_switched_leaves_what_is_of_another_kind() -> None:
+    room = Room(operator_feedback="manual")
+    room.propose("a1")
+    room.bus.publish(MODE, m.ModeChosen(kind="encouragement", mode="veto"))
+    assert [offer.proposal.id for offer in room.all(OFFERED)] == ["a1"]
+
+
 def test_a_mode_that_is_switched_to_autonomous_lets_what_waits_go() -> None:
     room = Room(operator_feedback="approve")
     room.propose("a1")
@@ -320,6 +436,15 @@ def test_operators_are_told_how_everything_stands() -> None:
     assert room.standing.offers == ()
     assert room.standing.current is not None
     assert room.standing.current.id == "a1"
+
+
+def test_operators_are_told_once_as_long_as_nothing_is_another() -> None:
+    room = Room(operator_feedback="manual")
+    room.propose("a1")
+    told = len(room.all(STANDING))
+    for _ in range(3):
+        room.wait_for("enter", "attempt")
+    assert len(room.all(STANDING)) == told
 
 
 def test_nobody_is_told_where_there_is_no_operator() -> None:
@@ -348,6 +473,46 @@ def test_an_operators_words_go_first_and_not_in_a_trial() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("how", "face", "gesture"),
+    [
+        ({}, "speaking", ""),
+        ({"valence": "positive"}, "happy", "nod"),
+        ({"valence": "positive", "gesture": "wave", "face": "surprised"}, "surprised", "wave"),
+    ],
+)
+def test_an_operators_words_have_the_manner_of_their_valence_unless_another_is_named(
+    how: dict[str, Any], face: str, gesture: str
+) -> None:
+    room = Room()
+    room.bus.publish(REMARK, m.Remark(text="You are doing fine.", actor="operator.ana", **how))
+    (said,) = room.said
+    assert (said.face, said.gesture, said.tone) == (face, gesture, "success" if how else "")
+
+
+def test_at_the_end_answers_have_their_turn_and_an_operators_words_do_not() -> None:
+    room = Room()
+    room.propose("a1")
+    room.bus.publish(REMARK, m.Remark(text="Bye.", actor="operator.ana"))
+    room.propose("a2", policy="queue")
+    room.bus.publish(TOLD, Told(ended=m.SessionEnded(status="completed")))
+    assert room.dropped == [("o1", "late")]
+
+
+def test_the_participants_own_stop_key_is_nobodys_act() -> None:
+    room = Room(operator_feedback="manual")
+    room.propose("a1")
+    room.stop()
+    assert [(dropped.reason, dropped.actor) for dropped in room.all(DROPPED)] == [("stopped", "agent")]
+
+
+def test_a_gesture_that_waits_alone_is_dropped_when_a_trial_comes_first() -> None:
+    room = Room(operator_gesture="approve", operator_time_ms=60_000)
+    room.propose("a1", gesture="nod")
+    room.wait_for("quiet")
+    assert room.dropped == [("a1.gesture", "late")]
+
+
 def test_a_gesture_that_is_ruled_on_apart_waits_alone() -> None:
     room = Room(operator_gesture="approve")
     room.propose("a1", gesture="nod")
@@ -357,6 +522,23 @@ def test_a_gesture_that_is_ruled_on_apart_waits_alone() -> None:
     room.report("a1")
     room.decide("a1.gesture", "accept")
     assert [said.gesture for said in room.said][-1] == "nod"
+
+
+@pytest.mark.parametrize(("lost", "gesture"), [("silent", ""), ("autonomous", "nod")])
+def test_without_an_operator_a_gesture_that_is_theirs_is_left_out_or_made_with_its_words(
+    lost: str, gesture: str
+) -> None:
+    room = Room(operated=False, operator_gesture="approve", operator_lost=lost)
+    room.propose("a1", gesture="nod")
+    assert [(said.id, said.gesture) for said in room.said] == [("a1", gesture)]
+    assert room.all(OFFERED) == room.all(DROPPED) == []
+
+
+def test_what_covers_a_wait_keeps_its_gesture_whoever_rules_on_gestures() -> None:
+    room = Room(operator_gesture="approve")
+    room.propose("a1", kind="filler", gesture="nod")
+    assert [said.gesture for said in room.said] == ["nod"]
+    assert room.all(OFFERED) == []
 
 
 # --- the level -------------------------------------------------------------------------------------------------------

@@ -41,8 +41,9 @@ UNMOVED = 1500 * MS
 class ReachPerception(TimedNode):
     """Watches the hand from the key that starts a reach to the key that ends it, and tells what it did.
 
-    A participant who forgets that second key is not stuck: a reach that is over, and followed by ``still_ms`` of
-    rest, ends by itself; and nothing outlasts the time-out.
+    A participant who forgets that second key is not stuck, nor is one of whom no key is asked: a reach that is over,
+    and followed by ``still_ms`` of rest, ends by itself; and nothing outlasts the time-out. A reach of somebody whose
+    turn it is not is told as soon as it is seen, and not measured.
 
     Args:
         analysis: how reaches are found and measured.
@@ -98,7 +99,10 @@ class ReachPerception(TimedNode):
             self._forget_before(newest - REST)
             return
         rested, reached = self._watch(samples)
-        if self._ended is not None:
+        if not self._is_asked:
+            if reached:
+                self._tell_unasked(newest)
+        elif self._ended is not None:
             if newest >= self._ended and rested >= self._settled_s:
                 self._tell("key")
             elif newest >= self._ended + TAIL:
@@ -137,17 +141,21 @@ class ReachPerception(TimedNode):
     def prompted(self, prompt: Prompt) -> None:
         """A reach may begin; it may have begun with the key that asked for the prompt."""
         self._clear()
-        if prompt.seat not in ("", self._seat):
-            return
         self._prompt = prompt
         self._started = self.now if prompt.started is None else prompt.started
-        self.set_timer("timeout", self.now + prompt.timeout)
+        if self._is_asked:
+            self.set_timer("timeout", self.now + prompt.timeout)
+
+    @property
+    def _is_asked(self) -> bool:
+        """Whether the prompt that is up is this hand's."""
+        return self._prompt is not None and self._prompt.seat in ("", self._seat)
 
     @on(PERCEIVED)
     def key_pressed(self, press: KeyPerceived) -> None:
         """The second press of the key says that the hand is back."""
         prompt = self._prompt
-        if prompt is None or self._ended is not None or press.repeat or press.seat != self._seat:
+        if prompt is None or not self._is_asked or self._ended is not None or press.repeat or press.seat != self._seat:
             return
         if press.key != prompt.expected:
             return
@@ -179,6 +187,11 @@ class ReachPerception(TimedNode):
         if name == "timeout" and late > STALLED:
             return
         self._tell("timeout" if self._ended is None else "key")
+
+    def _tell_unasked(self, at: int) -> None:
+        """Say that there was a reach, at ``at``."""
+        self.emit(REACH, ReachPerceived(seat=self._seat, at=at, delay=self.now - at, closed="stillness"))
+        self._clear()
 
     def _tell(self, closed: Literal["key", "stillness", "timeout"]) -> None:
         """Say what was seen, in all the samples that there are."""

@@ -1,0 +1,134 @@
+"""Given two simulated participants who reach, when they play a policy, then right seat, right score, right feedback."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from sar_tui.framework.bus import Record
+from sar_tui.framework.clock import MS, VirtualClock
+from sar_tui.framework.node import Node
+from sar_tui.framework.parameters import build
+from sar_tui.framework.session import Session
+from sar_tui.framework.topics import ATTEMPT_ENDED, PROPOSED, REACH, SENSOR, TRIAL
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.sensor import Imu
+from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import PROFILES, SimulatedHand
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, simulate
+from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+from tests.simulation.test_pairs import CALM, KIND, POLICIES, Disk, Played
+
+SEEDS = range(10)
+NEAR = 15
+"""Within so many ms of the truth the onset of a movement is found."""
+
+
+@pytest.fixture(autouse=True)
+def samples_in_fewer_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What comes of them is the same; the making of many small ones is what takes time."""
+    monkeypatch.setattr("sar_tui.inputs.simulated.STEP", 80 * MS)
+    monkeypatch.setattr("sar_tui.inputs.sensor.DRAIN", 80 * MS)
+
+
+class Sat(NamedTuple):
+    """What was told in a session, and when each hand set off on a whole reach (ns)."""
+
+    played: Played
+    onsets: dict[str, list[int]]
+
+
+def play(policy: str, seed: int) -> Sat:
+    """An attempt of three prompts, with sensors of 100 Hz."""
+    given = {"policy": policy, "respond_with": "reaches", "attempts": 1, "prompts_per_attempt": 3}
+    given |= {"foreperiod_max_ms": 600, "quiet_ms": 100}
+    task, clock = KIND(build(KIND.Parameters, given)), VirtualClock()
+    onsets: dict[str, list[int]] = {"A": [], "B": []}
+    nodes: list[Node] = [Disk()]
+    for number, seat in enumerate("AB"):
+        hand = SimulatedSource(SimulatedHand(PROFILES["steady"], 100.0, 2 * seed + number), clock)
+
+        def move(at: int, shape: ReachShape, hand: SimulatedSource = hand, seat: str = seat) -> None:
+            hand.move(at, shape)
+            if shape.out_s > 0.25:  # else a twitch
+                onsets[seat].append(at)
+
+        nodes.append(Imu(ImuFeed(hand, clock.now), seat))
+        if seat == "A":
+            nodes.append(SimulatedParticipant(PEOPLE["average"], task, seed, move))
+        else:
+            nodes.append(SimulatedPartner(PEOPLE["poor"], task, seed, move=move))
+    session = Session(task, CALM, clock, seed, nodes)
+    records: list[Record] = []
+    session.bus.tap(records.extend)
+    session.begin()
+    while not session.ended and clock.step():
+        pass
+    assert session.faults == []
+    return Sat(Played(tuple(records)), onsets)
+
+
+@pytest.mark.parametrize("policy", POLICIES)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_each_movement_is_of_who_made_it_and_each_answer_for_whom_it_is_about(policy: str, seed: int) -> None:
+    played, onsets = play(policy, seed)
+    trials = played.all(TRIAL)
+    for trial in trials:
+        if trial.response is not None:
+            nearest = min(onsets[trial.seat], key=lambda at: abs(at - trial.response_at))
+            assert abs(nearest - trial.response_at) / MS < NEAR
+            assert trial.reaction_time_ms == pytest.approx((trial.response_at - trial.onset) / MS)
+    seats = [{trial.seat for trial in trials if trial.trial == number} for number in (1, 2, 3)]
+    if policy == "alternate":
+        assert seats == [{"A"}, {"B"}, {"A"}]
+    elif policy == "joint attention":
+        assert [len(one) for one in seats] == [1, 1, 1]
+    else:
+        assert seats == [{"A", "B"}] * 3
+    for number in (1, 2, 3):
+        rows = [trial for trial in trials if trial.trial == number]
+        _judge(policy, rows)
+    for ended in played.all(ATTEMPT_ENDED):
+        mine = [trial for trial in trials if trial.seat == ended.seat]
+        values = [trial.value for trial in mine if trial.value is not None]
+        assert ended.metric == (pytest.approx(sum(values) / len(values)) if values else None)
+        (answer,) = [one for one in played.all(PROPOSED, kind="feedback") if one.seat == ended.seat]
+        assert answer.valence == ended.feedback
+        assert answer.text.startswith({"A": "Left: ", "B": "Right: "}[ended.seat])
+
+
+def _judge(policy: str, rows: list[Any]) -> None:
+    """A trial came to what its policy says."""
+    times = [row.reaction_time_ms for row in rows if row.details["right"]]
+    for row in rows:
+        match policy:
+            case "race":
+                assert row.details["won"] == (row.correct and row.reaction_time_ms == min(times))
+            case "cooperative":
+                together = len(times) == 2 and abs(times[0] - times[1]) <= 400
+                assert (row.correct, row.value) == (together, max(times) if together else None)
+            case _:
+                assert (row.correct, row.value) == (row.details["right"], row.reaction_time_ms)
+
+
+def test_a_session_of_reaches_of_two_is_kept_and_comes_out_the_same_when_replayed(data: Path) -> None:
+    given = {"policy": "race", "respond_with": "reaches", "attempts": 1, "prompts_per_attempt": 2}
+    parameters = build(KIND.Parameters, given)
+    plan = Plan(KIND, parameters, "calm", "P01", 3, "simulated", "P02")
+    name = simulate(plan, PEOPLE["average"], data, Catalogue(), partner=PEOPLE["poor"])
+    database = connect(data)
+    rows = sessions.rows(database, "trials", name)
+    history = list(sessions.history(database, name))
+    database.conn.close()
+    assert [(row["trial"], row["seat"]) for row in rows] == [(1, "A"), (1, "B"), (2, "A"), (2, "B")]
+    assert {row["stimulus"] for row in rows} == {"reach"}
+    assert {record.message.seat for record in history if record.topic is SENSOR} == {"A", "B"}
+    assert {record.message.seat for record in history if record.topic is REACH} == {"A", "B"}
+    replayed = Session(KIND(parameters), CALM, VirtualClock(), 3)
+    replayed.replay(history)
+    assert replayed.ended
