@@ -54,7 +54,7 @@ HALT = Topic("arbiter/halt", m.Halt)
 ACTING = Topic("arbiter/acting", m.AgentActing, keep=True)
 
 RECALL = Service("memory/recall", m.Recall, m.Attempts)
-RULE = Service("arbiter/rule", m.LevelChanged, m.Ruling)
+RULE = Service("arbiter/rule", m.LevelAsked, m.Ruling)
 UNSAID = Service("arbiter/unsaid", m.Unsaid, m.UnsaidTo)
 
 ALL: dict[str, Topic[Any]] = {topic.name: topic for topic in (*vars().values(), FAULT) if isinstance(topic, Topic)}

@@ -297,6 +297,13 @@ class Fault(Message, frozen=True, kw_only=True):
     trace: str
 
 
+class LevelAsked(Message, frozen=True, kw_only=True):
+    """May the level change? ``is_last``: after the last attempt, where nobody is asked any more: it does, or stays."""
+
+    change: LevelChanged
+    is_last: bool
+
+
 class Ruling(Message, frozen=True, kw_only=True):
     """The answer to a change of level: whether it happens now, or waits for an operator, or does not happen."""
 

@@ -181,11 +181,15 @@ class Arbiter(TimedNode):
         self._go_on()
 
     @serves(RULE)
-    def rule_on_level(self, change: m.LevelChanged) -> m.Ruling:
-        """A change of level: it happens, or an operator is asked."""
-        self._levels += 1
+    def rule_on_level(self, asked: m.LevelAsked) -> m.Ruling:
+        """A change of level: it happens, or an operator is asked; after the last attempt it happens, or does not."""
+        change = asked.change
         told = f"Level {change.previous} → {change.level}"
-        proposal = Proposal(seat=change.seat, id=f"l{self._levels}", kind="difficulty", text=told)
+        proposal = Proposal(seat=change.seat, id=f"l{self._levels + 1}", kind="difficulty", text=told)
+        if asked.is_last:
+            verdict = arbitration.rule(self._rules, self._parameters, proposal, self.now)
+            return m.Ruling(happens=verdict.what == "act")
+        self._levels += 1
         for offer in self._offers.clear(lambda offer: offer.level is not None):
             self._give_up(offer, "amended", "mode")
         verdict = arbitration.rule(self._rules, self._parameters, proposal, self.now, change.level)

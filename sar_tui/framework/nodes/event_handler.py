@@ -115,7 +115,8 @@ class EventHandler(Trials):
                     self._resume()
             case "end":
                 self._void("ended")
-                self._close("aborted")
+                from_phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
+                self._close("completed" if self._is_all_done_in(from_phase) else "aborted")
             case "level":
                 self._set_level(act.value if act.value is not None else self._course.level)
             case "repeat" if self._phase in IN_TRIAL:
@@ -180,8 +181,11 @@ class EventHandler(Trials):
 
     def _needs_sensor(self, phase: Phase) -> bool:
         """Whether a movement is about to be made: not in the instructions, nor when all attempts are done."""
-        is_done = phase is Phase.REVIEW or (phase is Phase.ANSWER and self._after_answer is Phase.REVIEW)
-        return not (is_done or phase is Phase.INSTRUCTIONS)
+        return not (self._is_all_done_in(phase) or phase is Phase.INSTRUCTIONS)
+
+    def _is_all_done_in(self, phase: Phase) -> bool:
+        """Whether the last attempt has ended."""
+        return phase is Phase.REVIEW or (phase is Phase.ANSWER and self._after_answer is Phase.REVIEW)
 
     def _close(self, status: Literal["completed", "aborted"]) -> None:
         """End the session, once its last trial is on the disk."""
@@ -272,12 +276,15 @@ class EventHandler(Trials):
             self._wait(self._phase)
 
     def _tell(self, scored: Scored) -> None:
-        """The attempt; and the level that follows, if no operator has to be asked: after the last attempt none is."""
+        """The attempt; and the level that follows, if no operator has a say in that."""
         for one in scored.each:
             self.emit(ATTEMPT_ENDED, one.ended)
-        if scored.level and (scored.ended.attempt == self._course.attempts or self.ask(RULE, scored.level).happens):
+        if scored.level is None:
+            return
+        asked = m.LevelAsked(change=scored.level, is_last=scored.ended.attempt == self._course.attempts)
+        if self.ask(RULE, asked).happens:
             self.emit(LEVEL, scored.level)
-        elif scored.level:
+        else:
             self._course.hold(scored.level)
 
     @on(LEVEL_RULED)

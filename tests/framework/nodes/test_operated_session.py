@@ -21,6 +21,7 @@ from sar_tui.framework.topics import (
     OPERATOR,
     PRESENCE,
     REMARK,
+    SESSION_ENDED,
     STANDING,
     WAITING,
 )
@@ -173,7 +174,7 @@ def test_after_the_last_attempt_nobody_is_asked_for_the_level(calm: Theme) -> No
     desk = lifted(calm, attempts=1, operator_difficulty="approve", operator_time_ms=60_000)
     assert desk.waiting.stage == "review"
     assert offers(desk) == []
-    assert [change.level for change in desk.all(LEVEL)] == [2]
+    assert desk.all(LEVEL) == []
 
 
 def test_a_level_that_was_refused_can_be_proposed_again(calm: Theme) -> None:
@@ -441,3 +442,17 @@ def test_an_operator_who_lets_all_pass_changes_nothing_the_participant_sees(calm
         seen = [(record.at, record.message) for record in desk.records if record.topic is WAITING]
         sessions.append((heard, seen[-1]))
     assert sessions[0] == sessions[1] == sessions[2]
+
+
+@pytest.mark.parametrize("pauses", [False, True])
+def test_who_ends_a_session_in_which_all_is_done_completes_it(calm: Theme, pauses: bool) -> None:
+    desk = operated(calm)
+    for _ in range(2):
+        desk.attempt()
+    if pauses:
+        desk.operate("pause")
+    desk.operate("end")
+    assert desk.last(SESSION_ENDED).status == "completed"
+    early = operated(calm)
+    early.operate("end")
+    assert early.last(SESSION_ENDED).status == "aborted"

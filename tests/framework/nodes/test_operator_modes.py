@@ -45,10 +45,13 @@ class Room(Floor):
         told = m.Decision(action=action, verdict=verdict, actor="operator.ana", at=self.clock.now(), **how)
         self.bus.publish(DECISION, told)
 
-    def ask_for_level(self, previous: int, level: int) -> bool:
+    def ask_for_level(self, previous: int, level: int, *, is_last: bool = False) -> bool:
         change = m.LevelChanged(previous=previous, level=level, reason="success")
         happens: list[bool] = []
-        self.bus.subscribe(OPERATOR, lambda _: happens.append(self.bus.call(RULE, change).happens))
+        self.bus.subscribe(
+            OPERATOR,
+            lambda _: happens.append(self.bus.call(RULE, m.LevelAsked(change=change, is_last=is_last)).happens),
+        )
         self.bus.publish(OPERATOR, m.Operator(command="mark"))
         return happens[0]
 
@@ -546,6 +549,13 @@ def test_what_covers_a_wait_keeps_its_gesture_whoever_rules_on_gestures() -> Non
 
 def test_a_change_of_level_happens_where_the_agent_decides() -> None:
     assert Room().ask_for_level(2, 3)
+
+
+@pytest.mark.parametrize(("mode", "happens"), [("autonomous", True), ("veto", False), ("manual", False)])
+def test_after_the_last_attempt_nobody_is_asked_and_what_an_operator_holds_stays(mode: str, happens: bool) -> None:
+    room = Room(operator_difficulty=mode)
+    assert room.ask_for_level(2, 3, is_last=True) is happens
+    assert room.all(OFFERED) == []
 
 
 def test_a_change_of_level_waits_for_an_operator() -> None:
