@@ -21,6 +21,7 @@ from textual.widget import Widget
 
 from sar_tui.app.driver import OnsetWatch, stamp_keys_as_read, watched
 from sar_tui.app.last_words import INTERRUPTED, UNSAVED, say_last_words
+from sar_tui.app.ordered_keys import in_order
 from sar_tui.app.screens.too_small import TooSmallScreen, is_too_small
 from sar_tui.app.wardrobe import Wardrobe
 from sar_tui.framework.clock import SECOND, Clock, LiveClock
@@ -218,7 +219,8 @@ class SarTui(Wardrobe):
         """An action is not told when its key was pressed."""
         if isinstance(event, events.Key):
             self.key_seconds = event.time
-        await super().on_event(event)
+        if not await in_order(self, event):
+            await super().on_event(event)
 
     def action_stop(self) -> None:
         """F2, anywhere in a session: everything the agent says and does."""

@@ -16,13 +16,14 @@ UNSAVED = "The disk would not take the session's last messages; the trials ackno
 
 
 def say_last_words(app: "SarTui", code: int) -> None:
-    """Print them, a line each."""
-    for line in _last_words(app, code):
+    """Print them."""
+    for line in last_words(app, code):
         with contextlib.suppress(OSError):  # the terminal may be gone: then there is nobody to tell
             print(line, file=sys.stderr)
 
 
-def _last_words(app: "SarTui", code: int) -> list[str]:
+def last_words(app: "SarTui", code: int) -> list[str]:
+    """What there is to say, a line each."""
     words = [app.failure] if app.failure else []
     if code == INTERRUPTED:
         words.append("Stopped with Ctrl-C.")
@@ -31,6 +32,8 @@ def _last_words(app: "SarTui", code: int) -> list[str]:
         words.append(f"The session is kept. Go on with it: {_command(app, 'resume', live.run.id)}")
     elif live and app.begins_at_once:
         words.append(f"The session is kept. Look at it: {_command(app, 'show', live.run.id)}")
+        if live.can_be_joined:
+            words.append(f"What operators did: {_command(app, 'report wizard', live.run.id)}")
     if live and live.unsaved:
         words.append(UNSAVED)
     return words
@@ -38,7 +41,7 @@ def _last_words(app: "SarTui", code: int) -> list[str]:
 
 def _command(app: "SarTui", name: str, session: str) -> str:
     """A command for a session, as it has to be typed from here."""
-    words = ["sar-tui", name, session]
+    words = ["sar-tui", *name.split(), session]
     if app.folder.resolve() != default_folder().resolve():
         words += ["--data", str(app.folder)]
     for folder in app.catalogue.extra_tasks:

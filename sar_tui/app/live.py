@@ -83,6 +83,11 @@ class LiveSession:
         feeds = self._feeds or sensors(type(task), task.parameters, seed, self.clock, self._folder)
         return [self.keyboard, *sensing(task, seed, *feeds), *outputs]
 
+    @property
+    def can_be_joined(self) -> bool:
+        """Whether it has a link, through which operators may have joined it."""
+        return self._link is not None
+
     def _linked(self) -> "list[LinkNode]":
         """The node of the link, where there is one."""
         if self._link:

@@ -12,6 +12,7 @@ from textual.app import App
 from textual.binding import Binding, BindingType
 
 from sar_tui.app.driver import stamp_keys_as_read
+from sar_tui.app.ordered_keys import in_order
 from sar_tui.app.panel.board import Board
 from sar_tui.app.panel.joining import ChooseScreen, panel
 from sar_tui.app.panel.screen import PanelScreen
@@ -98,7 +99,8 @@ class WizardApp(App[int]):
         """An action is not told when its key was pressed."""
         if isinstance(event, events.Key):
             self.key_seconds = event.time
-        await super().on_event(event)
+        if not await in_order(self, event):
+            await super().on_event(event)
 
     def action_interrupt(self) -> None:
         """Ctrl-C."""

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import msgspec
 
+from sar_tui.app.last_words import last_words
 from sar_tui.framework import messages as m
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import OPERATOR, PROMPT, SHOWN, THEME
@@ -45,4 +46,5 @@ async def test_an_operator_who_ends_the_session_is_in_its_record_by_name(
         await chair.wait(1000)
         assert chair.session.ended
         assert [(act["command"], act["actor"]) for act in chair.messages(OPERATOR.name)] == [("end", ANNA)]
+        assert any(f"sar-tui report wizard {chair.session_id}" in words for words in last_words(chair.app, 0))
     assert stored(data, "SELECT status FROM sessions") == [("aborted",)]

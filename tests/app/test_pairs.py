@@ -187,3 +187,71 @@ async def test_a_past_session_of_two_shows_the_results_of_both(data: Path, catal
         assert chair.screen_name == "PastSessionScreen"
         assert chair.sees("P01: You did 1 attempt")
         assert chair.sees("P02: You did 1 attempt")
+
+
+async def test_who_is_called_by_code_reads_their_place_and_code_over_their_half_and_the_code_elsewhere(
+    data: Path, catalogue: Catalogue, play: Play
+) -> None:
+    async with sit_down(data, catalogue, play("alternate", address="code")) as chair:
+        prompt = await chair.to_first_prompt()
+        left, right = halves(chair)
+        assert "[ Left · P01: your turn ]" in left
+        assert right.split() == ["Right", "·", "P02"]
+        assert chair.sees(f"P01: {prompt.expected}")
+        assert not chair.sees("Left:")
+
+
+async def test_a_code_too_long_to_stand_beside_the_place_stands_alone(
+    data: Path, catalogue: Catalogue, pairs: type[Task]
+) -> None:
+    code = "LONG-LONG-LONG-LONGER"
+    plan = Plan(pairs, build(pairs.Parameters, SHORT | {"address": "code"}), "calm", code, 7, "live", "P02")
+    async with sit_down(data, catalogue, plan) as chair:
+        await chair.to_first_prompt()
+        left, right = halves(chair)
+        assert f"[ {code}: your turn ]" in left
+        assert "Left" not in left
+        assert "Right · P02" in right
+
+
+async def test_the_summary_of_two_who_play_together_tells_how_often_they_were(
+    data: Path, catalogue: Catalogue, play: Play
+) -> None:
+    async with sit_down(data, catalogue, play("cooperative", window_ms=400)) as chair:
+        await press_theirs(chair, await chair.to_first_prompt(), 300, 500)
+        await press_theirs(chair, await chair.to_prompt(), 300, 900)
+        await chair.see_the_summary()
+        assert chair.sees("Together in 1 of 2.")
+
+
+async def test_the_plots_of_two_have_the_same_axis_and_stand_apart(
+    data: Path, catalogue: Catalogue, play: Play
+) -> None:
+    async with sit_down(data, catalogue, play("race", response_timeout_ms=9000)) as chair:
+        await press_theirs(chair, await chair.to_first_prompt(), 300, 4500)
+        await press_theirs(chair, await chair.to_prompt(), 300, 4500)
+        await chair.see_the_summary()
+        rows = [row.ljust(80) for row in chair.rows]
+        (heading,) = (row for row in rows if row.count("reaction time (ms)") == 2)
+        assert "░ level   " in heading
+        ticks = [
+            (row[:WALL].split("┤")[0].split(), row[WALL:].split("┤")[0].split()) for row in rows if row.count("┤") > 1
+        ]
+        assert [left for left, _ in ticks] == [right for _, right in ticks]
+        assert ["4000"] in [left for left, _ in ticks]
+
+
+async def test_the_summary_tells_what_a_look_to_the_other_side_cost(
+    data: Path, catalogue: Catalogue, play: Play
+) -> None:
+    async with sit_down(data, catalogue, play("joint attention", prompts_per_attempt=12)) as chair:
+        prompt = await chair.to_first_prompt()
+        for number in range(12):
+            await press_theirs(chair, prompt, 300, 300)
+            if number < 11:
+                prompt = await chair.to_prompt()
+        await chair.see_the_summary()
+        effects = chair.stored("SELECT json_extract(qualities, '$.congruency_effect_ms') FROM attempts ORDER BY seat")
+        assert None not in [effect for (effect,) in effects], "both kinds came up for each"
+        for (effect,) in effects:
+            assert chair.sees(f"minus where I looked: {effect:.0f} ms.")

@@ -127,6 +127,23 @@ async def test_whose_sensor_came_loose_stands_on_the_screen_and_it_goes_on_by_it
         assert chair.sees("Press Enter to begin attempt 1 of 1.")
 
 
+async def test_whose_sensor_came_loose_is_told_by_code_where_they_are_called_so(seated: Sit) -> None:
+    left, right = Plugged(), Plugged()
+    async with seated(left, right, address="code") as chair:
+        await chair.wait(500)
+        await chair.press("enter", "enter", "enter")
+        right.unplug()
+        await chair.wait(200)
+        assert chair.sees("P02: The sensor on your hand is not heard just now.")
+
+
+async def test_the_help_of_two_sensors_names_the_settings_of_both(seated: Sit) -> None:
+    async with seated(Plugged(), Plugged()) as chair:
+        told = chair.app.screen.help_text
+        assert "set Sensor on the left and Sensor on the right to simulated" in told
+        assert "Motion sensor" not in told
+
+
 async def test_hands_that_are_simulated_play_by_themselves(data: Path, catalogue: Catalogue) -> None:
     kind = catalogue.task("pairs")
     given = {"respond_with": "reaches", "imu": "simulated", "imu_b": "simulated", "policy": "race"}

@@ -40,7 +40,7 @@ class Act(NamedTuple):
             return Line(self.message.at, f"{words}: the session has not confirmed it", "bad")
         if self.latency is None:
             return Line(self.message.at, f"{words} …")
-        return Line(self.message.at, f"{words} · {max(0, self.latency) / MS:.0f} ms", "good")
+        return Line(self.message.at, f"{words} · link {max(0, self.latency) / MS:.0f} ms", "good")
 
 
 class ActLog:

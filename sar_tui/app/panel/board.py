@@ -8,16 +8,19 @@ from typing import Any
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
-from textual.content import Content
+from textual.content import Content, Span
 from textual.message import Message
-from textual.screen import Screen
-from textual.widgets import Input, Static
+from textual.widgets import Static
 
+from sar_tui.app.ordered_keys import OrderedScreen
 from sar_tui.app.panel import offers, own_file, palette, sheets, views
-from sar_tui.app.panel.figures import cut
+from sar_tui.app.panel.figures import cut, folded
 from sar_tui.app.panel.phrases import addressee
+from sar_tui.app.panel.questions import question
 from sar_tui.app.panel.shown_agent import ShownAgent
+from sar_tui.app.panel.small import Small
 from sar_tui.app.panel.steering import Steering, takes_valence
+from sar_tui.app.panel.typed import Typed
 from sar_tui.framework.clock import SECOND, Clock, LiveClock, host_now
 from sar_tui.framework.messages import Offer
 from sar_tui.framework.theme import Theme
@@ -28,13 +31,9 @@ FRAME_SECONDS = 1 / 15
 """At most so often is the panel drawn."""
 _TALL, _WIDE = 27, 92
 """From how many lines there is room for a longer log, from how many columns for longer words."""
-_ASKED = {
-    "end": "End the session? {key} again ends it, Esc lets it go on.",
-    "close": "Leave the panel? {key} again leaves it, Esc stays. The session goes on.",
-}
 
 
-class Board(Screen[str]):
+class Board(OrderedScreen[str]):
     """The base of the panel's screen: all that it shows. It ends with a sentence if there can be no link at all.
 
     Args:
@@ -63,12 +62,15 @@ class Board(Screen[str]):
         self._clock = clock or LiveClock(asyncio.get_running_loop())
         self._agent = ShownAgent(theme, self._clock)
         self.steering = Steering()
+        self.steering.baton_key = sheets.key_of("baton", self.file)
         self.words = palette.Words({})
         self.selected = ""
         self._given: dict[str, int] = {}
         self.page: tuple[str, str] = ("", "")
         self.seat = "A"
         self.asks = ""
+        self.asked = ""
+        self.edits: Offer | None = None
         self.is_stale = True
         self._drawn_at = 0
         self._drawn: dict[str, object] = {}
@@ -90,7 +92,7 @@ class Board(Screen[str]):
             yield Static("", id="buttons")
             with Horizontal(id="typing"):
                 yield Static("", id="asked", markup=False)
-                yield Input(id="typed", compact=True, select_on_focus=False)
+                yield Typed(id="typed", compact=True, select_on_focus=False)
             yield Static("", id="behind", markup=False)
         with Horizontal(id="page"):
             yield Static("", id="title", markup=False)
@@ -98,9 +100,10 @@ class Board(Screen[str]):
         yield Static("", id="palette")
         yield Static("", id="log")
         yield Static("", id="foot")
-        keys = Static(sheets.keys(self.file), id="keys")
+        keys = Static("", id="keys")
         keys.border_title = "Keys"
         yield keys
+        yield Small(sheets.key_of("stop", self.file))
 
     def on_mount(self) -> None:
         if isinstance(self._clock, LiveClock):
@@ -143,8 +146,37 @@ class Board(Screen[str]):
     def on_resize(self, event: events.Resize) -> None:
         self.set_class(event.size.height >= _TALL, "tall")
         self.set_class(event.size.width >= _WIDE, "wide")
+        self.query_one("#small", Small).fit(event.size)
         self.is_stale = True
         self.call_after_refresh(self.draw)
+
+    @property
+    def is_covered(self) -> bool:
+        """Whether something lies over the panel, so that what keys would do is not seen."""
+        return self.query_one("#keys").display or self.query_one("#small").display
+
+    @property
+    def is_over(self) -> bool:
+        """Whether there is nothing more that could come."""
+        return bool(self.steering.mirror.ended) or self.steering.mirror.connection.state == "away"
+
+    @property
+    def is_observer(self) -> bool:
+        """Whether whoever sits here only watches."""
+        welcome = self.steering.mirror.welcome
+        return bool(welcome and welcome.role == "observer")
+
+    def ask_for(self, seconds: float, what: str) -> None:
+        """Ask something that stands for so long."""
+
+        def no_longer() -> None:
+            if self.asks == what:
+                self.asks = ""
+                self.draw()
+
+        self.asks = what
+        self.set_timer(seconds, no_longer)
+        self.draw()
 
     @property
     def chosen(self) -> Offer | None:
@@ -163,7 +195,8 @@ class Board(Screen[str]):
         """Draw, if something has changed or time runs out."""
         if not self.is_mounted or host_now() - self._drawn_at < FRAME_SECONDS * SECOND / 2:
             return
-        if self.is_stale or any(offer.deadline is not None for offer in self.steering.offers):
+        waits = any(offer.deadline is not None for offer in self.steering.offers)
+        if self.is_stale or waits or offers.on_its_way(self.steering.mirror):
             self.draw()
 
     def draw(self) -> None:
@@ -177,27 +210,30 @@ class Board(Screen[str]):
         seen = "They see and hear"
         self.query_one("#seen").border_title = seen if mirror.theme else f"{seen}: {views.UNKNOWN}"
         self._put("where", Content(views.where(mirror)))
-        self._put("link", views.link(mirror))
+        self._put("link", views.link(mirror, self.steering.baton_key))
         self._put("doing", views.doing(mirror, self._room("doing")))
         self._draw_strip(now)
         self._draw_palette()
         log = self.query_one("#log")
         lines = sorted([*mirror.journal, *self.steering.log.lines(now)], key=lambda line: line.at)
         self._put("log", views.log(lines, self._room("log"), log.content_size.height))
-        asked = _ASKED[self.asks].format(key=sheets.key_of(self.asks, self.file)) if self.asks else ""
-        is_observer = bool(mirror.welcome and mirror.welcome.role == "observer")
-        self._put("foot", sheets.foot(self.file, asked, self._room("foot"), is_observer=is_observer))
+        asked = question(self.asks, mirror, self.file)
+        self._put("foot", sheets.foot(self.file, asked, self._room("foot"), is_observer=self.is_observer))
+        self._put("keys", sheets.keys(self.file, is_observer=self.is_observer))
 
     def _draw_strip(self, now: int) -> None:
         mirror, width = self.steering.mirror, self._room("offer")
         strip, offer, loss = self.query_one("#strip"), self.chosen, views.loss(self.steering.mirror)
         strip.set_class(offer is not None, "waits")
         strip.set_class(bool(loss), "alarm")
-        modes = offers.modes(mirror, width - 4)
+        modes = "Enter sends, Esc leaves" if self.asked else offers.modes(mirror, width - 4)
+        if self._draw_too_late(now, modes, width):
+            return
+        self._put("asked", Content(self.asked))
         if offer is None:
             self.selected = ""
             self._frame("Connection" if loss else "Proposals", modes)
-            self._put("offer", offers.quiet(mirror, loss, width))
+            self._put("offer", offers.quiet(mirror, loss, now, width, sheets.key_of("close", self.file)))
             self._put("buttons", Content(""))
             self._put("behind", Content(""))
             return
@@ -217,9 +253,25 @@ class Board(Screen[str]):
         self._put("buttons", Content(f"{sent} …") if sent else keys)
         behind = offers.behind(waiting, offer, now, width)
         self._put("behind", Content(behind))
-        self._frame(title, cut(behind, width - 4) if behind and not self.has_class("tall") else modes)
+        is_told = behind and not self.has_class("tall") and not self.asked
+        self._frame(title, cut(behind, width - 4) if is_told else modes)
         if id != self.steering.stands[0]:
             self.call_after_refresh(self._painted, offer)
+
+    def _draw_too_late(self, now: int, below: str, width: int) -> bool:
+        """What is edited no longer waits: that stands there, and not the next, which these words are not for."""
+        edited, waiting = self.edits, self.steering.offers
+        if edited is None or any(each.proposal.id == edited.proposal.id for each in waiting):
+            return False
+        is_late = edited.deadline is not None and edited.deadline <= now
+        why = "Its time is over" if is_late else "It no longer waits"
+        behind = offers.behind(waiting, None, now, width)
+        is_told = behind and not self.has_class("tall")
+        self._frame(f"{edited.proposal.kind.upper()} · {why.lower()}", cut(behind, width - 4) if is_told else below)
+        self._put("offer", offers.gone(edited, width))
+        self._put("asked", Content(f"{why}:", [Span(0, len(why) + 1, "$warning bold")]))
+        self._put("behind", Content(behind))
+        return True
 
     def _frame(self, title: str, subtitle: str) -> None:
         """What stands in the border of the strip: text as it is, which holds brackets now and then."""
@@ -233,6 +285,12 @@ class Board(Screen[str]):
             self.steering.seen(offer, self.steering.peer.now())
 
     def _draw_palette(self) -> None:
+        self.set_class(self.is_observer, "observes")
+        typed = self.query_one("#typed", Typed).value
+        if self.asked and len(typed) > self._room("typed") - 1:
+            self._put("title", Content("What you type, in full"))
+            self._put("palette", Content("\n".join(folded(typed, self._room("palette"), 5))))
+            return
         page, number, count = self.find_page()
         to = addressee(self.steering.mirror, self.seat) if page.kind in ("phrases", "gestures") else ""
         to = f" ·{to} ({sheets.key_of('seat', self.file)})" if to else ""
@@ -253,4 +311,4 @@ class Board(Screen[str]):
         key = (content.plain, tuple(content.spans))
         if self._drawn.get(name) != key:
             self._drawn[name] = key
-            self.query_one(f"#{name}", Static).update(content, layout=name == "link")
+            self.query_one(f"#{name}", Static).update(content, layout=name in ("link", "asked"))

@@ -73,12 +73,32 @@ def cut(text: str, width: int) -> str:
     return set_cell_size(line, max(0, width - 1)).rstrip() + "…"
 
 
+def folded(text: str, width: int, rows: int) -> list[str]:
+    """A text on lines of at most so many columns, no more than so many; what does not fit is told by an ellipsis."""
+    lines: list[str] = []
+    for paragraph in text.splitlines() if width > 0 else []:
+        rest = paragraph.split()
+        while rest:
+            line, rest = _line(rest, width)
+            lines.append(line)
+    if len(lines) <= rows:
+        return lines
+    last = lines[rows - 1] if rows else ""
+    return [*lines[: rows - 1], f"{set_cell_size(last, min(cell_len(last), width - 1)).rstrip()}…"] if rows else []
+
+
+def _line(words: list[str], width: int) -> tuple[str, list[str]]:
+    """The first line of words, and those that are left; a word that is longer than the line is cut in two."""
+    line, rest = "", list(words)
+    while rest and cell_len(f"{line} {rest[0]}".strip()) <= width:
+        line = f"{line} {rest.pop(0)}".strip()
+    if not line and rest:
+        line = set_cell_size(rest[0], width).rstrip()
+        rest[0] = rest[0][len(line) :]
+    return line, rest
+
+
 def two_lines(text: str, width: int) -> str:
     """A text on exactly two lines, so that nothing below them moves; what does not fit is told by an ellipsis."""
-    first, rest = "", text.split()
-    while rest and cell_len(f"{first} {rest[0]}".strip()) <= width:
-        first = f"{first} {rest.pop(0)}".strip()
-    if not first and rest:  # a word longer than the line
-        first = set_cell_size(rest[0], width)
-        rest[0] = rest[0][len(first) :]
+    first, rest = _line(text.split(), width)
     return f"{first}\n{cut(' '.join(rest), width)}"

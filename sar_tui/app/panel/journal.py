@@ -9,6 +9,7 @@ from sar_tui.framework.messages import (
     Dropped,
     LevelChanged,
     LevelRuled,
+    Operator,
     OperatorChanged,
     SensorChanged,
     Standing,
@@ -50,6 +51,8 @@ _SENSOR = {
     "flowing": ("The motion sensor sends again.", "good"),
     "ended": ("The recording that stands for the sensor has ended.", "plain"),
 }
+UNWELL = {"tired": "tired", "pain": "in pain", "finished": "wants to end"}
+"""Why a participant pauses."""
 _ACTS = {
     OPERATOR.name: "an act",
     DECISION.name: "a decision",
@@ -95,7 +98,10 @@ def line(frame: Frame, me: Welcome | None, before: Standing | None) -> Line | No
         me: the reader is told "you".
         before: what waited until then.
     """
-    told = _words(frame.topic.name, frame.message, me.name if me else "", before)
+    if isinstance(frame.message, Operator):
+        told = _steered(frame.message, me)
+    else:
+        told = _words(frame.topic.name, frame.message, me.name if me else "", before)
     return Line(frame.at, *told) if told else None
 
 
@@ -120,6 +126,22 @@ def _words(topic: str, message: Any, me: str, before: Standing | None) -> tuple[
     elif topic == STORAGE.name:
         told = _storage(message)
     return told
+
+
+def _steered(act: Operator, me: Welcome | None) -> tuple[str, Tone] | None:
+    """A pause, and its end, if it is not the reader's own act: that stands in the log already."""
+    if me is None or act.actor == me.name or act.command not in ("pause", "resume"):
+        return None
+    who = participant(me) if act.actor == "participant" else short(act.actor)
+    if act.command == "resume":
+        return f"{who} let it go on.", "plain"
+    why = f": {UNWELL[act.reason]}" if act.reason in UNWELL else ""
+    return f"{who} paused{why}.", "bad" if why or act.actor == "participant" else "plain"
+
+
+def participant(me: Welcome) -> str:
+    """Who pressed a key at the participant's: by code, where there is one alone."""
+    return next(iter(me.participants.values())) if len(me.participants) == 1 else "A participant"
 
 
 def _who(actor: str, me: str) -> str:

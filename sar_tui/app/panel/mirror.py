@@ -15,6 +15,7 @@ from sar_tui.framework.messages import (
     CueGiven,
     Halt,
     LevelChanged,
+    Operator,
     OperatorChanged,
     OutputReport,
     Prompt,
@@ -37,6 +38,7 @@ from sar_tui.framework.topics import (
     HALT,
     LEVEL,
     MARKED,
+    OPERATOR,
     PRESENCE,
     PROMPT,
     REPORT,
@@ -50,6 +52,9 @@ from sar_tui.framework.topics import (
 )
 from sar_tui.link.peer import Connection, Frame, Heard, Trace, Welcome
 
+PARTICIPANT = "participant"
+"""The actor of what a participant does."""
+_UNWELL = ("tired", "pain", "finished")
 _QUIET = ("foreperiod", "storage", "response")
 TRIALS_KEPT = 60
 TRACE_SECONDS = 8
@@ -86,8 +91,8 @@ class Mirror(msgspec.Struct, frozen=True):
     """The session as this side of the link knows it. What is None, or empty, is not known.
 
     ``level``: of the attempt under way; ``next_level``: of the next. ``seats``: by name. ``holder``: the operator who
-    has the baton. ``voice``: why nothing is heard, as an output told it. ``journal``: what happened that an operator
-    should know, oldest first.
+    has the baton. ``pauser``: who paused it, or last said why. ``voice``: why nothing is heard, as an output told it.
+    ``journal``: what happened that an operator should know, oldest first.
     """
 
     connection: Connection = Connection("connecting")
@@ -106,6 +111,7 @@ class Mirror(msgspec.Struct, frozen=True):
     peers: dict[str, Role] = {}
     holder: str = ""
     operated: bool | None = None
+    pauser: str = ""
     ended: str = ""
     journal: tuple[Line, ...] = ()
 
@@ -128,6 +134,19 @@ class Mirror(msgspec.Struct, frozen=True):
     def is_quiet(self) -> bool:
         """Whether the participant's screen stands still, because a response is awaited."""
         return bool(self.waiting and self.waiting.stage == "trial" and self.waiting.what in _QUIET)
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether the session stands still until somebody lets it go on."""
+        return bool(self.waiting and self.waiting.stage == "paused")
+
+    @property
+    def is_their_pause(self) -> bool:
+        """Whether the participant paused, or is in pain or tired; also where it is not known who paused, and why."""
+        if not self.is_paused or self.waiting is None:
+            return False
+        reason = self.waiting.reason
+        return reason in _UNWELL or (not reason and self.pauser in (PARTICIPANT, ""))
 
     @property
     def steers(self) -> bool:
@@ -174,8 +193,14 @@ def _waits(mirror: Mirror, waiting: Waiting) -> Mirror:
         agent = replace(agent, words="", more="", kind="", face="listening")
     level = waiting.level or mirror.level
     prompt = mirror.prompt if waiting.stage == "trial" else None
-    waits = replace(mirror, waiting=waiting, agent=agent, level=level, prompt=prompt)
+    goes_on = mirror.is_paused and waiting.stage != "paused"
+    pauser = "" if goes_on else mirror.pauser
+    waits = replace(mirror, waiting=waiting, agent=agent, level=level, prompt=prompt, pauser=pauser)
     return waits if waits.is_quiet else replace(waits, agent=replace(agent, cue=None))
+
+
+def _steered(mirror: Mirror, act: Operator) -> Mirror:
+    return replace(mirror, pauser=act.actor) if act.command == "pause" else mirror
 
 
 def _prompted(mirror: Mirror, prompt: Prompt) -> Mirror:
@@ -264,6 +289,7 @@ def _came_or_went(mirror: Mirror, changed: OperatorChanged) -> Mirror:
 
 
 _HEARD: dict[str, Callable[[Mirror, Any], Mirror]] = {
+    OPERATOR.name: _steered,
     WAITING.name: _waits,
     PROMPT.name: _prompted,
     VOIDED.name: _voided,

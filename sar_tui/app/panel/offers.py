@@ -9,12 +9,13 @@ from sar_tui.app.panel.mirror import Mirror
 from sar_tui.app.panel.own_file import OwnFile
 from sar_tui.app.panel.palette import MODES, RULED
 from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import Offer, Proposal
+from sar_tui.framework.messages import Action, Offer, Proposal
 
 _TONES = {"positive": "$success", "neutral": "$neutral", "negative": "$warning"}
 _RANKS: dict[str, int] = {"feedback": 0, "encouragement": 1, "instruction": 2, "difficulty": 3, "gesture": 4}
 _TOGETHER = SECOND // 2
 """Proposals that are due within so much of each other were made together."""
+_SIMPLE = ("approve", "veto", "edit")
 _BUTTONS = ("approve", "veto", "edit", "positive", "neutral", "negative")
 
 
@@ -38,7 +39,7 @@ def title(offer: Offer, number: int, count: int, to: str) -> str:
     return " · ".join(parts) + (f" · {number} of {count}" if count > 1 else "")
 
 
-def says(proposal: Proposal, level: int | None) -> str:
+def says(proposal: Proposal | Action, level: int | None) -> str:
     """A proposal in words, as it would be said or done."""
     if level is not None:
         return f"{proposal.text or f'Level {level}'}, from the next attempt on"
@@ -80,10 +81,11 @@ def buttons(file: OwnFile, *, has_words: bool) -> Content:
     """The keys that decide."""
     parts: list[Piece] = []
     for deed in DEEDS:
-        if deed.id in _BUTTONS and (has_words or deed.id in ("approve", "veto", "edit")):
+        if deed.id in _BUTTONS and (has_words or deed.id in _SIMPLE):
             style = "bold reverse" if deed.id == "approve" else "bold"
             key = key_name(file.keys_of(deed)[0])
-            parts += [(f" {key} ", f"$accent {style}"), (f" {deed.short.lower()} ", "")]
+            parts += [(f" {key} ", f"$accent {style}"), (f" {deed.short.lower()} " if deed.id in _SIMPLE else "", "")]
+    parts.append((" other face, same words", "") if has_words else ("", ""))
     return Content.assemble(*parts)
 
 
@@ -96,19 +98,41 @@ def decides(mirror: Mirror, file: OwnFile) -> Content:
     return Content.assemble((f"{short(mirror.holder)} decides; {takes}", "$text-muted"))
 
 
-def quiet(mirror: Mirror, loss: str, width: int) -> Content:
+def on_its_way(mirror: Mirror) -> Action | None:
+    """What is decided, and is held back until its time has come."""
+    queued = mirror.standing.queued if mirror.standing and mirror.is_connected else ()
+    return next((each for each in queued if each.due), None)
+
+
+def gone(offer: Offer, width: int) -> Content:
+    """A proposal that is edited, and no longer waits; what can be done with the words."""
+    has_words = offer.level is None and offer.proposal.text
+    what = "Enter twice says your words all the same, Esc leaves them." if has_words else "Esc leaves it."
+    words = two_lines(says(offer.proposal, offer.level), width)
+    return Content.assemble(
+        (words, "$text-muted"), ("\n", ""), (cut(f"Nothing was sent. {what}", width), "$warning bold")
+    )
+
+
+def quiet(mirror: Mirror, loss: str, now: int, width: int, leave_key: str) -> Content:
     """What stands there while nothing waits: why, if the link is down or nothing would ever come."""
+    if mirror.ended:
+        report = " For the report: sar-tui report wizard last"
+        return Content.assemble((f"The session is done. {leave_key} leaves.", "bold"), (report, "$text-muted"))
     if loss:
         return Content.assemble((two_lines(loss, width), "$warning bold"))
     if mirror.standing is None:
         return Content.assemble(("What the agent proposes is not known yet.", "$text-muted"))
+    if (action := on_its_way(mirror)) and action.due > now:
+        words = two_lines(f"Nothing waits. The {action.kind} is decided: {says(action, None)}", width)
+        return Content.assemble((words, ""), (f"\ngoes out in {(action.due - now) / SECOND:.1f} s", "$accent bold"))
     if all(mode == "autonomous" for mode in mirror.standing.modes.values()):
         return Content.assemble(("Nothing waits: the agent decides everything by itself.", "$text-muted"))
     whom = "you" if mirror.steers else short(mirror.holder) or "an operator"
     return Content.assemble((f"Nothing waits for {whom}.", "$text-muted"))
 
 
-def behind(offers: tuple[Offer, ...], chosen: Offer, now: int, width: int) -> str:
+def behind(offers: tuple[Offer, ...], chosen: Offer | None, now: int, width: int) -> str:
     """The other proposals, on one line, each with its time."""
     others = [f"{_time(o, now)}{o.proposal.kind} {says(o.proposal, o.level)}" for o in offers if o is not chosen]
     return cut(f"Behind it: {' · '.join(others)}", width) if others else ""

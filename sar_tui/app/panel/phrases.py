@@ -1,5 +1,6 @@
 """Phrases for an operator to have said: their own, with slots, and the theme's."""
 
+import re
 import string
 from typing import NamedTuple
 
@@ -64,6 +65,13 @@ def fill(phrase: Phrase, values: dict[str, str]) -> Filled:
     if missing := [name for name in wanted if name not in values]:
         return Filled(phrase, phrase.text, missing[0])
     return Filled(phrase, phrase.text.format_map(values))
+
+
+def fill_slots(text: str, values: dict[str, str]) -> tuple[str, str]:
+    """Typed words with their slots filled, and a slot that has no value yet; other braces are braces."""
+    missing = [name for name in SLOTS if f"{{{name}}}" in text and name not in values]
+    filled = re.sub(rf"{{({'|'.join(SLOTS)})}}", lambda found: values.get(found[1], found[0]), text)
+    return filled, missing[0] if missing else ""
 
 
 def slot_values(mirror: Mirror, seat: str) -> dict[str, str]:

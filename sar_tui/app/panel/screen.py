@@ -3,21 +3,23 @@
 from collections.abc import Callable
 from typing import Any, ClassVar
 
-from textual import on
+from textual import events
 from textual.binding import BindingType
-from textual.widgets import Input, Static
 
 from sar_tui.app.panel import palette
 from sar_tui.app.panel.board import Board
 from sar_tui.app.panel.deeds import DEEDS, bindings
 from sar_tui.app.panel.phrases import LONGEST, addressee
-from sar_tui.app.panel.steering import editable, takes_valence
+from sar_tui.app.panel.steering import CONFIRM_SECONDS, editable, takes_valence
+from sar_tui.app.panel.typed import Typed
 from sar_tui.framework.clock import SECOND, host_now
 from sar_tui.framework.messages import Offer, Valence
 
 _ACTIONS = {deed.action.partition("(")[0] for deed in DEEDS}
 _FOR_ALL = {deed.action.partition("(")[0] for deed in DEEDS if not deed.acts}
 _WHILE_TYPING = ("stop", "leave", "keys", "event")
+_WHILE_COVERED = ("stop", "leave", "keys")
+"""What keys do while something lies over the panel: nobody steers what they do not see."""
 _LONGEST_NOTE = 4000
 
 
@@ -45,7 +47,11 @@ class PanelScreen(Board):
         welcome = self.steering.mirror.welcome
         if welcome and welcome.role == "observer" and action in _ACTIONS and action not in _FOR_ALL:
             return False
-        return action in _WHILE_TYPING or action not in _ACTIONS if self._typing else True
+        if action not in _ACTIONS:
+            return True
+        if self.is_covered:
+            return action in _WHILE_COVERED
+        return action in _WHILE_TYPING if self._typing else True
 
     def action_approve(self) -> None:
         if offer := self.chosen:
@@ -69,7 +75,8 @@ class PanelScreen(Board):
         """Without a proposal, perhaps because it has just gone, what is typed must not be taken for keys."""
         if offer := self.chosen:
             self.selected = offer.proposal.id
-            self._type("Instead:", editable(offer), lambda text, at: self._edited(offer, text, at))
+            text = editable(offer, self.steering.mirror)
+            self._type("Instead:", text, lambda text, at: self._edited(offer, text, at), edits=offer)
         else:
             self.steering.log.told(self._at, "No proposal waits: what you type is said as your own words.")
             self.action_say()
@@ -89,13 +96,17 @@ class PanelScreen(Board):
         self._done(self.steering.command("Stopped", "stop", self._at))
 
     def action_pause(self) -> None:
-        self._done(self.steering.pause(self._at))
+        if self.steering.may_go_on(self._at):
+            self.asks = ""
+            self._done(self.steering.pause(self._at))
+        else:
+            self.ask_for(CONFIRM_SECONDS, "resume")
 
     def action_skip(self) -> None:
-        self._done(self.steering.command("Skipped the prompt", "skip", self._at))
+        self._done(self.steering.prompted("Skipped the prompt", "skip", self._at))
 
     def action_repeat(self) -> None:
-        self._done(self.steering.command("Repeated the prompt", "repeat", self._at))
+        self._done(self.steering.prompted("Repeated the prompt", "repeat", self._at))
 
     def action_level(self, step: int) -> None:
         self._done(self.steering.level(step, self._at))
@@ -108,7 +119,7 @@ class PanelScreen(Board):
             self._done(self.steering.command("Ended the session", "end", self._at))
 
     def action_close(self) -> None:
-        if self._ask("close"):
+        if self.is_over or self._ask("close"):
             self.dismiss("")
 
     def _ask(self, what: str) -> bool:
@@ -182,29 +193,49 @@ class PanelScreen(Board):
 
     # --- typing ------------------------------------------------------------------------------------------------
 
-    def _type(self, asked: str, text: str, then: Callable[[str, int], bool], most: int = LONGEST) -> None:
+    def takes(self, event: events.Key | events.Paste) -> bool:
+        if not self._typing or self.is_covered:
+            return False
+        typed = self.query_one("#typed", Typed)
+        if isinstance(event, events.Paste):
+            typed.put(next(iter(event.text.splitlines()), ""))
+        elif event.key == "enter":
+            self._typed(typed.value.strip())
+        elif event.is_printable and event.character:
+            typed.put(event.character)
+        else:
+            return False
+        self.is_stale = True
+        return True
+
+    def _type(
+        self,
+        asked: str,
+        text: str,
+        then: Callable[[str, int], bool],
+        most: int = LONGEST,
+        edits: Offer | None = None,
+    ) -> None:
         """Have something typed; ``then`` is given it, with the stamp of Enter, and says whether that is done."""
         if obstacle := self.steering.obstacle():
             self.steering.log.told(self._at, f"{obstacle} Nothing can be sent.")
             self.draw()
             return
-        self._typing = then
+        self._typing, self.edits, self.asked = then, edits, asked
         self.query_one("#strip").add_class("types")
-        self.query_one("#asked", Static).update(asked)
-        typed = self.query_one("#typed", Input)
+        typed = self.query_one("#typed", Typed)
         typed.max_length, typed.value = most, text
         typed.cursor_position = len(text)
-        typed.focus()
+        self.set_focus(typed)  # at once: the next key may have been read already
         self.draw()
 
     def _stop_typing(self) -> None:
-        self._typing = None
+        self._typing, self.edits, self.asked = None, None, ""
         self.query_one("#strip").remove_class("types")
         self.set_focus(None)
 
-    @on(Input.Submitted, "#typed")
-    def _typed(self, event: Input.Submitted) -> None:
-        then, text = self._typing, event.value.strip()
+    def _typed(self, text: str) -> None:
+        then = self._typing
         if then and text and then(text, self._at):
             self._stop_typing()
         self.draw()

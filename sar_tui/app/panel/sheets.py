@@ -60,10 +60,10 @@ def foot(file: OwnFile, asked: str, width: int, *, is_observer: bool) -> Content
     return Content.assemble(*parts)
 
 
-def keys(file: OwnFile) -> Content:
-    """All keys, in two columns, under their headings."""
+def keys(file: OwnFile, *, is_observer: bool) -> Content:
+    """All keys that do something, in two columns, under their headings."""
     groups: dict[str, list[Deed]] = {}
-    for deed in DEEDS:
+    for deed in _seen() if is_observer else DEEDS:
         groups.setdefault(deed.group, []).append(deed)
     rows: list[tuple[Piece, Piece]] = []
     for group, deeds in groups.items():
@@ -78,6 +78,11 @@ def keys(file: OwnFile) -> Content:
     for left, right in zip_longest(rows[:half], rows[half:], fillvalue=(("", ""), ("", ""))):
         parts += [*left, (" " * (_COLUMN - len(left[0][0]) - len(left[1][0])), ""), *right, ("\n", "")]
     return Content.assemble(*parts)
+
+
+def _seen() -> list[Deed]:
+    """What an observer can do, with neither a palette nor proposals to decide on."""
+    return [deed for deed in DEEDS if not deed.acts and deed.group != "Palette"]
 
 
 def _called(deed: Deed, file: OwnFile) -> str:

@@ -1,11 +1,18 @@
 """The agent as the participant sees it: the session's own widget, following the mirror."""
 
+from textual.geometry import Size
+from textual.widget import Widget
+
+from sar_tui.app.panel.figures import folded
 from sar_tui.app.panel.mirror import Agent as Seen
 from sar_tui.app.panel.mirror import Mirror
 from sar_tui.framework.clock import SECOND, Clock
 from sar_tui.framework.theme import Theme
 from sar_tui.widgets.agent import Agent
+from sar_tui.widgets.robot import WIDTH
 
+_MARGINS = 3
+"""Columns beside the drawing, and beside its words."""
 _FRESH = 2 * SECOND
 """A gesture that was asked for longer ago is over, or was never seen here."""
 
@@ -23,6 +30,7 @@ class ShownAgent:
         self.widget.display = False
         self._theme: Theme | None = None
         self._seen = Seen()
+        self._said: tuple[str, str] = ("", "")
 
     def show(self, mirror: Mirror, now: int) -> None:
         """Bring the agent up to what is known. ``now``: on the session's clock (ns)."""
@@ -58,17 +66,29 @@ class ShownAgent:
             self.widget.cue(cue.gaze, mirror.theme.gestures.get(cue.gesture) if mirror.theme else None)
 
     def _say(self, seen: Seen, before: Seen) -> None:
-        if (seen.words, seen.more, seen.valence) == (before.words, before.more, before.valence):
+        said = self._fitted(seen)
+        if said == self._said and seen.valence == before.valence:
             if seen.face != before.face:
                 self.widget.look(seen.face)
-        elif not seen.words:
+            return
+        self._said = said
+        words, more = said
+        if not words:
             self.widget.clear(seen.face)
-        else:
-            self.widget.say(seen.words, seen.face, seen.valence)
-            if seen.more:
-                self.widget.say(seen.more, joins=True)
-                self.widget.call_after_refresh(self._show_newest)
+            return
+        self.widget.say(words, seen.face, seen.valence)
+        if more:
+            self.widget.say(more, joins=True)
 
-    def _show_newest(self) -> None:
-        """There is less room than the participant has: of words that joined others, the last are seen."""
-        self.widget.query_one(".words").scroll_end(animate=False, force=True)
+    def _fitted(self, seen: Seen) -> tuple[str, str]:
+        """There is less room than the participant has: of words that joined others, the last are seen, if need be."""
+        around = self.widget.parent
+        room = around.content_size if isinstance(around, Widget) else Size(0, 0)
+        width = room.width - WIDTH - _MARGINS
+        if width <= 0 or not seen.words:  # nothing has been laid out yet
+            return seen.words, seen.more
+        more, most = folded(seen.more, width, len(seen.more)), max(2, room.height - 2)
+        if len(more) > most:
+            more = ["…", *more[1 - most :]]
+        words = folded(seen.words, width, room.height - (len(more) + 1 if more else 0))
+        return "\n".join(words), "\n".join(more)

@@ -9,9 +9,9 @@ from sar_tui.app.panel.acts import SLOW, ActLog
 from sar_tui.app.panel.journal import short
 from sar_tui.app.panel.mirror import Mirror
 from sar_tui.app.panel.palette import MODES, Item
-from sar_tui.app.panel.phrases import addressed, addressee
+from sar_tui.app.panel.phrases import addressed, addressee, fill_slots, slot_values
 from sar_tui.framework.bus import Topic
-from sar_tui.framework.clock import MS
+from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
     ActRefused,
     Decision,
@@ -30,10 +30,14 @@ from sar_tui.link.peer import Heard, Peer, Welcome
 TOO_SOON = 150 * MS
 """Nobody reads and answers a proposal faster: a key that comes sooner was meant for the one before."""
 
+CONFIRM_SECONDS = 3
+"""So soon a pause that the participant made has to be ended by a second key."""
+
 
 class Steering:
     """One operator, at work: knows the mirror, sends acts by the peer, keeps the log.
 
+    ``baton_key``: with which the baton is taken, as it is called.
     ``painted``: the proposals that have stood on the screen. ``stands``: the one that keys are about, by its id, and
     since when (ns) it stands there.
     Each method takes ``at``, the stamp of the key (ns, on the session's clock), and says whether something was sent.
@@ -47,6 +51,8 @@ class Steering:
         self.stands: tuple[str, int] = ("", 0)
         self._ruled: dict[str, tuple[str, int]] = {}
         self._held_from: Mode | None = None
+        self._asked_to_go_on = 0
+        self.baton_key = ""
 
     def hear(self, heard: Heard) -> None:
         """What came over the link."""
@@ -72,7 +78,7 @@ class Steering:
             return "There is no connection."
         if mirror.welcome and mirror.welcome.role == "observer":
             return "You watch: only operators act."
-        return "" if mirror.steers else f"{short(mirror.holder)} has the baton."
+        return "" if mirror.steers else f"{short(mirror.holder)} has the baton; {self.baton_key} takes it."
 
     def ruled(self, id: str) -> str:
         """What was sent about a proposal that still waits; empty where nothing was, or it seems not to have arrived."""
@@ -99,13 +105,16 @@ class Steering:
     def revalue(self, offer: Offer, valence: Valence, at: int) -> bool:
         """Send it with another valence: the face, gesture and tone are that one's."""
         return self._rule(
-            f"Sent as {valence}:", offer, Decision(action=offer.proposal.id, verdict="edit", valence=valence), at
+            f"With a {valence} face, words as they were:",
+            offer,
+            Decision(action=offer.proposal.id, verdict="edit", valence=valence),
+            at,
         )
 
     def edit(self, offer: Offer, text: str, at: int) -> bool:
         """Send it in other words, with another gesture, or at another level. Unchanged, it is approved."""
         text = text.strip()
-        if text == editable(offer):
+        if text == editable(offer, self.mirror):
             return self.decide(offer, "accept", at)
         decision = Decision(action=offer.proposal.id, verdict="edit")
         if offer.level is not None:
@@ -114,7 +123,11 @@ class Steering:
                 return False
             decision = replace(decision, level=int(text))
         elif offer.proposal.text:
-            decision = replace(decision, text=text)
+            said = self._in_full(text, offer.proposal.seat, at)
+            if not said:
+                return False
+            named = offer.proposal.text != editable(offer, self.mirror)
+            decision = replace(decision, text=addressed(self.mirror, offer.proposal.seat, said) if named else said)
         elif self.mirror.theme and text.replace(" ", "_") not in self.mirror.theme.gestures:
             self.log.told(at, f"The theme has no gesture {text!r}. Nothing was sent.")
             return False
@@ -141,10 +154,30 @@ class Steering:
         """An act that steers the session (see `Operator`)."""
         return self.send(words, OPERATOR, Operator(command=command, **more), at)
 
+    def prompted(self, words: str, command: Literal["skip", "repeat"], at: int) -> bool:
+        """An act on the prompt that is up, or about to come."""
+        waiting = self.mirror.waiting
+        if waiting and waiting.stage != "trial" and not self.obstacle():
+            self.log.told(at, "No prompt is up. Nothing was sent.")
+            return False
+        return self.command(words, command, at)
+
+    def may_go_on(self, at: int) -> bool:
+        """Whether the key for a pause is heeded: a pause that is the participant's is only ended by two of them.
+
+        A key that is held down, or bounces, is one.
+        """
+        if not self.mirror.is_their_pause or self.obstacle():
+            return True
+        since, self._asked_to_go_on = at - self._asked_to_go_on, at
+        if TOO_SOON <= since <= CONFIRM_SECONDS * SECOND:
+            self._asked_to_go_on = 0
+            return True
+        return False
+
     def pause(self, at: int) -> bool:
         """Pause; or go on, if it is paused."""
-        waiting = self.mirror.waiting
-        if waiting and waiting.stage == "paused":
+        if self.mirror.is_paused:
             return self.command("Went on", "resume", at)
         return self.command("Paused", "pause", at)
 
@@ -185,12 +218,31 @@ class Steering:
         if item.topic is None:
             self.log.told(at, f"Not said: {item.why}.")
             return False
-        return self.send(item.words, item.topic, item.message, at)
+        return self.send(self._when(item.words) if item.topic is REMARK else item.words, item.topic, item.message, at)
 
     def say(self, text: str, seat: str, at: int) -> bool:
         """Free text."""
-        remark = Remark(text=addressed(self.mirror, seat, text), source="free text", seat=seat)
-        return self.send(f"Said{addressee(self.mirror, seat)} “{text}”", REMARK, remark, at)
+        said = self._in_full(text, seat, at)
+        if not said:
+            return False
+        remark = Remark(text=addressed(self.mirror, seat, said), source="free text", seat=seat)
+        return self.send(self._when(f"Said{addressee(self.mirror, seat)} “{said}”"), REMARK, remark, at)
+
+    def _in_full(self, text: str, seat: str, at: int) -> str:
+        """What was typed, with its slots filled; empty where there is nothing yet to fill one with."""
+        filled, missing = fill_slots(text, slot_values(self.mirror, seat))
+        if missing:
+            self.log.told(at, f"{{{missing}}} is not known yet. Nothing was sent.")
+            return ""
+        return filled
+
+    def _when(self, words: str) -> str:
+        """What the log calls words or a gesture: they wait while a response is awaited, and in a pause."""
+        if self.mirror.is_quiet:
+            return f"After the response: {words[0].lower()}{words[1:]}"
+        if self.mirror.is_paused:
+            return f"After the pause: {words[0].lower()}{words[1:]}"
+        return words
 
     def note(self, text: str, at: int) -> bool:
         """A note, for the record."""
@@ -220,8 +272,9 @@ def takes_valence(offer: Offer) -> bool:
     return offer.level is None and bool(offer.proposal.text)
 
 
-def editable(offer: Offer) -> str:
-    """What of a proposal can be typed anew: its level, its words, or its gesture."""
+def editable(offer: Offer, mirror: Mirror) -> str:
+    """What of a proposal can be typed anew: its level, its words but for whom they call, or its gesture."""
     if offer.level is not None:
         return str(offer.level)
-    return offer.proposal.text or offer.proposal.gesture.replace("_", " ")
+    called = addressed(mirror, offer.proposal.seat, "")
+    return offer.proposal.text.removeprefix(called) or offer.proposal.gesture.replace("_", " ")

@@ -4,10 +4,9 @@ from textual.content import Content
 
 from sar_tui.app.panel import figures
 from sar_tui.app.panel.figures import Piece, cut
-from sar_tui.app.panel.journal import Line, short
-from sar_tui.app.panel.mirror import Mirror, Seat
+from sar_tui.app.panel.journal import UNWELL, Line, participant, short
+from sar_tui.app.panel.mirror import PARTICIPANT, Mirror, Seat
 from sar_tui.app.panel.phrases import figure
-from sar_tui.framework.messages import Waiting
 
 UNKNOWN = "not known yet"
 _LABEL = 8
@@ -27,8 +26,7 @@ _WAITS = {
 }
 _STAGES = {"instructions": "instructions", "review": "all done"}
 _REASONS = {
-    "tired": "tired",
-    "pain": "in pain",
+    **UNWELL,
     "interrupted": "interrupted",
     "storage": "the disk",
     "held": "a key is held",
@@ -44,17 +42,32 @@ def where(mirror: Mirror) -> str:
     parts = [welcome.title, " and ".join(welcome.participants.values())]
     if mirror.ended:
         parts.append(f"session {mirror.ended}")
-    elif waiting and waiting.attempt_name:
-        parts.append(waiting.attempt_name)
+    elif waiting and waiting.attempt:
+        parts.append(_attempt_name(mirror, waiting.attempt))
     if mirror.level is not None:
         follows = f", then {mirror.next_level}" if mirror.next_level not in (None, mirror.level) else ""
         parts.append(f"level {mirror.level}{follows}")
     return " · ".join(part for part in parts if part)
 
 
-def link(mirror: Mirror) -> Content:
-    """How the link is, and who is at it."""
+def _attempt_name(mirror: Mirror, attempt: int) -> str:
+    """The attempt as the participant's screen counts: while the answer is awaited, still the one that was done."""
+    welcome, waiting = mirror.welcome, mirror.waiting
+    done = [seat.attempt.attempt for seat in mirror.seats.values() if seat.attempt]
+    if waiting and waiting.stage in ("answer", "review") and done:
+        attempt = max(done)
+    practice = int(welcome.parameters.get("practice_attempts", 0)) if welcome else 0
+    total = welcome.attempts if welcome else 0
+    if attempt <= practice:
+        return f"practice {attempt} of {practice}"
+    return f"attempt {attempt - practice} of {total - practice}"
+
+
+def link(mirror: Mirror, baton_key: str = "b") -> Content:
+    """How the link is, and who is at it; to an operator who does not steer, with which key they would."""
     state = mirror.connection.state
+    if mirror.ended:
+        return Content.assemble(("session over", "$text-muted"))
     if state != "connected":
         words = {"connecting": "connecting", "lost": "connection lost", "away": "no connection"}[state]
         return Content.assemble((f"○ {words}", "$warning bold"))
@@ -69,8 +82,12 @@ def link(mirror: Mirror) -> Content:
         parts.append(("you steer", "$success bold"))
     elif mirror.holder:
         parts.append((f"{short(mirror.holder)} steers", "$warning bold"))
-    else:
+        parts.append((f" · {baton_key} takes the baton", "$text-muted"))
+    elif not mirror.peers:
         parts.append(("connected", "$success"))
+    else:
+        parts.append(("nobody steers", "$warning bold"))
+        parts.append((f" · {baton_key} takes the baton", "$text-muted"))
     parts.extend((f" · {short(name)}", "$text-muted") for name in others if mirror.peers[name] == "operator")
     if watchers:
         watch = f"{watchers[0]} watches" if len(watchers) == 1 else f"{len(watchers)} watch"
@@ -82,6 +99,8 @@ def loss(mirror: Mirror) -> str:
     """What an operator has to know while the link is down; empty while it is up."""
     connection, parameters = mirror.connection, mirror.welcome.parameters if mirror.welcome else {}
     why = f" ({connection.why.rstrip('.')})" if connection.why else ""
+    if mirror.ended:
+        return ""
     if connection.state == "away":
         return f"The link is closed{why}. This panel shows what was known last."
     if connection.state == "connecting" and connection.why:
@@ -101,7 +120,8 @@ def doing(mirror: Mirror, width: int) -> Content:
     if mirror.welcome is None:
         return Content.assemble((UNKNOWN.capitalize(), "$text-muted"))
     seats = sorted({*mirror.welcome.participants, *mirror.seats}) or ["A"]
-    rows: list[list[Piece]] = [[(cut(_waits(mirror.waiting, mirror.ended), width), "bold")], _prompt(mirror, width)]
+    style = "$warning bold reverse" if mirror.is_their_pause else "bold"
+    rows: list[list[Piece]] = [[(cut(waits(mirror), width), style)], _prompt(mirror, width)]
     for name in seats:
         label = f"{cut(mirror.welcome.participants.get(name, name), _LABEL)} " if len(seats) > 1 else ""
         rows += _seat(mirror, mirror.seat(name), label, width, is_short=len(seats) > 1)
@@ -109,12 +129,17 @@ def doing(mirror: Mirror, width: int) -> Content:
     return Content.assemble(*[piece for row in rows for piece in (*row, ("\n", ""))][:-1])
 
 
-def _waits(waiting: Waiting | None, ended: str) -> str:
-    if ended:
-        return f"The session is over ({ended})"
+def waits(mirror: Mirror) -> str:
+    """What the session waits for; of a pause, who made it, and why."""
+    waiting = mirror.waiting
+    if mirror.ended:
+        return f"The session is over ({mirror.ended})"
     if waiting is None:
         return f"The session: {UNKNOWN}"
     words = _WAITS[waiting.what]
+    if mirror.is_paused and waiting.reason in ("", *UNWELL) and mirror.pauser and mirror.welcome:
+        theirs = mirror.pauser == PARTICIPANT
+        words = f"{participant(mirror.welcome) if theirs else short(mirror.pauser)} paused"
     if reason := _REASONS.get(waiting.reason):
         words += f": {reason}"
     if waiting.stage == "trial":

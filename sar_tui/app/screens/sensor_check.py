@@ -46,6 +46,11 @@ _HELP = (
     "The session may begin at any time; without a sensor it waits for one. To try the task without: Escape, then "
     "F2 on the first screen, and set Motion sensor to simulated.",
 )
+_HELP_OF_TWO = (
+    *_HELP[:2],
+    "The session may begin at any time; without both sensors it waits for them. To try the task without: Escape, then "
+    "F2 on the first screen, and set Sensor on the left and Sensor on the right to simulated.",
+)
 
 
 class SensorCheckScreen(Screen[bool]):
@@ -91,7 +96,9 @@ class SensorCheckScreen(Screen[bool]):
     @property
     def help_text(self) -> str:
         """How the sensor is worn, what zero and test do, and what there is without a sensor."""
-        return "\n\n".join(self.tr(paragraph) for paragraph in _HELP) + "\n"
+        return (
+            "\n\n".join(self.tr(paragraph) for paragraph in (_HELP_OF_TWO if len(self.sensors) > 1 else _HELP)) + "\n"
+        )
 
     @property
     def active_bindings(self) -> dict[str, ActiveBinding]:

@@ -261,16 +261,25 @@ class SessionScreen(AgentScreen):
         task = self._live.run.session.task
         if len(task.seats) == 1:
             return []
-        return [self._half(task.seat_name(seat), self._won[seat], is_turn=seat == turn) for seat in task.seats]
+        return [self._half(seat, is_turn=seat == turn) for seat in task.seats]
 
-    def _half(self, name: str, won: int, *, is_turn: bool) -> str:
+    def _half(self, seat: str, *, is_turn: bool) -> str:
+        """Who are called by code read their place too, where there is room for both."""
+        task, won = self._live.run.session.task, self._won[seat]
+        place, name = task.seat_name(seat), task.called(seat)
+        words = "{who}"
         if is_turn:
-            return self.tr("[ {who}: your turn ]", who=name)
-        return self.tr("{who}, ahead: {count}", who=name, count=won) if won else name
+            words = self.tr("[ {who}: your turn ]")
+        elif won:
+            words = self.tr("{who}, ahead: {count}")
+        in_full = words.format(who=f"{place} · {name}", count=won)
+        has_room = len(in_full) < self.app.size.width // 2
+        return in_full if name != place and has_room else words.format(who=name, count=won)
 
     def _begin_trials(self, waiting: Waiting) -> None:
         self._count(waiting.trial - 1)
         self._where(waiting)
+        self.query_one(BigPrompt).name_halves(self._halves(waiting.seat))
         self.query_one(BigPrompt).clear()
         self.clear_agent("listening")
         self._stage("prompt")

@@ -1,6 +1,7 @@
 """The closing summary: the metric and the level over attempts (the thesis' Figure 4.4), in words and as a plot."""
 
 from collections.abc import Sequence
+from statistics import fmean
 
 from rich.text import Text
 from textual.app import ComposeResult
@@ -10,6 +11,9 @@ from textual.widgets import Static
 from sar_tui.framework.messages import AttemptEnded
 from sar_tui.framework.task import Metric
 from sar_tui.widgets.language import language_of
+
+_GAP = 3
+"""Columns between the plots of two."""
 
 
 class Summary(Vertical):
@@ -50,9 +54,14 @@ class Summary(Vertical):
         reached = [a.metric for a in attempts if a.outcome == "success" and a.metric is not None]
         won = [a.qualities["won"] for a in attempts if "won" in a.qualities]
         raced = tr("Ahead in {won} of {trials}.", won=round(sum(won)), trials=sum(a.trials for a in attempts))
-        ahead = f" {raced}" if won else ""
+        both = [a.qualities["together"] for a in attempts if "together" in a.qualities]
+        joined = tr("Together in {count} of {trials}.", count=round(sum(both)), trials=sum(a.trials for a in attempts))
+        effects = [a.qualities["congruency_effect_ms"] for a in attempts if "congruency_effect_ms" in a.qualities]
+        slower = self._metric.show(fmean(effects)) if effects else ""
+        cued = tr("Reaction time where I looked to the other side, minus where I looked: {effect}.", effect=slower)
+        more = "".join(f" {line}" for line, has in ((raced, won), (joined, both), (cued, effects)) if has)
         if not reached:
-            return f"{done}.{ahead}"
+            return f"{done}.{more}"
         best = (min if self._metric.better == "lower" else max)(reached)
         facts = tr(
             "{done}; goal reached in {count}. Best: {best}. Highest level: {level}.",
@@ -61,16 +70,17 @@ class Summary(Vertical):
             best=self._metric.show(best),
             level=max(a.level for a in attempts),
         )
-        return f"{facts}{ahead}"
+        return f"{facts}{more}"
 
     def _draw(self) -> None:
         from sar_tui.plot import EMPTY, LEVEL, MISSED, REACHED
 
         plot = self.query_one("#plot", Static)
-        figures = [
-            self._figure(each, plot.size.width // len(self._attempts), plot.size.height) for each in self._attempts
-        ]
-        if not figures or not all(figures):
+        if not self._attempts:
+            return
+        width = plot.size.width // len(self._attempts)
+        figures = [self._figure(each, width, plot.size.height) for each in self._attempts]
+        if not all(figures):
             return
         text = Text("\n".join(map("".join, zip(*figures, strict=True))))
         colors = self.app.theme_variables
@@ -79,7 +89,10 @@ class Summary(Vertical):
         plot.update(text)
 
     def _figure(self, attempts: Sequence[AttemptEnded], width: int, height: int) -> list[str]:
-        """The lines of a plot, each of that width; none where there is nothing to draw, or no room."""
+        """The lines of a plot, each of that width; none where there is nothing to draw, or no room.
+
+        Those of two have the same left axis, and stand apart.
+        """
         from sar_tui.plot import attempts_figure
 
         tr = language_of(self.app)
@@ -90,10 +103,13 @@ class Summary(Vertical):
             [a.metric for a in attempts],
             metric=tr(self._metric.label),
             goals=[a.goal or 0.0 for a in attempts],
-            width=width,
+            width=width - _GAP if len(self._attempts) > 1 else width,
             height=height,
             color=False,
             outcomes=[a.outcome for a in attempts],
+            beside=[
+                value for each in self._attempts for a in each for value in (a.metric, a.goal) if value is not None
+            ],
             tr=tr,
         )
         return [line.ljust(width) for line in figure.splitlines()]

@@ -276,6 +276,14 @@ class Booth:
             self.panel.draw()
             await self.rest()
 
+    async def burst(self, *keys: str) -> None:
+        """Keys that are read all at once, as over a slow line."""
+        for key in keys:
+            self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
+        await self.rest()
+        self.panel.draw()
+        await self.rest()
+
     def acts(self, topic: Topic[Any]) -> list[Any]:
         """What was sent on a topic, without its stamp."""
         return [msgspec.structs.replace(message, at=0) for name, message in self.peer.sent if name == topic.name]

@@ -8,7 +8,7 @@ from rich.cells import cell_len
 
 from sar_tui.app.panel import offers, views
 from sar_tui.app.panel.acts import Act
-from sar_tui.app.panel.figures import cut, motion, responses, sparkline, two_lines
+from sar_tui.app.panel.figures import cut, folded, motion, responses, sparkline, two_lines
 from sar_tui.app.panel.mirror import TRIALS_KEPT, Mirror
 from sar_tui.framework import messages as m
 from sar_tui.framework import topics as t
@@ -67,6 +67,16 @@ def test_an_answer_that_is_awaited_makes_the_agent_think_and_then_listen() -> No
     assert thinking.hear([b.frame(t.WAITING, b.waiting("enter", "attempt"))]).agent.face == "listening"
 
 
+def test_the_attempt_is_counted_in_the_operators_words_and_is_the_one_that_is_answered_until_the_next_begins() -> None:
+    done = b.frame(t.ATTEMPT_ENDED, b.attempt(attempt=2))
+    mirror = Mirror().hear(b.welcome(attempts=22, parameters={"practice_attempts": 2}))
+    spanish = {"attempt": 3, "attempt_name": "intento 1 de 20"}
+    answered = mirror.hear([done, b.frame(t.WAITING, b.waiting("answer", "answer", **spanish))])
+    assert "practice 2 of 2" in views.where(answered)
+    begun = answered.hear([b.frame(t.WAITING, b.waiting("enter", "attempt", **spanish))])
+    assert "attempt 1 of 20" in views.where(begun)
+
+
 def test_the_level_of_the_next_attempt_is_told_apart_from_that_of_this_one() -> None:
     changed = m.LevelChanged(previous=4, level=5, reason="operator")
     mirror = after((t.WAITING, b.waiting()), (t.LEVEL, changed))
@@ -95,6 +105,9 @@ def test_the_baton_is_with_whom_the_session_says_that_it_is() -> None:
     lost = m.OperatorChanged(actor="operator.ben", state="lost", operated=False, detail="The connection broke.")
     gone = theirs.hear([b.frame(t.PRESENCE, lost)])
     assert (gone.holder, gone.steers) == ("", True)
+    left = replace(lost, holder="", peers={b.ANNA: "operator"})
+    alone = theirs.hear(Connection("connected")).hear([b.frame(t.PRESENCE, left)])
+    assert views.link(alone).plain == "● nobody steers · b takes the baton"
     assert lines(gone) == [
         "You hold the baton.",
         "ben holds the baton.",
@@ -113,7 +126,7 @@ def test_one_who_comes_late_knows_who_has_the_baton_from_what_was_told_last() ->
     )
     late = after((t.PRESENCE, watcher))
     assert not late.steers
-    assert "ben steers · cara watches" in views.link(late).plain
+    assert "ben steers · b takes the baton · cara watches" in views.link(late).plain
 
 
 def test_of_many_who_watch_their_number_is_told() -> None:
@@ -237,7 +250,7 @@ def test_what_fell_away_is_called_by_its_kind_and_a_filler_is_nobodys_news() -> 
 
 def test_of_long_words_that_were_sent_the_log_keeps_room_for_what_became_of_them() -> None:
     act = Act("Said “" + "on and " * 30 + "on”", "topic", m.Remark(at=b.START), latency=5_000_000)
-    assert act.line(b.START).text.endswith("… · 5 ms")
+    assert act.line(b.START).text.endswith("… · link 5 ms")
     assert cell_len(act.line(b.START).text) < 70
 
 
@@ -297,6 +310,22 @@ def test_words_stand_on_two_lines_whatever_they_are(text: str) -> None:
     assert all(cell_len(line) <= 10 for line in lines)
     assert cell_len(cut(text, 10)) <= 10
     assert "".join(lines).endswith("…") == (cell_len(text) > 20)
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        ("", []),
+        ("short", ["short"]),
+        ("one two three four", ["one two", "three four"]),
+        ("one two three four five", ["one two", "three fou…"]),
+        ("one\ntwo", ["one", "two"]),
+        ("one\ntwo\nthree", ["one", "two…"]),
+        ("x" * 25, ["x" * 10, "x" * 9 + "…"]),
+    ],
+)
+def test_words_are_folded_and_where_some_have_no_room_that_is_told(text: str, lines: list[str]) -> None:
+    assert folded(text, 10, 2) == lines
 
 
 def test_what_is_told_again_and_again_keeps_one_line_of_the_journal() -> None:

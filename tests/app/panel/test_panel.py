@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
+from textual.events import Key, Paste
 from textual.widgets import Static
 
 from sar_tui.app.panel.own_file import FILE
@@ -189,7 +190,9 @@ async def test_one_key_steers_the_session_two_steps_up_are_two_levels_and_the_hi
         assert "Level 10 is the highest there is." in booth.text
         await booth.join()
         booth.peer.sent.clear()
-        await booth.press("f2", "space", "s", "r", "u")
+        await booth.press("f2", "space")
+        await booth.tell(t.WAITING, b.waiting())
+        await booth.press("s", "r", "u")
         await booth.join()
         await booth.press("d")
         assert booth.acts(t.OPERATOR) == [
@@ -206,8 +209,9 @@ async def test_the_key_for_a_pause_ends_one_that_for_the_level_lets_it_go_again_
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as booth:
-        await booth.tell(t.WAITING, b.waiting("resume", "paused", reason="tired"))
-        assert "Paused: tired" in booth.text
+        await booth.tell(t.OPERATOR, m.Operator(command="pause", actor="operator.ben"))
+        await booth.tell(t.WAITING, b.waiting("resume", "paused"))
+        assert "ben paused" in booth.text
         await booth.press("space", "end")
         assert "End the session? End again ends it" in booth.text
         await booth.press("escape", "end")
@@ -223,6 +227,139 @@ async def test_the_key_for_a_pause_ends_one_that_for_the_level_lets_it_go_again_
             m.ModeChosen(kind="difficulty", mode="manual", actor=ANNA),
             m.ModeChosen(kind="difficulty", mode="veto", actor=ANNA),
         ]
+
+
+async def test_a_pause_of_the_participants_is_told_loudly_and_ended_by_a_second_key_alone(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        for reason, told in (("", "P01 paused"), ("pain", "P01 paused: in pain"), ("tired", "P01 paused: tired")):
+            await booth.join()
+            booth.peer.sent.clear()
+            await booth.tell(t.OPERATOR, m.Operator(command="pause", reason=reason))
+            await booth.tell(t.WAITING, b.waiting("resume", "paused", reason=reason))
+            assert booth.text.count(told) == 2, "where they do, and in the log"
+            await booth.press("space")
+            assert f"{told}. Space again, within 3 s, lets it go on." in booth.text
+            await booth.press("space")  # a key that bounces
+            await booth.pass_by(3200)
+            await booth.press("space")
+            assert booth.acts(t.OPERATOR) == []
+            await booth.pass_by(1000)
+            await booth.press("space")
+            assert [act.command for act in booth.acts(t.OPERATOR)] == ["resume"]
+            assert "Space again" not in booth.text
+
+
+async def test_the_pause_of_one_in_pain_is_theirs_also_for_whoever_comes_later(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.tell(t.WAITING, b.waiting("resume", "paused", reason="pain"))
+        assert "Paused: in pain" in booth.text
+        await booth.press("space")
+        assert booth.acts(t.OPERATOR) == []
+
+
+async def test_keys_that_come_in_one_burst_are_each_for_what_the_one_before_opened(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.burst("n", *"hurx", "backspace", "t", "enter", "t", *"Hi", "enter", "n", *"so", "enter", "h")
+        assert [note.text for note in booth.acts(t.NOTED)] == ["hurt", "so"]
+        assert [remark.text for remark in booth.acts(t.REMARK)] == ["Hi"]
+        assert [each.mode for each in booth.acts(t.MODE)] == ["manual"]
+        await booth.offer(b.offer(text="Well done"))
+        await booth.burst("e", "!", "enter", "u")
+        assert [each.text for each in booth.acts(t.DECISION)] == ["Well done!"]
+        assert [act.command for act in booth.acts(t.OPERATOR)] == ["level"]
+        booth.app.post_message(Key("n", "n"))
+        booth.app.post_message(Paste("pasted\nlines"))
+        await booth.burst("enter")
+        assert [note.text for note in booth.acts(t.NOTED)][2:] == ["pasted"]
+
+
+async def test_an_edit_whose_time_runs_out_says_so_where_it_is_typed_and_never_stands_under_the_next(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.offer(b.offer("p1", 2000, text="Well done"))
+        await booth.press("e", "!")
+        assert "Enter sends, Esc leaves" in booth.text
+        await booth.pass_by(2000)
+        await booth.tell(t.STANDING, b.standing(b.offer("p2", 9000, text="The next")))
+        assert "Its time is over: Well done!" in booth.text
+        assert "FEEDBACK · its time is over" in booth.text
+        assert "Enter twice says your words all the same" in booth.text
+        assert "Behind it: 6 s feedback “The next”" in booth.text
+        assert "┃ “The next”" not in booth.text
+        await booth.press("enter")
+        assert booth.acts(t.DECISION) == []
+        await booth.press("escape")
+        assert "┃ “The next”" in booth.text
+        assert "Its time is over" not in booth.text
+
+
+async def test_behind_the_list_of_keys_and_in_a_window_that_is_too_small_only_the_stop_key_acts(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("f1", "space", "u", "h", "1", "t", "x", "f2")
+        assert [name for name, _ in booth.peer.sent] == [t.OPERATOR.name]
+        await booth.press("escape")
+        await booth.pilot.resize_terminal(60, 16)
+        await booth.rest()
+        assert "This window is too small: it has 60 by 16 characters" in booth.text
+        await booth.press("space", "f2")
+        assert [act.command for act in booth.acts(t.OPERATOR)] == ["stop", "stop"]
+        await booth.pilot.resize_terminal(80, 24)
+        await booth.rest()
+        assert "too small" not in booth.text
+
+
+async def test_words_that_have_to_wait_are_told_so_and_slots_that_are_typed_are_filled(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.burst("t", *"{participant} :{", "enter")
+        assert [remark.text for remark in booth.acts(t.REMARK)] == ["P01 :{"]
+        await booth.tell(t.WAITING, b.waiting("response"))
+        await booth.press("1")
+        assert "After the response: said “" in booth.text
+        await booth.burst("t", *"{result}", "enter")
+        assert [remark.text for remark in booth.acts(t.REMARK)][2:] == ["498 ms"]
+        await booth.hear(b.welcome())
+        await booth.burst("t", *"{result}", "enter")
+        assert "{result} is not known yet. Nothing was sent." in booth.text
+        assert len(booth.acts(t.REMARK)) == 3
+
+
+async def test_a_prompt_is_neither_skipped_nor_repeated_while_there_is_none(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.press("s", "r")
+        assert booth.acts(t.OPERATOR) == []
+        assert "No prompt is up. Nothing was sent." in booth.text
+
+
+async def test_what_is_approved_and_has_still_to_come_is_counted_down(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as booth:
+        due = b.action("a9", text="Well done", due=b.START + 1900 * MS)
+        await booth.tell(t.STANDING, b.standing(queued=(due,)))
+        assert "goes out in 1.9 s" in booth.text
+        await booth.pass_by(1000)
+        assert "goes out in 0.9 s" in booth.text
+
+
+async def test_when_the_session_is_done_the_panel_says_so_and_one_key_leaves_it(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as booth:
+        await booth.tell(t.SESSION_ENDED, m.SessionEnded(status="completed"))
+        await booth.hear(Connection("away", "The session is over."))
+        assert "The session is done. q leaves. For the report: sar-tui report wizard last" in booth.text
+        assert "no connection" not in booth.text
+        await booth.press("q")
+        assert booth.peer.is_closed
 
 
 # --- the palette, words, notes --------------------------------------------------------------------------------------
@@ -280,6 +417,11 @@ async def test_with_two_participants_words_go_to_the_one_that_is_chosen_and_each
         assert phrase.text.startswith("Right: ")
         await booth.offer(b.offer("p1", seat="B"))
         assert "FEEDBACK to P02 · positive" in booth.text
+        await booth.offer(b.offer("p3", seat="B", text="Right: Well done"))
+        await booth.press("e")
+        assert "Instead: Well done" in booth.text
+        await booth.press("!", "enter")
+        assert [decision.text for decision in booth.acts(t.DECISION)] == ["Right: Well done!"]
         await booth.offer(b.offer("l1", level=5))
         assert "DIFFICULTY · clear" in booth.text
 
@@ -311,11 +453,12 @@ async def test_a_file_that_is_wrong_is_told_in_the_log_and_the_usual_keys_work(
 
 async def test_an_act_stands_in_the_log_with_what_became_of_it(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as booth:
+        await booth.tell(t.WAITING, b.waiting())
         await booth.press("s")
         assert "Skipped the prompt …" in booth.text
         sent = booth.peer.sent[-1][1]
         await booth.hear([b.frame(t.OPERATOR, sent, sent.at + 14 * MS)])
-        assert "Skipped the prompt · 14 ms" in booth.text
+        assert "Skipped the prompt · link 14 ms" in booth.text
         await booth.press("r")
         refused = m.ActRefused(actor=ANNA, what=t.OPERATOR.name, why="Another operator holds the baton.")
         await booth.tell(t.REFUSED, refused)
@@ -339,6 +482,10 @@ async def test_an_observer_sees_the_same_and_no_key_of_theirs_acts(catalogue: Ca
         )
         assert booth.peer.sent == []
         assert booth.peer.batons == 0
+        assert "Encourage" not in booth.text
+        await booth.press("f1")
+        assert "All keys" in booth.text
+        assert "Skip this prompt" not in booth.text
 
 
 async def test_without_the_baton_nothing_is_sent_until_it_is_taken(catalogue: Catalogue, folder: Path) -> None:
@@ -349,9 +496,10 @@ async def test_without_the_baton_nothing_is_sent_until_it_is_taken(catalogue: Ca
         assert "Nothing waits for ben." in booth.text
         await booth.offer(b.offer())
         assert "ben decides; b takes the baton." in booth.text
+        await booth.tell(t.WAITING, b.waiting())
         await booth.press("s", "t")
         assert booth.acts(t.OPERATOR) == []
-        assert "ben has the baton. Nothing was sent." in booth.text
+        assert "ben has the baton; b takes it. Nothing was sent." in booth.text
         await booth.press("b")
         assert booth.peer.batons == 1
         await booth.tell(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
@@ -369,6 +517,7 @@ async def test_a_lost_link_is_told_with_what_goes_on_and_comes_back(catalogue: C
         assert booth.acts(t.DECISION) == booth.acts(t.OPERATOR) == []
         assert "There is no connection. Nothing was sent." in booth.text
         await booth.join()
+        await booth.tell(t.WAITING, b.waiting())
         await booth.press("s")
         assert "you steer" in booth.text
         assert [act.command for act in booth.acts(t.OPERATOR)] == ["skip"]
@@ -381,6 +530,7 @@ async def test_what_the_participant_sees_of_the_agent_is_seen(catalogue: Catalog
         assert booth.text.count("◠") == 2
         await booth.tell(t.ACTION, b.action("a3", text="And then " + "on " * 60 + "to the end.", joins=True))
         assert "to the end." in booth.text
+        assert "…" in "".join(row[:46] for row in booth.rows[2:9]), "what there is no room for is told"
         await booth.hear(b.TRACE)
         assert "rad/s" in booth.text
         await booth.tell(t.WAITING, b.waiting("foreperiod"))
