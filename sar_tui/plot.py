@@ -26,6 +26,7 @@ def attempts_figure(
     height: int,
     color: bool = True,
     outcomes: Sequence[str] = (),
+    beside: Sequence[float] = (),
     tr: Language = _ENGLISH,
 ) -> str:
     """Draw the metric (left axis) and the level (right axis, shaded) over attempts, with the goal as a line.
@@ -38,6 +39,7 @@ def attempts_figure(
         width, height: in characters, the heading and the axes included.
         color: with ANSI colours; the markers tell the same without.
         outcomes: ``success`` or ``failure`` of each attempt; without them all have the same marker.
+        beside: metrics and goals of a figure that this one is compared with: the left axis has room for them too.
         tr: the language of the other words.
 
     Returns:
@@ -50,7 +52,7 @@ def attempts_figure(
     width, height = max(width, _SMALLEST[0]), max(height, _SMALLEST[1])
     plotext.clear_figure()
     try:
-        body = _body(plotext, levels, metrics, goals, (width, height - 1), outcomes, tr)
+        body = _body(plotext, levels, metrics, goals, (width, height - 1), outcomes, beside, tr)
     finally:
         plotext.clear_figure()
     lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
@@ -66,6 +68,7 @@ def _body(
     goals: Sequence[float],
     size: tuple[int, int],
     outcomes: Sequence[str],
+    beside: Sequence[float],
     tr: Language,
 ) -> str:
     """The axes and what stands between them; a canvas of two lines less than the height."""
@@ -76,7 +79,7 @@ def _body(
     plt.plotsize(*size)
     plt.xaxes(True, False)
     plt.xlim(0.5, count + 0.5)
-    low, high = _limits([*(m for m in metrics if m is not None), *goals])
+    low, high = _limits([*(m for m in metrics if m is not None), *goals, *beside])
     plt.ylim(low, high, yside="left")
     highest = max(1, *levels)
     rise = rows // highest or rows / highest

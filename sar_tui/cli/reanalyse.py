@@ -108,6 +108,11 @@ def reanalyse(
     with home.database() as database:
         found = store.find(database, home.folder, session)
         kept = [row for row in store.rows(database, "trials", found["id"]) if _has_window(row)]
+        if any(row["seat"] != "A" for row in store.rows(database, "trials", found["id"])):
+            raise Refused(
+                f"The session {found['id']} ({found['task']}) is of two people. Reaches of two cannot be found again: "
+                "the samples are kept, but not from which of them each reach was found."
+            )
         if not kept:
             raise Refused(
                 f"The session {found['id']} ({found['task']}) holds no reach that could be found again: "

@@ -32,12 +32,14 @@ def sessions(
 ) -> None:
     """List the recorded sessions, the newest first."""
     from sar_tui.store import participants
-    from sar_tui.store.sessions import listing
+    from sar_tui.store.sessions import listing, operators
 
     home = Home.of(context, data, tasks)
     code = participants.check_code(participant) if participant else None
     with home.database() as database:
-        rows = listing(database, home.folder, participant=code)
+        known = operators(database)
+        listed = listing(database, home.folder, participant=code)
+    rows = [{**row, "operators": known.get(row["id"], [])} for row in listed]
     if as_json:
         print_json({"sessions": rows})
         return
@@ -55,6 +57,7 @@ def sessions(
     made = table("session", "began", "who", "task", "status", "attempts", right=("attempts",))
     for row in rows:
         status = row["status"] if row["mode"] == "live" else f"{row['status']}, {row['mode']}"
+        status += ", operator" if row["operators"] else ""
         add(made, row["id"], local_time(row["started_at"]), who(row), row["task"], status, row["attempts"])
     out.print(made)
 
@@ -75,6 +78,7 @@ def show(
     home = Home.of(context, data, tasks)
     with home.database() as database:
         found = store.find(database, home.folder, session)
+        found["operators"] = store.operators(database, found["id"]).get(found["id"], [])
         attempts = store.rows(database, "attempts", found["id"])
         trials = store.rows(database, "trials", found["id"])
         outputs = output_summaries(database, found["id"])
@@ -91,7 +95,7 @@ def show(
     if attempts:
         out.print(attempts_table(attempts, metric), end="\n\n")
         for seat in seats(attempts):
-            _print_figure(out, [row for row in attempts if row["seat"] == seat], metric)
+            _print_figure(out, attempts, seat, metric)
     out.print(summary(attempts, metric), soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
     _print_timing(out, found["machine"], trials)
@@ -117,16 +121,20 @@ def _print_facts(out: "Console", row: Row) -> None:
         ("Made by", f"sar-tui {row['software']['sar_tui']}, Python {row['software']['python']}"),
     ):
         out.print(f"{name:<12} {value}", markup=False)
+    if row["operators"]:
+        there = f"{', '.join(row['operators'])}; `sar-tui report wizard {row['id']}` tells what they did"
+        out.print(f"{'Operator':<12} {there}", markup=False, soft_wrap=True)
     out.print()
 
 
-def _print_figure(out: "Console", attempts: Sequence[Row], metric: "Metric") -> None:
-    """The thesis' Figure 4.4."""
+def _print_figure(out: "Console", attempts: Sequence[Row], seat: str, metric: "Metric") -> None:
+    """The thesis' Figure 4.4, of who sat there; of two with the same axis."""
     from rich.text import Text
 
     from sar_tui.plot import attempts_figure
 
-    scored = [row for row in attempts if not row["practice"]]
+    everybody = [row for row in attempts if not row["practice"]]
+    scored = [row for row in everybody if row["seat"] == seat]
     if not scored:
         return
     figure = attempts_figure(
@@ -138,6 +146,7 @@ def _print_figure(out: "Console", attempts: Sequence[Row], metric: "Metric") -> 
         height=_FIGURE[1],
         color=out.is_terminal and not out.no_color,
         outcomes=[row["outcome"] for row in scored],
+        beside=[row[name] for row in everybody for name in ("metric", "goal") if row[name] is not None],
     )
     out.print(Text.from_ansi(figure), soft_wrap=True, end="\n\n")
 

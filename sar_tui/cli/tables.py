@@ -1,6 +1,7 @@
 """Tables of attempts and of anything else, for people."""
 
 from collections.abc import Sequence
+from statistics import fmean
 from typing import TYPE_CHECKING, Any, Literal
 
 from rich import box
@@ -73,5 +74,20 @@ def summary(rows: Sequence[Row], metric: "Metric") -> str:
     mean = f", mean {metric.name.replace('_', ' ')} {metric.show(sum(values) / len(values))}" if values else ""
     return (
         f"{len(scored)} attempt{'s' if len(scored) > 1 else ''}, {reached} reached the goal, "
-        f"levels {min(levels)} to {max(levels)}{mean}."
+        f"levels {min(levels)} to {max(levels)}{mean}.{_of_two(scored, metric)}"
     )
+
+
+def _of_two(scored: Sequence[Row], metric: "Metric") -> str:
+    """What a task for two measures besides: who was ahead, how often both were together, what the cue did."""
+    trials = sum(row["trials"] for row in scored)
+    lines = []
+    for name, words in (("won", "Ahead"), ("together", "Together")):
+        if counts := [row["qualities"][name] for row in scored if name in row["qualities"]]:
+            lines.append(f" {words} in {round(sum(counts))} of {trials}.")
+    if effects := [
+        row["qualities"]["congruency_effect_ms"] for row in scored if "congruency_effect_ms" in row["qualities"]
+    ]:
+        mean = metric.show(fmean(effects))
+        lines.append(f" Congruency effect {mean}: incongruent minus congruent, mean of {len(effects)} attempts.")
+    return "".join(lines)

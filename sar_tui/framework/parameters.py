@@ -194,24 +194,24 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
     ] = "sound"
     operator_feedback: Annotated[
         Literal["autonomous", "veto", "approve", "manual"],
-        meta("Feedback is", help="With an operator: autonomous, the agent gives it; veto, unless it is stopped in "
+        meta("Feedback mode", help="With an operator: autonomous, the agent gives it; veto, unless it is stopped in "
              "time; approve, on a key; manual, the operator alone.", group="Operator"),
     ] = "autonomous"  # fmt: skip
     operator_encouragement: Annotated[
         Literal["autonomous", "veto", "approve", "manual"],
-        meta("Encouragement is", help="As for feedback; also reminders of rest.", group="Operator"),
+        meta("Encouragement mode", help="As for feedback; also reminders of rest.", group="Operator"),
     ] = "autonomous"
     operator_instruction: Annotated[
         Literal["autonomous", "veto", "approve", "manual"],
-        meta("Instructions are", help="As for feedback; also greeting and goodbye.", group="Operator"),
+        meta("Instruction mode", help="As for feedback; also greeting and goodbye.", group="Operator"),
     ] = "autonomous"
     operator_gesture: Annotated[
         Literal["autonomous", "veto", "approve", "manual"],
-        meta("Gestures are", help="As for feedback; autonomous: they go with their words.", group="Operator"),
+        meta("Gesture mode", help="As for feedback; autonomous: they go with their words.", group="Operator"),
     ] = "autonomous"
     operator_difficulty: Annotated[
         Literal["autonomous", "veto", "approve", "manual"],
-        meta("Changes of level are", help="As for feedback.", group="Operator"),
+        meta("Level mode", help="As for feedback.", group="Operator"),
     ] = "autonomous"
     operator_time_ms: Annotated[
         int,
@@ -220,17 +220,17 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
     ] = 4000  # fmt: skip
     operator_timeout: Annotated[
         Literal["act", "drop"],
-        meta("After that, approve", help="act: the agent goes on as if it were alone. drop: nothing is said.",
-             group="Operator"),
+        meta("Timeout of approve", help="When nobody decides in time. act: the agent goes on as if it were alone. "
+             "drop: nothing is said.", group="Operator"),
     ] = "act"  # fmt: skip
     operator_lost: Annotated[
         Literal["autonomous", "silent"],
-        meta("Without an operator", help="If none is there, or none is heard any more. silent: what would need one "
+        meta("Agent without operator", help="If none is there, or none is heard any more. silent: what would need one "
              "is left out.", group="Operator"),
     ] = "autonomous"  # fmt: skip
     operator_lost_ms: Annotated[
         int,
-        meta("Operator is lost after", "ms", "Without a sign of life from the operator's program.",
+        meta("Time until lost", "ms", "An operator is lost whose program gave no sign of life for so long.",
              group="Operator", ge=500, le=60_000),
     ] = 2000  # fmt: skip
     filler: Annotated[

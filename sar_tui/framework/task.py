@@ -284,6 +284,7 @@ class Task(ABC):
 
     def __init__(self, parameters: TaskParameters) -> None:
         self.parameters = parameters
+        self.names: dict[str, str] = {}
         self.tr = language(parameters.language, _FRAMEWORK, Path(inspect.getfile(type(self))).parent)
 
     @property
@@ -323,6 +324,10 @@ class Task(ABC):
     def seat_name(self, seat: str) -> str:
         """What a seat is called, in a task with several."""
         return self.tr({"A": "Left", "B": "Right"}.get(seat, seat))
+
+    def called(self, seat: str) -> str:
+        """What who sits there is called: as the recorded beginning of the session has it, else as the seat is."""
+        return self.names.get(seat) or self.seat_name(seat)
 
     def nodes(self) -> tuple[Node, ...]:
         """More perception: nodes that make percepts of what its sensors tell. New ones at each call."""

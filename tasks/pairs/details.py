@@ -33,7 +33,8 @@ class PairsDetails(Details, frozen=True):
         bool | None, msgspec.Meta(description="Joint attention: whether the prompt came up on that side.")
     ] = None
     cue_lead_ms: Annotated[
-        float | None, msgspec.Meta(description="Joint attention: from the cue to the prompt's onset, as measured.")
+        float | None,
+        msgspec.Meta(description="Joint attention: from handing the cue to the outputs to the prompt's onset."),
     ] = None
     movement_end_ns: Annotated[int | None, msgspec.Meta(description="Reaches: the end of the movement, ns.")] = None
     turn_ns: Annotated[int | None, msgspec.Meta(description="Reaches: where the hand turned, ns.")] = None

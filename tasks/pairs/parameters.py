@@ -4,6 +4,9 @@ from typing import Annotated, Literal
 
 from sar_tui.framework.parameters import TaskParameters, meta
 
+_NOT_SEEN = {"gaze": {"speech", "tones", "servo"}, "gesture": {"speech", "tones"}, "both": {"speech", "tones"}}
+"""The outputs that cannot look, or cannot point."""
+
 Policy = Literal["alternate", "race", "cooperative", "joint attention"]
 
 
@@ -75,5 +78,11 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
         if self.policy == "joint attention" and self.cue_lead_ms > self.foreperiod_min_ms:
             problems["cue_lead_ms"] = (
                 f"Cue lead ({self.cue_lead_ms} ms) is longer than the shortest wait ({self.foreperiod_min_ms} ms)."
+            )
+        kinds = {output.partition(":")[0] for output in self.outputs}
+        if self.policy == "joint attention" and kinds <= _NOT_SEEN[self.cue_by]:
+            does = "points" if self.cue_by == "gesture" else "looks"
+            problems["outputs"] = (
+                f"Joint attention needs an output that shows where the agent {does}: add screen to the outputs."
             )
         return problems

@@ -182,7 +182,7 @@ class PairsTask(Task):
 
     def _line(self, seat: str, half: str) -> str:
         """What is asked of a seat, as plain text."""
-        return f"{self.seat_name(seat)}: {self.tr('reach out and back') if self._reaching else half}"
+        return f"{self.called(seat)}: {self.tr('reach out and back') if self._reaching else half}"
 
     def _side(self, situation: Situation) -> int:
         """Each side as often as the other in an attempt, in an order of its own."""
@@ -261,6 +261,8 @@ class PairsTask(Task):
         match self.parameters.policy:
             case "race":
                 return {"won": float(sum(result.details.get("won") is True for result in results))}
+            case "cooperative":
+                return {"together": float(sum(result.details.get("together") is True for result in results))}
             case "joint attention":
                 slow, fast = (_mean(results, congruent) for congruent in (False, True))
                 return {} if slow is None or fast is None else {"congruency_effect_ms": slow - fast}

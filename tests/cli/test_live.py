@@ -70,6 +70,34 @@ def test_run_seats_two_left_and_right(call: Call, opened: list[dict[str, Any]]) 
     assert (plan.task.name, plan.participant, plan.partner, plan.parameters.policy) == ("pairs", "P01", "P02", "race")
 
 
+JOINT = ("run", "pairs", "-p", "p01", "-p", "p02", "--set", "policy=joint attention")
+
+
+@pytest.mark.parametrize(
+    ("outputs", "cue", "does"),
+    [
+        ("speech", "gaze", "looks"),
+        ("speech,tones:go", "both", "looks"),
+        ("tones", "gesture", "points"),
+        ("servo:123456", "gaze", "looks"),
+    ],
+)
+def test_a_cue_that_no_output_can_show_is_refused(
+    call: Call, opened: list[dict[str, Any]], outputs: str, cue: str, does: str
+) -> None:
+    called = call(*JOINT, "--set", f"cue_by={cue}", "--outputs", outputs)
+    assert (called.code, opened) == (2, [])
+    needed = f"Joint attention needs an output that shows where the agent {does}: add screen to the outputs."
+    assert needed in called.err
+
+
+@pytest.mark.parametrize(("outputs", "cue"), [("screen", "gaze"), ("speech,screen", "both"), ("servo", "gesture")])
+def test_a_cue_that_an_output_can_show_is_given(
+    call: Call, opened: list[dict[str, Any]], outputs: str, cue: str
+) -> None:
+    assert call(*JOINT, "--set", f"cue_by={cue}", "--outputs", outputs).code == 7
+
+
 def test_a_task_for_two_is_not_begun_with_one(call: Call, opened: list[dict[str, Any]]) -> None:
     called = call("run", "pairs", "-p", "p01")
     assert (called.code, opened) == (2, [])

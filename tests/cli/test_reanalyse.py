@@ -121,6 +121,17 @@ def test_damaged_samples_are_a_failure_in_words(call: Call, tmp_path: Path, reac
     assert called.err == f"Block 3 of sensor stream 1 of session {reached} is damaged.\n"
 
 
+def test_reaches_of_two_are_refused_and_it_is_told_why(call: Call) -> None:
+    few = ("--attempts", 1, "--set", "prompts_per_attempt=2", "--set", "respond_with=reaches", "--seed", 1, "--json")
+    session = call("simulate", "pairs", "--user", "average", "--user", "average", *few).json["session"]
+    called = call("reanalyse", session)
+    assert (called.code, called.out) == (2, "")
+    assert called.err == (
+        f"The session {session} (pairs) is of two people. Reaches of two cannot be found again: "
+        "the samples are kept, but not from which of them each reach was found.\n"
+    )
+
+
 def test_a_session_without_reaches_is_bad_input(call: Call, simulated: str) -> None:
     called = call("reanalyse", simulated)
     assert called.code == 2

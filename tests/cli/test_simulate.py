@@ -193,6 +193,41 @@ def test_a_session_of_two_is_told_seat_by_seat(call: Call) -> None:
     assert shown.count("reaction time (ms)") == 2
 
 
+PLAYED = ("simulate", "pairs", "--user", "competent", "--user", "poor", "--attempts", 2, "--seed", 2)
+
+
+@pytest.mark.parametrize(
+    ("policy", "quality", "says"),
+    [("race", "won", "Ahead in {} of 24."), ("cooperative", "together", "Together in {} of 24.")],
+)
+def test_how_often_two_were_ahead_or_together_is_told(call: Call, policy: str, quality: str, says: str) -> None:
+    attempts = call(*PLAYED, "--set", f"policy={policy}", "--json").json["attempts"]
+    shown = call("show", "last").out
+    for seat in "AB":
+        counted = sum(row["qualities"][quality] for row in attempts if row["seat"] == seat)
+        assert says.format(round(counted)) in shown
+    if policy == "cooperative":
+        assert [row["qualities"]["together"] for row in attempts] == [row["correct"] for row in attempts]
+
+
+def test_what_the_cue_did_is_told_seat_by_seat(call: Call) -> None:
+    given = ("--set", "policy=joint attention", "--set", "prompts_per_attempt=40", "--json")
+    attempts = call(*PLAYED, *given).json["attempts"]
+    shown = call("show", "last").out
+    for seat in "AB":
+        one, other = (row["qualities"]["congruency_effect_ms"] for row in attempts if row["seat"] == seat)
+        effect = f"{(one + other) / 2:.0f} ms"
+        assert f"Congruency effect {effect}: incongruent minus congruent, mean of 2 attempts." in shown
+
+
+def test_the_plots_of_two_have_the_same_axis(call: Call) -> None:
+    call("simulate", "pairs", "--user", "competent", "--user", "poor", "--attempts", 3, "--seed", 2)
+    ticks = [line.split("┤")[0].strip() for line in call("show", "last").out.splitlines() if "┤" in line]
+    half = len(ticks) // 2
+    assert half > 2
+    assert ticks[:half] == ticks[half:]
+
+
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [

@@ -63,7 +63,6 @@ class ActionCenter(Node):
         self._instructed = False
         self._ready_for = 0
         self._answered = 0
-        self._names: dict[str, str] = {}
 
     @on(THEME)
     def wear(self, worn: ThemeWorn) -> None:
@@ -73,7 +72,7 @@ class ActionCenter(Node):
     @on(SESSION)
     def greet(self, session: SessionStarted) -> None:
         self._instructed = False
-        self._names = session.names
+        self._task.names = session.names
         self._propose("greeting", self._to_all("greeting" if session.run == 1 else "welcome_back"))
 
     @on(SESSION_ENDED)
@@ -106,7 +105,7 @@ class ActionCenter(Node):
         """Words for one of several: they say for whom they are."""
         if len(self._task.seats) == 1:
             return words
-        who = self._names.get(seat) or self._task.seat_name(seat)
+        who = self._task.called(seat)
         return self._task.tr("{who}: {words}", who=who, words=words)
 
     def _to_all(self, situation: str) -> str:
