@@ -1,5 +1,6 @@
 """The data dictionary names all that is stored: each column, each topic, each field of a choice, each parameter."""
 
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +10,13 @@ import pytest
 
 from sar_tui.framework import messages
 from sar_tui.framework.messages import FeedbackChoice
+from sar_tui.framework.parameters import build
+from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ALL
+from sar_tui.plugins import Catalogue
+from sar_tui.runs import Plan, simulate
+from sar_tui.simulation.operator import CHARACTERS
+from sar_tui.simulation.person import PEOPLE
 from sar_tui.store.database import connect
 from sar_tui.validation.feedback import competent, examples, frequency
 from sar_tui.validation.policies import run as policies
@@ -67,3 +74,21 @@ def test_every_field_of_a_validation_is_told_of(
     fields = set(validate(Conditions(request.getfixturevalue("catalogue"))).rows[0])
     lines = [line for line in PAGE.splitlines() if line.startswith((f"| `{name}`", "| `figure-4.11`"))]
     assert fields - set().union(*map(named, lines)) == set()
+
+
+def test_the_query_of_who_decided_what_gives_each_action_with_the_time_of_day(
+    data: Path, keyboard: type[Task], catalogue: Catalogue
+) -> None:
+    plan = Plan(keyboard, build(keyboard.Parameters, {"attempts": 2}), "calm", "SIM", 3, "simulated")
+    simulate(plan, PEOPLE["average"], data, catalogue, operator=CHARACTERS["careful"])
+    query = re.search(r"```sql\n(.*?)```", section("actions"), re.DOTALL)
+    assert query
+    database = connect(data)
+    (count, first) = database.execute("SELECT count(*), min(decided_ns) FROM actions").fetchone()
+    anchor = json.dumps({"clock_ns": first - 1_500_000_000, "utc": "2026-03-01T23:59:59.250000+00:00"})
+    database.execute("UPDATE runs SET clock_anchor=?", (anchor,))  # a simulated session has a clock of its own
+    rows = list(database.query(query[1]))
+    database.conn.close()
+    assert len(rows) == count
+    assert rows[0]["decided_utc"] == "2026-03-02 00:00:00.750"
+    assert {"feedback", "greeting"} <= {row["kind"] for row in rows}

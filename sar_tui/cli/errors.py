@@ -26,7 +26,10 @@ class Commands(TyperGroup):
         try:
             result = super().invoke(ctx)
             sys.stdout.flush()
-        except (typer.Exit, typer.Abort, _UsageError):
+        except (typer.Exit, typer.Abort):
+            raise
+        except _UsageError as error:
+            _in_plain_words(error)
             raise
         except KeyboardInterrupt:
             _tell("Stopped.")
@@ -44,29 +47,49 @@ class Commands(TyperGroup):
 
 
 def explain(error: Exception) -> tuple[int, str]:
-    """The exit code and the sentences for an error."""
+    """The exit code and the sentences for an error; also where the program is damaged, and parts of it do not load."""
+    try:
+        return _known(error) or (FAILED, _unforeseen(error))
+    except Exception as broken:
+        return FAILED, _unforeseen(broken)
+
+
+def _unforeseen(error: Exception) -> str:
+    return (
+        f"Something went wrong that should not have ({type(error).__name__}: {error}). "
+        f"Run it again with {DEBUG}=1 to see where."
+    )
+
+
+def _known(error: Exception) -> tuple[int, str] | None:
+    """Of what is foreseen."""
     import sqlite3
 
     from sar_tui import runs
     from sar_tui.framework.parameters import ParameterError
+    from sar_tui.link.errors import LinkError
     from sar_tui.plugins import PluginError
     from sar_tui.store import database
 
     match error:
         case database.StoreError():
             return BAD_INPUT if error.bad_input else FAILED, str(error)
-        case Refused() | PluginError() | ParameterError():
+        case Refused() | PluginError() | ParameterError() | LinkError():
             return BAD_INPUT, str(error)
         case runs.Failed():
             return FAILED, str(error)
         case sqlite3.Error():
-            return explain(database.explain(error))
+            return _known(database.explain(error))
         case OSError() if error.filename:
             return FAILED, f"{error.filename} cannot be used: {error.strerror}."
-    return FAILED, (
-        f"Something went wrong that should not have ({type(error).__name__}: {error}). "
-        f"Run it again with {DEBUG}=1 to see where."
-    )
+    return None
+
+
+def _in_plain_words(error: Exception) -> None:
+    """Some versions of typer put the name of an exception before what is wrong with a value."""
+    said = getattr(error, "message", None)
+    if isinstance(said, str):
+        error.message = said.removeprefix("Value error, ")  # type: ignore[attr-defined]
 
 
 def _tell(sentence: str) -> None:

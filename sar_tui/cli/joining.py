@@ -16,18 +16,14 @@ def session_to_join(session: str | None, link: Path | None) -> "Live | Invitatio
 
     Raises:
         Refused: there is no such session, or it is not clear which.
+        LinkError: the invitation cannot be used, or what the link needs is not installed.
     """
-    from sar_tui.link.errors import LinkError, need_packages
+    from sar_tui.link.errors import need_packages
     from sar_tui.link.folder import live_sessions
     from sar_tui.link.invitation import read
 
-    try:
-        need_packages()
-        if link is not None:
-            return read(link)
-        return _one(live_sessions(), session)
-    except LinkError as error:
-        raise Refused(str(error)) from error
+    need_packages()
+    return _one(live_sessions(), session) if link is None else read(link)
 
 
 def _one(live: "Sequence[Live]", session: str | None) -> "Live":
@@ -35,7 +31,8 @@ def _one(live: "Sequence[Live]", session: str | None) -> "Live":
     if not live:
         raise Refused(
             "No session on this machine can be joined; one that can is begun with --operator, as in "
-            "`sar-tui run keyboard -p P01 --operator`."
+            "`sar-tui run keyboard -p P01 --operator`. One of another user, or with another XDG_RUNTIME_DIR, is not "
+            "seen here."
         )
     there = ", ".join(f"{each.session} ({each.task})" for each in live)
     if not meant:

@@ -1,7 +1,5 @@
 """``sar-tui link``: who may watch or steer sessions from another machine."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, cast, get_args
@@ -69,15 +67,14 @@ def invite(
         raise Refused(f"{path} is there already, and is left as it is. Give another name with --to.")
     if not path.resolve().parent.is_dir():
         raise Refused(f"{path} cannot be made: there is no folder {path.parent}.")
-    with _in_words():
-        where = [endpoint(text) for text in host]
-        authority = Authority.made(Home.of(context, data, tasks).folder)
-        invitation = authority.invite(guest, where, days)
-        try:
-            write(invitation, path)
-        except BaseException:
-            authority.forget(guest)
-            raise
+    where = [endpoint(text) for text in host]
+    authority = Authority.made(Home.of(context, data, tasks).folder)
+    invitation = authority.invite(guest, where, days)
+    try:
+        write(invitation, path)
+    except BaseException:
+        authority.forget(guest)
+        raise
     if as_json:
         print_json(
             {
@@ -105,8 +102,7 @@ def list_invitations(context: typer.Context, as_json: AsJson = False, data: Data
     from sar_tui.link.authority import Authority
 
     folder = Home.of(context, data, tasks).folder
-    with _in_words():
-        invitations = Authority.opened(folder).invitations if Authority.exists(folder) else ()
+    invitations = Authority.opened(folder).invitations if Authority.exists(folder) else ()
     now = datetime.now(UTC)
     rows: list[dict[str, Any]] = [
         {
@@ -147,8 +143,7 @@ def revoke(
     """Take an invitation back: it opens no session that begins from now on."""
     from sar_tui.link.authority import Authority
 
-    with _in_words():
-        revoked = Authority.opened(Home.of(context, data, tasks).folder).revoke(name)
+    revoked = Authority.opened(Home.of(context, data, tasks).folder).revoke(name)
     if as_json:
         print_json({"name": revoked.name, "role": revoked.role, "revoked": revoked.revoked})
         return
@@ -175,8 +170,7 @@ def check(
     from sar_tui.link.knock import knock
     from sar_tui.link.settings import network_settings
 
-    with _in_words():
-        invitation = read(file)
+    invitation = read(file)
     tries: list[dict[str, str]] = []
     for where in invitation.where:
         try:
@@ -201,14 +195,3 @@ def check(
             out.print(f"{mark} {tried['endpoint']}: {words}", markup=False, soft_wrap=True)
     if all(tried["error"] for tried in tries):
         raise typer.Exit(FAILED)
-
-
-@contextmanager
-def _in_words() -> Iterator[None]:
-    """What is wrong with a link is the caller's to mend."""
-    from sar_tui.link.errors import LinkError
-
-    try:
-        yield
-    except LinkError as error:
-        raise Refused(str(error)) from None

@@ -70,8 +70,14 @@ def invitations(folder: Path, now: datetime | None = None) -> Finding:
 
 def browser() -> Finding:
     """Whether a panel can be shown in a browser."""
+    from sar_tui.link.errors import LinkError, need_packages
+
     if find_spec("textual_serve") is None or find_spec("aiohttp") is None:
         return _without("Browser", "pip install 'sar-tui[serve]'", "Only `sar-tui serve` needs it.")
+    try:
+        need_packages()
+    except LinkError as error:
+        return _without("Browser", str(error), "`sar-tui serve` needs the link, too.")
     return Finding("Browser", "ok", "`sar-tui serve` can show a panel; nothing is served until then")
 
 

@@ -34,6 +34,7 @@ _FATES = {
     "late": "dropped: too late",
     "stopped": "dropped: stopped",
     "amended": "dropped: scored anew",
+    "mode_changed": "dropped: the mode was changed",
     "open": "undecided",
 }
 _INITIATED = {"phrase": "phrases", "free text": "free texts", "gesture": "gestures", "mode": "changes of mode"}
@@ -92,6 +93,7 @@ def _print(out: "Console", made: "WizardReport", times: "Times") -> None:
     if made.observers:
         who += f"Observers: {', '.join(made.observers)}. "
     _say(out, f"{who}There was an operator for {made.operated_s:.1f} of {made.duration_s:.1f} s{share}.")
+    _say(out, f"Plan: {_plan(made.plan)}.")
     _print_proposals(out, made)
     _say(out, f"Of the operators' own accord: {_initiated(made.initiated)}.")
     _print_latencies(out, made, times)
@@ -99,7 +101,8 @@ def _print(out: "Console", made: "WizardReport", times: "Times") -> None:
         _say(out, line, end="\n")
     out.print()
     _print_deviations(out, made)
-    _say(out, f"{_count(made.notes, 'note')}, {_count(made.event_marks, 'event mark')}.")
+    _print_pauses(out, made)
+    _print_written(out, made)
     _say(
         out,
         "What no record tells has to be reported beside (Riek 2012): who the operators were, what they knew of the "
@@ -125,6 +128,15 @@ def _print_proposals(out: "Console", made: "WizardReport") -> None:
         add(head, row.kind, *ruled, row.n, _percent(row.share), fates)
     out.print(head)
     out.print()
+
+
+def _plan(plan: dict[str, object]) -> str:
+    """By the names under which they are set; a kind that was the agent's own from the beginning is not named."""
+    from sar_tui.reports.presence import KINDS
+
+    kinds = {f"operator_{kind}" for kind in KINDS}
+    said = (f"{name} {value}" for name, value in plan.items() if name not in kinds or value != "autonomous")
+    return ", ".join(said)
 
 
 def _percent(share: float | None) -> str:
@@ -207,6 +219,33 @@ def _print_deviations(out: "Console", made: "WizardReport") -> None:
     out.print(head)
     if len(made.deviations) > _LISTED:
         _say(out, f"… and {len(made.deviations) - _LISTED} more: --json has them all.", end="\n")
+    out.print()
+
+
+def _print_pauses(out: "Console", made: "WizardReport") -> None:
+    for pause in made.pauses:
+        reason = f" ({pause.reason})" if pause.reason else ""
+        ended = f"{pause.ended_by} went on" if pause.ended_by else "until the run ended"
+        _say(
+            out,
+            f"The participant paused at {pause.at_s:.1f} s of run {pause.run}{reason}, for {pause.duration_s:.1f} s; "
+            f"{ended}.",
+            end="\n",
+        )
+    if made.pauses:
+        out.print()
+
+
+def _print_written(out: "Console", made: "WizardReport") -> None:
+    from sar_tui.cli.tables import add, table
+
+    _say(out, f"{_count(made.notes, 'note')}, {_count(made.event_marks, 'event mark')}.")
+    if not made.written:
+        return
+    head = table("run", "at, s", "who", "note or mark", right=("run", "at, s"))
+    for each in made.written:
+        add(head, each.run, f"{each.at_s:.1f}", each.actor, ": ".join(filter(None, (each.label, each.text))))
+    out.print(head)
     out.print()
 
 

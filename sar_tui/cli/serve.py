@@ -27,6 +27,10 @@ def serve(
         str | None,
         typer.Option("--session", metavar="SESSION", show_default=False, help="Which, where there are several."),
     ] = None,
+    name: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", show_default=False, help="What an operator is called there; else the login name."),
+    ] = None,
     link: Annotated[
         Path | None,
         typer.Option("--link", metavar="FILE", show_default=False, help="The invitation to another machine's session."),
@@ -51,6 +55,8 @@ def serve(
 
     Prints the address to open, with the token that it needs, and serves until Ctrl-C.
     """
+    from sar_tui.cli.wizard import name_there
+    from sar_tui.link.errors import need_packages
     from sar_tui.runs import Failed
 
     home = Home.of(context, data, tasks)
@@ -58,6 +64,11 @@ def serve(
         raise Refused(f"There is no file {link}; an invitation is made by `sar-tui link invite`.")
     if link is not None and session is not None:
         raise Refused("An invitation is to one session: leave out --session.")
+    if name is not None:
+        if view != "operator":
+            raise Refused("Only an operator has a name of their own: leave out --name.")
+        name_there(name, link, observe=False)
+    need_packages()
     try:
         from sar_tui.serve import address, running, server, token
     except ImportError as error:
@@ -85,14 +96,14 @@ def serve(
             print(url)
         sys.stdout.flush()
 
-    served = server.Server(view, _program(view, session, link, home), place, secret)
+    served = server.Server(view, _program(view, session, link, home, name), place, secret)
     number = running.run(served, taken, ready)
     if number == signal.SIGINT:
         raise KeyboardInterrupt
     raise typer.Exit(128 + number)
 
 
-def _program(view: str, session: str | None, link: Path | None, home: Home) -> list[str]:
+def _program(view: str, session: str | None, link: Path | None, home: Home, name: str | None = None) -> list[str]:
     """The command that each browser is shown: words of a list, which no shell reads."""
     command = {"operator": ["wizard"], "observer": ["wizard", "--observe"], "agent": ["agent"]}[view]
     program = [*child_process.python("sar_tui"), *command, "--data", str(home.folder.absolute())]
@@ -100,4 +111,6 @@ def _program(view: str, session: str | None, link: Path | None, home: Home) -> l
         program += ["--tasks", str(folder.absolute())]
     if link is not None:
         program += ["--link", str(link.absolute())]
+    if name is not None:
+        program += ["--name", name]
     return program if session is None else [*program, "--", session]

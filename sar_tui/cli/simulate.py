@@ -141,6 +141,8 @@ def simulate(
     out = console()
     out.print(attempts_table(rows, kind.metric))
     out.print(f"{summary(rows, kind.metric)} Seed {plan.seed}. `sar-tui show {session}` shows more.", soft_wrap=True)
+    if operator is not None:
+        out.print(f"`sar-tui report wizard {session}` tells what the operator did.", soft_wrap=True)
     print_failed_outputs(out, spoke)
 
 

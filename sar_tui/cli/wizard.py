@@ -54,9 +54,10 @@ def session_to_show(session: str | None, link: Path | None, *, wait: bool, obser
 
     Raises:
         Refused: there is none such.
+        LinkError: it cannot be joined from here.
     """
     from sar_tui.cli.joining import session_to_join
-    from sar_tui.link.errors import LinkError, need_packages
+    from sar_tui.link.errors import need_packages
     from sar_tui.link.folder import live_sessions
 
     if link is not None:
@@ -67,11 +68,8 @@ def session_to_show(session: str | None, link: Path | None, *, wait: bool, obser
             raise Refused(f"{link} invites an operator, who can act. To only look, have an observer invited.")
         return where
     if session is None:
-        try:
-            need_packages()
-            found = live_sessions()
-        except LinkError as error:
-            raise Refused(str(error)) from error
+        need_packages()
+        found = live_sessions()
         if len(found) > 1 or (wait and not found):
             return None
     return session_to_join(session, None)

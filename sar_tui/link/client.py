@@ -51,7 +51,8 @@ def connect(where: Live | Invitation, name: str, role: Role, hear: Hear, loop: a
     """
     if isinstance(where, Invitation):
         name, role = where.name, where.role
-    return _Client(ways_of(where), f"{role}.{part_of_key(name)}", role, hear, loop)
+    returns = isinstance(where, Live)
+    return _Client(ways_of(where), f"{role}.{part_of_key(name)}", role, hear, loop, returns=returns)
 
 
 def part_of_key(name: str) -> str:
@@ -60,10 +61,16 @@ def part_of_key(name: str) -> str:
 
 
 class _Client:
-    """See `peer.Peer`. Everything here happens on the panel's loop; the line has threads of its own."""
+    """See `peer.Peer`. Everything here happens on the panel's loop; the line has threads of its own.
 
-    def __init__(self, ways: Ways, name: str, role: Role, hear: Hear, loop: asyncio.AbstractEventLoop) -> None:
-        self.name, self.role = name, role
+    ``returns``: what is over may be resumed, and is joined again then. An invitation opens whatever session is there
+    next, which may be another person's.
+    """
+
+    def __init__(
+        self, ways: Ways, name: str, role: Role, hear: Hear, loop: asyncio.AbstractEventLoop, *, returns: bool
+    ) -> None:
+        self.name, self.role, self._returns = name, role, returns
         self._hear, self._loop = hear, loop
         self._who = secrets.token_hex(8)
         self._clock = RemoteClock()
@@ -188,5 +195,7 @@ class _Client:
                 for trace in traces:
                     self._hear(trace)
             case Over():
+                self._is_let_in, self._number = False, None
                 self._turn(Connection("away", _OVER))
-                self.close()
+                if not self._returns:
+                    self.close()

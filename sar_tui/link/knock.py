@@ -11,7 +11,10 @@ from sar_tui.link.refusals import GUEST_LOG, log_environment, why_not_connected
 _PATIENCE_SECONDS = 10.0
 _ANSWER_SECONDS = 2.0
 _CAME_IN, _LET_IN = "came in", "was let in"
-_NOT_LET_IN = "The session there has nothing for this invitation: it may have been revoked. Ask for a new one."
+NOT_LET_IN = (
+    "The session there does not let this invitation in: it was revoked, or made after that session began. Ask for a "
+    "new one, or have the session begun anew."
+)
 
 
 def knock(settings: str, link: str) -> None:
@@ -38,7 +41,7 @@ def knock(settings: str, link: str) -> None:
     said = log.splitlines()
     if _LET_IN in said:
         return
-    raise LinkError(_NOT_LET_IN if _CAME_IN in said else why_not_connected(log))
+    raise LinkError(NOT_LET_IN if _CAME_IN in said else why_not_connected(log))
 
 
 def main() -> None:

@@ -28,6 +28,8 @@ _ANSWERED_S = 0.5
 _TELLS_S = 15.0
 """How often it is looked into why there is no connection, which takes another process."""
 _NO_SESSION = "The session does not answer: it may be over."
+_LETS_IN_S = 1.5
+"""Who has come in, and sees nothing of the session by then, is not let in: it tells strangers nothing of itself."""
 
 Arrived = Told | Connection
 
@@ -67,6 +69,7 @@ class Line:
         self._outbox: queue.Queue[tuple[str, bytes] | None] = queue.Queue(_MOST_WAITING)
         self._closed = threading.Event()
         self._answered = threading.Event()
+        self._is_let_in = False
         self._thread = threading.Thread(target=self._run, name="link", daemon=True)
 
     def open(self) -> None:
@@ -145,7 +148,10 @@ class Line:
         return ""
 
     def _serve(self, session: "zenoh.Session") -> None:
+        """Send what there is to send; signs of life come by all the time, so that this never sleeps for long."""
         import zenoh
+
+        from sar_tui.link.knock import NOT_LET_IN
 
         keys, name = self._keys, self._name
         held: list[Any] = [
@@ -155,7 +161,11 @@ class Line:
         held.append(session.liveliness().declare_token(keys.hello(name)))
         watch = zenoh.handlers.Callback(self._seen, indirect=False)
         held.append(session.liveliness().declare_subscriber(keys.out, watch, history=True))
+        told_by = time.monotonic() + _LETS_IN_S
         while (parcel := self._outbox.get()) is not None:
+            if not self._is_let_in and time.monotonic() > told_by:
+                self._arrived(Connection("connecting", _NO_SESSION if self._ways.socket else NOT_LET_IN))
+                told_by += _TELLS_S
             with contextlib.suppress(zenoh.ZError):
                 session.put(*parcel, congestion_control=zenoh.CongestionControl.BLOCK, express=True)
         self._answered.wait(_ANSWERED_S)  # before what is held is let go of, which tells the session so
@@ -167,4 +177,5 @@ class Line:
     def _seen(self, sample: "zenoh.Sample") -> None:
         """The session's side of the link is there, or gone."""
         state: Literal["connected", "lost"] = "lost" if "DELETE" in str(sample.kind) else "connected"
+        self._is_let_in = self._is_let_in or state == "connected"
         self._arrived(Connection(state, "" if state == "connected" else "The connection broke."))

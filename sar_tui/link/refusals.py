@@ -49,6 +49,19 @@ _JUDGED = re.compile(
 _FORESEEN = re.compile(r"ACL \(ingress\): caching permissions for `(?P<key>.*)` \.\.\.$")
 _ENDED = re.compile(r"Closing TLS link \S+ => (?P<address>\S+) : remote certificate chain expired")
 
+_ACTS = {
+    "Put": "send among",
+    "Delete": "delete among",
+    "Query": "ask for",
+    "Reply": "answer for",
+    "Declare/Undeclare Subscriber": "listen to",
+    "Declare/Undeclare Queryable": "offer to answer for",
+    "Liveliness Token": "sign itself in among",
+    "Liveliness Query": "see whether there is",
+    "Declare/Undeclare Liveliness Subscriber": "watch for",
+}
+"""What Zenoh calls them, and what they are to somebody who reads the record."""
+
 _CERTIFICATE = (
     ("peer sent no certificates", "it has no certificate"),
     ("certificate expired", "its invitation has expired"),
@@ -133,13 +146,24 @@ class Refusals:
         if judged["verdict"] == "authorized":
             return None
         guest = judged["guest"] or self._zid.get(judged["zid"], "")
-        return Refusal("message", guest, f"it may not {act.lower()} on {_shown(key)}")
+        return Refusal("message", guest, f"it may not {_ACTS.get(act, act.lower())} {_place(key)}")
 
 
 def why_not_connected(log: str) -> str:
     """Why a guest could not connect, by the log of that attempt: one or two sentences, for the guest to read."""
     attempts = [line for line in log.splitlines() if "Unable to connect to " in line and " any of " not in line]
     return _first(_NOT_CONNECTED, attempts[-1] if attempts else "") or _CANNOT
+
+
+def _place(key: str) -> str:
+    """Where in the session's part of the network, in words where it is a known place."""
+    _, _, place = key.removeprefix("sar-tui/").partition("/")
+    kind, _, whose = place.partition("/")
+    words = {"out": "what the session tells", "act": "the acts of", "hello": "the signs of life of"}.get(kind)
+    if words is None or bool(whose) == (kind == "out"):
+        return f"“{_shown(key)}”"
+    whose = "anybody" if whose in ("*", "**") else _shown(whose)
+    return words if kind == "out" else f"{words} {whose}"
 
 
 def _first(reasons: tuple[tuple[str, str], ...], text: str) -> str:

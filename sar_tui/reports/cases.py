@@ -25,12 +25,14 @@ Fate = Literal[
     "late",
     "stopped",
     "amended",
+    "mode_changed",
     "open",
 ]
 """``agent``: done, for its kind was the agent's own; ``accepted``, ``edited``: done, an operator decided; ``vetoed``:
 one stopped it before it began; ``cut_off``: after; ``timed_out_…``: nobody decided in time; ``no_operator_…``: nobody
 was there; ``manual_dropped``: only an operator would have done it, and did not; ``late``, ``stopped``, ``amended``: as
-`messages.Dropped`; ``open``: undecided when the record ends."""
+`messages.Dropped`; ``mode_changed``: an operator took its kind over while it waited, and did not do it; ``open``:
+undecided when the record ends."""
 Verdict = Literal["accepted", "edited", "vetoed"]
 _DROPPED: dict[str, Fate] = {
     "vetoed": "vetoed",
@@ -96,10 +98,13 @@ class Docket:
         self.state = arbitration.start(parameters)
         self._decisions: dict[str, tuple[int, m.Decision]] = {}
         self._level_ruled = -1
+        self._offered_as: dict[str, Mode] = {}
+        self._cause: tuple[int, Fate] = (-1, "open")
 
     def hear(self, told: Told) -> None:
         """Take the next message."""
         run, at, message = told
+        self._note_cause(at, message)
         match message:
             case m.SessionStarted():
                 self.state = msgspec.structs.replace(self.state, operated=False)
@@ -112,6 +117,7 @@ class Docket:
             case m.Offer():
                 case = self.cases.get(message.proposal.id) or self._propose(run, at, message.proposal)
                 case.offered = at if case.offered is None else case.offered
+                self._offered_as[case.id] = message.mode
             case m.OfferSeen() if known := self.cases.get(message.action):
                 known.seen.setdefault(message.actor, message.at or at)
             case m.Decision():
@@ -127,6 +133,18 @@ class Docket:
                 self._rule_level(run, at, message)
             case m.LevelChanged():
                 self._level_changed(run, at, message)
+
+    def _note_cause(self, at: int, message: m.Message) -> None:
+        """Of a level that falls away it is not told why; what comes before it in its cascade tells."""
+        match message:
+            case m.AttemptStarted():
+                self._cause = (-1, "open")
+            case m.AttemptEnded():
+                self._cause = (at, "amended")
+            case m.SessionEnded():
+                self._cause = (at, "late")
+            case m.Operator(command="stop"):
+                self._cause = (at, "stopped")
 
     def _propose(self, run: int, at: int, proposal: m.Proposal) -> Case:
         kind = arbitration.RULED.get(proposal.kind, "filler")
@@ -154,6 +172,8 @@ class Docket:
 
     def _drop(self, case: Case, at: int, dropped: m.Dropped) -> None:
         case.fate, case.said, case.said_valence = _DROPPED[dropped.reason], None, None
+        if dropped.reason == "manual" and self._has_changed_its_mode(case):
+            case.fate = "mode_changed"
         if case.resolved is None:
             case.resolved = at
         if dropped.reason == "vetoed":
@@ -180,7 +200,19 @@ class Docket:
             case.fate = _done(ruled.ground)
         else:
             not_done: dict[str, Fate] = {"deadline": "timed_out_dropped", "no operator": "no_operator_dropped"}
-            case.fate = not_done.get(ruled.ground, "manual_dropped" if case.mode == "manual" else "amended")
+            case.fate = not_done.get(ruled.ground) or self._fallen_away(case, at)
+
+    def _fallen_away(self, case: Case, at: int) -> Fate:
+        """Why a level that waited came to nothing without anybody's deciding: by what came in the same cascade."""
+        cause_at, cause = self._cause
+        if cause_at == at:
+            return cause
+        if case.mode == "manual":
+            return "manual_dropped"
+        return "mode_changed" if self._has_changed_its_mode(case) else "amended"
+
+    def _has_changed_its_mode(self, case: Case) -> bool:
+        return self._offered_as.get(case.id, case.mode) != case.mode
 
     def _level_changed(self, run: int, at: int, change: m.LevelChanged) -> None:
         """A change that nobody was asked about is told of by itself alone; after the last attempt nobody ever is."""

@@ -12,8 +12,21 @@ from sar_tui.reports.agreement import Agreement, agreement
 from sar_tui.reports.cases import Case, Fate, cases
 from sar_tui.reports.deviations import Deviation, deviations
 from sar_tui.reports.distribution import Distribution, distribution
+from sar_tui.reports.pauses import Pause, pauses
 from sar_tui.reports.presence import KINDS, MODES, Absence, mode_times, presence
 from sar_tui.reports.record import Told, people
+from sar_tui.reports.written import Written, written
+
+_PLANNED = (
+    *(f"operator_{kind}" for kind in KINDS),
+    "feedback_delay_ms",
+    "filler",
+    "operator_time_ms",
+    "operator_timeout",
+    "operator_lost",
+    "operator_lost_ms",
+)
+"""The settings that say who decides, and how long that may take."""
 
 
 class Proposals(msgspec.Struct, frozen=True):
@@ -36,13 +49,16 @@ class Proposals(msgspec.Struct, frozen=True):
 class WizardReport(msgspec.Struct, frozen=True):
     """Everything; times in s, latencies in ms.
 
-    ``operated``: whether an operator was ever there. ``initiated``: what operators did of their own accord, by what it
-    was. ``decision_ms``: from a proposal's standing on the operator's screen to the key; ``undecided_seen``: so many
-    stood there without one; ``waiting_ms``: from an offer until it was decided, by whomever; ``link_ms``: from the
-    stamp of an operator's key to its arrival in the session. ``counts``: of the deviations, by what they are.
+    ``plan``: the settings that rule over operators, as they were when the session began. ``operated``: whether an
+    operator was ever there. ``initiated``: what operators did of their own accord, by what it was. ``decision_ms``:
+    from a proposal's standing on the operator's screen to the key; ``undecided_seen``: so many stood there without
+    one; ``waiting_ms``: from an offer until it was decided, by whomever; ``link_ms``: from the stamp of an operator's
+    key to its arrival in the session. ``counts``: of the deviations, by what they are. ``pauses``: the participant's
+    own. ``written``: the notes and event marks themselves.
     """
 
     session: str
+    plan: dict[str, Any]
     operated: bool
     operators: list[str]
     observers: list[str]
@@ -59,8 +75,10 @@ class WizardReport(msgspec.Struct, frozen=True):
     counts: dict[str, int]
     absences: list[Absence]
     deviations: list[Deviation]
+    pauses: list[Pause]
     notes: int
     event_marks: int
+    written: list[Written]
 
 
 class Times(msgspec.Struct, frozen=True):
@@ -89,12 +107,13 @@ def report(session: str, parameters: Mapping[str, Any], told: Sequence[Told]) ->
         waiting=[case.waiting_ms for case in proposed if case.waiting_ms is not None],
         link=list(_link_ms(told, operators)),
     )
-    noted = [message for _, _, message in told if isinstance(message, m.Noted)]
+    noted = written(told)
     counts = Counter[str]()
     for deviation in found:
         counts[deviation.what] += deviation.count
     made = WizardReport(
         session=session,
+        plan={name: getattr(settings, name) for name in _PLANNED},
         operated=bool(operators),
         operators=operators,
         observers=people(told, "observer"),
@@ -111,8 +130,10 @@ def report(session: str, parameters: Mapping[str, Any], told: Sequence[Told]) ->
         counts=dict(counts),
         absences=list(there.absences),
         deviations=found,
+        pauses=pauses(told, operators),
         notes=sum(not note.label for note in noted),
         event_marks=sum(bool(note.label) for note in noted),
+        written=noted,
     )
     return made, times
 

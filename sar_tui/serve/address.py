@@ -1,5 +1,6 @@
 """Where views are served, and by which names a browser may call that place."""
 
+import socket
 from ipaddress import ip_address
 from typing import NamedTuple
 from urllib.parse import urlsplit
@@ -46,7 +47,8 @@ class Address(msgspec.Struct, frozen=True):
         """What people open, without the token."""
         if self.public_url:
             return self.public_url.rstrip("/") + "/"
-        host = f"[{self.host}]" if ":" in self.host else self.host
+        host = _reachable(self.host)
+        host = f"[{host}]" if ":" in host else host
         return f"http://{host}:{self.port}/"
 
     def is_ours(self, host: str) -> bool:
@@ -73,6 +75,19 @@ class Address(msgspec.Struct, frozen=True):
         """Whether an ``Origin`` is that of a page served here, to a browser that says ``host``, which is ours."""
         page = _place(origin)
         return page is not None and page in (_place(f"http://{host}"), _place(self.public_url))
+
+
+def _reachable(host: str) -> str:
+    """What others can open: in the place of "all networks", this machine's address in the one that leads outwards."""
+    if not (_is_figures(host) and ip_address(host).is_unspecified):
+        return host
+    family, elsewhere = (socket.AF_INET6, "2001:db8::1") if ":" in host else (socket.AF_INET, "192.0.2.1")
+    try:
+        with socket.socket(family, socket.SOCK_DGRAM) as asked:
+            asked.connect((elsewhere, 9))  # sends nothing: it only finds the way there
+            return str(asked.getsockname()[0])
+    except OSError:  # there is no network: only this machine can open it
+        return "::1" if ":" in host else "127.0.0.1"
 
 
 class _Place(NamedTuple):

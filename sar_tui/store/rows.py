@@ -109,7 +109,7 @@ def _add_actions(rows: Rows, session: str, at: int, message: m.Message) -> None:
             decided = a.decided or at
             rows["decisions"].append((session, a.id, a.kind, _text(a), a.decision, a.actor, decided, a.mode, a.ground))
         case m.Dropped() as d:
-            rows["drops"].append((*_dropped(d), at, d.reason, _GROUNDS.get(d.reason, "mode"), session, d.id))
+            rows["drops"].append((*_dropped(d), at, d.reason, _ground(d), session, d.id))
         case m.LevelRuled() as r:
             final = None if r.decision == "rejected" else _text({"level": r.level})
             rows["rulings"].append((session, r.id, final, r.decision, r.actor, r.at, r.ground))
@@ -119,8 +119,14 @@ def _add_actions(rows: Rows, session: str, at: int, message: m.Message) -> None:
             rows["ends"].append((r.at, session, r.action))
 
 
-_GROUNDS = {"vetoed": "operator", "expired": "deadline", "no operator": "no operator"}
+_GROUNDS: dict[str, m.Ground] = {"vetoed": "operator", "expired": "deadline", "no operator": "no operator"}
 """On what ground what was left out was decided, by the reason."""
+
+
+def _ground(dropped: m.Dropped) -> m.Ground:
+    """On what ground it was: an operator's stop key is an operator's decision."""
+    is_operators = dropped.reason == "stopped" and dropped.actor != "agent"
+    return "operator" if is_operators else _GROUNDS.get(dropped.reason, "mode")
 
 
 def _dropped(dropped: m.Dropped) -> tuple[str, str]:

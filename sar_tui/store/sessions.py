@@ -15,7 +15,7 @@ from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import host_now
 from sar_tui.framework.parameters import TaskParameters, fields
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ALL
+from sar_tui.framework.topics import ALL, PRESENCE
 from sar_tui.store import imu
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
@@ -165,6 +165,23 @@ def listing(db: sqlite_utils.Database, folder: Path, *, participant: str | None 
         {"who": participant, "limit": limit},
     )
     return [_with_status(_typed("sessions", row), folder) for row in rows]
+
+
+def operators(db: sqlite_utils.Database, session: str | None = None) -> dict[str, list[str]]:
+    """Who was an operator, by session, in the order in which they came; sessions without one are left out.
+
+    ``session``: look at this one alone.
+    """
+    found: dict[str, list[str]] = {}
+    for held, actor in db.execute(
+        f"SELECT session, json_extract(message, '$.actor') FROM events WHERE {'session=:session AND ' * bool(session)}"
+        "topic=:topic AND json_extract(message, '$.role')='operator' ORDER BY session, seq",
+        {"session": session, "topic": PRESENCE.name},
+    ):
+        names = found.setdefault(held, [])
+        if actor not in names:
+            names.append(actor)
+    return found
 
 
 def who(row: Row) -> str:

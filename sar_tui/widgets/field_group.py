@@ -135,5 +135,5 @@ class FieldGroup(Vertical):
 
 def _in_short(field: ParameterField) -> str:
     """A field and its value in a few words: "feedback: approve", "time to decide: 6000 ms"."""
-    title = field.field.title.removesuffix(" is").removesuffix(" are")
+    title = field.field.title.removesuffix(" mode")
     return f"{title[:1].lower()}{title[1:]}: {show(field.value) or 'none'} {field.field.unit}".rstrip()

@@ -7,6 +7,7 @@ import pytest
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.joining import session_to_join
 from sar_tui.link import folder
+from sar_tui.link.errors import LinkError
 from sar_tui.link.folder import Live
 from tests.cli.conftest import Call
 
@@ -50,5 +51,5 @@ def test_where_it_is_not_clear_which_all_are_named(
 
 def test_an_invitation_that_is_none_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("Dear diary")
-    with pytest.raises(Refused, match="is not an invitation"):
+    with pytest.raises(LinkError, match="is not an invitation"):
         session_to_join(None, tmp_path / "file")

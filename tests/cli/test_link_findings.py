@@ -92,6 +92,16 @@ def test_what_is_not_installed_is_no_fault_and_its_cure_is_told(monkeypatch: pyt
     )
 
 
+def test_a_browser_is_not_enough_without_the_link(monkeypatch: pytest.MonkeyPatch) -> None:
+    without(monkeypatch, "zenoh")
+    assert browser() == Finding(
+        "Browser",
+        "ok",
+        "not installed. `sar-tui serve` needs the link, too.",
+        "To have it: pip install 'sar-tui[link]'",
+    )
+
+
 def test_a_browser_can_be_served() -> None:
     assert (browser().state, browser().mend) == ("ok", "")
 

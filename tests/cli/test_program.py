@@ -136,6 +136,19 @@ def test_a_database_error_is_explained(call: Call, monkeypatch: pytest.MonkeyPat
     assert call("sessions") == (1, "", "sar-tui.db: no such table: sessions.\n")
 
 
+def test_where_a_part_of_the_program_does_not_load_that_is_a_sentence_too(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def break_down(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("a plain mistake")
+
+    monkeypatch.setattr("sar_tui.store.sessions.listing", break_down)
+    monkeypatch.setitem(sys.modules, "sar_tui.plugins", None)
+    called = call("sessions")
+    assert (called.code, called.err.count("\n")) == (1, 1)
+    assert called.err.startswith("Something went wrong that should not have (ModuleNotFoundError: ")
+
+
 def test_an_unforeseen_error_is_a_sentence(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     def break_down(*_: object, **__: object) -> None:
         raise ZeroDivisionError("a plain mistake")

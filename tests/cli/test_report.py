@@ -1,5 +1,6 @@
 """``sar-tui report wizard``: of simulated sessions, for people and for programs."""
 
+import json
 import re
 import sqlite3
 from pathlib import Path
@@ -53,6 +54,42 @@ def test_people_read_who_was_there_how_fast_they_were_and_how_far_they_agreed(ca
     assert "█" in called.out
     assert "Cohen's kappa" in called.out
     assert "(Riek 2012)" in called.out
+    assert "Plan: operator_feedback approve, operator_encouragement veto, operator_difficulty approve, " in called.out
+    assert "operator_time_ms 4000, operator_timeout act, operator_lost autonomous" in called.out
+
+
+def test_notes_marks_and_the_participants_pauses_are_told_with_their_times(call: Call, tmp_path: Path) -> None:
+    session = call(*SHORT, "--operator", "careful", "--attempts", 2).json["session"]
+    who, began = "operator.simulated", 0
+    with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
+        began, last = connection.execute("SELECT min(at_ns), max(at_ns) FROM events").fetchone()
+        for topic, message in (
+            ("operator/noted", {"text": "Tired today.", "actor": who, "at": began + 27_000_000_000}),
+            ("operator/noted", {"label": "yawn", "actor": who, "at": began + 28_500_000_000}),
+            ("operator/act", {"command": "pause", "reason": "pain"}),
+        ):
+            connection.execute(
+                "INSERT INTO events (session, seq, run, at_ns, topic, message)"
+                " SELECT session, max(seq) + 1, 1, ?, ?, ? FROM events",
+                (last, topic, json.dumps(message)),
+            )
+    out = call("report", "wizard", session).out
+    assert "1 note, 1 event mark." in out
+    assert re.search(rf"27\.0 +{who} +Tired today\.", out)
+    assert re.search(rf"28\.5 +{who} +yawn", out)
+    paused = f"The participant paused at {(last - began) / 1e9:.1f} s of run 1 (pain), for 0.0 s; until the run ended."
+    assert paused in out
+
+
+def test_sessions_and_show_tell_of_an_operator(call: Call) -> None:
+    alone = call(*SHORT, "--attempts", 1).json["session"]
+    session = call(*SHORT, "--operator", "careful", "--attempts", 1).json["session"]
+    assert f"`sar-tui report wizard {session}`" in call("show", session).out
+    assert "report wizard" not in call("show", alone).out
+    lines = {line.split()[0]: line for line in call("sessions").out.splitlines()}
+    assert (", operator" in lines[session], ", operator" in lines[alone]) == (True, False)
+    listed = {row["id"]: row["operators"] for row in call("sessions", "--json").json["sessions"]}
+    assert listed == {session: ["operator.simulated"], alone: []}
 
 
 def test_absences_and_deviations_are_told(call: Call) -> None:
@@ -116,5 +153,5 @@ def test_the_same_seed_gives_the_same_report(call: Call) -> None:
 def test_an_unknown_operator_is_bad_input_and_leaves_no_session(call: Call) -> None:
     called = call("simulate", "keyboard", "--user", "average", "--operator", "nobody")
     assert called.code == 2
-    assert "--operator" in called.err
+    assert "'--operator': 'nobody' is not one of 'careful', 'hasty', 'absent'" in called.err
     assert call("sessions", "--json").json == {"sessions": []}

@@ -14,6 +14,8 @@ import pytest
 
 from sar_tui.cli.common import Home
 from sar_tui.cli.serve import _program
+from sar_tui.link import errors
+from sar_tui.link.errors import NO_PACKAGES, LinkError
 from tests.cli.conftest import Call
 
 
@@ -89,6 +91,7 @@ def test_a_port_that_is_taken_is_told(call: Call) -> None:
         (["--link", "/no/such.file"], "There is no file /no/such.file"),
         (["--link", __file__, "--session", "abc"], "leave out --session"),
         (["--token-file", __file__], "token file"),
+        (["--name", "anna"], "Only an operator has a name"),
     ],
 )
 def test_what_cannot_be_is_told_before_anything_is_served(call: Call, arguments: list[str], said: str) -> None:
@@ -105,6 +108,21 @@ def test_without_the_extra_it_says_what_to_install(call: Call, monkeypatch: pyte
     called = call("serve", "observer")
     assert called.code == 2
     assert "pip install 'sar-tui[serve]'" in called.err
+
+
+def test_without_the_link_nothing_is_served(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing() -> None:
+        raise LinkError(NO_PACKAGES)
+
+    monkeypatch.setattr(errors, "need_packages", missing)
+    assert call("serve", "operator", "--port", 0) == (2, "", f"{NO_PACKAGES}\n")
+
+
+def test_an_operator_in_a_browser_can_have_a_name(call: Call, tmp_path: Path) -> None:
+    assert _program("operator", "s1", None, Home(tmp_path), "anna")[-4:] == ["--name", "anna", "--", "s1"]
+    called = call("serve", "operator", "--port", 0, "--name", "Anna B.")
+    assert called.code == 2
+    assert "cannot be a name here" in called.err
 
 
 def test_what_a_browser_is_shown_is_words_of_a_list_that_cannot_be_taken_for_others(tmp_path: Path) -> None:

@@ -135,6 +135,8 @@ def test_the_bounds_are_inclusive() -> None:
         ({"repetitions": 2.5}, "Repetitions is a whole number, 1 to 12, not 2.5."),
         ({"repetitions": True}, "Repetitions is a whole number, 1 to 12, not yes."),
         ({"reach": "nan"}, "Reach is a number, 0 to 100, not nan."),
+        ({"operator_timeout": "stop"}, "Timeout of approve is one of act, drop, not stop."),
+        ({"operator_lost": "wait"}, "Agent without operator is one of autonomous, silent, not wait."),
         ({"hand": "both"}, "Hand is one of right, left, not both."),
         ({"words": 5}, "Words takes words, spaced, not 5."),
         ({"marks": "1"}, "Marks takes 2 to 3 numbers, spaced, not 1."),

@@ -7,10 +7,12 @@ import msgspec
 import pytest
 import zenoh
 
+from sar_tui.link import line
 from sar_tui.link.authority import Authority
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.knock import knock
+from sar_tui.link.knock import NOT_LET_IN, knock
+from sar_tui.link.peer import Connection
 from sar_tui.link.settings import (
     Credentials,
     Endpoint,
@@ -102,6 +104,23 @@ def test_with_another_authoritys_certificate_nobody_gets_in(at: House, host: Hos
 def test_with_an_expired_certificate_nobody_gets_in(at: House, host: Host) -> None:
     with pytest.raises(zenoh.ZError), visiting(at.late):
         pass
+
+
+@pytest.mark.parametrize("is_new", [False, True], ids=["revoked", "made after the session began"])
+def test_a_panel_that_is_not_let_in_is_told_so_soon(
+    at: House, host: Host, is_new: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(line, "_LETS_IN_S", 0.2)
+    invitation = at.authority.invite(Guest("newcomer", "operator"), [at.where], 30) if is_new else at.gone
+    arrived: list[object] = []
+    panel = line.Line(line.ways_of(invitation), str(invitation.guest), arrived.append)
+    panel.open()
+    try:
+        assert eventually(lambda: panel.send_hello(b"hello") or arrived)
+    finally:
+        panel.close(awaits_answer=False)
+    assert arrived == [Connection("connecting", NOT_LET_IN)]
+    assert host.heard == []
 
 
 def test_a_guest_does_not_talk_to_a_host_of_another_authority(at: House, host: Host, tmp_path: Path) -> None:
@@ -255,7 +274,7 @@ def test_who_is_invited_may_knock(at: House) -> None:
 
 @pytest.mark.usefixtures("present")
 def test_who_was_revoked_is_told_when_they_knock(at: House) -> None:
-    with pytest.raises(LinkError, match="may have been revoked"):
+    with pytest.raises(LinkError, match="it was revoked, or made after"):
         knock_with(at.gone)
 
 

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -12,12 +13,16 @@ from sar_tui.framework.bus import Record
 from sar_tui.framework.parameters import TaskParameters, fields
 from sar_tui.framework.topics import KEY, LEVEL, NOTED
 from sar_tui.link import client, wire
+from sar_tui.link.authority import Authority
 from sar_tui.link.folder import Live
+from sar_tui.link.invitation import Invitation
 from sar_tui.link.line import Arrived
 from sar_tui.link.peer import Connection, Frame, Heard, Peer, Trace, Welcome
+from sar_tui.link.settings import Endpoint, Guest
 from sar_tui.link.wire import Act, Batch, Greeting, Hello, Over, Pong, Traces
 from tests.link.test_node import ABOUT, ANNA
 
+HERE = Live(session="s1", task="keyboard", link="link", pid=1)
 WELCOME: Welcome = msgspec.structs.replace(ABOUT, name=ANNA, role="operator")
 
 
@@ -52,9 +57,8 @@ class Line:
 class Panel:
     """A peer, and what it was told."""
 
-    def __init__(self) -> None:
+    def __init__(self, where: Live | Invitation = HERE) -> None:
         self.heard: list[Heard] = []
-        where = Live(session="s1", task="keyboard", link="link", pid=1)
         loop = asyncio.get_running_loop()
         self.peer: Peer = client.connect(where, "anna", "operator", self.heard.append, loop)
         self.line = Line.made[-1]
@@ -171,7 +175,26 @@ async def test_traces_are_told_one_by_one(panel: Panel) -> None:
     assert panel.heard == traces
 
 
-async def test_a_session_that_is_over_is_away_for_good(panel: Panel) -> None:
+async def test_a_session_of_this_machine_that_is_over_is_joined_again_when_it_is_resumed(panel: Panel) -> None:
+    await panel.welcomed()
+    await panel.arrives(Over(), batch(4), Connection("lost", "The connection broke."))
+    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["away"]
+    assert panel.levels() == []
+    assert not panel.line.is_closed
+    await panel.arrives(Connection("connected"))
+    assert panel.wants()
+    await panel.arrives(panel.pong(), Greeting(1, WELCOME, wire.framed([level(1)])))
+    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["away", "connected"]
+
+
+async def test_with_an_invitation_a_session_that_is_over_is_away_for_good(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(client, "Line", Line)
+    monkeypatch.setattr(client, "ways_of", lambda where: where)
+    invitation = Authority.made(tmp_path).invite(Guest("anna", "operator"), [Endpoint("127.0.0.1", 7447)], 30)
+    panel = Panel(invitation)
+    await panel.arrives()
     await panel.welcomed()
     await panel.arrives(Over(), batch(4))
     assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["away"]

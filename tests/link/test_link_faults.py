@@ -29,7 +29,7 @@ from sar_tui.link.host import Host
 from sar_tui.link.node import LinkNode
 from sar_tui.link.opening import Listening, opened
 from sar_tui.link.peer import Connection, Frame, Heard, Peer, Welcome
-from sar_tui.link.settings import Keys, config, socket_settings
+from sar_tui.link.settings import Keys, config, host_settings, socket_settings
 from tests.link.house import eventually
 from tests.link.test_node import ABOUT, STARTED
 
@@ -266,6 +266,26 @@ async def test_a_session_that_ends_is_away_to_its_panels(sitting: Sitting) -> No
     sitting.node.detach()
     sitting.host.close()
     await until(lambda: panel.states[-1] == "away")
+
+
+async def test_a_session_that_was_left_and_is_resumed_is_joined_again_by_its_panels(sitting: Sitting) -> None:
+    panel = await sitting.panel("anna")
+    sitting.node.detach()
+    sitting.host.close()
+    await until(lambda: panel.states[-1] == "away")
+    live = sitting.live
+    host = Host(wire.Setup(host_settings(live.link, socket=live.socket), live.link, LOST_MS * MS))
+    resumed = LinkNode(host)
+    resumed.about = sitting.node.about
+    try:
+        host.open()
+        resumed.attach(sitting.bus)
+        await until(lambda: panel.states[-1] == "connected")
+        panel.peer.send(NOTED, m.Noted(text="well again"))
+        await until(lambda: sitting.of(NOTED))
+    finally:
+        resumed.detach()
+        host.close()
 
 
 def test_when_the_program_is_killed_the_links_process_ends_with_it(tmp_path: Path) -> None:

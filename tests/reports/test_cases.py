@@ -203,6 +203,43 @@ def test_a_level_that_only_the_operator_would_have_changed_stays() -> None:
     assert only(script, MANUAL).fate == "manual_dropped"
 
 
+STARTED = m.AttemptStarted(attempt=2, practice=False, level=1, trials=3)
+ENDED = m.AttemptEnded(
+    attempt=1, practice=False, level=1, metric=None, metric_unit="ms", accuracy=1, correct=3, trials=3,
+    outcome="success", feedback="none", started=0, ended=1
+)  # fmt: skip
+
+
+def switched() -> Script:
+    """A level waits to be approved; then the operator takes levels over."""
+    taken = m.ModeChosen(kind="difficulty", mode="manual", actor="x")
+    return Script().join(10).say(1000, offer(L1, level=2)).say(2000, taken, offer(L1, "manual", 2))
+
+
+def test_a_level_whose_mode_was_changed_while_it_waited_falls_away_for_that() -> None:
+    script = switched().say(9000, STARTED, ruled("l1", 0, "rejected", "mode"))
+    case = only(script)
+    assert (case.mode, case.fate, case.verdict) == ("approve", "mode_changed", None)
+
+
+def test_words_whose_mode_was_changed_while_they_waited_fall_away_for_that() -> None:
+    taken = m.ModeChosen(kind="feedback", mode="manual", actor="x")
+    script = offered().say(2000, taken, offer(A1, "manual")).say(9000, m.Dropped(id="a1", reason="manual"))
+    assert only(script).fate == "mode_changed"
+
+
+@pytest.mark.parametrize(
+    ("cause", "fate"),
+    [
+        (ENDED, "amended"),
+        (m.Operator(command="stop", actor="x"), "stopped"),
+        (m.SessionEnded(status="aborted"), "late"),
+    ],
+)
+def test_a_level_that_falls_away_for_another_reason_says_that_one(cause: m.Message, fate: str) -> None:
+    assert only(switched().say(9000, cause, ruled("l1", 0, "rejected", "mode"))).fate == fate
+
+
 def test_a_level_that_is_held_back_without_being_offered_is_a_case_too() -> None:
     script = Script().say(1000, ruled("l1", 1, "rejected", "no operator"))
     case = only(script)

@@ -13,6 +13,7 @@ from sar_tui.reports.cases import cases
 from sar_tui.reports.distribution import Distribution
 from sar_tui.reports.record import Told, read
 from sar_tui.reports.wizard import WizardReport, report
+from sar_tui.reports.written import Written
 from sar_tui.runs import Plan, simulate
 from sar_tui.simulation.operator import CHARACTERS
 from sar_tui.simulation.person import PEOPLE
@@ -70,6 +71,8 @@ def test_a_session_worked_out_by_hand() -> None:
     assert made.counts == {"level": 1, "lost": 1}
     assert [(absence.at_s, absence.duration_s) for absence in made.absences] == [(40, 10)]
     assert (made.notes, made.event_marks) == (1, 1)
+    assert made.written == [Written(1, 27, WHO, "Tired today.", ""), Written(1, 28, WHO, "", "yawn")]
+    assert (made.plan["operator_feedback"], made.plan["operator_timeout"], made.pauses) == ("approve", "act", [])
 
 
 def test_the_shares_of_a_kind_that_changed_its_mode() -> None:

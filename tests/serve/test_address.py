@@ -1,5 +1,8 @@
 """Given where views are served, when a browser names that place or a page speaks to it, then only its own names do."""
 
+from ipaddress import ip_address
+from urllib.parse import urlsplit
+
 import pytest
 
 from sar_tui.serve.address import Address, AddressError
@@ -34,6 +37,15 @@ PROXIED = Address("127.0.0.1", 8000, "https://lab.example")
 )
 def test_only_names_that_nobody_else_can_give_are_ours(address: Address, host: str, is_ours: bool) -> None:
     assert address.is_ours(host) is is_ours
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::"])
+def test_in_the_place_of_all_networks_an_address_is_told_that_others_can_open(host: str) -> None:
+    place = Address(host, 8000)
+    named = urlsplit(place.url)
+    assert named.hostname
+    assert not ip_address(named.hostname).is_unspecified
+    assert place.is_ours(named.netloc)
 
 
 @pytest.mark.parametrize(

@@ -148,7 +148,8 @@ def test_an_operators_stop_is_told_from_the_participants(data: Path) -> None:
     bus, clock = operated.session.bus, operated.clock
     bus.subscribe(OFFERED, lambda _: clock.call_at(clock.now() + 1, lambda: bus.publish(OPERATOR, stop)))
     rows = operated.rows("feedback")
-    assert [(row["decision"], row["actor"], row["reason"]) for row in rows] == [("dropped", ANA, "stopped")] * 3
+    told = [(row["decision"], row["actor"], row["reason"], row["ground"]) for row in rows]
+    assert told == [("dropped", ANA, "stopped", "operator")] * 3
 
 
 def test_what_is_written_does_not_depend_on_what_was_written_together(data: Path) -> None:
