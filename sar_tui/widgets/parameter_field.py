@@ -111,9 +111,13 @@ class ParameterField(Widget):
             self.post_message(self.Changed())
 
     def on_descendant_focus(self) -> None:
-        """The title stands out, and the help beneath the editor is shown with it."""
+        """The title stands out, and the help beneath the editor is shown with it.
+
+        Where a heading has just unfolded, the place of a field is known only with the next refresh.
+        """
         self.refresh()
         self.scroll_visible(animate=False, immediate=True)
+        self.call_after_refresh(self.scroll_visible, animate=False, immediate=True)
 
     def on_descendant_blur(self) -> None:
         """The title stands out no more."""

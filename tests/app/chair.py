@@ -88,12 +88,13 @@ class Chair:
         self._messages += not isinstance(message, Callback)
 
     async def _rest(self) -> None:
-        """Until no widget tells another anything more."""
+        """Until no widget tells another anything more, and nothing waits for the next refresh."""
         silent = 0
         while self.app.is_running and silent < 2:
             before = self._messages
             await self.pilot.pause(0)
-            silent = silent + 1 if self._messages == before else 0
+            is_still = self._messages == before and not self.app.screen._callbacks
+            silent = silent + 1 if is_still else 0
 
     async def wait(self, ms: float) -> None:
         """Let time pass. A prompt that comes up in it is seen at once."""
