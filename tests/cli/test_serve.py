@@ -12,6 +12,7 @@ from typing import IO
 
 import pytest
 
+import sar_tui.serve.view
 from sar_tui.cli.common import Home
 from sar_tui.cli.serve import _program
 from sar_tui.link import errors
@@ -102,6 +103,7 @@ def test_what_cannot_be_is_told_before_anything_is_served(call: Call, arguments:
 
 @pytest.mark.parametrize("missing", ["textual_serve", "aiohttp"])
 def test_without_the_extra_it_says_what_to_install(call: Call, monkeypatch: pytest.MonkeyPatch, missing: str) -> None:
+    monkeypatch.setattr(sar_tui, "serve", sar_tui.serve)  # put back what is imported anew in here
     for name in [name for name in sys.modules if name.startswith("sar_tui.serve")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, missing, None)
