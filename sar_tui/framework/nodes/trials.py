@@ -1,5 +1,6 @@
 """How a trial runs: from its start, or the quiet before its prompt, to its row (thesis 3.2.3)."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 import msgspec
@@ -22,7 +23,7 @@ HELD = 3 * SECOND
 """After this long without quiet the participant is asked to let go of the keys."""
 
 
-class Trials(TimedNode):
+class Trials(TimedNode, ABC):
     """One trial after the other. The open trial keeps what was seen; what comes between attempts is a subclass's.
 
     A trial runs (start) → quiet → foreperiod → (storing) → onset → response; a key in the foreperiod begins it anew;
@@ -48,25 +49,25 @@ class Trials(TimedNode):
         self._is_agent_acting = False
         self._after_agent: Callable[[], None] = self._lead_up
 
+    @abstractmethod
     def _wait(self, phase: Phase, reason: str = "") -> None:
         """Enter a phase, and say what the session waits for."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _key_between_trials(self, percept: m.KeyPerceived) -> None:
         """A key where no trial is under way."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _trial_done(self, results: Results) -> Results:
         """A trial has its results. Returns them as they are to be kept."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _next(self) -> None:
         """A trial is recorded: go on with the next, or end the attempt."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _marked_open(self, mark: Mark | None) -> None:
         """The open trial is marked, or its mark is taken back."""
-        raise NotImplementedError
 
     # --- towards the prompt ----------------------------------------------------------------------------------
 
