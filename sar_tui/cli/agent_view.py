@@ -2,13 +2,13 @@
 
 import os
 import sys
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from sar_tui.cli.common import Data, Home, Tasks, need_screen
 from sar_tui.cli.errors import FAILED
+from sar_tui.cli.joining import Joined, Link
 
 if TYPE_CHECKING:
     import asyncio
@@ -21,14 +21,8 @@ _NAME = "agent"
 
 def follow_agent(
     context: typer.Context,
-    session: Annotated[
-        str | None,
-        typer.Argument(metavar="SESSION", help="Its id, or the beginning of it.", show_default=False),
-    ] = None,
-    link: Annotated[
-        Path | None,
-        typer.Option("--link", metavar="FILE", show_default=False, help="The invitation to another machine's session."),
-    ] = None,
+    session: Joined = None,
+    link: Link = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:

@@ -2,13 +2,23 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
     from sar_tui.link.folder import Live
     from sar_tui.link.invitation import Invitation
+
+Joined = Annotated[
+    str | None, typer.Argument(metavar="SESSION", help="Its id, or the beginning of it.", show_default=False)
+]
+Link = Annotated[
+    Path | None,
+    typer.Option("--link", metavar="FILE", show_default=False, help="The invitation to another machine's session."),
+]
 
 
 def session_to_join(session: str | None, link: Path | None) -> "Live | Invitation":

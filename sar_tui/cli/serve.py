@@ -10,6 +10,7 @@ import typer
 from sar_tui import child_process
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, print_json
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.joining import Link
 
 _UNENCRYPTED = (
     "Others can reach this, and read along: it is not encrypted. Use an SSH tunnel instead of --host, or a proxy "
@@ -31,10 +32,7 @@ def serve(
         str | None,
         typer.Option(metavar="NAME", show_default=False, help="What an operator is called there; else the login name."),
     ] = None,
-    link: Annotated[
-        Path | None,
-        typer.Option("--link", metavar="FILE", show_default=False, help="The invitation to another machine's session."),
-    ] = None,
+    link: Link = None,
     host: Annotated[str, typer.Option(metavar="HOST", help="Where to listen; as it is, for this machine alone.")] = (
         "127.0.0.1"
     ),

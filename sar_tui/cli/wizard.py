@@ -8,6 +8,7 @@ import typer
 
 from sar_tui.cli.common import Data, Home, Tasks, need_screen
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.joining import Joined, Link
 
 if TYPE_CHECKING:
     from sar_tui.link.folder import Live
@@ -16,14 +17,8 @@ if TYPE_CHECKING:
 
 def wizard(
     context: typer.Context,
-    session: Annotated[
-        str | None,
-        typer.Argument(metavar="SESSION", help="Its id, or the beginning of it.", show_default=False),
-    ] = None,
-    link: Annotated[
-        Path | None,
-        typer.Option("--link", metavar="FILE", show_default=False, help="The invitation to another machine's session."),
-    ] = None,
+    session: Joined = None,
+    link: Link = None,
     name: Annotated[
         str | None,
         typer.Option(metavar="NAME", show_default=False, help="What you are called there; else your login name."),
