@@ -12,12 +12,12 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from benchmarks.speaking import MOTOR, PLAYER
-from sar_tui.simulation.closed_loop import SAR_TUI, Block, Mismatch, Program, Row, take_turns
-from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
-from sar_tui.simulation.spread import Spread, spread
-from sar_tui.simulation.terminal import Terminal
+from benchmarks.silent_app import MOTOR, PLAYER
 from sar_tui.store.database import FILE
+from sar_tui.timing.closed_loop import SAR_TUI, Block, Mismatch, Program, Row, take_turns
+from sar_tui.timing.error_statistics import ErrorStatistics, spread
+from sar_tui.timing.pty import Terminal
+from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
 
 WORST_STOP_MS = 100.0
 MEDIAN_ALLOWANCE_MS, IQR_RATIO = 0.2, 1.5
@@ -76,7 +76,7 @@ def measure(
     }
 
 
-def _checks(speaking: Spread, silent: Spread) -> dict[str, bool]:
+def _checks(speaking: ErrorStatistics, silent: ErrorStatistics) -> dict[str, bool]:
     added = abs(speaking.median_ms) - abs(silent.median_ms)
     return {
         f"the agent adds ≤ {MEDIAN_ALLOWANCE_MS} ms to |median|": added <= MEDIAN_ALLOWANCE_MS,
@@ -96,7 +96,7 @@ def _program(name: str, outputs: str) -> Program:
         ordered = SAR_TUI.command(folder, block)
         settings = [f"outputs={outputs}", f"attempts={attempts}", f"prompts_per_attempt={per_attempt}"]
         said = [word for setting in settings for word in ("--set", setting)]
-        return [sys.executable, "-m", "benchmarks.speaking", str(folder), *ordered[3:], *said]
+        return [sys.executable, "-m", "benchmarks.silent_app", str(folder), *ordered[3:], *said]
 
     def recorded(folder: Path) -> list[Row]:
         rows = SAR_TUI.recorded(folder)
@@ -137,7 +137,7 @@ def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:
         "foreperiod_min_ms": 40,
         "foreperiod_max_ms": 80,
     }
-    command = [sys.executable, "-m", "benchmarks.speaking", str(folder), "run", "keyboard", "-p", "BENCH"]
+    command = [sys.executable, "-m", "benchmarks.silent_app", str(folder), "run", "keyboard", "-p", "BENCH"]
     command += ["--data", str(folder), "--seed", "1", "--outputs", "screen,speech,servo"]
     command += [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
     stopped: list[Stop] = []

@@ -6,7 +6,7 @@ from textual import events
 from textual.app import App, ComposeResult
 from textual.widgets import Static
 
-from sar_tui.simulation.bare import Sheet
+from sar_tui.timing.baseline import Sheet
 
 
 class Naive(App[None]):

@@ -15,14 +15,14 @@ from typing import Any
 
 import msgspec
 
-from benchmarks.unattended import panel
-from sar_tui.app.panel.deeds import DEEDS, key_name
-from sar_tui.app.panel.steering import TOO_SOON
+from benchmarks.unattended_panel import panel
 from sar_tui.framework.clock import MS, SECOND
-from sar_tui.simulation.closed_loop import SAR_TUI, Block, Mismatch, Row, take_turns
-from sar_tui.simulation.spread import Spread, spread
-from sar_tui.simulation.terminal import Terminal, together, visible
+from sar_tui.operator.commands import TOO_SOON
+from sar_tui.operator.keymap import DEEDS, key_name
 from sar_tui.store.database import FILE
+from sar_tui.timing.closed_loop import SAR_TUI, Block, Mismatch, Row, take_turns
+from sar_tui.timing.error_statistics import ErrorStatistics, spread
+from sar_tui.timing.pty import Terminal, together, visible
 
 MEDIAN_MS, P99_MS = 20.0, 100.0
 """From an operator's key to the participant's screen."""
@@ -70,7 +70,7 @@ def measure(acts: int, trials: int, folder: Path, on_act: Callable[[], None], on
     }
 
 
-def _checks(operated: Spread, alone: Spread) -> dict[str, bool]:
+def _checks(operated: ErrorStatistics, alone: ErrorStatistics) -> dict[str, bool]:
     added = abs(operated.median_ms) - abs(alone.median_ms)
     return {
         f"an operator adds ≤ {MEDIAN_ALLOWANCE_MS} ms to |median|": added <= MEDIAN_ALLOWANCE_MS,
@@ -91,7 +91,7 @@ def _attended(folder: Path, terminal: Terminal) -> Iterator[None]:
     """An operator's panel mirrors the session from its first screen on, and nobody presses a key of it."""
     terminal.wait_for(_ENTER)
     log = Log(folder)
-    command = [sys.executable, "-m", "benchmarks.unattended", log.session(), str(folder)]
+    command = [sys.executable, "-m", "benchmarks.unattended_panel", log.session(), str(folder)]
     with subprocess.Popen(command, stdin=subprocess.PIPE) as other:
         try:
             log.wait(terminal, lambda: log.told("operator/presence"), "the operator to join")

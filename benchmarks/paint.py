@@ -7,7 +7,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from sar_tui.simulation.terminal import Terminal, visible
+from sar_tui.timing.pty import Terminal, visible
 
 _PATIENCE = 20_000_000_000
 

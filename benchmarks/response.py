@@ -7,8 +7,8 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.simulation.closed_loop import BARE, SAR_TUI, Trial, python_program, take_turns
-from sar_tui.simulation.spread import Spread, spread
+from sar_tui.timing.closed_loop import BARE, SAR_TUI, Trial, python_program, take_turns
+from sar_tui.timing.error_statistics import ErrorStatistics, spread
 
 NAIVE = python_program("naive Textual", "benchmarks.naive")
 PROGRAMS = (BARE, NAIVE, SAR_TUI)
@@ -53,7 +53,7 @@ def _quality(trials: list[Trial]) -> dict[str, Any]:
     }
 
 
-def _checks(own: Spread, bare: Spread) -> dict[str, bool]:
+def _checks(own: ErrorStatistics, bare: ErrorStatistics) -> dict[str, bool]:
     return {
         f"|median| ≤ {MAX_MEDIAN_MS} ms": abs(own.median_ms) <= MAX_MEDIAN_MS,
         f"IQR ≤ {MAX_IQR_RATIO} × bare loop": own.iqr_ms <= MAX_IQR_RATIO * bare.iqr_ms,

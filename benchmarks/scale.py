@@ -8,9 +8,10 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from sar_tui import runs
 from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 
 
@@ -19,10 +20,10 @@ def measure(attempts: int, folder: Path, on_attempt: Callable[[], None]) -> dict
     catalogue = Catalogue()
     task = catalogue.task("keyboard")
     parameters = build(task.Parameters, {"attempts": attempts})
-    plan = runs.Plan(task=task, parameters=parameters, theme="calm", participant="BENCH", seed=1, mode="simulated")
+    plan = Plan(task=task, parameters=parameters, theme="calm", participant="BENCH", seed=1, mode="simulated")
     with tempfile.TemporaryDirectory(dir=folder) as own:
         started = time.perf_counter()
-        runs.simulate(plan, PEOPLE["average"], Path(own), catalogue, lambda attempt: on_attempt())
+        simulate(plan, PEOPLE["average"], Path(own), catalogue, lambda attempt: on_attempt())
         taken = time.perf_counter() - started
         trials = attempts * task(parameters).trials_per_attempt
         commit = _commit(Path(own), trials)

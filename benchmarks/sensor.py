@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from sar_tui.motion.samples import unpack
-from sar_tui.simulation.terminal import Terminal
 from sar_tui.store.database import FILE
+from sar_tui.timing.pty import Terminal
 
 RUNS = ((250, 60.0), (1000, 300.0))
 """Samples a second, and for how many seconds."""
@@ -37,7 +37,7 @@ def total_seconds(quick: bool) -> int:
 def _run(rate_hz: int, seconds: float, folder: Path, on_second: Callable[[], None]) -> dict[str, Any]:
     folder.mkdir()
     result = folder / "result.json"
-    command = [sys.executable, "-m", "benchmarks.driven", str(rate_hz), str(seconds), str(folder), str(result)]
+    command = [sys.executable, "-m", "benchmarks.sensor_app", str(rate_hz), str(seconds), str(folder), str(result)]
     with Terminal(command) as terminal:
         for text in ("1044_1B", "Press Enter to go on", "Press Enter to begin"):
             terminal.wait_for(text)

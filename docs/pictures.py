@@ -9,17 +9,18 @@ from typing import Any
 from textual.app import App
 
 from sar_tui.app.app import SarTui
-from sar_tui.app.panel.screen import PanelScreen
-from sar_tui.app.wizard import WizardApp
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import Role
 from sar_tui.framework.parameters import build
 from sar_tui.link.channel import Ended, Hear, Sending, ToAll, ToOne
-from sar_tui.link.folder import Live
+from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.peer import Connection, Frame, Heard
-from sar_tui.link.wire import Came, News, Wants
+from sar_tui.link.protocol import Came, News, Wants
+from sar_tui.operator.app import WizardApp
+from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, simulate
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 
 IMAGES = Path(__file__).parent / "images"
@@ -213,7 +214,7 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
         def make_panel(self, where: object) -> PanelScreen:
             return PanelScreen(join, self._theme, self._folder)
 
-    panel = Panel(catalogue.theme("calm"), data, "anna", where=Live("picture", "keyboard", "picture", 0))
+    panel = Panel(catalogue.theme("calm"), data, "anna", where=JoinableSession("picture", "keyboard", "picture", 0))
     async with panel.run_test(size=(100, 30)) as pilot:
         for _ in range(5):
             await pilot.pause()

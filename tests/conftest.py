@@ -10,6 +10,9 @@ from hypothesis import HealthCheck, settings
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue
+from tests.program import call, simulated
+
+__all__ = ["call", "simulated"]
 
 settings.register_profile(
     "seeded",

@@ -14,7 +14,8 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ALL
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, simulate
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import CHARACTERS
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store.database import connect
@@ -60,7 +61,7 @@ def test_kinds_and_decisions_of_actions_are_told_of() -> None:
 
 
 def test_every_state_and_deed_of_a_report_is_told_of() -> None:
-    assert {*get_args(messages.DeedState), *get_args(messages.Deed)} - named(section("events")) == set()
+    assert {*get_args(messages.PartState), *get_args(messages.ActionPart)} - named(section("events")) == set()
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ def test_the_framework_stands_alone() -> None:
     assert not forbidden & names
 
 
-@pytest.mark.parametrize("package", ["sar_tui.store", "sar_tui.plugins", "sar_tui.runs"])
+@pytest.mark.parametrize("package", ["sar_tui.store", "sar_tui.plugins", "sar_tui.runs.run"])
 def test_what_works_without_a_screen_loads_none(package: str) -> None:
     run = subprocess.run(
         [sys.executable, "-c", f"import sys, {package}; print('textual' in sys.modules)"],

@@ -9,9 +9,10 @@ import pytest
 
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.parameters import build
-from sar_tui.framework.task import Metric
+from sar_tui.framework.trial_types import Metric
 from sar_tui.plugins import Catalogue, PluginError, load_task, load_theme, task_folder, user_folder
-from sar_tui.runs import Failed, Plan, simulate
+from sar_tui.runs.plan import Failed, Plan
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
@@ -19,7 +20,7 @@ from sar_tui.store.database import connect
 TAPS = '''
 from typing import Annotated, Any
 
-from sar_tui.framework.chance import Chance
+from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.parameters import TaskParameters, meta
 from sar_tui.framework.task import Act, Metric, Performance, Result, Situation, Stimulus, Task, Trial
 
@@ -53,7 +54,7 @@ class Taps(Task):
         taps = len(trial.percepts)
         return Result(correct=True, response=str(taps), value=float(taps), details={"taps": taps})
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
         interval = performance.reaction_ms / 2
         return [(interval * (tap + 1), "space") for tap in range(int(3000 / interval))]
 '''

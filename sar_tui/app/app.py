@@ -19,26 +19,26 @@ from textual.geometry import Size
 from textual.screen import Screen
 from textual.widget import Widget
 
-from sar_tui.app.driver import OnsetWatch, stamp_keys_as_read, watched
-from sar_tui.app.last_words import INTERRUPTED, UNSAVED, say_last_words
-from sar_tui.app.ordered_keys import in_order
-from sar_tui.app.screens.too_small import TooSmallScreen, is_too_small
-from sar_tui.app.wardrobe import Wardrobe
+from sar_tui.app.exit_message import INTERRUPTED, UNSAVED, say_last_words
+from sar_tui.app.theming import ThemedApp
 from sar_tui.framework.clock import SECOND, Clock, LiveClock
+from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.messages import Operator
-from sar_tui.framework.parameters import ParameterError
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.database import StoreError, connect, explain
 from sar_tui.theme_folder import may_have_images
+from sar_tui.tui.ordered_keys import in_order
+from sar_tui.tui.timestamps import OnsetWatch, stamp_keys_as_read, watched
+from sar_tui.tui.too_small import TooSmallScreen, is_too_small
 
 if TYPE_CHECKING:  # what a session needs is loaded with the session: until then somebody waits for the first screen
     from sar_tui.app.live import LiveSession
     from sar_tui.inputs.feed import ImuFeed
-    from sar_tui.link.host import Host
-    from sar_tui.runs import Plan
+    from sar_tui.link.broker_process import BrokerProcess
+    from sar_tui.runs.plan import Plan
 
 
-class SarTui(Wardrobe):
+class SarTui(ThemedApp):
     """Home, settings, sessions.
 
     Args:
@@ -65,7 +65,7 @@ class SarTui(Wardrobe):
         catalogue: Catalogue,
         begin: "Plan | str | None" = None,
         clock: Clock | None = None,
-        link: "Host | None" = None,
+        link: "BrokerProcess | None" = None,
     ) -> None:
         self.onset_watch = OnsetWatch()
         super().__init__(catalogue)
@@ -114,7 +114,7 @@ class SarTui(Wardrobe):
     def _check_sensors(self, plan: "Plan") -> None:
         """Start the sensors of a session, show what comes from them, and hand them over."""
         from sar_tui.app.screens.sensor_check import SensorCheckScreen
-        from sar_tui.sensing import sensors
+        from sar_tui.runs.sensors import sensors
 
         clock = self._session_clock or LiveClock(asyncio.get_running_loop())
         try:
@@ -155,7 +155,7 @@ class SarTui(Wardrobe):
         """Open a session on a screen of its own."""
         from sar_tui.app.live import LiveSession
         from sar_tui.app.screens.session import SessionScreen
-        from sar_tui.runs import Failed
+        from sar_tui.runs.plan import Failed
 
         live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, self._link)
         screen = SessionScreen(live)
@@ -313,7 +313,7 @@ def run_app(
     catalogue: Catalogue,
     plan: "Plan | None" = None,
     resume: str | None = None,
-    link: "Host | None" = None,
+    link: "BrokerProcess | None" = None,
 ) -> int:
     """Run the app in this terminal; returns the exit code.
 

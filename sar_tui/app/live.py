@@ -17,14 +17,15 @@ from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import OPERATOR
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, Run, resume, speaking, start
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.run import Run, resume, speaking, start
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
     from textual.app import App
 
     from sar_tui.inputs.feed import ImuFeed
-    from sar_tui.link.host import Host
+    from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.link.node import LinkNode
 
 _LAST_WRITE_SECONDS = 5.0
@@ -44,7 +45,7 @@ class LiveSession:
         catalogue: Catalogue,
         clock: Clock | None = None,
         feeds: "Sequence[ImuFeed]" = (),
-        link: "Host | None" = None,
+        link: "BrokerProcess | None" = None,
     ) -> None:
         self.clock = clock or LiveClock(asyncio.get_running_loop())
         self._feeds = feeds
@@ -77,7 +78,7 @@ class LiveSession:
         outputs = [self.screen, *speaking(task, theme), *self._linked()]
         if not task.sensed(task.parameters):
             return [self.keyboard, *outputs]
-        from sar_tui.sensing import sensing, sensors
+        from sar_tui.runs.sensors import sensing, sensors
 
         seed = secrets.randbelow(2**31)
         feeds = self._feeds or sensors(type(task), task.parameters, seed, self.clock, self._folder)

@@ -2,7 +2,7 @@
 
 from typing import Any, ClassVar, Protocol
 
-from sar_tui.app.drawn_agent import AgentStage, DrawnAgent
+from sar_tui.app.agent.output import AgentStage, DrawnAgent
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.messages import (
     Action,

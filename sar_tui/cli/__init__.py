@@ -9,7 +9,7 @@ from sar_tui import __version__
 from sar_tui.cli.agent_view import follow_agent
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, need_screen
 from sar_tui.cli.detect import detect
-from sar_tui.cli.doctor import doctor
+from sar_tui.cli.doctor.command import doctor as doctor_command
 from sar_tui.cli.errors import INTERRUPTED, Commands
 from sar_tui.cli.graph import graph
 from sar_tui.cli.link import app as link_app
@@ -76,7 +76,20 @@ def measure_timing(
     raise typer.Exit(timing.run(Home.of(context, data, tasks).folder, trials, as_json))
 
 
-for command in (run, resume, wizard, simulate, sessions, show, detect, reanalyse, validate, graph, serve, doctor):
+for command in (
+    run,
+    resume,
+    wizard,
+    simulate,
+    sessions,
+    show,
+    detect,
+    reanalyse,
+    validate,
+    graph,
+    serve,
+    doctor_command,
+):
     app.command()(command)
 app.command("timing")(measure_timing)
 app.command("agent")(follow_agent)

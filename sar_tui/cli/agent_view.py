@@ -8,7 +8,7 @@ import typer
 
 from sar_tui.cli.common import Data, Home, Tasks, need_screen
 from sar_tui.cli.errors import FAILED
-from sar_tui.cli.joining import Joined, Link
+from sar_tui.cli.session_choice import Joined, Link
 
 if TYPE_CHECKING:
     import asyncio
@@ -30,12 +30,12 @@ def follow_agent(
 
     It follows a session that was begun with --operator or --listen, and only looks on.
     """
-    from sar_tui.cli.joining import session_to_join
+    from sar_tui.cli.session_choice import session_to_join
 
     catalogue = Home.of(context, data, tasks).catalogue()
     where = session_to_join(session, link)
     need_screen()
-    from sar_tui.app.agent_app import AgentApp
+    from sar_tui.app.agent.app import AgentApp
     from sar_tui.link.client import connect
     from sar_tui.plugins import DEFAULT_THEME
 

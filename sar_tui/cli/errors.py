@@ -65,10 +65,10 @@ def _known(error: Exception) -> tuple[int, str] | None:
     """Of what is foreseen."""
     import sqlite3
 
-    from sar_tui import runs
-    from sar_tui.framework.parameters import ParameterError
+    from sar_tui.framework.declaration import ParameterError
     from sar_tui.link.errors import LinkError
     from sar_tui.plugins import PluginError
+    from sar_tui.runs.plan import Failed
     from sar_tui.store import database
 
     match error:
@@ -76,7 +76,7 @@ def _known(error: Exception) -> tuple[int, str] | None:
             return BAD_INPUT if error.bad_input else FAILED, str(error)
         case Refused() | PluginError() | ParameterError() | LinkError():
             return BAD_INPUT, str(error)
-        case runs.Failed():
+        case Failed():
             return FAILED, str(error)
         case sqlite3.Error():
             return _known(database.explain(error))

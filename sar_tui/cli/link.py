@@ -167,7 +167,7 @@ def check(
     """
     from sar_tui.link.errors import LinkError
     from sar_tui.link.invitation import read
-    from sar_tui.link.knock import knock
+    from sar_tui.link.probe import knock
     from sar_tui.link.settings import network_settings
 
     invitation = read(file)

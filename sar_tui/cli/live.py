@@ -13,8 +13,8 @@ from sar_tui.cli.setting import pairs
 
 if TYPE_CHECKING:
     from sar_tui.framework.task import Task
-    from sar_tui.link.host import Host
-    from sar_tui.runs import Plan
+    from sar_tui.link.broker_process import BrokerProcess
+    from sar_tui.runs.plan import Plan
 
 MayOperate = Annotated[
     bool, typer.Option("--operator", help="Let operators on this machine join, with `sar-tui wizard`.")
@@ -82,7 +82,7 @@ def run(
         given["imu"] = imu
     agent_parameters(kind, given, outputs, speech, language)
 
-    from sar_tui.runs import Plan, check_outputs
+    from sar_tui.runs.plan import Plan, check_outputs
     from sar_tui.store import participants
     from sar_tui.store.sessions import new_id
 
@@ -114,7 +114,7 @@ def run(
 
 def both_codes(kind: "type[Task]", given: Sequence[str]) -> tuple[str, str]:
     """The codes of who takes part: on the left, and in a task for two on the right. Raises StoreError."""
-    from sar_tui.runs import check_seats
+    from sar_tui.runs.plan import check_seats
     from sar_tui.store.participants import check_code
 
     codes = [check_code(code) for code in given]
@@ -128,14 +128,14 @@ def both_codes(kind: "type[Task]", given: Sequence[str]) -> tuple[str, str]:
 @contextmanager
 def _link(
     home: Home, session: str, task: str, operator: bool, listen: str | None, lost_ms: int
-) -> "Iterator[Host | None]":
+) -> "Iterator[BrokerProcess | None]":
     """The session's link, opened before the screen changes; without a word of it in the command, nothing at all."""
     if not operator and listen is None:
         yield None
         return
     from sar_tui.link.errors import LinkError
-    from sar_tui.link.opening import Listening, opened
-    from sar_tui.runs import Failed
+    from sar_tui.link.server import Listening, opened
+    from sar_tui.runs.plan import Failed
 
     try:
         listening = Listening.read(operator=operator, listen=listen)
@@ -159,7 +159,7 @@ def _refuse_without_sensor(kind: "type[Task]") -> None:
 def _refuse_unknown_sensor(plan: "Plan", home: Home) -> None:
     """A sensor that cannot be is told of before the screen changes; one that is not plugged in is waited for there."""
     from sar_tui.framework.clock import VirtualClock
-    from sar_tui.sensing import sensors
+    from sar_tui.runs.sensors import sensors
 
     sensors(plan.task, plan.parameters, plan.seed, VirtualClock(), home.folder)
 
@@ -182,7 +182,7 @@ def resume(
     catalogue = home.catalogue()
 
     from sar_tui.framework.parameters import TaskParameters
-    from sar_tui.runs import resumable
+    from sar_tui.runs.run import resumable
     from sar_tui.store.sessions import listing
 
     with home.database() as database:

@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 
 import typer
 
-from sar_tui import child_process
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, print_json
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.joining import Link
+from sar_tui.cli.session_choice import Link
+from sar_tui.drivers import child_process
 
 _UNENCRYPTED = (
     "Others can reach this, and read along: it is not encrypted. Use an SSH tunnel instead of --host, or a proxy "
@@ -55,7 +55,7 @@ def serve(
     """
     from sar_tui.cli.wizard import name_there
     from sar_tui.link.errors import need_packages
-    from sar_tui.runs import Failed
+    from sar_tui.runs.plan import Failed
 
     home = Home.of(context, data, tasks)
     if link is not None and not link.is_file():

@@ -12,8 +12,8 @@ from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from sar_tui.cli.session_outputs import OutputSummary
-    from sar_tui.framework.task import Metric
+    from sar_tui.framework.trial_types import Metric
+    from sar_tui.reports.output_summary import OutputSummary
 
 Row = dict[str, Any]
 _FIGURE = (100, 14)
@@ -72,7 +72,7 @@ def show(
     tasks: Tasks = None,
 ) -> None:
     """Show a session: attempts, plot, timing."""
-    from sar_tui.cli.session_outputs import output_summaries
+    from sar_tui.reports.output_summary import output_summaries
     from sar_tui.store import sessions as store
 
     home = Home.of(context, data, tasks)
@@ -131,7 +131,7 @@ def _print_figure(out: "Console", attempts: Sequence[Row], seat: str, metric: "M
     """The thesis' Figure 4.4, of who sat there; of two with the same axis."""
     from rich.text import Text
 
-    from sar_tui.plot import attempts_figure
+    from sar_tui.reports.attempts_plot import attempts_figure
 
     everybody = [row for row in attempts if not row["practice"]]
     scored = [row for row in everybody if row["seat"] == seat]

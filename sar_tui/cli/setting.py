@@ -23,7 +23,8 @@ def pairs(given: Sequence[str] | None) -> dict[str, str]:
 
 def parameters(task: "type[Task]", values: Mapping[str, object]) -> "TaskParameters":
     """A task's checked parameters. Raises Refused, saying what is wrong and where to look."""
-    from sar_tui.framework.parameters import ParameterError, build
+    from sar_tui.framework.declaration import ParameterError
+    from sar_tui.framework.parameters import build
 
     try:
         return build(task.Parameters, values)

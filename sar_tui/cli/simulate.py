@@ -103,9 +103,10 @@ def simulate(
     if operator is not None:
         values.setdefault("operator_feedback", "approve")
 
-    from sar_tui import runs
     from sar_tui.cli.live import both_codes
-    from sar_tui.cli.session_outputs import output_summaries
+    from sar_tui.reports.output_summary import output_summaries
+    from sar_tui.runs.plan import Plan
+    from sar_tui.runs.simulate import simulate as run_session
     from sar_tui.simulation.operator import CHARACTERS
     from sar_tui.store import sessions
 
@@ -115,7 +116,7 @@ def simulate(
     if len(kind.seats) > len(codes):
         codes = [*codes, f"{codes[0]}-B"]
     code, partner = both_codes(kind, codes)
-    plan = runs.Plan(
+    plan = Plan(
         task=kind,
         parameters=agent_parameters(kind, values, outputs, speech, language),
         theme=theme,
@@ -127,7 +128,7 @@ def simulate(
     people = [_person(each, practice_effect, fatigue) for each in user]
     with _progress(plan.parameters.practice_attempts + plan.parameters.attempts) as advance:
         character = None if operator is None else CHARACTERS[operator.value]
-        session = runs.simulate(plan, people[0], home.folder, catalogue, advance, character, people[-1])
+        session = run_session(plan, people[0], home.folder, catalogue, advance, character, people[-1])
     with home.database() as database:
         rows = sessions.rows(database, "attempts", session)
         spoke = output_summaries(database, session)

@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 if TYPE_CHECKING:
-    from sar_tui.framework.task import Metric
+    from sar_tui.framework.trial_types import Metric
 
 Row = dict[str, Any]
 _OUTCOMES = {"success": "● reached", "failure": "○ missed"}

@@ -56,8 +56,9 @@ def show_task(
     tasks: Tasks = None,
 ) -> None:
     """Show what can be set for a task."""
+    from sar_tui.framework.declaration import show
     from sar_tui.framework.parameter_groups import grouped
-    from sar_tui.framework.parameters import fields, show
+    from sar_tui.framework.parameters import fields
 
     task = Home.of(context, data, tasks).catalogue().task(name)
     if as_json:
@@ -109,7 +110,7 @@ def check_task(
     tasks: Tasks = None,
 ) -> None:
     """Test a task folder against the contract of tasks."""
-    from sar_tui.cli.task_check import check
+    from sar_tui.checks.task import check
 
     folder = path.resolve()
     if not folder.is_dir():

@@ -9,7 +9,7 @@ from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
 from sar_tui.cli.errors import FAILED, Refused
 
 if TYPE_CHECKING:
-    from sar_tui.cli.theme_check import Report
+    from sar_tui.checks.theme import Report
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -96,8 +96,8 @@ def check_theme(
     tasks: Tasks = None,
 ) -> None:
     """Test a theme: every wording in every language, contrast, faces, gestures."""
-    from sar_tui.cli.task_words import all_texts
-    from sar_tui.cli.theme_check import check
+    from sar_tui.checks.task_translations import all_texts
+    from sar_tui.checks.theme import check
 
     home = Home.of(context, data, tasks)
     report = check(_folder(theme, home), all_texts(home.catalogue()))

@@ -31,10 +31,10 @@ import msgspec
 from sar_tui.cli.common import console, print_json
 from sar_tui.cli.errors import FAILED
 from sar_tui.cli.tables import add, table
-from sar_tui.simulation.closed_loop import BARE, MOST_PROMPTS, SAR_TUI, Mismatch, take_turns
-from sar_tui.simulation.scripted import NoPrompt
-from sar_tui.simulation.spread import Spread, spread
 from sar_tui.store import provenance
+from sar_tui.timing.closed_loop import BARE, MOST_PROMPTS, SAR_TUI, Mismatch, take_turns
+from sar_tui.timing.error_statistics import ErrorStatistics, spread
+from sar_tui.timing.scripted_participant import NoPrompt
 
 FILE = provenance.TIMING_FILE
 VERDICTS = ("fit", "fit with care", "not fit")
@@ -109,7 +109,7 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
     return 0
 
 
-def judge(own: Spread, bare: Spread, here: Circumstances) -> tuple[str, list[str]]:
+def judge(own: ErrorStatistics, bare: ErrorStatistics, here: Circumstances) -> tuple[str, list[str]]:
     """The verdict, and why: first what was found, then what may be the cause."""
     worst, reasons = 0, []
     for name, fit, care, words in _LIMITS:
@@ -134,7 +134,7 @@ def judge(own: Spread, bare: Spread, here: Circumstances) -> tuple[str, list[str
     return VERDICTS[worst], reasons
 
 
-def _causes(own: Spread, bare: Spread, here: Circumstances) -> list[str]:
+def _causes(own: ErrorStatistics, bare: ErrorStatistics, here: Circumstances) -> list[str]:
     causes = []
     if here.load is not None and here.load > _BUSY * here.cores:
         causes.append(
@@ -148,7 +148,7 @@ def _causes(own: Spread, bare: Spread, here: Circumstances) -> list[str]:
     return causes
 
 
-def _figures(of: Spread) -> dict[str, float | int]:
+def _figures(of: ErrorStatistics) -> dict[str, float | int]:
     """Those of a spread's figures that are kept and printed, to the microsecond."""
     names = ("median_ms", "sd_ms", "robust_sd_ms", "p99_ms")
     return {"trials": of.n} | {name: round(getattr(of, name), 3) for name in names}
@@ -162,7 +162,7 @@ def _keep(path: Path, figures: Mapping[str, object]) -> None:
     Path(name).replace(path)
 
 
-def _print(own: Spread, bare: Spread, verdict: str, reasons: list[str]) -> None:
+def _print(own: ErrorStatistics, bare: ErrorStatistics, verdict: str, reasons: list[str]) -> None:
     columns = ("bias (median)", "SD", "robust SD", "p99", "worst")
     made = table("error, ms", "trials", *columns, right=("trials", *columns))
     for name, figures in (("sar-tui", own), ("a bare loop", bare)):

@@ -8,10 +8,10 @@ import typer
 
 from sar_tui.cli.common import Data, Home, Tasks, need_screen
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.joining import Joined, Link
+from sar_tui.cli.session_choice import Joined, Link
 
 if TYPE_CHECKING:
-    from sar_tui.link.folder import Live
+    from sar_tui.link.discovery import JoinableSession
     from sar_tui.link.invitation import Invitation
 
 
@@ -36,7 +36,7 @@ def wizard(
     where = session_to_show(session, link, wait=wait, observe=observe)
     called = name_there(name, link, observe=observe)
     need_screen()
-    from sar_tui.app.wizard import WizardApp, run_wizard
+    from sar_tui.operator.app import WizardApp, run_wizard
     from sar_tui.plugins import DEFAULT_THEME
 
     theme = home.catalogue().theme(DEFAULT_THEME)
@@ -44,16 +44,18 @@ def wizard(
     raise typer.Exit(run_wizard(app, lambda words: print(words, file=sys.stderr)))
 
 
-def session_to_show(session: str | None, link: Path | None, *, wait: bool, observe: bool) -> "Live | Invitation | None":
+def session_to_show(
+    session: str | None, link: Path | None, *, wait: bool, observe: bool
+) -> "JoinableSession | Invitation | None":
     """The session to join; None where there is a choice, or one is waited for.
 
     Raises:
         Refused: there is none such.
         LinkError: it cannot be joined from here.
     """
-    from sar_tui.cli.joining import session_to_join
+    from sar_tui.cli.session_choice import session_to_join
+    from sar_tui.link.discovery import live_sessions
     from sar_tui.link.errors import need_packages
-    from sar_tui.link.folder import live_sessions
 
     if link is not None:
         if session or wait:
@@ -78,7 +80,7 @@ def name_there(name: str | None, link: Path | None, *, observe: bool) -> str:
     from sar_tui.link.invitation import NAME
 
     if name is None:
-        from sar_tui.app.panel.joining import own_name
+        from sar_tui.operator.session_picker import own_name
 
         return f"{own_name()[:20]}-{os.getpid()}" if observe else own_name()
     if link is not None:

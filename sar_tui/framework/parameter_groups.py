@@ -1,6 +1,7 @@
 """The headings under which a task's parameters stand, on the settings form and in lists."""
 
-from sar_tui.framework.parameters import Field, TaskParameters, fields
+from sar_tui.framework.declaration import Field
+from sar_tui.framework.parameters import TaskParameters, fields
 
 
 def grouped(parameters: type[TaskParameters]) -> dict[str, tuple[Field, ...]]:

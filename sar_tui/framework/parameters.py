@@ -5,34 +5,11 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeVar
 
 import msgspec
-from msgspec import Meta, inspect
+from msgspec import inspect
+
+from sar_tui.framework.declaration import Field, ParameterError, declared_field, meta, read
 
 P = TypeVar("P", bound="TaskParameters")
-_LONG = 60
-"""Letters of a value that a problem quotes."""
-
-
-def meta(title: str, unit: str = "", help: str = "", takes: str = "", group: str = "", **bounds: Any) -> Meta:
-    """Describe a parameter for the people who set it.
-
-    Args:
-        title: its name on the settings form.
-        unit: its unit, shown beside the field.
-        help: one or two plain sentences.
-        takes: of a text, what it may be, in words: "a code of small letters, such as en".
-        group: the heading on the settings form under which it stands; a task's own need none, and one that is common
-            to every task keeps its heading where a task declares it anew.
-        bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``.
-    """
-    return Meta(title=title, description=help or None, extra={"unit": unit, "takes": takes, "group": group}, **bounds)
-
-
-class ParameterError(ValueError):
-    """One or more parameters cannot be. ``problems`` maps each name to one clear sentence."""
-
-    def __init__(self, problems: Mapping[str, str]) -> None:
-        self.problems = dict(problems)
-        super().__init__(" ".join(problems.values()))
 
 
 class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -309,63 +286,6 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
         return problems
 
 
-class Field(msgspec.Struct, frozen=True):
-    """One parameter as declared: all that a form, a check or a manual needs to know of it."""
-
-    name: str
-    title: str
-    unit: str
-    help: str
-    default: Any
-    kind: Literal["int", "float", "bool", "choice", "text", "list"]
-    ge: float | None = None
-    le: float | None = None
-    choices: tuple[str, ...] = ()
-    items: Literal["words", "numbers"] = "words"
-    takes: str = ""
-    least: int | None = None
-    most: int | None = None
-    group: str = ""
-
-    @property
-    def bounds(self) -> str:
-        """What is allowed, in words: "1 to 200"."""
-        if self.choices:
-            return ", ".join(self.choices)
-        if self.ge is not None and self.le is not None:
-            return f"{self.ge:g} to {self.le:g}" if self.le < 1e5 else f"{self.ge:g} or more"
-        return {"bool": "yes or no", "list": f"{self.items}, spaced"}.get(self.kind, "")
-
-    def problem(self, value: object) -> str:
-        """Why ``value`` cannot be, and what can, in one sentence."""
-        shown = show(value) or "empty"
-        shown = shown if len(shown) <= _LONG else f"{shown[:_LONG]}…"
-        if self.choices:
-            return f"{self.title} is one of {self.bounds}, not {shown}."
-        noun = {"int": "a whole number", "float": "a number"}.get(self.kind, "")
-        if noun and self.bounds:
-            return f"{self.title} is {noun}, {self.bounds}, not {shown}."
-        if self.kind == "bool":
-            return f"{self.title} is {self.bounds}, not {shown}."
-        return f"{self.title} takes {self._allowed}, not {shown}."
-
-    @property
-    def _allowed(self) -> str:
-        """What a text or a list may be: "at most 8 words, spaced"."""
-        if self.takes:
-            return self.takes
-        parts, spaced = (self.items, ", spaced") if self.kind == "list" else ("letters", "")
-        match self.least, self.most:
-            case None | 0, None:
-                return f"{parts}{spaced}" if spaced else "a text"
-            case None | 0, most:
-                return f"at most {most} {parts}{spaced}"
-            case least, None:
-                return f"{least} or more {parts}{spaced}"
-            case least, most:
-                return f"{least} to {most} {parts}{spaced}"
-
-
 def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
     """The declared parameters of a task, the task's own first, then those common to all."""
     groups = {name: field.group for name, field in _declared(TaskParameters).items()}
@@ -379,66 +299,7 @@ def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
 def _declared(parameters: type[TaskParameters]) -> dict[str, Field]:
     info = inspect.type_info(parameters)
     assert isinstance(info, inspect.StructType)
-    return {field.name: _field(field) for field in info.fields}
-
-
-def _field(field: inspect.Field) -> Field:
-    kind = field.type
-    title, help, unit, takes, group = field.name.replace("_", " ").capitalize(), "", "", "", ""
-    while isinstance(kind, inspect.Metadata):
-        schema = kind.extra_json_schema or {}
-        title = schema.get("title", title)
-        help = schema.get("description", help)
-        unit = (kind.extra or {}).get("unit", unit)
-        takes = (kind.extra or {}).get("takes", takes)
-        group = (kind.extra or {}).get("group", group)
-        kind = kind.type
-    declared: dict[str, Any] = {"name": field.name, "title": title, "unit": unit, "help": help, "group": group}
-    declared["default"] = field.default_factory() if field.default is msgspec.NODEFAULT else field.default
-    match kind:
-        case inspect.IntType(ge=ge, le=le):
-            return Field(**declared, kind="int", ge=ge, le=le)
-        case inspect.FloatType(ge=ge, le=le):
-            return Field(**declared, kind="float", ge=ge, le=le)
-        case inspect.BoolType():
-            return Field(**declared, kind="bool")
-        case inspect.LiteralType(values=values):
-            return Field(**declared, kind="choice", choices=_in_order(field, tuple(map(str, values))))
-        case inspect.VarTupleType() | inspect.ListType():
-            numbers = isinstance(kind.item_type, inspect.IntType | inspect.FloatType)
-            items: Literal["words", "numbers"] = "numbers" if numbers else "words"
-            return Field(**declared, kind="list", items=items, least=kind.min_length, most=kind.max_length)
-        case _:
-            lengths = (kind.min_length, kind.max_length) if isinstance(kind, inspect.StrType) else (None, None)
-            return Field(**declared, kind="text", takes=takes, least=lengths[0], most=lengths[1])
-
-
-def _in_order(field: inspect.Field, values: tuple[str, ...]) -> tuple[str, ...]:
-    """The default first, then the rest: msgspec forgets the order in which they were written."""
-    return tuple(sorted(values, key=lambda value: (value != field.default, value)))
-
-
-def read(field: Field, text: str) -> object:
-    """What a person typed for a field, as a value to be checked by ``build``."""
-    text = text.strip()
-    if field.kind == "list":
-        return text.replace(",", " ").split()
-    if field.kind == "bool":
-        return {"yes": True, "true": True, "on": True, "no": False, "false": False, "off": False}.get(
-            text.lower(), text
-        )
-    return text
-
-
-def show(value: object) -> str:
-    """A value as a person would type it: the inverse of ``read``."""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, list | tuple):
-        return " ".join(map(show, value))
-    if isinstance(value, float) and value.is_integer():
-        return str(int(value))
-    return str(value)
+    return {field.name: declared_field(field) for field in info.fields}
 
 
 def build(parameters: type[P], values: Mapping[str, object]) -> P:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from sar_tui.framework.bus import FAULT, Bus, Record
 from sar_tui.framework.clock import Clock, VirtualClock
-from sar_tui.framework.messages import AgentActing, Fault, SessionStarted, ThemeWorn
+from sar_tui.framework.messages import AgentActing, Fault, SessionStarted, ThemeApplied
 from sar_tui.framework.node import Node
 from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.nodes.action_center import ActionCenter
@@ -94,7 +94,7 @@ class Session:
     def wear(self, theme: Theme) -> None:
         """Take on a theme: what is said from here on is said in its words."""
         self.theme = theme
-        self.bus.publish(THEME, ThemeWorn(theme=theme))
+        self.bus.publish(THEME, ThemeApplied(theme=theme))
 
     def replay(self, history: Iterable[Record]) -> None:
         """Derive again what was recorded, so that the nodes stand where they stood. Before ``begin``.

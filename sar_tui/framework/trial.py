@@ -6,7 +6,7 @@ import msgspec
 
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import CueGiven, Percept, Prompt, PromptVoided, Shown, Timing, TrialEnded
-from sar_tui.framework.task import Mark, Result, Situation, Stimulus, Trial
+from sar_tui.framework.trial_types import Mark, Result, Situation, Stimulus, Trial
 
 
 class OpenTrial:
@@ -52,7 +52,7 @@ class OpenTrial:
 
     def draw_foreperiod(self, shortest_ms: int, longest_ms: int) -> int:
         """Choose the wait before the prompt, in ns: uniform between the bounds, the same at each repetition."""
-        share = self.situation.chance.uniform("foreperiod")
+        share = self.situation.streams.uniform("foreperiod")
         self.foreperiod = round((shortest_ms + share * (longest_ms - shortest_ms)) * MS)
         return self.foreperiod
 

@@ -1,8 +1,8 @@
 """What a session says while it waits: for whom or what, where it stands, and what is aimed at there."""
 
-from sar_tui.framework.course import Course
+from sar_tui.framework.attempts import Attempts
 from sar_tui.framework.messages import Waiting
-from sar_tui.framework.phase import PAUSES, WAITS, Phase
+from sar_tui.framework.session_phase import PAUSES, WAITS, Phase
 from sar_tui.framework.task import Task
 
 ASK_KEY = "tab"
@@ -10,7 +10,7 @@ ASK_KEY = "tab"
 
 
 def waiting(
-    phase: Phase, course: Course, task: Task, *, notice: str, reason: str, detail: str, seat: str = "A"
+    phase: Phase, attempts: Attempts, task: Task, *, notice: str, reason: str, detail: str, seat: str = "A"
 ) -> Waiting:
     """The message for a phase.
 
@@ -22,19 +22,19 @@ def waiting(
         reason, detail, seat: as in `messages.Waiting`.
     """
     what, stage = (PAUSES.get(reason, "resume"), "paused") if phase is Phase.PAUSED else WAITS[phase]
-    goal = "" if stage == "trial" else task.goal(course.level)
+    goal = "" if stage == "trial" else task.goal(attempts.level)
     return Waiting(
         seat=seat,
         what=what,  # type: ignore[arg-type]
         stage=stage,  # type: ignore[arg-type]
-        attempt=course.attempt,
-        trial=course.trial,
-        level=course.level,
-        attempt_name=course.name,
+        attempt=attempts.attempt,
+        trial=attempts.trial,
+        level=attempts.level,
+        attempt_name=attempts.name,
         trials=task.trials_per_attempt,
-        goal=task.start(course.level) if phase is Phase.START else goal,
+        goal=task.start(attempts.level) if phase is Phase.START else goal,
         notice=notice,
         reason=reason,
         detail=detail,
-        ask=ASK_KEY if phase in (Phase.READY, Phase.REVIEW) and course.unanswered else "",
+        ask=ASK_KEY if phase in (Phase.READY, Phase.REVIEW) and attempts.unanswered else "",
     )

@@ -8,9 +8,9 @@ from functools import partial
 from typing import Any, Literal, NamedTuple
 from urllib.parse import urlsplit
 
+from sar_tui.drivers.phidget import UDEV_RULE, new_channel, usb_denied, words
 from sar_tui.framework.clock import host_now
 from sar_tui.inputs.imu import Info, Sample, SourceError, Status, Vector
-from sar_tui.phidget_library import UDEV_RULE, new_channel, usb_denied, words
 
 G = 9.80665
 """m/s² in a g."""

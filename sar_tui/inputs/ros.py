@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
+from sar_tui.drivers.rosbridge import AddressError, Bridge, TopicName, parse
 from sar_tui.framework.clock import SECOND, host_now
 from sar_tui.inputs.imu import NOTHING, Info, Sample, SourceError, Status, Vector
-from sar_tui.rosbridge import AddressError, Bridge, TopicName, parse
 
 IMU = "sensor_msgs/Imu"
 LOOKED_AT = 50

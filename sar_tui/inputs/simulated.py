@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from sar_tui.framework.clock import MS, Clock
 from sar_tui.inputs.imu import Info, Sample, Status
-from sar_tui.inputs.pace import Pace
 from sar_tui.inputs.recorded import as_sent
+from sar_tui.inputs.sample_timer import Pace
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import SimulatedHand
 

@@ -10,16 +10,16 @@ import threading
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sar_tui.framework.clock import MS, host_now
-from sar_tui.link import wire
-from sar_tui.link.desk import Desk
+from sar_tui.link import protocol
+from sar_tui.link.admission import Admission
+from sar_tui.link.protocol import News, Order, ProtocolError, Publish, Reply, Samples, Setup, Told
 from sar_tui.link.same_host import clock_id
 from sar_tui.link.settings import Keys, config
-from sar_tui.link.wire import News, Order, Publish, Reply, Samples, Setup, Told, WireError
 
 if TYPE_CHECKING:
     import zenoh
 
-    from sar_tui.link.glimpse import Glimpse
+    from sar_tui.link.downsample import Downsampler
 
 _TICK_S = 0.05
 _BEAT = 500 * MS
@@ -46,14 +46,14 @@ class Broker:
         self._up_lock = threading.Lock()
         self._keys = Keys(setup.link)
         self._outbox: queue.Queue[_Parcel | None] = queue.Queue(_MOST_WAITING)
-        self._desk = Desk(setup.patience, self.tell, self._answer, clock_id())
-        self._glimpse: Glimpse | None = None
+        self._desk = Admission(setup.patience, self.tell, self._answer, clock_id())
+        self._glimpse: Downsampler | None = None
         self._glimpse_lock = threading.Lock()
         self._sender = threading.Thread(target=self._send, name="link sender", daemon=True)
 
     def tell(self, news: News) -> None:
         """Tell the program; if it is no longer there, the end of the orders tells so."""
-        data = wire.pack(news)
+        data = protocol.pack(news)
         with self._up_lock, contextlib.suppress(OSError):
             while data:
                 data = data[os.write(self._up, data) :]
@@ -82,7 +82,7 @@ class Broker:
             now = host_now()
             name = str(sample.key_expr).rpartition("/")[2]
             length = len(sample.payload)
-            payload = sample.payload.to_bytes() if length <= wire.MOST_ACT else bytes(wire.MOST_ACT + 1)
+            payload = sample.payload.to_bytes() if length <= protocol.MOST_ACT else bytes(protocol.MOST_ACT + 1)
             receive(name, payload, now)
 
         return take
@@ -99,10 +99,10 @@ class Broker:
             case Reply():
                 self._outbox.put(_Parcel(self._keys.back(order.name), order.payload))
             case Samples():
-                from sar_tui.link.glimpse import Glimpse
+                from sar_tui.link.downsample import Downsampler
 
                 with self._glimpse_lock:
-                    self._glimpse = self._glimpse or Glimpse()
+                    self._glimpse = self._glimpse or Downsampler()
                     with contextlib.suppress(ValueError):
                         self._glimpse.hear(order.seat, order.samples)
 
@@ -117,7 +117,7 @@ class Broker:
 
     def _answer(self, name: str, told: Told) -> None:
         with contextlib.suppress(queue.Full):
-            self._outbox.put_nowait(_Parcel(self._keys.back(name), wire.encode(told)))
+            self._outbox.put_nowait(_Parcel(self._keys.back(name), protocol.encode(told)))
 
     def _send(self) -> None:
         import zenoh
@@ -135,7 +135,7 @@ class Broker:
                 self._put_traces(zenoh, now)
             if now - beat >= _BEAT:
                 beat = now
-                self.tell(wire.Beat())
+                self.tell(protocol.Beat())
 
     def _put(self, zenoh: Any, key: str, payload: bytes, number: int = 0) -> None:
         """Never wait for a peer that does not listen: it sees by the number that it missed something, and asks."""
@@ -149,10 +149,10 @@ class Broker:
             with self._glimpse_lock:
                 traces = self._glimpse.due(now)
             if traces:
-                self._put(zenoh, self._keys.out, wire.encode(wire.Traces(traces)))
+                self._put(zenoh, self._keys.out, protocol.encode(protocol.Traces(traces)))
 
 
-def _read_log(log: int, guests: tuple[str, ...], desk: Desk) -> None:
+def _read_log(log: int, guests: tuple[str, ...], desk: Admission) -> None:
     """Tell of what Zenoh refuses, which it writes to its log alone. A flood of that stays in this process."""
     from sar_tui.link.refusals import Refusals
 
@@ -164,7 +164,7 @@ def _read_log(log: int, guests: tuple[str, ...], desk: Desk) -> None:
                 desk.refuse(refusal.guest or "unknown", f"a {refusal.what}", why, host_now())
 
 
-def _begin_log(guests: tuple[str, ...], desk: Desk) -> None:
+def _begin_log(guests: tuple[str, ...], desk: Admission) -> None:
     """Have Zenoh write its log to a pipe in the place of standard output, and read it."""
     import zenoh
 
@@ -183,17 +183,17 @@ def main() -> None:
     orders = os.fdopen(os.dup(0), "rb")
     up = os.dup(1)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what a library prints is not for the program
-    with contextlib.suppress(WireError, OSError):
-        setup = wire.read(orders, Order)
+    with contextlib.suppress(ProtocolError, OSError):
+        setup = protocol.read(orders, Order)
         if isinstance(setup, Setup):
             broker = Broker(setup, up)
             try:
                 broker.open(setup)
             except Exception as error:
-                broker.tell(wire.Opened(str(error) or type(error).__name__))
+                broker.tell(protocol.Opened(str(error) or type(error).__name__))
             else:
-                broker.tell(wire.Opened())
-                while (order := wire.read(orders, Order)) is not None:
+                broker.tell(protocol.Opened())
+                while (order := protocol.read(orders, Order)) is not None:
                     broker.order(order)
                 broker.close()
     os._exit(0)  # a thread of Zenoh's that hangs must not keep it alive

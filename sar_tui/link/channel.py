@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 from sar_tui.framework.bus import Record
-from sar_tui.link import wire
+from sar_tui.link import protocol
 from sar_tui.link.peer import Welcome
-from sar_tui.link.wire import News, Order
+from sar_tui.link.protocol import News, Order
 
 
 class ToAll(NamedTuple):
@@ -17,7 +17,9 @@ class ToAll(NamedTuple):
 
     def order(self) -> Order:
         """As the broker takes it."""
-        return wire.Publish(self.number, wire.encode(wire.Batch(self.number, wire.framed(self.records))))
+        return protocol.Publish(
+            self.number, protocol.encode(protocol.Batch(self.number, protocol.framed(self.records)))
+        )
 
 
 class ToOne(NamedTuple):
@@ -30,8 +32,8 @@ class ToOne(NamedTuple):
 
     def order(self) -> Order:
         """As the broker takes it."""
-        greeting = wire.Greeting(self.number, self.welcome, wire.framed(self.records))
-        return wire.Reply(self.name, wire.encode(greeting))
+        greeting = protocol.Greeting(self.number, self.welcome, protocol.framed(self.records))
+        return protocol.Reply(self.name, protocol.encode(greeting))
 
 
 class Measured(NamedTuple):
@@ -42,7 +44,7 @@ class Measured(NamedTuple):
 
     def order(self) -> Order:
         """As the broker takes it."""
-        return wire.Samples(self.seat, self.samples)
+        return protocol.Samples(self.seat, self.samples)
 
 
 class Ended(NamedTuple):

@@ -15,13 +15,13 @@ from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import SECOND, host_now
 from sar_tui.framework.messages import Message, Role
 from sar_tui.framework.topics import ALL
-from sar_tui.link import wire
-from sar_tui.link.folder import Live
+from sar_tui.link import protocol
+from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.line import Arrived, Line, Ways, ways_of
 from sar_tui.link.peer import Connection, Hear, Peer
+from sar_tui.link.protocol import Batch, Greeting, Hello, Over, Pong, Traces
 from sar_tui.link.remote_clock import RemoteClock
-from sar_tui.link.wire import Batch, Greeting, Hello, Over, Pong, Traces
+from sar_tui.link.transport import Arrived, Transport, Ways, ways_of
 
 M = TypeVar("M", bound=Message)
 
@@ -36,7 +36,9 @@ _SILENT = "Nothing is heard from the session."
 _OVER = "The session is over."
 
 
-def connect(where: Live | Invitation, name: str, role: Role, hear: Hear, loop: asyncio.AbstractEventLoop) -> Peer:
+def connect(
+    where: JoinableSession | Invitation, name: str, role: Role, hear: Hear, loop: asyncio.AbstractEventLoop
+) -> Peer:
     """Join a session: one of this machine (see `folder.live_sessions`), or another's that one was invited to.
 
     Args:
@@ -51,7 +53,7 @@ def connect(where: Live | Invitation, name: str, role: Role, hear: Hear, loop: a
     """
     if isinstance(where, Invitation):
         name, role = where.name, where.role
-    returns = isinstance(where, Live)
+    returns = isinstance(where, JoinableSession)
     return _Client(ways_of(where), f"{role}.{part_of_key(name)}", role, hear, loop, returns=returns)
 
 
@@ -80,18 +82,18 @@ class _Client:
         self._heard_at = 0
         self._is_closed = False
         self._goodbye: int | None = None
-        self._line = Line(ways, name, self._arrived_elsewhere)
+        self._line = Transport(ways, name, self._arrived_elsewhere)
         loop.call_soon(self._begin)
 
     def send(self, topic: Topic[M], message: M) -> None:
         """See `Peer`. What is sent while there is no link is lost: done later, it would come as a surprise."""
-        if topic.name not in wire.ACTS:
+        if topic.name not in protocol.ACTS:
             raise ValueError(f"{topic.name} is not among what an operator may send")
-        self._act(topic.name, wire.encode(message))
+        self._act(topic.name, protocol.encode(message))
 
     def take_baton(self) -> None:
         """See `Peer`."""
-        self._act(wire.BATON, wire.encode(None))
+        self._act(protocol.BATON, protocol.encode(None))
 
     def now(self) -> int:
         """See `Peer`."""
@@ -102,7 +104,7 @@ class _Client:
         if not self._is_closed:
             self._is_closed = True
             self._goodbye = host_now()
-            self._line.send_hello(wire.encode(Hello(self._who, self._goodbye, leaves=True)))
+            self._line.send_hello(protocol.encode(Hello(self._who, self._goodbye, leaves=True)))
             self._line.close(awaits_answer=self._state.state == "connected")
 
     # --- on the loop --------------------------------------------------------------------------------------------
@@ -116,7 +118,7 @@ class _Client:
 
     def _act(self, topic: str, message: bytes) -> None:
         if self._state.state == "connected":
-            self._line.send_act(wire.encode(wire.Act(self._who, topic, msgspec.Raw(message))))
+            self._line.send_act(protocol.encode(protocol.Act(self._who, topic, msgspec.Raw(message))))
 
     def _beat(self) -> None:
         if self._is_closed:
@@ -127,7 +129,7 @@ class _Client:
         self._loop.call_later(BEAT_S, self._beat)
 
     def _say_hello(self) -> None:
-        self._line.send_hello(wire.encode(Hello(self._who, host_now(), wants=self._number is None)))
+        self._line.send_hello(protocol.encode(Hello(self._who, host_now(), wants=self._number is None)))
 
     def _lost(self, why: str) -> None:
         self._is_let_in, self._number = False, None
@@ -182,14 +184,14 @@ class _Client:
                 self._number = number
                 self._turn(Connection("connected"))
                 self._hear(welcome)
-                self._hear(wire.frames(frames, ALL))
+                self._hear(protocol.frames(frames, ALL))
             case Batch(number=number, frames=frames) if self._number is not None and number > self._number:
                 if number != self._number + 1:
                     self._number = None  # one is missing: what comes has to wait until all is told anew
                     self._say_hello()
                     return
                 self._number = number
-                if heard := wire.frames(frames, ALL):
+                if heard := protocol.frames(frames, ALL):
                     self._hear(heard)
             case Traces(traces=traces) if self._number is not None:
                 for trace in traces:

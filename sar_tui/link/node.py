@@ -9,15 +9,15 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.node import Node
-from sar_tui.framework.topics import DECISION, MODE, NOTED, OPERATOR, PRESENCE, REFUSED, REMARK, SEEN
-from sar_tui.link import wire
-from sar_tui.link.baton import Baton
+from sar_tui.framework.topics import DECISION, MODE, NOTE_ADDED, OPERATOR, PRESENCE, PROPOSAL_SEEN, REFUSED, REMARK
+from sar_tui.link import protocol
+from sar_tui.link.admission import role_of
 from sar_tui.link.channel import Channel, Ended, Measured, ToAll, ToOne
-from sar_tui.link.desk import role_of
-from sar_tui.link.mirror_feed import SENT, MirrorFeed
-from sar_tui.link.pace import Tally
+from sar_tui.link.control_lock import ControlLock
+from sar_tui.link.feed import SENT, SessionFeed
 from sar_tui.link.peer import Welcome
-from sar_tui.link.wire import Acted, Came, Gone, News, Refused, Wants, WireError
+from sar_tui.link.protocol import Acted, Came, Gone, News, ProtocolError, Refused, Wants
+from sar_tui.link.rate_limit import Tally
 
 AFTER = 40 * MS
 """What happens goes out this much later, together with what has happened by then."""
@@ -43,13 +43,22 @@ class LinkNode(Node):
     about: Welcome
 
     name = "link"
-    emits: ClassVar[tuple[Topic[Any], ...]] = (OPERATOR, DECISION, REMARK, MODE, SEEN, NOTED, PRESENCE, REFUSED)
+    emits: ClassVar[tuple[Topic[Any], ...]] = (
+        OPERATOR,
+        DECISION,
+        REMARK,
+        MODE,
+        PROPOSAL_SEEN,
+        NOTE_ADDED,
+        PRESENCE,
+        REFUSED,
+    )
 
     def __init__(self, channel: Channel) -> None:
         super().__init__()
         self._channel = channel
-        self._feed = MirrorFeed()
-        self._baton = Baton()
+        self._feed = SessionFeed()
+        self._baton = ControlLock()
         self._number = 0
         self._refused: Tally[tuple[str, str, str]] = Tally()
         self._to_greet: dict[str, None] = {}
@@ -86,7 +95,7 @@ class LinkNode(Node):
             case Wants(name=name):
                 self._to_greet[name] = None
                 self._schedule(0)
-            case Acted(name=name, topic=wire.BATON):
+            case Acted(name=name, topic=protocol.BATON):
                 self._take_baton(name)
             case Acted():
                 self._acted(news)
@@ -121,17 +130,17 @@ class LinkNode(Node):
         if self._baton.take(name):
             self._tell_holder(holder)
         else:
-            self._refuse(name, wire.BATON, "Only an operator who is there can take it.")
+            self._refuse(name, protocol.BATON, "Only an operator who is there can take it.")
 
     def _acted(self, acted: Acted) -> None:
         """Post an act of the operator who may act; it carries their name, and a time at which it can have been."""
         if acted.name != self._baton.holder:
-            if acted.topic != SEEN.name:  # another's panel shows what is offered, too
+            if acted.topic != PROPOSAL_SEEN.name:  # another's panel shows what is offered, too
                 self._refuse(acted.name, acted.topic, _NO_BATON)
             return
         try:
-            act: Any = wire.act(acted.topic, acted.message)
-        except WireError as error:
+            act: Any = protocol.act(acted.topic, acted.message)
+        except ProtocolError as error:
             self._refuse(acted.name, acted.topic, str(error))
             return
         if self.about.participants and act.seat not in self.about.participants:
@@ -139,7 +148,7 @@ class LinkNode(Node):
             return
         now = self.bus.clock.now()
         at = now if not act.at else min(now, max(act.at, now - OLDEST))
-        self.emit(wire.ACTS[acted.topic], msgspec.structs.replace(act, actor=acted.name, at=at))
+        self.emit(protocol.ACTS[acted.topic], msgspec.structs.replace(act, actor=acted.name, at=at))
 
     def _refuse(self, name: str, what: str, why: str) -> None:
         """Tell of it; what is refused again and again, once a second."""

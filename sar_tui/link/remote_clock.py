@@ -4,8 +4,8 @@ from collections import deque
 from collections.abc import Callable
 
 from sar_tui.framework.clock import host_now
+from sar_tui.link.protocol import Pong
 from sar_tui.link.same_host import clock_id
-from sar_tui.link.wire import Pong
 
 _REMEMBERED = 16
 

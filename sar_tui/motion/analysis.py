@@ -8,10 +8,10 @@ import numpy.typing as npt
 
 from sar_tui.motion.bounds import Hand
 from sar_tui.motion.detection import DETECTORS, detect
+from sar_tui.motion.fixed_threshold import ThesisParameters
 from sar_tui.motion.reach import Reach
-from sar_tui.motion.robust import RobustParameters
 from sar_tui.motion.samples import Samples, recording
-from sar_tui.motion.thesis import ThesisParameters
+from sar_tui.motion.single_axis import RobustParameters
 
 Name = Literal["robust", "thesis"]
 Measured = dict[str, str | int | float | bool | None]

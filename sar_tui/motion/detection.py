@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from sar_tui.motion import robust, thesis
+from sar_tui.motion import fixed_threshold, single_axis
 from sar_tui.motion.bounds import Detected, Hand
 from sar_tui.motion.measures import measure
 from sar_tui.motion.reach import Reach
@@ -21,8 +21,8 @@ class Detector(NamedTuple):
 
 
 DETECTORS: dict[str, Detector] = {
-    "robust": Detector("1", robust.RobustParameters, robust.find),
-    "thesis": Detector("1", thesis.ThesisParameters, thesis.find),
+    "robust": Detector("1", single_axis.RobustParameters, single_axis.find),
+    "thesis": Detector("1", fixed_threshold.ThesisParameters, fixed_threshold.find),
 }
 
 

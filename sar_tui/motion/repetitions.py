@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 from sar_tui.motion.samples import Floats
-from sar_tui.motion.turns import turning_points
+from sar_tui.motion.turning_points import turning_points
 
 _SMOOTH_S = 0.1
 _COARSE_HZ = 50.0

@@ -5,8 +5,8 @@ from collections import deque
 
 from sar_tui.motion.filters import Lowpass, usable_cutoff
 from sar_tui.motion.rest import SLOW_HZ, STEADY_RAD_S, STILL_RAD_S
-from sar_tui.motion.robust import RobustParameters
 from sar_tui.motion.samples import Floats
+from sar_tui.motion.single_axis import RobustParameters
 
 BLOCK_S = 0.1
 BACK = 0.35

@@ -117,20 +117,20 @@ class SimulatedHand:
         index = np.arange(first, last, dtype=np.int64)
         at = start + index * self._period_ns
         since_s = index * (self._period_ns / 1e9)
-        chance = self._chance(first, last)
+        draws = self._streams(first, last)
         turning, angle, acceleration = self._reaches(at)
         samples = np.zeros(len(index), dtype=SAMPLE)
         samples["at"] = samples["host"] = at
         samples["device_ms"] = since_s * 1e3
-        samples["rate"] = self._measured_rate(since_s, turning, chance[:, 0:3])
-        samples["acceleration"] = self._acceleration(turning, angle, acceleration, chance[:, 3:6])
+        samples["rate"] = self._measured_rate(since_s, turning, draws[:, 0:3])
+        samples["acceleration"] = self._acceleration(turning, angle, acceleration, draws[:, 3:6])
         samples["field"] = np.nan
         kept: Samples = samples[
-            (chance[:, 6] >= self.profile.lost) & (np.abs(samples["rate"]) <= self.profile.saturation_rad_s).all(axis=1)
+            (draws[:, 6] >= self.profile.lost) & (np.abs(samples["rate"]) <= self.profile.saturation_rad_s).all(axis=1)
         ]
         return kept
 
-    def _chance(self, first: int, last: int) -> Floats:
+    def _streams(self, first: int, last: int) -> Floats:
         """What chance gives to each sample: six normal numbers and one uniform; drawn in blocks that never change."""
         wanted = range(first // BLOCK, -(-last // BLOCK))
         if not wanted:

@@ -6,20 +6,20 @@ from typing import Any, ClassVar, NamedTuple, get_args
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Topic
 from sar_tui.framework.clock import MS, SECOND, Handle
-from sar_tui.framework.messages import Deed, DeedState
+from sar_tui.framework.messages import ActionPart, PartState
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
-from sar_tui.outputs.hearing import heard, told_by, words
 from sar_tui.outputs.output import Output, OutputError, Report
+from sar_tui.outputs.report_validation import heard, told_by, words
 
 GIVES_UP = 20 * SECOND
 """An output that has not told what became of a deed by then is told to stop; speaking takes longer with the text."""
 PER_CHARACTER = 150 * MS
 STILL = 2 * SECOND
 """What an output has not told to be over by then, after it was told to stop, is taken to have failed."""
-_OVER: tuple[DeedState, ...] = ("done", "aborted", "failed")
-_Key = tuple[str, Deed]
+_OVER: tuple[PartState, ...] = ("done", "aborted", "failed")
+_Key = tuple[str, ActionPart]
 """An action, and which part of it."""
 
 
@@ -87,7 +87,7 @@ class OutputNode(Node):
                 self.output.close()
 
     @on(THEME)
-    def wear(self, worn: m.ThemeWorn) -> None:
+    def wear(self, worn: m.ThemeApplied) -> None:
         self.output.wear(worn.theme)
 
     @on(ACTION)
@@ -145,11 +145,11 @@ class OutputNode(Node):
             clock.call_at(clock.now() + STILL, lambda: self._never_still(lasting))
         self._tell_if_still()
 
-    def _do(self, action: str, deed: Deed, *what: str) -> None:
+    def _do(self, action: str, deed: ActionPart, *what: str) -> None:
         if deed in self._can:
             self._begin(action, deed, *what)
 
-    def _begin(self, action: str, deed: Deed, *what: str) -> None:
+    def _begin(self, action: str, deed: ActionPart, *what: str) -> None:
         now = self.bus.clock.now()
         self._report(action, deed, "queued", now)
         limit = GIVES_UP + PER_CHARACTER * (len(what[0]) if deed == "say" else 0)
@@ -185,10 +185,10 @@ class OutputNode(Node):
     def _meant(self, report: Report) -> dict[_Key, _Open]:
         """Which deeds a report is about: all of its action, where there is no such deed."""
         action, deed = getattr(report, "action", None), getattr(report, "deed", None)
-        known = isinstance(deed, str) and deed in get_args(Deed)
+        known = isinstance(deed, str) and deed in get_args(ActionPart)
         return {key: held for key, held in self._open.items() if key[0] == action and (key[1] == deed or not known)}
 
-    def _end(self, action: str, deed: Deed, state: DeedState, detail: str = "", at: int | None = None) -> None:
+    def _end(self, action: str, deed: ActionPart, state: PartState, detail: str = "", at: int | None = None) -> None:
         if held := self._open.pop((action, deed), None):
             held.give_up.cancel()
             ended = self.bus.clock.now() if at is None else at
@@ -200,7 +200,7 @@ class OutputNode(Node):
                     stop.details.append(detail)
                 self._tell_if_still()
 
-    def _give_up(self, action: str, deed: Deed) -> None:
+    def _give_up(self, action: str, deed: ActionPart) -> None:
         if (action, deed) in self._open and not self._closed:
             self._end(action, deed, "failed", "It did not tell what became of it.")
             with contextlib.suppress(Exception):  # it has failed already
@@ -218,7 +218,7 @@ class OutputNode(Node):
             detail = " ".join(dict.fromkeys(stop.details))
             self.bus.post(STOPPED, m.OutputStopped(output=self.name, asked=stop.asked, at=stop.at, detail=detail))
 
-    def _report(self, action: str, deed: Deed, state: DeedState, at: int, detail: str = "") -> None:
+    def _report(self, action: str, deed: ActionPart, state: PartState, at: int, detail: str = "") -> None:
         self.bus.post(
             REPORT, m.OutputReport(action=action, output=self.name, deed=deed, state=state, at=at, detail=detail)
         )

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Literal, NamedTuple
 
 from sar_tui.framework.clock import Clock
-from sar_tui.framework.messages import Deed, DeedState
+from sar_tui.framework.messages import ActionPart, PartState
 from sar_tui.framework.theme import Theme
 
 Gaze = Literal["ahead", "left", "right", "up", "down"]
@@ -18,8 +18,8 @@ class Report(NamedTuple):
     """
 
     action: str
-    deed: Deed
-    state: DeedState
+    deed: ActionPart
+    state: PartState
     at: int
     detail: str = ""
 
@@ -36,7 +36,7 @@ class Output:
 
     name: str
     """What it is called in settings and in the log."""
-    can: frozenset[Deed] = frozenset()
+    can: frozenset[ActionPart] = frozenset()
     """Which of ``say``, ``show``, ``gesture``, ``gaze`` and ``tone`` it does."""
 
     def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
@@ -78,7 +78,7 @@ class Output:
     def close(self) -> None:
         """Be still, and let go of devices, threads and processes. Nothing is reported afterwards. Harmless twice."""
 
-    def tell(self, action: str, deed: Deed, state: DeedState, detail: str = "") -> None:
+    def tell(self, action: str, deed: ActionPart, state: PartState, detail: str = "") -> None:
         """Report what became of a deed, now."""
         self._tell(Report(action, deed, state, self.clock.now(), detail))
 

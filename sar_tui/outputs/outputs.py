@@ -10,7 +10,7 @@ from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output, OutputError
 
 if TYPE_CHECKING:
-    from sar_tui.outputs.sound.path import Sound
+    from sar_tui.outputs.sound.mixer import Sound
 
 GROUP = "sar_tui.outputs"
 SCREEN = "screen"
@@ -34,7 +34,7 @@ def check_outputs(addresses: Sequence[str], speech: str = "sound") -> None:
             raise OutputError(f'There is no output "{kind}".{hint} There is: {", ".join(known)}.')
         if kinds.count(kind) > 1:
             raise OutputError(f"The output {kind} is named twice.")
-    from sar_tui.outputs.sound.path import check_sound
+    from sar_tui.outputs.sound.mixer import check_sound
     from sar_tui.outputs.sound.protocol import SoundError
 
     try:
@@ -60,7 +60,7 @@ def open_outputs(addresses: Sequence[str], speech: str, theme: Theme) -> list[Ou
 
 
 def _make(addresses: Sequence[str], speech: str, keep: bool = False) -> list[tuple[Output, str, tuple[str, ...]]]:
-    from sar_tui.outputs.sound.path import Sound
+    from sar_tui.outputs.sound.mixer import Sound
 
     for forgotten in _checked.keys() - {_split(address) for address in addresses}:
         del _checked[forgotten]

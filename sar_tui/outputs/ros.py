@@ -7,12 +7,12 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, cast
 
+from sar_tui.drivers.rosbridge import Bridge
 from sar_tui.framework.clock import MS, SECOND, Clock, Handle
-from sar_tui.framework.messages import Deed, DeedState
+from sar_tui.framework.messages import ActionPart, PartState
 from sar_tui.framework.theme import Theme
 from sar_tui.outputs.output import Output, OutputError, Report
 from sar_tui.outputs.ros_topics import STRING, Answer, parse_address, plain, understand
-from sar_tui.rosbridge import Bridge
 
 PATIENCE = 3 * SECOND
 """How long after the beginning a deed may wait for the first connection."""
@@ -31,7 +31,7 @@ A_CHARACTER = 100 * MS
 class _Asked:
     """Something the robot is to do."""
 
-    def __init__(self, action: str, deed: Deed, topic: str, message: dict[str, str], lasts: int) -> None:
+    def __init__(self, action: str, deed: ActionPart, topic: str, message: dict[str, str], lasts: int) -> None:
         self.action, self.deed, self.topic, self.message, self.lasts = action, deed, topic, message, lasts
         self.sent: int | None = None
         self.started: int | None = None
@@ -48,7 +48,7 @@ class Ros(Output):
     """
 
     name = "ros"
-    can = frozenset[Deed]({"say", "gesture", "gaze"})
+    can = frozenset[ActionPart]({"say", "gesture", "gaze"})
 
     def __init__(self, address: str) -> None:
         self._address, self._topics = parse_address(address)
@@ -56,7 +56,7 @@ class Ros(Output):
         self._begin()
 
     def _begin(self) -> None:
-        self._lines: dict[Deed, deque[_Asked]] = {"say": deque(), "gesture": deque(), "gaze": deque()}
+        self._lines: dict[ActionPart, deque[_Asked]] = {"say": deque(), "gesture": deque(), "gaze": deque()}
         self._token = secrets.token_hex(3)
         self._ready_at: int | None = None
         self._stop_owed = self._was_lost = False
@@ -183,7 +183,7 @@ class Ros(Output):
                 self._end(asked, "aborted" if asked.is_stopping and not why else answer.state, at, why)
                 self._advance(asked.deed)
 
-    def _ask(self, action: str, deed: Deed, topic: str, what: dict[str, Any], bare: str, lasts: int) -> None:
+    def _ask(self, action: str, deed: ActionPart, topic: str, what: dict[str, Any], bare: str, lasts: int) -> None:
         if self._bridge is None:
             return
         message = self._topics.message(self._id(action), what, bare)
@@ -198,7 +198,7 @@ class Ros(Output):
             for deed in self._lines:
                 self._advance(deed, due)
 
-    def _advance(self, deed: Deed, due: int = 0) -> None:
+    def _advance(self, deed: ActionPart, due: int = 0) -> None:
         """Send what is next, if its turn has come; or tell that it cannot be. It is as late as ``due`` at least."""
         line, bridge = self._lines[deed], cast(Bridge, self._bridge)
         while line and line[0].sent is None:
@@ -220,7 +220,7 @@ class Ros(Output):
         line, now = self._lines[asked.deed], self.clock.now()
         if bridge is not self._bridge or not line or line[0] is not asked:
             return
-        state: DeedState = "failed"
+        state: PartState = "failed"
         if asked.is_stopping:
             state, why = "aborted", f"The robot at {self._address} did not confirm that it stopped."
         elif asked.started is None:
@@ -238,13 +238,13 @@ class Ros(Output):
             asked.timer.cancel()
         asked.timer = self.clock.call_at(when, ring)
 
-    def _end(self, asked: _Asked, state: DeedState, at: int, detail: str = "") -> None:
+    def _end(self, asked: _Asked, state: PartState, at: int, detail: str = "") -> None:
         self._lines[asked.deed].remove(asked)
         if asked.timer:
             asked.timer.cancel()
         self._report(asked, state, at, detail)
 
-    def _report(self, asked: _Asked, state: DeedState, at: int, detail: str = "") -> None:
+    def _report(self, asked: _Asked, state: PartState, at: int, detail: str = "") -> None:
         self._tell(Report(asked.action, asked.deed, state, at, detail))
 
     # --- stopping, and small things --------------------------------------------------------------------------
@@ -253,7 +253,7 @@ class Ros(Output):
         message = self._topics.message(action and self._id(action), {}, "stop")
         return cast(Bridge, self._bridge).publish(self._topics.stop, message)
 
-    def _is_about(self, answer: Answer, action: str, deed: Deed) -> bool:
+    def _is_about(self, answer: Answer, action: str, deed: ActionPart) -> bool:
         unnamed = self._topics.form == "text" and not answer.id
         return (unnamed or answer.id == self._id(action)) and answer.deed in ("", deed)
 

@@ -4,8 +4,8 @@ from typing import Any, Literal
 
 import msgspec
 
+from sar_tui.drivers.rosbridge import Address, AddressError, TopicName, parse
 from sar_tui.outputs.output import OutputError
-from sar_tui.rosbridge import Address, AddressError, TopicName, parse
 
 STRING = "std_msgs/String"
 _EXAMPLE = (

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from sar_tui.framework.clock import Clock
 from sar_tui.framework.theme import TONES, Theme
 from sar_tui.outputs.output import Output, Report
-from sar_tui.outputs.sound.path import Sound
+from sar_tui.outputs.sound.mixer import Sound
 
 
 class Tones(Output):

@@ -6,7 +6,7 @@ from statistics import median
 
 import msgspec
 
-from sar_tui.reports.cases import Case
+from sar_tui.reports.proposals import Case
 
 
 class Agreement(msgspec.Struct, frozen=True):

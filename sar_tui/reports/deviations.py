@@ -51,7 +51,7 @@ def deviations(told: Sequence[Told], operators: Collection[str]) -> list[Deviati
 
 def _deviation(message: m.Message, operators: Collection[str]) -> Iterator[tuple[str, str]]:
     match message:
-        case m.ModeChosen():
+        case m.ModeChanged():
             yield "mode", f"{message.kind}: {message.mode}"
         case m.Operator(command=what) if message.actor in operators and what in _STEERING:
             yield what, "" if message.value is None and what == "level" else str(message.value or message.reason)

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 import msgspec
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.messages import Mode, Ruled
+from sar_tui.framework.messages import ControlledKind, Mode
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.policies import arbitration
 from sar_tui.reports.record import Told, spans
@@ -81,7 +81,7 @@ def presence(told: Sequence[Told]) -> Presence:
 class ModeTime(msgspec.Struct, frozen=True):
     """How long a mode was set for a kind of action; ``unattended_s``: of that, without an operator. In s."""
 
-    kind: Ruled
+    kind: ControlledKind
     mode: Mode
     time_s: float
     unattended_s: float
@@ -92,7 +92,7 @@ def mode_times(told: Iterable[Told], parameters: TaskParameters) -> list[ModeTim
     told = list(told)
     known = spans(told)
     state = arbitration.start(parameters)
-    times: dict[tuple[Ruled, Mode], list[int]] = {}
+    times: dict[tuple[ControlledKind, Mode], list[int]] = {}
     last: dict[int, int] = {}
 
     def pass_until(run: int, at: int) -> None:
@@ -112,7 +112,7 @@ def mode_times(told: Iterable[Told], parameters: TaskParameters) -> list[ModeTim
                 state = msgspec.structs.replace(state, operated=False)
             case m.OperatorChanged():
                 state = msgspec.structs.replace(state, operated=message.operated)
-            case m.ModeChosen():
+            case m.ModeChanged():
                 state = arbitration.choose(state, message.kind, message.mode)
     return [
         ModeTime(kind, mode, seconds(time), seconds(unattended))
@@ -120,12 +120,12 @@ def mode_times(told: Iterable[Told], parameters: TaskParameters) -> list[ModeTim
     ]
 
 
-def _in_order(item: tuple[tuple[Ruled, Mode], object]) -> tuple[int, int]:
+def _in_order(item: tuple[tuple[ControlledKind, Mode], object]) -> tuple[int, int]:
     (kind, mode), _ = item
     return KINDS.index(kind), MODES.index(mode)
 
 
-KINDS: tuple[Ruled, ...] = ("feedback", "encouragement", "instruction", "gesture", "difficulty")
+KINDS: tuple[ControlledKind, ...] = ("feedback", "encouragement", "instruction", "gesture", "difficulty")
 MODES: tuple[Mode, ...] = ("autonomous", "veto", "approve", "manual")
 
 

@@ -9,13 +9,13 @@ import msgspec
 from sar_tui.framework import messages as m
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.reports.agreement import Agreement, agreement
-from sar_tui.reports.cases import Case, Fate, cases
 from sar_tui.reports.deviations import Deviation, deviations
 from sar_tui.reports.distribution import Distribution, distribution
+from sar_tui.reports.notes import Written, written
 from sar_tui.reports.pauses import Pause, pauses
 from sar_tui.reports.presence import KINDS, MODES, Absence, mode_times, presence
+from sar_tui.reports.proposals import Case, Fate, cases
 from sar_tui.reports.record import Told, people
-from sar_tui.reports.written import Written, written
 
 _PLANNED = (
     *(f"operator_{kind}" for kind in KINDS),
@@ -188,13 +188,13 @@ def _initiated(told: Iterable[Told], operators: Collection[str]) -> Iterator[str
                 yield message.source
             case m.Operator() if message.actor in operators:
                 yield message.command
-            case m.ModeChosen():
+            case m.ModeChanged():
                 yield "mode"
 
 
 def _link_ms(told: Iterable[Told], operators: Collection[str]) -> Iterator[float]:
     """From the stamp of each act to its arrival."""
-    acts = m.Operator | m.Decision | m.Remark | m.ModeChosen | m.OfferSeen | m.Noted
+    acts = m.Operator | m.Decision | m.Remark | m.ModeChanged | m.ProposalSeen | m.NoteAdded
     for _, at, message in told:
         if isinstance(message, acts) and message.at and message.actor in operators:
             yield (at - message.at) / 1e6

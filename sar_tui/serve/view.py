@@ -13,7 +13,7 @@ from aiohttp.web import WebSocketResponse
 from textual_serve.app_service import AppService
 from textual_serve.download_manager import DownloadManager
 
-DRIVER = "sar_tui.app.web_driver:ServedDriver"
+DRIVER = "sar_tui.tui.web_driver:ServedDriver"
 _PRELUDE = b"__GANGLION__\n"
 """What Textual's web driver says first; see there for the packets that follow."""
 _ENDS_S = 5.0

@@ -5,9 +5,9 @@ from collections.abc import Callable
 import msgspec
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS, SECOND, Handle
 from sar_tui.framework.node import Node, on
+from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
     ACTION,
@@ -15,13 +15,13 @@ from sar_tui.framework.topics import (
     DECIDED,
     DECISION,
     DROPPED,
-    LEVEL_RULED,
-    NOTED,
-    OFFERED,
+    LEVEL_DECIDED,
+    NOTE_ADDED,
     OPERATOR,
+    PENDING_APPROVAL,
     PRESENCE,
+    PROPOSAL_SEEN,
     REMARK,
-    SEEN,
     SESSION,
     SESSION_ENDED,
     THEME,
@@ -35,7 +35,7 @@ TOO_LATE_TO_STOP = 200 * MS
 (Logan & Cowan 1984)."""
 
 
-class Character(msgspec.Struct, frozen=True):
+class OperatorProfile(msgspec.Struct, frozen=True):
     """A model of someone who decides on proposals.
 
     A decision takes reading (``ms_per_word``), and after it a choice, whose time is ex-Gaussian like that of other
@@ -75,29 +75,29 @@ class Character(msgspec.Struct, frozen=True):
     leaves: float = 0.0
     away_s: float = 0.0
 
-    def reaction_ms(self, text: str, chance: Chance) -> float:
+    def reaction_ms(self, text: str, streams: RandomStreams) -> float:
         """From a proposal's being seen to the key; never below 150 ms."""
-        generator = chance.generator("reaction", self.name)
+        generator = streams.generator("reaction", self.name)
         normal = generator.gauss(self.mean_ms - self.tau_ms, self.sigma_ms)
         return max(150.0, self.ms_per_word * len(text.split()) + normal + generator.expovariate(1 / self.tau_ms))
 
-    def verdict(self, chance: Chance) -> str:
+    def verdict(self, streams: RandomStreams) -> str:
         """What becomes of a proposal: ``accept``, ``veto``, ``edit``, or ``miss``."""
-        if chance.uniform("miss", self.name) < self.misses:
+        if streams.uniform("miss", self.name) < self.misses:
             return "miss"
-        drawn = chance.uniform("verdict", self.name)
+        drawn = streams.uniform("verdict", self.name)
         meant = "veto" if drawn < self.vetoes else "edit" if drawn < self.vetoes + self.edits else "accept"
-        if chance.uniform("slip", self.name) < self.slips:
-            return chance.choice([verdict for verdict in ("accept", "veto", "edit") if verdict != meant], "slipped")
+        if streams.uniform("slip", self.name) < self.slips:
+            return streams.choice([verdict for verdict in ("accept", "veto", "edit") if verdict != meant], "slipped")
         return meant
 
 
 CHARACTERS = {
     character.name: character
     for character in (
-        Character("careful", 90, 700, 120, 250, vetoes=0.08, edits=0.12, slips=0.01, misses=0.01, notes=0.2),
-        Character("hasty", 25, 380, 80, 120, vetoes=0.1, edits=0.02, slips=0.08, misses=0.04, notes=0.02),
-        Character(
+        OperatorProfile("careful", 90, 700, 120, 250, vetoes=0.08, edits=0.12, slips=0.01, misses=0.01, notes=0.2),
+        OperatorProfile("hasty", 25, 380, 80, 120, vetoes=0.1, edits=0.02, slips=0.08, misses=0.04, notes=0.02),
+        OperatorProfile(
             "absent",
             90,
             900,
@@ -125,9 +125,9 @@ class SimulatedOperator(Node):
     """
 
     name = "operator"
-    emits = (DECISION, NOTED, OPERATOR, PRESENCE, REMARK, SEEN)
+    emits = (DECISION, NOTE_ADDED, OPERATOR, PRESENCE, REMARK, PROPOSAL_SEEN)
 
-    def __init__(self, character: Character, seed: int) -> None:
+    def __init__(self, character: OperatorProfile, seed: int) -> None:
         super().__init__()
         self._character = character
         self._seed = seed
@@ -143,7 +143,7 @@ class SimulatedOperator(Node):
         return self.bus.clock.now()
 
     @on(THEME)
-    def wear(self, worn: m.ThemeWorn) -> None:
+    def wear(self, worn: m.ThemeApplied) -> None:
         """What it says of its own are the theme's words."""
         self._theme = worn.theme
 
@@ -156,8 +156,8 @@ class SimulatedOperator(Node):
         """What is left is the goodbye."""
         self._has_ended = True
 
-    @on(OFFERED)
-    def offered(self, offer: m.Offer) -> None:
+    @on(PENDING_APPROVAL)
+    def offered(self, offer: m.PendingApproval) -> None:
         """Read it when there is time for it, and decide."""
         if self._is_here:
             self._take_up(offer)
@@ -174,8 +174,8 @@ class SimulatedOperator(Node):
     def dropped(self, dropped: m.Dropped) -> None:
         self._let_go(dropped.id)
 
-    @on(LEVEL_RULED)
-    def level_ruled(self, ruled: m.LevelRuled) -> None:
+    @on(LEVEL_DECIDED)
+    def level_ruled(self, ruled: m.LevelDecided) -> None:
         self._let_go(ruled.id)
 
     @on(ATTEMPT_ENDED)
@@ -183,33 +183,33 @@ class SimulatedOperator(Node):
         """Now and then there is something to say, to write down, to set; or a reason to go."""
         if not self._is_here or self._has_ended:
             return
-        chance = Chance(self._seed, "operator", ended.attempt, ended.seat)
+        streams = RandomStreams(self._seed, "operator", ended.attempt, ended.seat)
         character = self._character
         for name, share, act in (
-            ("remark", character.remarks, lambda at: self._remark(chance, ended.seat, at)),
+            ("remark", character.remarks, lambda at: self._remark(streams, ended.seat, at)),
             ("note", character.notes, lambda at: self._note(ended, at)),
             ("level", character.levels, lambda at: self._set_level(ended, at)),
-            ("leave", character.leaves, lambda at: self._leave(chance)),
+            ("leave", character.leaves, lambda at: self._leave(streams)),
         ):
-            if chance.uniform(name, character.name) < share:
-                self._at(self._time + round((1 + 2 * chance.uniform(name, "when")) * SECOND), act)
+            if streams.uniform(name, character.name) < share:
+                self._at(self._time + round((1 + 2 * streams.uniform(name, "when")) * SECOND), act)
 
     # --- proposals --------------------------------------------------------------------------------------------
 
-    def _take_up(self, offer: m.Offer) -> None:
+    def _take_up(self, offer: m.PendingApproval) -> None:
         """One at a time: who reads one thing has not seen the next."""
         id = offer.proposal.id
         if earlier := self._pending.pop(id, None):
             earlier[1].cancel()
-        chance = Chance(self._seed, "operator", id)
+        streams = RandomStreams(self._seed, "operator", id)
         seen = self._time + PAINTING
-        self._at(seen, lambda at: self.emit(SEEN, m.OfferSeen(action=id, actor=NAME, at=at)))
-        verdict = self._character.verdict(chance)
+        self._at(seen, lambda at: self.emit(PROPOSAL_SEEN, m.ProposalSeen(action=id, actor=NAME, at=at)))
+        verdict = self._character.verdict(streams)
         if verdict == "miss":
             return
-        reaction = self._character.reaction_ms(offer.proposal.text, chance)
+        reaction = self._character.reaction_ms(offer.proposal.text, streams)
         due = self._busy_until = max(seen, self._busy_until) + round(reaction * MS)
-        decision = self._decision(offer, verdict, chance)
+        decision = self._decision(offer, verdict, streams)
         handle = self.bus.clock.call_at(due, lambda: self._decide(msgspec.structs.replace(decision, at=due)))
         self._pending[id] = due, handle
 
@@ -217,7 +217,7 @@ class SimulatedOperator(Node):
         self._pending.pop(decision.action, None)
         self.emit(DECISION, decision)
 
-    def _decision(self, offer: m.Offer, verdict: str, chance: Chance) -> m.Decision:
+    def _decision(self, offer: m.PendingApproval, verdict: str, streams: RandomStreams) -> m.Decision:
         """An edit adds a kind word, and makes blame milder; a level that is changed stays where it was."""
         proposal = offer.proposal
         about = {"seat": proposal.seat, "action": proposal.id, "actor": NAME}
@@ -226,7 +226,7 @@ class SimulatedOperator(Node):
         if offer.level is not None:
             return m.Decision(**about, verdict="edit", level=max(1, offer.level - 1))  # type: ignore[arg-type]
         milder = {"valence": "neutral"} if proposal.valence == "negative" else {}
-        kind = chance.choice(self._theme.phrases["encouragement"], "words")
+        kind = streams.choice(self._theme.phrases["encouragement"], "words")
         return m.Decision(**about, **milder, verdict="edit", text=f"{proposal.text} {kind}".strip())  # type: ignore[arg-type]
 
     def _let_go(self, id: str) -> None:
@@ -238,13 +238,13 @@ class SimulatedOperator(Node):
 
     # --- of their own -------------------------------------------------------------------------------------------
 
-    def _remark(self, chance: Chance, seat: str, at: int) -> None:
-        words = chance.choice(self._theme.phrases["encouragement"], "remark", "words")
+    def _remark(self, streams: RandomStreams, seat: str, at: int) -> None:
+        words = streams.choice(self._theme.phrases["encouragement"], "remark", "words")
         self.emit(REMARK, m.Remark(seat=seat, text=words, valence="positive", actor=NAME, at=at))
 
     def _note(self, ended: m.AttemptEnded, at: int) -> None:
         text = f"Attempt {ended.attempt}: {ended.outcome}."
-        self.emit(NOTED, m.Noted(seat=ended.seat, text=text, actor=NAME, at=at))
+        self.emit(NOTE_ADDED, m.NoteAdded(seat=ended.seat, text=text, actor=NAME, at=at))
 
     def _set_level(self, ended: m.AttemptEnded, at: int) -> None:
         """Easier for who has failed, harder for who has not."""
@@ -260,7 +260,7 @@ class SimulatedOperator(Node):
             changed = m.OperatorChanged(actor=NAME, state=state, operated=True, peers={NAME: "operator"})
             self.emit(PRESENCE, changed)
 
-    def _leave(self, chance: Chance) -> None:
+    def _leave(self, streams: RandomStreams) -> None:
         """Nothing is heard of them any more, until they are back."""
         if self._has_ended or not self._is_here:
             return
@@ -270,7 +270,7 @@ class SimulatedOperator(Node):
         self._pending.clear()
         why = "Nothing has been heard from the operator's program."
         self.emit(PRESENCE, m.OperatorChanged(actor=NAME, state="lost", operated=False, detail=why))
-        away = chance.generator("away").expovariate(1 / self._character.away_s)
+        away = streams.generator("away").expovariate(1 / self._character.away_s)
         self.bus.clock.call_at(self._time + round(away * SECOND), self._come)
 
     def _at(self, when: int, act: Callable[[int], None]) -> None:

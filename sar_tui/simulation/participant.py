@@ -3,25 +3,26 @@
 from collections.abc import Callable
 from typing import Any
 
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS, Handle
-from sar_tui.framework.messages import Action, DeedState, KeyPressed, OutputReport, Prompt, Shown, Waiting
+from sar_tui.framework.messages import Action, KeyPressed, OutputReport, PartState, Prompt, Shown, Waiting
 from sar_tui.framework.node import Node, on
-from sar_tui.framework.task import Act, Cue, Stimulus, Task
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ACTION, KEY, PROMPT, REPORT, SHOWN, WAITING
+from sar_tui.framework.trial_types import Act, Cue, Stimulus
 from sar_tui.simulation.person import Person
 
 SHOWING = 4 * MS
 """From a prompt's publication to its being seen."""
 READING = 1200 * MS
 """From a screen that waits for Enter to the Enter."""
-_SEEN: tuple[DeedState, ...] = ("queued", "started", "done")
+_SEEN: tuple[PartState, ...] = ("queued", "started", "done")
 
 
 def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A") -> list[Act]:
     """What a person at a seat does for a prompt: nothing, where they miss it or it is another's."""
-    chance = Chance(seed, "person" if seat == "A" else f"person {seat}", prompt.attempt, prompt.trial)
-    if prompt.seat not in ("", seat) or person.misses_it(chance):
+    streams = RandomStreams(seed, "person" if seat == "A" else f"person {seat}", prompt.attempt, prompt.trial)
+    if prompt.seat not in ("", seat) or person.misses_it(streams):
         return []
     stimulus = Stimulus(
         prompt.stimulus,
@@ -32,7 +33,7 @@ def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A")
         halves=prompt.halves,
         cue=Cue(prompt.cue, 0) if prompt.cue else None,  # type: ignore[arg-type]
     )
-    return task.rehearse(stimulus, person.perform(prompt.choices, prompt.attempt, chance), chance)
+    return task.rehearse(stimulus, person.perform(prompt.choices, prompt.attempt, streams), streams)
 
 
 class SimulatedParticipant(Node):
@@ -63,8 +64,8 @@ class SimulatedParticipant(Node):
         if self._next:
             self._next.cancel()
         key = {"enter": "enter", "start": self._task.start_key}.get(waiting.what)
-        chance = Chance(self._seed, "person", waiting.attempt, waiting.stage)
-        if waiting.ask and self._person.wants_to_know(chance):
+        streams = RandomStreams(self._seed, "person", waiting.attempt, waiting.stage)
+        if waiting.ask and self._person.wants_to_know(streams):
             key = waiting.ask
         self._next = self._press(key, self.now + READING) if key else None
 

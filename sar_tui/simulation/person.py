@@ -4,8 +4,8 @@ import math
 
 import msgspec
 
-from sar_tui.framework.chance import Chance
-from sar_tui.framework.task import Performance
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.trial_types import Performance
 
 
 class Person(msgspec.Struct, frozen=True):
@@ -49,12 +49,12 @@ class Person(msgspec.Struct, frozen=True):
     hand: str = "steady"
     asks: float = 0.35
 
-    def perform(self, choices: int, attempt: int, chance: Chance) -> Performance:
+    def perform(self, choices: int, attempt: int, streams: RandomStreams) -> Performance:
         """How one prompt among ``choices`` is done in an attempt (1, 2, …)."""
-        varied = math.exp(chance.generator("pace", self.name).gauss(0, self.pace_sd))
+        varied = math.exp(streams.generator("pace", self.name).gauss(0, self.pace_sd))
         return Performance(
-            reaction_ms=self.reaction_ms(choices, attempt, chance),
-            slips=self.slips(chance),
+            reaction_ms=self.reaction_ms(choices, attempt, streams),
+            slips=self.slips(streams),
             pace=self.pace * varied * self._slowed(attempt),
             unsteadiness=self.unsteadiness,
         )
@@ -68,23 +68,23 @@ class Person(msgspec.Struct, frozen=True):
         learnt = self.practice * (1 - math.exp(-(attempt - 1) / self.practice_attempts))
         return 1 - learnt + self.fatigue * (attempt - 1)
 
-    def reaction_ms(self, choices: int, attempt: int, chance: Chance) -> float:
+    def reaction_ms(self, choices: int, attempt: int, streams: RandomStreams) -> float:
         """One reaction time; never below 120 ms, the fastest a choice can be."""
-        generator = chance.generator("reaction", self.name)
+        generator = streams.generator("reaction", self.name)
         normal = generator.gauss(self.mean_ms(choices, attempt) - self.tau_ms, self.sigma_ms)
         return max(120.0, normal + generator.expovariate(1 / self.tau_ms))
 
-    def misses_it(self, chance: Chance) -> bool:
+    def misses_it(self, streams: RandomStreams) -> bool:
         """Whether this prompt is not answered."""
-        return chance.uniform("miss", self.name) < self.misses
+        return streams.uniform("miss", self.name) < self.misses
 
-    def slips(self, chance: Chance) -> bool:
+    def slips(self, streams: RandomStreams) -> bool:
         """Whether this prompt is answered wrongly."""
-        return chance.uniform("slip", self.name) < self.errors
+        return streams.uniform("slip", self.name) < self.errors
 
-    def wants_to_know(self, chance: Chance) -> bool:
+    def wants_to_know(self, streams: RandomStreams) -> bool:
         """Whether they ask how an attempt went."""
-        return chance.uniform("ask", self.name) < self.asks
+        return streams.uniform("ask", self.name) < self.asks
 
 
 PEOPLE = {

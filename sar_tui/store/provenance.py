@@ -11,7 +11,8 @@ from typing import Any
 import msgspec
 
 import sar_tui
-from sar_tui.framework.task import Metric, Task
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Metric
 
 _MULTIPLEXERS = {"tmux": "TMUX", "screen": "STY", "zellij": "ZELLIJ"}
 _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils")

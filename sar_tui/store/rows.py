@@ -70,7 +70,7 @@ def rows_of(session: str, run: int, records: list[Record]) -> Rows:
         _add_attempts(rows, session, run, record.message)
         _add_actions(rows, session, record.at, record.message)
         match record.message:
-            case m.Noted() as n:
+            case m.NoteAdded() as n:
                 rows["notes"].append((session, n.at or record.at, n.actor, n.text, n.label))
             case m.SessionEnded() as e:
                 rows["closings"].append((e.status, datetime.now(UTC).isoformat(), session))
@@ -100,17 +100,17 @@ def _add_actions(rows: Rows, session: str, at: int, message: m.Message) -> None:
     match message:
         case m.Proposal() as p:
             rows["proposals"].append((session, p.id, p.kind, _text(p), at))
-        case m.Offer() as o:
+        case m.PendingApproval() as o:
             p = o.proposal
             rows["offers"].append((session, p.id, p.kind, _text(p), at, o.mode, o.deadline))
-        case m.OfferSeen() as s:
+        case m.ProposalSeen() as s:
             rows["seen"].append((s.at, session, s.action))
         case m.Action() as a:
             decided = a.decided or at
             rows["decisions"].append((session, a.id, a.kind, _text(a), a.decision, a.actor, decided, a.mode, a.ground))
         case m.Dropped() as d:
             rows["drops"].append((*_dropped(d), at, d.reason, _ground(d), session, d.id))
-        case m.LevelRuled() as r:
+        case m.LevelDecided() as r:
             final = None if r.decision == "rejected" else _text({"level": r.level})
             rows["rulings"].append((session, r.id, final, r.decision, r.actor, r.at, r.ground))
         case m.OutputReport(state="started") as r:

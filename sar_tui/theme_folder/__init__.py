@@ -9,9 +9,9 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
-from sar_tui.theme_folder.look import read_look
+from sar_tui.theme_folder.appearance import read_look
+from sar_tui.theme_folder.phrases import read_words
 from sar_tui.theme_folder.screens import screen_texts
-from sar_tui.theme_folder.words import read_words
 
 Told = dict[str, list[str]]
 

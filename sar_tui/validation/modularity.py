@@ -58,7 +58,7 @@ def run(conditions: Conditions) -> Report:
 
 def load(name: str, catalogue: Catalogue) -> Loaded:
     """Run a session of a task in a process of its own, and see what it loads. Raises NotLoaded."""
-    command = [sys.executable, "-m", "sar_tui.validation.loaded", name, *map(str, catalogue.extra_tasks)]
+    command = [sys.executable, "-m", "sar_tui.validation.loaded_modules", name, *map(str, catalogue.extra_tasks)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         last = done.stderr.strip().splitlines()[-1:]

@@ -11,7 +11,8 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.framework.waiting import ASK_KEY
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, simulate
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect

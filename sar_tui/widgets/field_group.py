@@ -12,7 +12,7 @@ from textual.message import Message
 from textual.reactive import reactive
 from textual.widget import Widget
 
-from sar_tui.framework.parameters import show
+from sar_tui.framework.declaration import show
 from sar_tui.widgets.parameter_field import ParameterField
 
 _TITLE = 28

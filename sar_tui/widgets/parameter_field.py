@@ -10,7 +10,7 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Input
 
-from sar_tui.framework.parameters import Field, show
+from sar_tui.framework.declaration import Field, show
 from sar_tui.widgets.choice import Choice
 
 _YES_NO = ("yes", "no")

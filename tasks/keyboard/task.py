@@ -5,9 +5,11 @@ from typing import Annotated, Any, Literal
 
 import msgspec
 
-from sar_tui.framework.chance import Chance
-from sar_tui.framework.parameters import TaskParameters, meta
-from sar_tui.framework.task import Act, Details, Metric, Performance, Result, Situation, Stimulus, Task, Trial
+from sar_tui.framework.declaration import meta
+from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
 
 from .layouts import ARROWS, Level, levels, needs_shift
 
@@ -128,7 +130,7 @@ class KeyboardTask(Task):
             place = (situation.trial - 1) % self.parameters.sequence_length
             key = situation.session.choice(level.keys, "sequence", situation.level, place)
         else:
-            key = situation.chance.choice(level.keys, "order")
+            key = situation.streams.choice(level.keys, "order")
         return Stimulus(
             name=key,
             expected=key,
@@ -164,14 +166,14 @@ class KeyboardTask(Task):
     def timed_out(self, trial: Trial) -> Result:
         return Result(correct=False, details={"choices": trial.stimulus.choices, "key_gap_ms": None})
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
         """A slip hits another key: a neighbour in the alphabet, or another arrow."""
         if not performance.slips:
             return [(performance.reaction_ms, stimulus.expected)]
         others = [
             key for key in (ARROWS if stimulus.expected in ARROWS else "asdfjkl") if key != stimulus.expected.lower()
         ]
-        return [(performance.reaction_ms, chance.choice(others, "slip"))]
+        return [(performance.reaction_ms, streams.choice(others, "slip"))]
 
 
 def _same(pressed: str, expected: str, *, case: bool) -> bool:

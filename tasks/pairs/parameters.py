@@ -2,7 +2,8 @@
 
 from typing import Annotated, Literal
 
-from sar_tui.framework.parameters import TaskParameters, meta
+from sar_tui.framework.declaration import meta
+from sar_tui.framework.parameters import TaskParameters
 
 _NOT_SEEN = {"gaze": {"speech", "tones", "servo"}, "gesture": {"speech", "tones"}, "both": {"speech", "tones"}}
 """The outputs that cannot look, or cannot point."""

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import msgspec
 
 from sar_tui.framework.messages import Json
-from sar_tui.framework.task import Result, Results
+from sar_tui.framework.trial_types import Result, Results
 
 
 class Response(NamedTuple):

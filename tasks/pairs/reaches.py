@@ -1,9 +1,9 @@
 """Responses of the hand: each reaches out and comes back, with a motion sensor on it. The response is its beginning."""
 
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.messages import Json, ReachPerceived
 from sar_tui.framework.node import Node
-from sar_tui.framework.task import Act, Performance
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.trial_types import Act, Performance
 
 from .parameters import PairsParameters
 
@@ -20,7 +20,7 @@ _KEPT = ("reach_time_ms", "out_ms", "back_ms", "dwell_ms", "peak_extension_rad_s
 def watchers(parameters: PairsParameters) -> tuple[Node, ...]:
     """A node for each hand, which finds its reaches."""
     from sar_tui.motion.analysis import AnalysisParameters  # loads numpy
-    from sar_tui.reach_perception import ReachPerception
+    from sar_tui.perception.reach import ReachPerception
 
     return (
         ReachPerception(AnalysisParameters(hand=parameters.hand), _REST_MS, "A"),
@@ -36,7 +36,7 @@ def details(reach: ReachPerceived | None) -> Json:
     return kept | {"turn_ns": reach.turn, "movement_end_ns": reach.end}
 
 
-def rehearsed(at_ms: float, performance: Performance, chance: Chance) -> list[Act]:
+def rehearsed(at_ms: float, performance: Performance, streams: RandomStreams) -> list[Act]:
     """A reach to 20 cm and back, as a healthy adult takes 1.1 s for, begun at ``at_ms``. A slip is but a twitch."""
     from sar_tui.motion.shapes import ReachShape
 
@@ -46,9 +46,9 @@ def rehearsed(at_ms: float, performance: Performance, chance: Chance) -> list[Ac
     shape = ReachShape(
         out_s=out,
         back_s=back,
-        dwell_s=0.3 * performance.unsteadiness * chance.uniform("dwell"),
+        dwell_s=0.3 * performance.unsteadiness * streams.uniform("dwell"),
         peak_out=0.94 / out,
         peak_back=-0.94 / back,
-        seed=int(chance.uniform("shape") * 2**31),
+        seed=int(streams.uniform("shape") * 2**31),
     )
     return [(at_ms, shape)]

@@ -6,12 +6,13 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import Json, KeyPerceived, ReachPerceived
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.task import (
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import (
     Act,
     Again,
     Cue,
@@ -23,7 +24,6 @@ from sar_tui.framework.task import (
     Situation,
     Stimulus,
     Target,
-    Task,
     Trial,
 )
 
@@ -153,7 +153,7 @@ class PairsTask(Task):
 
     def stimulus(self, situation: Situation) -> Stimulus:
         pairs = self._levels[situation.level - 1]
-        pair = situation.chance.choice(pairs, "order")
+        pair = situation.streams.choice(pairs, "order")
         asked = Stimulus(reaches.REACH, "", "") if self._reaching else Stimulus("", "", "", choices=len(pairs))
         halves = (self.tr("GO"), self.tr("GO")) if self._reaching else pair
         match self.parameters.policy:
@@ -191,7 +191,7 @@ class PairsTask(Task):
         return sides[situation.trial - 1]
 
     def _cue(self, situation: Situation, side: int) -> Cue:
-        congruent = situation.chance.uniform("congruent") < self.parameters.congruent_share
+        congruent = situation.streams.uniform("congruent") < self.parameters.congruent_share
         return Cue(_SIDES[side if congruent else 1 - side], self.parameters.cue_lead_ms, self.parameters.cue_by)
 
     # --- responses ------------------------------------------------------------------------------------------
@@ -270,17 +270,17 @@ class PairsTask(Task):
 
     # --- simulated participants -----------------------------------------------------------------------------
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
         """A slip hits another key of one's own half, or is no reach. A look to the other side costs a moment."""
         side = self.seats.index(stimulus.seat)
         at = performance.reaction_ms
         if stimulus.cue and stimulus.cue.side != _SIDES[side]:
             at *= 1 + _GAZE_EFFECT
         if self._reaching:
-            return reaches.rehearsed(at, performance, chance)
+            return reaches.rehearsed(at, performance, streams)
         key = stimulus.halves[side]
         if performance.slips:
-            key = chance.choice([pair[side] for pair in self._levels[-1] if pair[side] != key], "slip")
+            key = streams.choice([pair[side] for pair in self._levels[-1] if pair[side] != key], "slip")
         return [(at, key)]
 
 

@@ -3,7 +3,8 @@
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from sar_tui.framework.parameters import TaskParameters, meta
+from sar_tui.framework.declaration import meta
+from sar_tui.framework.parameters import TaskParameters
 
 _FEW_CM, _MOST_CM = 1.0, 200.0
 

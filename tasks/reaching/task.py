@@ -3,10 +3,11 @@
 import math
 from typing import TYPE_CHECKING, Any, Literal
 
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.messages import ReachPerceived
 from sar_tui.framework.node import Node
-from sar_tui.framework.task import (
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import (
     Act,
     Again,
     Mark,
@@ -17,7 +18,6 @@ from sar_tui.framework.task import (
     Situation,
     Stimulus,
     Target,
-    Task,
     Trial,
 )
 
@@ -88,8 +88,8 @@ class ReachingTask(Task):
     def analysis(self) -> "AnalysisParameters":
         """How reaches are found, as the parameters say."""
         from sar_tui.motion.analysis import AnalysisParameters  # loads numpy
-        from sar_tui.motion.robust import RobustParameters
-        from sar_tui.motion.thesis import ThesisParameters
+        from sar_tui.motion.fixed_threshold import ThesisParameters
+        from sar_tui.motion.single_axis import RobustParameters
 
         return AnalysisParameters(
             detector=self.parameters.detector,
@@ -105,7 +105,7 @@ class ReachingTask(Task):
         )
 
     def nodes(self) -> tuple[Node, ...]:
-        from sar_tui.reach_perception import ReachPerception  # loads numpy
+        from sar_tui.perception.reach import ReachPerception  # loads numpy
 
         return (ReachPerception(self.analysis(), self.parameters.still_ms),)
 
@@ -204,7 +204,7 @@ class ReachingTask(Task):
             flags=percept.flags,
         )
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
         """The hand makes a reach, and space is pressed when it is back. A slip is to forget the key.
 
         A healthy adult's reach out and back takes 0.85 s to 15 cm, and longer with the distance to the power 0.8:
@@ -217,17 +217,17 @@ class ReachingTask(Task):
         begins = performance.reaction_ms / 1000
         out, back = 0.52 * pace, 0.48 * pace
         amplitude = 0.025 * distance
-        halting = chance.uniform("halting") < performance.unsteadiness
+        halting = streams.uniform("halting") < performance.unsteadiness
         shape = ReachShape(
             out_s=out,
             back_s=back,
-            dwell_s=0.3 * performance.unsteadiness * chance.uniform("dwell"),
+            dwell_s=0.3 * performance.unsteadiness * streams.uniform("dwell"),
             peak_out=1.875 * amplitude / out,
             peak_back=-1.875 * amplitude / back,
             submovements=3 if halting and pace > 1.5 else 0,
-            seed=int(chance.uniform("shape") * 2**31),
+            seed=int(streams.uniform("shape") * 2**31),
         )
-        press = begins + out + back + shape.dwell_s + 0.4 + 0.3 * chance.uniform("press")
+        press = begins + out + back + shape.dwell_s + 0.4 + 0.3 * streams.uniform("press")
         acts: list[Act] = [(begins * 1000, shape)]
         if not performance.slips:
             acts.append((press * 1000, stimulus.expected))

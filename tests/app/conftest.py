@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.app.voice import voice
+from tests.app.fake_voice import voice
 
 __all__ = ["voice"]
 
@@ -22,4 +22,4 @@ def a_plain_terminal() -> Iterator[None]:
 @pytest.fixture(autouse=True)
 def no_session_to_join(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor on what runs on the machine meanwhile: home offers to join it."""
-    monkeypatch.setattr("sar_tui.link.folder.live_sessions", list)
+    monkeypatch.setattr("sar_tui.link.discovery.live_sessions", list)

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from textual.widgets import Static
 
-from sar_tui.app.agent_app import AgentApp
+from sar_tui.app.agent.app import AgentApp
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import SECOND, host_now
-from sar_tui.framework.messages import Action, CueGiven, Halt, Message, OutputReport, ThemeWorn, Waiting
+from sar_tui.framework.messages import Action, CueGiven, Halt, Message, OutputReport, ThemeApplied, Waiting
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, CUE, HALT, REPORT, THEME, WAITING
 from sar_tui.link.peer import Connection, Frame, Hear, Welcome
@@ -230,7 +230,7 @@ async def test_one_that_is_not_let_in_says_why(calm: Theme) -> None:
 async def test_it_wears_the_sessions_theme(calm: Theme, catalogue: Catalogue) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
-        watcher.link.tell(THEME, ThemeWorn(theme=catalogue.theme("playful")))
+        watcher.link.tell(THEME, ThemeApplied(theme=catalogue.theme("playful")))
         await watcher.see()
         assert watcher.app.theme == "sar-playful"
 

@@ -8,34 +8,35 @@ import pytest
 
 from sar_tui.app import app as app_module
 from sar_tui.app.app import SarTui, run_app
-from sar_tui.framework.task import Result, Task, Trial
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Result, Trial
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
 from sar_tui.store.database import StoreError
-from tests.app.chair import Chair, known, plan, sit_down, stored
+from tests.app.app_driver import AppDriver, known, plan, sit_down, stored
 
 
 async def test_a_disk_that_refuses_sends_for_the_experimenter_and_the_session_goes_on_after(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as chair:
-        prompt = await chair.to_first_prompt()
-        await chair.disk(False)
-        assert chair.sees("Please fetch the experimenter")
-        assert chair.sees("Everything you did is kept.")
-        assert chair.sees("For the experimenter: The disk is full. When it can be saved again")
-        assert "Press: " not in chair.text
+    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+        prompt = await driver.to_first_prompt()
+        await driver.disk(False)
+        assert driver.sees("Please fetch the experimenter")
+        assert driver.sees("Everything you did is kept.")
+        assert driver.sees("For the experimenter: The disk is full. When it can be saved again")
+        assert "Press: " not in driver.text
 
-        await chair.press("enter", "escape", prompt.expected)
-        await chair.wait(60_000)
-        assert chair.sees("Please fetch the experimenter")
+        await driver.press("enter", "escape", prompt.expected)
+        await driver.wait(60_000)
+        assert driver.sees("Please fetch the experimenter")
 
-        await chair.disk(True)
-        assert chair.sees("Thank you for waiting Everything is saved again. Press Enter to go on.")
-        await chair.press("enter")
-        assert (await chair.to_prompt()).text == prompt.text
-        await chair.answer(prompt)
-        assert chair.stored("SELECT trial, correct FROM trials") == [(1, 1)]
+        await driver.disk(True)
+        assert driver.sees("Thank you for waiting Everything is saved again. Press Enter to go on.")
+        await driver.press("enter")
+        assert (await driver.to_prompt()).text == prompt.text
+        await driver.answer(prompt)
+        assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
 
 
 async def test_a_task_that_raises_sends_for_the_experimenter_and_the_app_fails(
@@ -47,18 +48,18 @@ async def test_a_task_that_raises_sends_for_the_experimenter_and_the_app_fails(
                 raise RuntimeError("a wire is loose")
             return Result(correct=True, response=percept.key, response_at=percept.at, value=1.0)
 
-    async with sit_down(data, catalogue, plan(Loose)) as chair:
-        await chair.do_attempt(await chair.to_first_prompt())
-        assert chair.sees("Please fetch the experimenter")
-        assert chair.sees("Everything you did is kept.")
-        assert "wire" not in chair.text
-        assert "Traceback" not in chair.text
-        assert chair.sees("Press Enter to close.")
-        await chair.press("enter")
-        assert not chair.app.is_running
-        assert chair.app.return_code == 1
-        assert "The task keyboard failed" in chair.app.failure
-        assert "a wire is loose" in chair.app.failure
+    async with sit_down(data, catalogue, plan(Loose)) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        assert driver.sees("Please fetch the experimenter")
+        assert driver.sees("Everything you did is kept.")
+        assert "wire" not in driver.text
+        assert "Traceback" not in driver.text
+        assert driver.sees("Press Enter to close.")
+        await driver.press("enter")
+        assert not driver.app.is_running
+        assert driver.app.return_code == 1
+        assert "The task keyboard failed" in driver.app.failure
+        assert "a wire is loose" in driver.app.failure
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
     assert stored(data, "SELECT count(*) FROM trials") == [(1,)]
 
@@ -73,84 +74,84 @@ async def test_a_task_that_cannot_be_set_up_is_told_on_the_home_screen(data: Pat
             return Unplugged
 
     known(data, "P01")
-    async with sit_down(data, Missing()) as chair:
-        await chair.press("right", "right", "right", "enter")
-        assert chair.screen_name == "HomeScreen"
-        assert chair.sees("cannot be set up (OSError: no sensor)")
+    async with sit_down(data, Missing()) as driver:
+        await driver.press("right", "right", "right", "enter")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("cannot be set up (OSError: no sensor)")
 
 
 async def test_a_session_that_cannot_be_gone_on_with_ends_the_app_with_a_sentence(
     data: Path, catalogue: Catalogue
 ) -> None:
-    async with sit_down(data, catalogue, "nosuchsession") as chair:
-        assert not chair.app.is_running
-        assert chair.app.return_code == 1
-        assert chair.app.failure == "There is no session nosuchsession. `sar-tui sessions` lists them."
+    async with sit_down(data, catalogue, "nosuchsession") as driver:
+        assert not driver.app.is_running
+        assert driver.app.return_code == 1
+        assert driver.app.failure == "There is no session nosuchsession. `sar-tui sessions` lists them."
 
 
 @pytest.mark.parametrize("size", [(79, 24), (80, 23), (20, 5)])
 async def test_a_window_that_is_too_small_from_the_start_says_so_and_recovers(
     size: tuple[int, int], data: Path, catalogue: Catalogue
 ) -> None:
-    async with sit_down(data, catalogue, size=size) as chair:
-        assert chair.sees("This window is too small.")
-        await chair.resize(60, 20)
-        assert chair.sees("It has 60 by 20 characters; 80 by 24 are needed.")
-        await chair.resize(80, 24)
-        assert chair.screen_name == "HomeScreen"
-        assert chair.sees("+ New participant")
-        await chair.resize(50, 24)
-        assert chair.sees("This window is too small.")
-        await chair.resize(120, 40)
-        assert chair.screen_name == "HomeScreen"
-        assert chair.sees("+ New participant")
+    async with sit_down(data, catalogue, size=size) as driver:
+        assert driver.sees("This window is too small.")
+        await driver.resize(60, 20)
+        assert driver.sees("It has 60 by 20 characters; 80 by 24 are needed.")
+        await driver.resize(80, 24)
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("+ New participant")
+        await driver.resize(50, 24)
+        assert driver.sees("This window is too small.")
+        await driver.resize(120, 40)
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("+ New participant")
 
 
 @pytest.mark.parametrize("key", ["f1", "ctrl+p"])
 async def test_a_window_that_grows_under_the_help_or_the_palette_recovers_when_they_are_closed(
     key: str, data: Path, catalogue: Catalogue
 ) -> None:
-    async with sit_down(data, catalogue, size=(70, 20)) as chair:
-        await chair.press(key)
-        await chair.resize(100, 30)
-        await chair.press("escape")
-        assert chair.screen_name == "HomeScreen"
+    async with sit_down(data, catalogue, size=(70, 20)) as driver:
+        await driver.press(key)
+        await driver.resize(100, 30)
+        await driver.press("escape")
+        assert driver.screen_name == "HomeScreen"
 
 
 async def test_a_window_that_shrinks_again_under_the_help_is_covered_once(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue, size=(70, 20)) as chair:
-        await chair.press("f1")
-        await chair.resize(60, 20)
-        assert [type(screen).__name__ for screen in chair.app.screen_stack].count("TooSmallScreen") == 1
-        await chair.press("escape")
-        assert chair.sees("This window is too small.")
-        await chair.resize(80, 24)
-        assert chair.screen_name == "HomeScreen"
+    async with sit_down(data, catalogue, size=(70, 20)) as driver:
+        await driver.press("f1")
+        await driver.resize(60, 20)
+        assert [type(screen).__name__ for screen in driver.app.screen_stack].count("TooSmallScreen") == 1
+        await driver.press("escape")
+        assert driver.sees("This window is too small.")
+        await driver.resize(80, 24)
+        assert driver.screen_name == "HomeScreen"
 
 
-def _refuse(chair: Chair) -> None:
+def _refuse(driver: AppDriver) -> None:
     """Whatever the app itself would write from here on is refused."""
-    chair.app.database.execute("PRAGMA query_only=ON")
+    driver.app.database.execute("PRAGMA query_only=ON")
 
 
 async def test_a_disk_that_refuses_the_settings_is_told_and_the_form_stays(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("f2")
-        _refuse(chair)
-        await chair.press("ctrl+s")
-        assert chair.screen_name == "SettingsScreen"
-        assert chair.sees("is read-only")
-        assert chair.sees("not saved")
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("f2")
+        _refuse(driver)
+        await driver.press("ctrl+s")
+        assert driver.screen_name == "SettingsScreen"
+        assert driver.sees("is read-only")
+        assert driver.sees("not saved")
 
 
 async def test_a_disk_that_refuses_is_told_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
-    async with sit_down(data, catalogue) as chair:
-        _refuse(chair)
-        await chair.press("right", "right", "right", "enter")
-        assert chair.screen_name == "HomeScreen"
-        assert chair.sees("is read-only")
+    async with sit_down(data, catalogue) as driver:
+        _refuse(driver)
+        await driver.press("right", "right", "right", "enter")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("is read-only")
 
 
 async def test_a_disk_that_refuses_a_new_session_is_told_on_the_home_screen(
@@ -161,10 +162,10 @@ async def test_a_disk_that_refuses_a_new_session_is_told_on_the_home_screen(
 
     known(data, "P01")
     monkeypatch.setattr("sar_tui.store.sessions.create", refuse)
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("right", "right", "right", "enter")
-        assert chair.screen_name == "HomeScreen"
-        assert chair.sees("disk I/O error")
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("right", "right", "right", "enter")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("disk I/O error")
 
 
 async def test_a_disk_that_refuses_a_participant_is_told_and_the_code_stays(
@@ -174,13 +175,13 @@ async def test_a_disk_that_refuses_a_participant_is_told_and_the_code_stays(
         raise StoreError("The disk is full.")
 
     monkeypatch.setattr("sar_tui.store.participants.add", refuse)
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("enter")
-        await chair.write(*"P07")
-        await chair.press("enter")
-        assert chair.screen_name == "NewParticipantScreen"
-        assert chair.sees("The disk is full.")
-        assert chair.sees("P07")
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("enter")
+        await driver.write(*"P07")
+        await driver.press("enter")
+        assert driver.screen_name == "NewParticipantScreen"
+        assert driver.sees("The disk is full.")
+        assert driver.sees("P07")
 
 
 async def test_messages_that_the_disk_never_took_are_told_when_the_session_is_left(
@@ -190,16 +191,16 @@ async def test_messages_that_the_disk_never_took_are_told_when_the_session_is_le
         raise StoreError("The disk is full.")
 
     known(data, "P01")
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("right", "right", "right", "enter")
-        await chair.do_session()
-        assert chair.app.live
-        monkeypatch.setattr(chair.app.live.run.recorder, "write", refuse)
-        chair.app.live.keyboard.focused(True, 1.0)
-        await chair.settle()
-        await chair.press("enter")
-        assert chair.screen_name == "HomeScreen"
-        assert chair.sees("The disk would not take the session's last messages")
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("right", "right", "right", "enter")
+        await driver.do_session()
+        assert driver.app.live
+        monkeypatch.setattr(driver.app.live.run.recorder, "write", refuse)
+        driver.app.live.keyboard.focused(True, 1.0)
+        await driver.settle()
+        await driver.press("enter")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("The disk would not take the session's last messages")
 
 
 async def test_a_session_whose_disk_is_too_slow_stays_locked_and_unsaved(

@@ -6,43 +6,43 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.chair import known, plan, sit_down
+from tests.app.app_driver import known, plan, sit_down
 
 
 @pytest.mark.parametrize("key", ["f1", "?"])
 async def test_help_tells_what_a_screen_is_for_and_its_keys(key: str, data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as chair:
-        await chair.press(key)
-        assert chair.sees("Choose who takes part, the task and the theme; then Start.")
+    async with sit_down(data, catalogue) as driver:
+        await driver.press(key)
+        assert driver.sees("Choose who takes part, the task and the theme; then Start.")
         for words in ("F2 Settings (therapist)", "Ctrl-Q Quit", "F1 Help", "Press Enter to close this."):
-            assert chair.sees(words)
-        await chair.press("enter")
-        assert chair.screen_name == "HomeScreen"
-        await chair.press(key, key)
-        assert chair.screen_name == "HomeScreen"
+            assert driver.sees(words)
+        await driver.press("enter")
+        assert driver.screen_name == "HomeScreen"
+        await driver.press(key, key)
+        assert driver.screen_name == "HomeScreen"
 
 
 async def test_the_footer_offers_a_pause_where_there_is_something_to_pause(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as chair:
-        assert "Esc Pause" in chair.rows[-1]
-        assert "Ctrl-Q Quit" in chair.rows[-1]
-        assert "Ctrl-P palette" in chair.rows[-1]
-        await chair.press("escape")
-        assert "Pause" not in chair.rows[-1]
+    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+        assert "Esc Pause" in driver.rows[-1]
+        assert "Ctrl-Q Quit" in driver.rows[-1]
+        assert "Ctrl-P palette" in driver.rows[-1]
+        await driver.press("escape")
+        assert "Pause" not in driver.rows[-1]
 
 
 async def test_every_key_of_the_settings_fits_into_the_footer(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("f2")
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("f2")
         for words in ("Ctrl-S Save", "Ctrl-R Reset this", "Esc Back", "Ctrl-Q Quit", "F1 Help", "Ctrl-P palette"):
-            assert words in chair.rows[-1]
+            assert words in driver.rows[-1]
 
 
 async def test_the_palette_offers_help_the_themes_and_the_way_out(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("ctrl+p")
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("ctrl+p")
         for words in ("Help", "Theme: Calm", "Theme: High contrast", "Quit"):
-            assert chair.sees(words)
+            assert driver.sees(words)

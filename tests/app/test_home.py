@@ -7,18 +7,18 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.chair import known, plan, sit_down, stored
+from tests.app.app_driver import known, plan, sit_down, stored
 
 
 async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as chair:
-        assert chair.sees("+ New participant")
-        await chair.press("enter")
-        await chair.write(*"p01")
-        await chair.press("enter")
-        assert chair.sees("P01: Keyboard reaction")
-        await chair.press("enter", "enter", "enter")
-        assert chair.sees("A key appears in the middle of the screen.")
+    async with sit_down(data, catalogue) as driver:
+        assert driver.sees("+ New participant")
+        await driver.press("enter")
+        await driver.write(*"p01")
+        await driver.press("enter")
+        assert driver.sees("P01: Keyboard reaction")
+        await driver.press("enter", "enter", "enter")
+        assert driver.sees("A key appears in the middle of the screen.")
     assert stored(data, "SELECT code FROM participants") == [("P01",)]
     assert stored(data, "SELECT task, theme, mode FROM sessions") == [("keyboard", "calm", "live")]
 
@@ -26,43 +26,43 @@ async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(data
 async def test_a_known_participant_needs_nothing_but_arrows_and_enter(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
     known(data, "P02")
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("down", "right", "right", "right", "enter")
-        assert chair.sees("Welcome")
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("down", "right", "right", "right", "enter")
+        assert driver.sees("Welcome")
     assert stored(data, "SELECT participant FROM seats") == [("P02",)]
 
 
 @pytest.mark.parametrize("code", ["Peter Maier", "-1", "P/01", "Jürgen"])
 async def test_what_cannot_be_a_code_is_explained_and_not_taken(code: str, data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("enter")
-        await chair.write(*code)
-        assert chair.sees("1 to 32 letters, digits, - or _")
-        await chair.press("enter")
-        assert chair.screen_name == "NewParticipantScreen"
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("enter")
+        await driver.write(*code)
+        assert driver.sees("1 to 32 letters, digits, - or _")
+        await driver.press("enter")
+        assert driver.screen_name == "NewParticipantScreen"
     assert stored(data, "SELECT code FROM participants") == []
 
 
 async def test_a_code_that_is_taken_is_told_as_taken(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("down", "enter")
-        await chair.write(*"p01")
-        assert chair.sees("This code is taken.")
-        await chair.press("enter")
-        assert chair.screen_name == "NewParticipantScreen"
-        await chair.press("escape")
-        assert chair.screen_name == "HomeScreen"
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("down", "enter")
+        await driver.write(*"p01")
+        assert driver.sees("This code is taken.")
+        await driver.press("enter")
+        assert driver.screen_name == "NewParticipantScreen"
+        await driver.press("escape")
+        assert driver.screen_name == "HomeScreen"
     assert stored(data, "SELECT code FROM participants") == [("P01",)]
 
 
 async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("right", "right", "right", "enter")
-        assert chair.screen_name == "HomeScreen"
-        assert chair.sees("Choose or add a participant first.")
-        await chair.press("f2")
-        assert chair.screen_name == "HomeScreen"
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("right", "right", "right", "enter")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("Choose or add a participant first.")
+        await driver.press("f2")
+        assert driver.screen_name == "HomeScreen"
 
 
 async def test_a_theme_is_worn_as_soon_as_it_is_chosen_and_kept_for_its_participant(
@@ -70,78 +70,78 @@ async def test_a_theme_is_worn_as_soon_as_it_is_chosen_and_kept_for_its_particip
 ) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     known(data, "P02")
-    async with sit_down(data, catalogue) as chair:
-        assert chair.app.theme == "sar-calm"
-        await chair.press("right", "right", "down")
-        assert chair.app.theme == "sar-high-contrast"
-        await chair.press("right", "enter")
-        await chair.do_session()
-        await chair.press("enter")
-        assert chair.screen_name == "HomeScreen"
-    async with sit_down(data, catalogue) as chair:
-        assert chair.app.theme == "sar-high-contrast"
-        await chair.press("down")
-        assert chair.app.theme == "sar-calm"
-        await chair.press("up")
-        assert chair.app.theme == "sar-high-contrast"
+    async with sit_down(data, catalogue) as driver:
+        assert driver.app.theme == "sar-calm"
+        await driver.press("right", "right", "down")
+        assert driver.app.theme == "sar-high-contrast"
+        await driver.press("right", "enter")
+        await driver.do_session()
+        await driver.press("enter")
+        assert driver.screen_name == "HomeScreen"
+    async with sit_down(data, catalogue) as driver:
+        assert driver.app.theme == "sar-high-contrast"
+        await driver.press("down")
+        assert driver.app.theme == "sar-calm"
+        await driver.press("up")
+        assert driver.app.theme == "sar-high-contrast"
 
 
 async def test_a_theme_that_was_chosen_stands_through_a_look_at_the_settings(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("right", "right", "down")
-        await chair.press("f2")
-        assert chair.screen_name == "SettingsScreen"
-        await chair.press("escape")
-        assert chair.screen_name == "HomeScreen"
-        assert chair.app.theme == "sar-high-contrast"
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("right", "right", "down")
+        await driver.press("f2")
+        assert driver.screen_name == "SettingsScreen"
+        await driver.press("escape")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.app.theme == "sar-high-contrast"
 
 
 async def test_a_participants_settings_are_used_by_their_next_session(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=3, prompts_per_attempt=7)
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("right", "right", "right", "enter")
-        assert chair.sees("An attempt asks for 7 keys.")
-        await chair.press("enter")
-        assert chair.sees("Press Enter to begin attempt 1 of 3.")
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("right", "right", "right", "enter")
+        assert driver.sees("An attempt asks for 7 keys.")
+        await driver.press("enter")
+        assert driver.sees("Press Enter to begin attempt 1 of 3.")
 
 
 async def test_settings_that_no_longer_fit_are_told_and_no_session_begins(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=9999)
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("right", "right", "right", "enter")
-        assert chair.screen_name == "HomeScreen"
-        assert chair.sees("The settings of P01 do not fit")
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("right", "right", "right", "enter")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("The settings of P01 do not fit")
     assert stored(data, "SELECT id FROM sessions") == []
 
 
 async def test_an_interrupted_session_stands_first_and_enter_goes_on_with_it(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, "P01")) as chair:
-        await chair.answer(await chair.to_first_prompt())
-        left_at = await chair.to_prompt()
-        session = chair.session_id
-    async with sit_down(data, catalogue, plan(keyboard, "P02", attempts=1)) as chair:
-        await chair.do_session()
-    async with sit_down(data, catalogue) as chair:
-        recent = [row for row in chair.rows if "keyboard  " in row]
+    async with sit_down(data, catalogue, plan(keyboard, "P01")) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        left_at = await driver.to_prompt()
+        session = driver.session_id
+    async with sit_down(data, catalogue, plan(keyboard, "P02", attempts=1)) as driver:
+        await driver.do_session()
+    async with sit_down(data, catalogue) as driver:
+        recent = [row for row in driver.rows if "keyboard  " in row]
         assert "P01" in recent[0]
         assert "interrupted: Enter goes on" in recent[0]
         assert "P02" in recent[1]
         assert "completed" in recent[1]
 
-        await chair.press(*["right"] * 5, "enter")
-        assert chair.session_id == session
-        assert chair.sees("Welcome back We go on with attempt 1 of 2.")
-        assert chair.sees("Press Enter to go on.")
-        await chair.press("enter")
-        prompt = await chair.to_prompt()
+        await driver.press(*["right"] * 5, "enter")
+        assert driver.session_id == session
+        assert driver.sees("Welcome back We go on with attempt 1 of 2.")
+        assert driver.sees("Press Enter to go on.")
+        await driver.press("enter")
+        prompt = await driver.to_prompt()
         assert (prompt.trial, prompt.text) == (left_at.trial, left_at.text)
-        await chair.answer(prompt)
-        await chair.do_attempt(await chair.begin())
-        await chair.see_the_summary()
-        assert chair.sees("You did 2 attempts; goal reached in 2.")
+        await driver.answer(prompt)
+        await driver.do_attempt(await driver.begin())
+        await driver.see_the_summary()
+        assert driver.sees("You did 2 attempts; goal reached in 2.")
     assert stored(data, "SELECT status FROM sessions WHERE id=?", session) == [("completed",)]
     assert stored(data, "SELECT attempt, trial FROM trials WHERE session=?", session) == [
         (1, 1),
@@ -154,32 +154,32 @@ async def test_an_interrupted_session_stands_first_and_enter_goes_on_with_it(
 async def test_a_completed_session_is_shown_with_its_plot(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as chair:
-        await chair.do_session()
-    async with sit_down(data, catalogue) as chair:
-        await chair.press(*["right"] * 5, "enter")
-        assert chair.screen_name == "PastSessionScreen"
-        assert chair.sees(f"P01 · keyboard · {datetime.now():%Y-%m-%d}")
-        assert chair.sees("You did 2 attempts; goal reached in 2. Best: 400 ms. Highest level: 2.")
-        assert chair.sees("reaction time (ms)")
-        assert chair.text.count("●") >= 2
-        await chair.press("enter")
-        assert chair.screen_name == "HomeScreen"
+    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+        await driver.do_session()
+    async with sit_down(data, catalogue) as driver:
+        await driver.press(*["right"] * 5, "enter")
+        assert driver.screen_name == "PastSessionScreen"
+        assert driver.sees(f"P01 · keyboard · {datetime.now():%Y-%m-%d}")
+        assert driver.sees("You did 2 attempts; goal reached in 2. Best: 400 ms. Highest level: 2.")
+        assert driver.sees("reaction time (ms)")
+        assert driver.text.count("●") >= 2
+        await driver.press("enter")
+        assert driver.screen_name == "HomeScreen"
 
 
 async def test_a_session_whose_task_is_gone_is_shown_as_it_was(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, attempts=1)) as chair:
-        await chair.do_session()
+    async with sit_down(data, catalogue, plan(keyboard, attempts=1)) as driver:
+        await driver.do_session()
     nothing = Catalogue()
     nothing._tasks = ()
-    async with sit_down(data, nothing) as chair:
-        await chair.press(*["right"] * 5, "enter")
-        assert chair.screen_name == "PastSessionScreen"
-        assert chair.sees("You did 1 attempt; goal reached in 1. Best: 400 ms. Highest level: 1.")
-        assert chair.sees("reaction time (ms)")
-        assert chair.sees("goal 1000")
+    async with sit_down(data, nothing) as driver:
+        await driver.press(*["right"] * 5, "enter")
+        assert driver.screen_name == "PastSessionScreen"
+        assert driver.sees("You did 1 attempt; goal reached in 1. Best: 400 ms. Highest level: 1.")
+        assert driver.sees("reaction time (ms)")
+        assert driver.sees("goal 1000")
 
 
 async def test_a_participant_in_another_window_cannot_sit_down_twice(
@@ -196,5 +196,5 @@ async def test_a_terminal_that_blurs_timing_is_told_as_such(
 ) -> None:
     monkeypatch.setenv("SSH_CONNECTION", "somewhere")
     monkeypatch.setenv("TMUX", "some")
-    async with sit_down(data, catalogue) as chair:
-        assert chair.sees("inside ssh and tmux: reaction times are less exact")
+    async with sit_down(data, catalogue) as driver:
+        assert driver.sees("inside ssh and tmux: reaction times are less exact")

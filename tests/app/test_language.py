@@ -9,18 +9,18 @@ from textual.binding import Binding
 
 import sar_tui.app
 from sar_tui.app.app import SarTui
-from sar_tui.app.language import app_language, session_language
 from sar_tui.app.screens.sensor_check import SensorCheckScreen
 from sar_tui.app.screens.session import SessionScreen
-from sar_tui.cli.task_words import texts_in
+from sar_tui.checks.task_translations import texts_in
 from sar_tui.framework.language import read_words, slot_problem
 from sar_tui.framework.messages import SensorChanged, SensorState
 from sar_tui.framework.parameters import build
 from sar_tui.framework.topics import SENSOR
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan
-from tests.app.chair import Chair, known, sit_down
-from tests.english import english_in, phrases
+from sar_tui.runs.plan import Plan
+from sar_tui.tui.language import app_language, session_language
+from tests.app.app_driver import AppDriver, known, sit_down
+from tests.untranslated import english_in, phrases
 
 APP = Path(sar_tui.app.__file__).parent
 _FRAMES = str.maketrans("│▌╭╮╰╯─━", "        ")
@@ -34,29 +34,29 @@ def plan(catalogue: Catalogue, name: str, theme: str = "calm", **parameters: Any
 class Tour:
     """What a participant has seen so far."""
 
-    def __init__(self, chair: Chair) -> None:
-        self.chair = chair
+    def __init__(self, driver: AppDriver) -> None:
+        self.driver = driver
         self.seen: list[str] = []
 
     def look(self, *words: str) -> None:
         """Look at the screen, and find these words on it."""
-        self.seen += [" ".join(self.chair.text.translate(_FRAMES).split()), *self.chair.text.split("\n")]
+        self.seen += [" ".join(self.driver.text.translate(_FRAMES).split()), *self.driver.text.split("\n")]
         for each in words:
-            assert self.chair.sees(each), f"{each!r} is not on the screen:\n{self.chair.text}"
+            assert self.driver.sees(each), f"{each!r} is not on the screen:\n{self.driver.text}"
 
     async def press(self, key: str, *words: str) -> None:
-        await self.chair.press(key)
+        await self.driver.press(key)
         self.look(*words)
 
     async def sensor(self, state: SensorState) -> None:
-        told = SensorChanged(state=state, at=self.chair.clock.now(), rate_hz=250.0)
-        self.chair.session.bus.post(SENSOR, told)
-        await self.chair.settle()
+        told = SensorChanged(state=state, at=self.driver.clock.now(), rate_hz=250.0)
+        self.driver.session.bus.post(SENSOR, told)
+        await self.driver.settle()
 
     def found(self, catalogue: Catalogue) -> list[tuple[str, str]]:
         """The English there was."""
         said = phrases(catalogue.theme("calm"), catalogue.theme("calm", "es"))
-        return english_in(self.seen, session_language(self.chair.session.task).texts | said)
+        return english_in(self.seen, session_language(self.driver.session.task).texts | said)
 
 
 # --- the app's own words -----------------------------------------------------------------------------------------
@@ -89,8 +89,8 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
     data: Path, catalogue: Catalogue
 ) -> None:
     settings = {"prompts_per_attempt": 2, "practice_attempts": 1, "threshold": 850.0}
-    async with sit_down(data, catalogue, plan(catalogue, "keyboard", **settings)) as chair:
-        tour = Tour(chair)
+    async with sit_down(data, catalogue, plan(catalogue, "keyboard", **settings)) as driver:
+        tour = Tour(driver)
         tour.look("Reacción con el teclado", "Le damos la bienvenida", "Pulse Enter para seguir.", "Pausa", "Ayuda")
         await tour.press("f1", "Cuando se lo pida la pantalla, pulse Enter.", "Pulse Enter para cerrar esto.")
         await tour.press("enter")
@@ -98,7 +98,7 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
             "enter", "Intento de práctica 1 de 1", "Pulse Enter para empezar el intento de práctica 1 de 1."
         )
         tour.look("en menos de 0,85 segundos de media, y acertar al menos 2 de 2.", "nivel 1", "Señales 0 de 2")
-        prompt = await chair.begin()
+        prompt = await driver.begin()
         tour.look(f"Pulse: {prompt.expected}", "Práctica 0 de 1")
         await tour.press("escape", "En pausa", "Tómese su tiempo.", "flechas para elegir, Enter para confirmar")
         await tour.press("down")
@@ -107,21 +107,21 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
         await tour.press("enter", "Antes de seguir, hable del dolor con su terapeuta")
         await tour.press("down")
         await tour.press("enter", "¿Terminar ahora la sesión?", "Sí, terminar la sesión")
-        await chair.resize(60, 20)
+        await driver.resize(60, 20)
         tour.look("Esta ventana es demasiado pequeña.", "Tiene 60 por 20 caracteres; hacen falta 80 por 24.")
-        await chair.resize(80, 24)
+        await driver.resize(80, 24)
         await tour.press("enter")
-        await chair.do_attempt(await chair.to_prompt())
-        await chair.disk(working=False)
+        await driver.do_attempt(await driver.to_prompt())
+        await driver.disk(working=False)
         tour.look("Por favor, avise a quien dirige la sesión", "El ordenador no puede guardar ahora mismo")
-        await chair.disk(working=True)
+        await driver.disk(working=True)
         tour.look("Gracias por esperar", "Ya se guarda todo otra vez.")
         await tour.press("enter", "Intento 1 de 2", "Intentos 0 de 2")
-        await chair.do_attempt(await chair.begin())
+        await driver.do_attempt(await driver.begin())
         tour.look("Intento 2 de 2")
-        await chair.do_attempt(await chair.begin())
+        await driver.do_attempt(await driver.begin())
         tour.look("Lo ha conseguido", "Ese ha sido el último intento.")
-        await chair.see_the_summary()
+        await driver.see_the_summary()
         tour.look("Ha hecho 2 intentos; meta alcanzada en 2.", "tiempo de reacción (ms)", "Pulse Enter para terminar.")
         assert tour.found(catalogue) == []
 
@@ -130,15 +130,15 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
     data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.app.live.secrets.randbelow", lambda most: 7)
-    async with sit_down(data, catalogue, plan(catalogue, "reaching", imu="simulated")) as chair:
-        tour = Tour(chair)
-        await chair.wait(2000)
+    async with sit_down(data, catalogue, plan(catalogue, "reaching", imu="simulated")) as driver:
+        tour = Tour(driver)
+        await driver.wait(2000)
         tour.look("Comprobar el sensor", "Sujete el sensor como en el dibujo", "Muestras", "Empezar", "Alcance")
         await tour.press("z", "El sensor toma su sesgo como cero")
         await tour.press("t", "Apoye la mano en el punto de salida")
-        await chair.wait(2000)
+        await driver.wait(2000)
         tour.look("Ahora extienda el brazo, vuelva y descanse.")
-        await chair.wait(6000)
+        await driver.wait(6000)
         tour.look("s: ida 0,48, pausa 0,00, vuelta 0,35; máximos +2,4 y −3,4 rad/s.", "F1 Ayuda")
         await tour.press("f1", "Sujete el sensor al dorso de la mano", "Probar")
         await tour.press("enter")
@@ -150,33 +150,33 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
         await tour.sensor("detached")
         tour.look("Espere, por favor", "Ahora mismo no se recibe el sensor de su mano.")
         await tour.sensor("attached")
-        await chair.wait(300)
+        await driver.wait(300)
         await tour.press(
             "space", "Pulse Enter para empezar el intento 1 de 2. (Más tarde hará falta la barra espaciadora.)"
         )
         for attempt in (1, 2):
-            await chair.wait(300)
+            await driver.wait(300)
             await tour.press("enter")
-            await chair.wait(3000)
+            await driver.wait(3000)
             tour.look("¿Todo listo?", "Pulse la barra espaciadora para empezar.")
             await tour.press("space", "Alcance: 15 cm" if attempt == 1 else "Alcance: ")
-            await chair.wait(2500)
+            await driver.wait(2500)
             await tour.press("space")
-            await chair.wait(1500)
+            await driver.wait(1500)
             tour.look(f"Intentos {attempt} de 2", "ida", "vuelta")
             await tour.press("f7", "Marcado: marcador no tocado")
-        await chair.see_the_summary()
+        await driver.see_the_summary()
         tour.look("Ha hecho 2 intentos", "tiempo del movimiento (ms)")
         assert tour.found(catalogue) == []
 
 
 async def test_an_interrupted_session_is_gone_on_with_in_its_language(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue, plan(catalogue, "keyboard", prompts_per_attempt=2)) as chair:
-        await chair.answer(await chair.to_first_prompt())
-        await chair.wait(300)
-        session = chair.session_id
-    async with sit_down(data, catalogue, session) as chair:
-        tour = Tour(chair)
+    async with sit_down(data, catalogue, plan(catalogue, "keyboard", prompts_per_attempt=2)) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        await driver.wait(300)
+        session = driver.session_id
+    async with sit_down(data, catalogue, session) as driver:
+        tour = Tour(driver)
         tour.look("Nos alegra verle de nuevo", "Seguimos con el intento 1 de 2.", "Pulse Enter para seguir.")
         assert tour.found(catalogue) == []
 
@@ -185,17 +185,17 @@ async def test_the_help_and_the_footer_of_the_first_screen_stay_english_after_a_
     data: Path, catalogue: Catalogue
 ) -> None:
     known(data, "P01", language="es")
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("right", "right", "right", "enter")
-        assert "F1 Ayuda" in chair.rows[-1]
-        await chair.press("escape", "up", "enter", "down", "enter")
-        await chair.wait(300)
-        assert chair.sees("Terminado antes de tiempo, tras 0 intentos.")
-        await chair.press("enter")
-        assert chair.screen_name == "HomeScreen"
-        assert "F1 Help" in chair.rows[-1]
-        await chair.press("f1")
-        assert chair.sees("Press Enter to close this.")
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("right", "right", "right", "enter")
+        assert "F1 Ayuda" in driver.rows[-1]
+        await driver.press("escape", "up", "enter", "down", "enter")
+        await driver.wait(300)
+        assert driver.sees("Terminado antes de tiempo, tras 0 intentos.")
+        await driver.press("enter")
+        assert driver.screen_name == "HomeScreen"
+        assert "F1 Help" in driver.rows[-1]
+        await driver.press("f1")
+        assert driver.sees("Press Enter to close this.")
 
 
 async def test_a_theme_may_call_things_by_its_own_words(
@@ -204,10 +204,10 @@ async def test_a_theme_may_call_things_by_its_own_words(
     theme = catalogue.theme("calm", "es")
     own = msgspec.structs.replace(theme, texts={"Welcome": "¡Hola!", "Your goal: less than {goal}.": "Meta: {goal}."})
     monkeypatch.setattr(Catalogue, "theme", lambda self, name, language="en": own)
-    async with sit_down(data, catalogue, plan(catalogue, "keyboard")) as chair:
-        assert chair.sees("¡Hola!")
-        assert chair.sees("Pulse Enter para seguir.")
-        assert chair.session.task.tr("Your goal: less than {goal}.", goal="5 s") == "Meta: 5 s."
+    async with sit_down(data, catalogue, plan(catalogue, "keyboard")) as driver:
+        assert driver.sees("¡Hola!")
+        assert driver.sees("Pulse Enter para seguir.")
+        assert driver.session.task.tr("Your goal: less than {goal}.", goal="5 s") == "Meta: 5 s."
 
 
 def test_degrees_a_second_are_written_as_spanish_writes_them() -> None:

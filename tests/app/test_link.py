@@ -4,15 +4,15 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.app.last_words import last_words
+from sar_tui.app.exit_message import last_words
 from sar_tui.framework import messages as m
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import OPERATOR, PROMPT, SHOWN, THEME
-from sar_tui.link import wire
+from sar_tui.link import protocol
 from sar_tui.link.channel import ToAll, ToOne
-from sar_tui.link.wire import Acted, Came, Wants
+from sar_tui.link.protocol import Acted, Came, Wants
 from sar_tui.plugins import Catalogue
-from tests.app.chair import plan, sit_down, stored
+from tests.app.app_driver import plan, sit_down, stored
 from tests.link.test_node import ANNA, Channel
 
 
@@ -20,18 +20,18 @@ async def test_an_operator_who_joins_is_told_of_the_session_and_sees_its_prompts
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     channel = Channel()
-    async with sit_down(data, catalogue, plan(keyboard), link=channel) as chair:
+    async with sit_down(data, catalogue, plan(keyboard), link=channel) as driver:
         channel.hear(Came(ANNA))
         channel.hear(Wants(ANNA))
-        await chair.wait(100)
+        await driver.wait(100)
         (greeting,) = (sent for sent in channel.sent if isinstance(sent, ToOne))
         welcome = greeting.welcome
-        assert (welcome.session, welcome.link, welcome.task) == (chair.session_id, channel.link, "keyboard")
+        assert (welcome.session, welcome.link, welcome.task) == (driver.session_id, channel.link, "keyboard")
         assert (welcome.participants, welcome.attempts, welcome.trials) == ({"A": "P01"}, 2, 2)
         assert THEME in [record.topic for record in greeting.records]
 
-        await chair.to_first_prompt()
-        await chair.wait(1000)
+        await driver.to_first_prompt()
+        await driver.wait(1000)
         told = [record.topic for sent in channel.sent if isinstance(sent, ToAll) for record in sent.records]
         assert told.index(PROMPT) < told.index(SHOWN)
 
@@ -40,11 +40,11 @@ async def test_an_operator_who_ends_the_session_is_in_its_record_by_name(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     channel = Channel()
-    async with sit_down(data, catalogue, plan(keyboard), link=channel) as chair:
+    async with sit_down(data, catalogue, plan(keyboard), link=channel) as driver:
         channel.hear(Came(ANNA))
-        channel.hear(Acted(ANNA, OPERATOR.name, msgspec.Raw(wire.encode(m.Operator(command="end")))))
-        await chair.wait(1000)
-        assert chair.session.ended
-        assert [(act["command"], act["actor"]) for act in chair.messages(OPERATOR.name)] == [("end", ANNA)]
-        assert any(f"sar-tui report wizard {chair.session_id}" in words for words in last_words(chair.app, 0))
+        channel.hear(Acted(ANNA, OPERATOR.name, msgspec.Raw(protocol.encode(m.Operator(command="end")))))
+        await driver.wait(1000)
+        assert driver.session.ended
+        assert [(act["command"], act["actor"]) for act in driver.messages(OPERATOR.name)] == [("end", ANNA)]
+        assert any(f"sar-tui report wizard {driver.session_id}" in words for words in last_words(driver.app, 0))
     assert stored(data, "SELECT status FROM sessions") == [("aborted",)]

@@ -10,11 +10,11 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import CUE
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan
+from sar_tui.runs.plan import Plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from sar_tui.widgets.agent import Agent
-from tests.app.chair import Chair, sit_down
+from tests.app.app_driver import AppDriver, sit_down
 from tests.app.test_agent import count_frames
 
 SHORT = {"attempts": 1, "prompts_per_attempt": 2}
@@ -37,93 +37,93 @@ def play(pairs: type[Task]) -> Play:
     return planned
 
 
-def halves(chair: Chair) -> tuple[str, str]:
+def halves(driver: AppDriver) -> tuple[str, str]:
     """What stands in the left and the right half of the stage, but for the plain line at its foot."""
-    stage = chair.app.screen.query_one("#prompt").region
-    rows = [row.ljust(80) for row in chair.rows[stage.y : stage.bottom - 1]]
+    stage = driver.app.screen.query_one("#prompt").region
+    rows = [row.ljust(80) for row in driver.rows[stage.y : stage.bottom - 1]]
     return "\n".join(row[:WALL] for row in rows), "\n".join(row[WALL + 1 :] for row in rows)
 
 
-async def press_theirs(chair: Chair, prompt: Prompt, left_ms: float = 300, right_ms: float = 500) -> None:
+async def press_theirs(driver: AppDriver, prompt: Prompt, left_ms: float = 300, right_ms: float = 500) -> None:
     left, right = prompt.halves
     if left:
-        await chair.wait(left_ms)
-        await chair.press(left)
+        await driver.wait(left_ms)
+        await driver.press(left)
     if right:
-        await chair.wait(right_ms - (left_ms if left else 0))
-        await chair.press(right)
+        await driver.wait(right_ms - (left_ms if left else 0))
+        await driver.press(right)
 
 
 async def test_in_turn_a_letter_stands_in_the_half_of_whose_turn_it_is(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("alternate")) as chair:
-        prompt = await chair.to_first_prompt()
-        left, right = halves(chair)
+    async with sit_down(data, catalogue, play("alternate")) as driver:
+        prompt = await driver.to_first_prompt()
+        left, right = halves(driver)
         assert "█" in left
         assert "█" not in right
         assert "[ Left: your turn ]" in left
         assert right.split() == ["Right"]
-        assert chair.sees(f"Left: {prompt.expected}")
-        await press_theirs(chair, prompt)
-        await chair.wait(600)
-        left, right = halves(chair)
+        assert driver.sees(f"Left: {prompt.expected}")
+        await press_theirs(driver, prompt)
+        await driver.wait(600)
+        left, right = halves(driver)
         assert "[ Right: your turn ]" in right, "told before the letter comes"
         assert "█" not in left + right
-        prompt = await chair.to_prompt()
-        left, right = halves(chair)
+        prompt = await driver.to_prompt()
+        left, right = halves(driver)
         assert ("█" in left, "█" in right) == (False, True)
-        assert [fault.error for fault in chair.session.faults] == []
+        assert [fault.error for fault in driver.session.faults] == []
 
 
 async def test_in_a_race_each_has_a_letter_and_sees_who_was_ahead(data: Path, catalogue: Catalogue, play: Play) -> None:
-    async with sit_down(data, catalogue, play("race")) as chair:
-        prompt = await chair.to_first_prompt()
-        left, right = halves(chair)
+    async with sit_down(data, catalogue, play("race")) as driver:
+        prompt = await driver.to_first_prompt()
+        left, right = halves(driver)
         assert "█" in left
         assert "█" in right
         assert "turn" not in left + right
-        await press_theirs(chair, prompt)
-        await chair.wait(600)
-        assert "Left, ahead: 1" in halves(chair)[0]
-        await press_theirs(chair, await chair.to_prompt())
-        await chair.wait(5000)
-        assert chair.said.startswith("Left: ")
-        assert "Right: " in chair.said, "the second answer stands below the first"
-        await chair.see_the_summary()
-        assert chair.sees("Left (P01): You did 1 attempt; goal reached in 1. Best: 300 ms.")
-        assert chair.sees("Right (P02): You did 1 attempt; goal reached in 1. Best: 500 ms.")
-        assert chair.sees("Ahead in 2 of 2.")
-        assert chair.sees("Ahead in 0 of 2.")
-        assert sum("reaction time (ms)" in row[:40] and "reaction time (ms)" in row[40:] for row in chair.rows) == 1
-        assert [fault.error for fault in chair.session.faults] == []
+        await press_theirs(driver, prompt)
+        await driver.wait(600)
+        assert "Left, ahead: 1" in halves(driver)[0]
+        await press_theirs(driver, await driver.to_prompt())
+        await driver.wait(5000)
+        assert driver.said.startswith("Left: ")
+        assert "Right: " in driver.said, "the second answer stands below the first"
+        await driver.see_the_summary()
+        assert driver.sees("Left (P01): You did 1 attempt; goal reached in 1. Best: 300 ms.")
+        assert driver.sees("Right (P02): You did 1 attempt; goal reached in 1. Best: 500 ms.")
+        assert driver.sees("Ahead in 2 of 2.")
+        assert driver.sees("Ahead in 0 of 2.")
+        assert sum("reaction time (ms)" in row[:40] and "reaction time (ms)" in row[40:] for row in driver.rows) == 1
+        assert [fault.error for fault in driver.session.faults] == []
 
 
 async def test_the_agent_looks_to_a_side_in_one_frame_and_is_still_while_the_response_is_awaited(
     data: Path, catalogue: Catalogue, play: Play, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with sit_down(data, catalogue, play("joint attention", cue_by="both", foreperiod_min_ms=900)) as chair:
-        await chair.press("enter")
-        await chair.wait(300)
+    async with sit_down(data, catalogue, play("joint attention", cue_by="both", foreperiod_min_ms=900)) as driver:
+        await driver.press("enter")
+        await driver.wait(300)
         cues: list[object] = []
-        chair.session.bus.subscribe(CUE, cues.append)
-        await chair.press("enter")
-        while chair.waiting.what != "foreperiod":
-            assert chair.clock.step()
-        await chair.settle()
-        before = chair.text
+        driver.session.bus.subscribe(CUE, cues.append)
+        await driver.press("enter")
+        while driver.waiting.what != "foreperiod":
+            assert driver.clock.step()
+        await driver.settle()
+        before = driver.text
         while not cues:
-            assert chair.clock.step()
-        await chair.settle()
-        looking = chair.text
+            assert driver.clock.step()
+        await driver.settle()
+        looking = driver.text
         assert looking != before
-        assert not chair.app.screen.query_one(Agent).is_moving
-        await chair.to_prompt()
-        frames = count_frames(chair, monkeypatch)
+        assert not driver.app.screen.query_one(Agent).is_moving
+        await driver.to_prompt()
+        frames = count_frames(driver, monkeypatch)
         for _ in range(5):
-            await chair.wait(200)
+            await driver.wait(200)
         assert frames == []
-        reports = [one for one in chair.messages("output/report") if one["action"].startswith("cue-")]
+        reports = [one for one in driver.messages("output/report") if one["action"].startswith("cue-")]
         for deed in ("gaze", "gesture"):
             assert [one["state"] for one in reports if one["deed"] == deed] == ["queued", "started", "done"]
 
@@ -131,20 +131,20 @@ async def test_the_agent_looks_to_a_side_in_one_frame_and_is_still_while_the_res
 async def test_nothing_tells_before_the_prompt_on_which_side_it_will_come_but_the_agents_look(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("joint attention")) as chair:
-        prompt = await chair.to_first_prompt()
-        assert "your turn" in "".join(halves(chair))
-        await press_theirs(chair, prompt)
-        await chair.wait(600)
-        assert "your turn" not in "".join(halves(chair))
+    async with sit_down(data, catalogue, play("joint attention")) as driver:
+        prompt = await driver.to_first_prompt()
+        assert "your turn" in "".join(halves(driver))
+        await press_theirs(driver, prompt)
+        await driver.wait(600)
+        assert "your turn" not in "".join(halves(driver))
 
 
 async def test_two_are_spoken_to_in_spanish(data: Path, catalogue: Catalogue, play: Play) -> None:
-    async with sit_down(data, catalogue, play("alternate", language="es")) as chair:
-        assert chair.sees("Me alegra verles.") or chair.sees("Les doy la bienvenida.")
-        prompt = await chair.to_first_prompt()
-        assert "[ Izquierda: ahora ]" in halves(chair)[0]
-        assert chair.sees(f"Izquierda: {prompt.expected}")
+    async with sit_down(data, catalogue, play("alternate", language="es")) as driver:
+        assert driver.sees("Me alegra verles.") or driver.sees("Les doy la bienvenida.")
+        prompt = await driver.to_first_prompt()
+        assert "[ Izquierda: ahora ]" in halves(driver)[0]
+        assert driver.sees(f"Izquierda: {prompt.expected}")
 
 
 async def test_the_first_screen_asks_who_sits_on_the_right_and_offers_nobody_twice(
@@ -154,51 +154,51 @@ async def test_the_first_screen_asks_who_sits_on_the_right_and_offers_nobody_twi
     for code in ("P01", "P02"):
         participants.add(database, code)
     database.conn.close()
-    async with sit_down(data, catalogue) as chair:
-        await chair.press("right", "down")
-        names = [option.id for option in chair.app.screen.query_one("#task").options]
-        chair.app.screen.query_one("#task").highlighted = names.index("pairs")
-        chair.app.screen.query_one("#start").press()
-        await chair.settle()
-        assert chair.screen_name == "SecondParticipantScreen"
-        assert chair.sees("P01 sits on the left.")
-        assert [option.id for option in chair.app.screen.query_one("#others").options] == ["P02", "+"]
-        await chair.press("escape")
-        assert chair.screen_name == "HomeScreen"
-        chair.app.screen.query_one("#start").press()
-        await chair.settle()
-        await chair.press("down", "enter")
-        assert chair.screen_name == "NewParticipantScreen"
-        await chair.write(*"P09", "enter")
-        assert chair.screen_name == "SessionScreen"
-        assert chair.stored("SELECT seat, participant FROM seats ORDER BY seat") == [("A", "P01"), ("B", "P09")]
+    async with sit_down(data, catalogue) as driver:
+        await driver.press("right", "down")
+        names = [option.id for option in driver.app.screen.query_one("#task").options]
+        driver.app.screen.query_one("#task").highlighted = names.index("pairs")
+        driver.app.screen.query_one("#start").press()
+        await driver.settle()
+        assert driver.screen_name == "SecondParticipantScreen"
+        assert driver.sees("P01 sits on the left.")
+        assert [option.id for option in driver.app.screen.query_one("#others").options] == ["P02", "+"]
+        await driver.press("escape")
+        assert driver.screen_name == "HomeScreen"
+        driver.app.screen.query_one("#start").press()
+        await driver.settle()
+        await driver.press("down", "enter")
+        assert driver.screen_name == "NewParticipantScreen"
+        await driver.write(*"P09", "enter")
+        assert driver.screen_name == "SessionScreen"
+        assert driver.stored("SELECT seat, participant FROM seats ORDER BY seat") == [("A", "P01"), ("B", "P09")]
 
 
 async def test_a_past_session_of_two_shows_the_results_of_both(data: Path, catalogue: Catalogue, play: Play) -> None:
-    async with sit_down(data, catalogue, play("race")) as chair:
-        await press_theirs(chair, await chair.to_first_prompt())
-        await press_theirs(chair, await chair.to_prompt())
-        await chair.see_the_summary()
-        await chair.press("enter")
-    async with sit_down(data, catalogue) as chair:
-        assert chair.sees("P01, P02")
-        chair.app.screen.query_one("#recent").focus()
-        await chair.press("enter")
-        assert chair.screen_name == "PastSessionScreen"
-        assert chair.sees("P01: You did 1 attempt")
-        assert chair.sees("P02: You did 1 attempt")
+    async with sit_down(data, catalogue, play("race")) as driver:
+        await press_theirs(driver, await driver.to_first_prompt())
+        await press_theirs(driver, await driver.to_prompt())
+        await driver.see_the_summary()
+        await driver.press("enter")
+    async with sit_down(data, catalogue) as driver:
+        assert driver.sees("P01, P02")
+        driver.app.screen.query_one("#recent").focus()
+        await driver.press("enter")
+        assert driver.screen_name == "PastSessionScreen"
+        assert driver.sees("P01: You did 1 attempt")
+        assert driver.sees("P02: You did 1 attempt")
 
 
 async def test_who_is_called_by_code_reads_their_place_and_code_over_their_half_and_the_code_elsewhere(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("alternate", address="code")) as chair:
-        prompt = await chair.to_first_prompt()
-        left, right = halves(chair)
+    async with sit_down(data, catalogue, play("alternate", address="code")) as driver:
+        prompt = await driver.to_first_prompt()
+        left, right = halves(driver)
         assert "[ Left · P01: your turn ]" in left
         assert right.split() == ["Right", "·", "P02"]
-        assert chair.sees(f"P01: {prompt.expected}")
-        assert not chair.sees("Left:")
+        assert driver.sees(f"P01: {prompt.expected}")
+        assert not driver.sees("Left:")
 
 
 async def test_a_code_too_long_to_stand_beside_the_place_stands_alone(
@@ -206,9 +206,9 @@ async def test_a_code_too_long_to_stand_beside_the_place_stands_alone(
 ) -> None:
     code = "LONG-LONG-LONG-LONGER"
     plan = Plan(pairs, build(pairs.Parameters, SHORT | {"address": "code"}), "calm", code, 7, "live", "P02")
-    async with sit_down(data, catalogue, plan) as chair:
-        await chair.to_first_prompt()
-        left, right = halves(chair)
+    async with sit_down(data, catalogue, plan) as driver:
+        await driver.to_first_prompt()
+        left, right = halves(driver)
         assert f"[ {code}: your turn ]" in left
         assert "Left" not in left
         assert "Right · P02" in right
@@ -217,21 +217,21 @@ async def test_a_code_too_long_to_stand_beside_the_place_stands_alone(
 async def test_the_summary_of_two_who_play_together_tells_how_often_they_were(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("cooperative", window_ms=400)) as chair:
-        await press_theirs(chair, await chair.to_first_prompt(), 300, 500)
-        await press_theirs(chair, await chair.to_prompt(), 300, 900)
-        await chair.see_the_summary()
-        assert chair.sees("Together in 1 of 2.")
+    async with sit_down(data, catalogue, play("cooperative", window_ms=400)) as driver:
+        await press_theirs(driver, await driver.to_first_prompt(), 300, 500)
+        await press_theirs(driver, await driver.to_prompt(), 300, 900)
+        await driver.see_the_summary()
+        assert driver.sees("Together in 1 of 2.")
 
 
 async def test_the_plots_of_two_have_the_same_axis_and_stand_apart(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("race", response_timeout_ms=9000)) as chair:
-        await press_theirs(chair, await chair.to_first_prompt(), 300, 4500)
-        await press_theirs(chair, await chair.to_prompt(), 300, 4500)
-        await chair.see_the_summary()
-        rows = [row.ljust(80) for row in chair.rows]
+    async with sit_down(data, catalogue, play("race", response_timeout_ms=9000)) as driver:
+        await press_theirs(driver, await driver.to_first_prompt(), 300, 4500)
+        await press_theirs(driver, await driver.to_prompt(), 300, 4500)
+        await driver.see_the_summary()
+        rows = [row.ljust(80) for row in driver.rows]
         (heading,) = (row for row in rows if row.count("reaction time (ms)") == 2)
         assert "░ level   " in heading
         ticks = [
@@ -244,14 +244,14 @@ async def test_the_plots_of_two_have_the_same_axis_and_stand_apart(
 async def test_the_summary_tells_what_a_look_to_the_other_side_cost(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("joint attention", prompts_per_attempt=12)) as chair:
-        prompt = await chair.to_first_prompt()
+    async with sit_down(data, catalogue, play("joint attention", prompts_per_attempt=12)) as driver:
+        prompt = await driver.to_first_prompt()
         for number in range(12):
-            await press_theirs(chair, prompt, 300, 300)
+            await press_theirs(driver, prompt, 300, 300)
             if number < 11:
-                prompt = await chair.to_prompt()
-        await chair.see_the_summary()
-        effects = chair.stored("SELECT json_extract(qualities, '$.congruency_effect_ms') FROM attempts ORDER BY seat")
+                prompt = await driver.to_prompt()
+        await driver.see_the_summary()
+        effects = driver.stored("SELECT json_extract(qualities, '$.congruency_effect_ms') FROM attempts ORDER BY seat")
         assert None not in [effect for (effect,) in effects], "both kinds came up for each"
         for (effect,) in effects:
-            assert chair.sees(f"minus where I looked: {effect:.0f} ms.")
+            assert driver.sees(f"minus where I looked: {effect:.0f} ms.")

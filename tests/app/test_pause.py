@@ -6,81 +6,81 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.chair import plan, sit_down, stored
+from tests.app.app_driver import plan, sit_down, stored
 
 
 async def test_escape_pauses_at_once_in_mid_trial_and_the_trial_is_repeated(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as chair:
-        prompt = await chair.to_first_prompt()
-        await chair.press("escape")
-        assert chair.sees("Paused")
-        assert "Press: " not in chair.text
-        assert [voided["trial"] for voided in chair.messages("event_handler/voided")] == [1]
+    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+        prompt = await driver.to_first_prompt()
+        await driver.press("escape")
+        assert driver.sees("Paused")
+        assert "Press: " not in driver.text
+        assert [voided["trial"] for voided in driver.messages("event_handler/voided")] == [1]
 
-        await chair.wait(60_000)
-        await chair.press("enter")
-        again = await chair.to_prompt()
+        await driver.wait(60_000)
+        await driver.press("enter")
+        again = await driver.to_prompt()
         assert (again.trial, again.text, again.presentation) == (1, prompt.text, prompt.presentation + 1)
-        await chair.answer(again)
-        assert chair.stored("SELECT trial, correct FROM trials") == [(1, 1)]
+        await driver.answer(again)
+        assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
 
 
 async def test_escape_pauses_before_an_attempt_too_and_leads_back_there(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as chair:
+    async with sit_down(data, catalogue, plan(keyboard)) as driver:
         for words in ("Press Enter to go on.", "Press Enter to begin attempt 1 of 2."):
-            assert chair.sees(words)
-            await chair.press("escape")
-            assert chair.sees("Take your time.")
-            await chair.press("enter")
-            assert chair.sees(words)
-            await chair.press("enter")
+            assert driver.sees(words)
+            await driver.press("escape")
+            assert driver.sees("Take your time.")
+            await driver.press("enter")
+            assert driver.sees(words)
+            await driver.press("enter")
 
 
 async def test_the_menu_is_gone_through_with_arrows_and_enter(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as chair:
-        await chair.to_first_prompt()
-        await chair.press("escape")
+    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+        await driver.to_first_prompt()
+        await driver.press("escape")
         for choice in ("Go on", "I am tired", "I am in pain", "I am finished"):
-            assert chair.sees(choice)
-        await chair.press("down", "enter")
-        assert chair.sees("Take all the rest you need.")
-        await chair.press("down", "enter")
-        assert chair.sees("Tell your therapist or the experimenter about the pain")
-        await chair.press("enter")
-        await chair.to_prompt()
-        reasons = [act["reason"] for act in chair.messages("operator/act") if act["command"] == "pause"]
+            assert driver.sees(choice)
+        await driver.press("down", "enter")
+        assert driver.sees("Take all the rest you need.")
+        await driver.press("down", "enter")
+        assert driver.sees("Tell your therapist or the experimenter about the pain")
+        await driver.press("enter")
+        await driver.to_prompt()
+        reasons = [act["reason"] for act in driver.messages("operator/act") if act["command"] == "pause"]
         assert reasons == ["", "tired", "pain"]
 
 
 async def test_a_second_escape_changes_nothing(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as chair:
-        await chair.to_first_prompt()
-        await chair.press("escape", "down", "enter", "escape")
-        assert chair.sees("Have a rest")
+    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+        await driver.to_first_prompt()
+        await driver.press("escape", "down", "enter", "escape")
+        assert driver.sees("Have a rest")
 
 
 @pytest.mark.parametrize(("keys", "goes_on"), [(["enter"], True), (["down", "enter"], False)])
 async def test_only_ending_asks_again(
     keys: list[str], goes_on: bool, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as chair:
-        await chair.answer(await chair.to_first_prompt())
-        await chair.press("escape", "up", "enter")
-        assert chair.sees("End the session now?")
-        assert not chair.session.ended
-        await chair.press(*keys)
-        assert chair.session.ended is not goes_on
+    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        await driver.press("escape", "up", "enter")
+        assert driver.sees("End the session now?")
+        assert not driver.session.ended
+        await driver.press(*keys)
+        assert driver.session.ended is not goes_on
         if not goes_on:
-            assert chair.sees("Ended early, after 0 attempts.")
-            await chair.wait(300)
-            await chair.press("enter")
-            assert chair.app.return_code == 0
+            assert driver.sees("Ended early, after 0 attempts.")
+            await driver.wait(300)
+            await driver.press("enter")
+            assert driver.app.return_code == 0
     assert stored(data, "SELECT status FROM sessions") == [("interrupted" if goes_on else "aborted",)]
     assert stored(data, "SELECT count(*) FROM trials") == [(1,)]
 
@@ -89,29 +89,29 @@ async def test_only_ending_asks_again(
 async def test_help_or_the_palette_over_a_trial_pauses_it(
     key: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as chair:
-        await chair.to_first_prompt()
-        await chair.press(key)
-        assert "Press: " not in chair.text
-        assert chair.waiting.stage == "paused"
-        await chair.press("escape")
-        assert chair.sees("Paused")
-        await chair.press("enter")
-        assert (await chair.to_prompt()).presentation == 2
+    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+        await driver.to_first_prompt()
+        await driver.press(key)
+        assert "Press: " not in driver.text
+        assert driver.waiting.stage == "paused"
+        await driver.press("escape")
+        assert driver.sees("Paused")
+        await driver.press("enter")
+        assert (await driver.to_prompt()).presentation == 2
 
 
 async def test_a_window_made_too_small_pauses_a_trial_and_recovers(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as chair:
-        prompt = await chair.to_first_prompt()
-        await chair.resize(79, 24)
-        assert chair.sees("This window is too small.")
-        assert chair.sees("It has 79 by 24 characters; 80 by 24 are needed.")
-        await chair.press(prompt.expected, "enter")
-        await chair.resize(100, 30)
-        assert chair.sees("Paused")
-        await chair.press("enter")
-        assert (await chair.to_prompt()).text == prompt.text
-        assert prompt.text in chair.text
-        assert chair.stored("SELECT * FROM trials") == []
+    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+        prompt = await driver.to_first_prompt()
+        await driver.resize(79, 24)
+        assert driver.sees("This window is too small.")
+        assert driver.sees("It has 79 by 24 characters; 80 by 24 are needed.")
+        await driver.press(prompt.expected, "enter")
+        await driver.resize(100, 30)
+        assert driver.sees("Paused")
+        await driver.press("enter")
+        assert (await driver.to_prompt()).text == prompt.text
+        assert prompt.text in driver.text
+        assert driver.stored("SELECT * FROM trials") == []

@@ -10,8 +10,8 @@ import sar_tui.framework
 from sar_tui.framework.language import language, read_words, slot_problem
 from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue, task_folder
-from sar_tui.runs import Plan
-from tests.app.chair import Chair, sit_down
+from sar_tui.runs.plan import Plan
+from tests.app.app_driver import AppDriver, sit_down
 
 TASKS = ("keyboard", "pairs", "reaching")
 USTED = re.compile(
@@ -57,17 +57,17 @@ def test_each_has_the_slots_of_its_english_and_is_of_a_text_that_there_is(
 class Child:
     """What was on the screen at each step."""
 
-    def __init__(self, chair: Chair) -> None:
-        self.chair = chair
+    def __init__(self, driver: AppDriver) -> None:
+        self.driver = driver
         self.seen: list[str] = []
 
     def look(self, *words: str) -> None:
-        self.seen.append(" ".join(self.chair.text.split()))
+        self.seen.append(" ".join(self.driver.text.split()))
         for each in words:
-            assert self.chair.sees(each), f"{each!r} is not on the screen:\n{self.chair.text}"
+            assert self.driver.sees(each), f"{each!r} is not on the screen:\n{self.driver.text}"
 
     async def press(self, key: str, *words: str) -> None:
-        await self.chair.press(key)
+        await self.driver.press(key)
         self.look(*words)
 
 
@@ -75,20 +75,20 @@ async def test_a_session_of_keys_says_tu_from_the_welcome_to_the_summary(data: P
     kind = catalogue.task("keyboard")
     settings = {"language": "es", "attempts": 1, "prompts_per_attempt": 2}
     plan = Plan(kind, build(kind.Parameters, settings), "playful", "P01", seed=7)
-    async with sit_down(data, catalogue, plan) as chair:
-        child = Child(chair)
+    async with sit_down(data, catalogue, plan) as driver:
+        child = Child(driver)
         child.look("¡Hola!", "Púlsala lo más rápido que puedas", "Pulsa Enter para seguir.")
         await child.press("f1", "Cuando la pantalla te lo pida, pulsa Enter.")
         await child.press("enter")
         await child.press("enter", "Pulsa Enter para empezar el intento 1 de 1.", "Tu meta: pulsar la tecla")
-        prompt = await chair.begin()
+        prompt = await driver.begin()
         child.look(f"Pulsa: {prompt.expected}")
         await child.press("escape", "Tómate tu tiempo.")
         await child.press("down")
         await child.press("enter", "Descansa todo lo que quieras.")
         await child.press("enter")
-        await chair.do_attempt(await chair.to_prompt())
+        await driver.do_attempt(await driver.to_prompt())
         child.look("¡Lo has conseguido!")
-        await chair.see_the_summary()
+        await driver.see_the_summary()
         child.look("Has hecho 1 intento", "Tu mejor marca", "Pulsa Enter para terminar.")
         assert spoken_to(child.seen) == []

@@ -12,7 +12,7 @@ from textual.widgets import Button
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.sensor_check import SensorCheckScreen
-from sar_tui.app.sensor_words import FLAGS, INVALID, NO_REACH, placing, result_words, signed
+from sar_tui.app.sensor_advice import FLAGS, INVALID, NO_REACH, placing, result_words, signed
 from sar_tui.framework.clock import SECOND, VirtualClock
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
@@ -22,12 +22,12 @@ from sar_tui.motion.analysis import Finding
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, Profile, SimulatedHand
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan
+from sar_tui.runs.plan import Plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from sar_tui.widgets.worn_sensor import DRAWN, bar
 from tests.app import test_snapshots
-from tests.app.chair import Chair, plan, sit_down, stored
+from tests.app.app_driver import AppDriver, plan, sit_down, stored
 from tests.app.test_snapshots import THEMES, Album
 
 SNAPSHOTS = Path(__file__).parent / "sensor_snapshots"
@@ -102,21 +102,21 @@ def seated(
     """Sits somebody down before a session whose sensor is the one given."""
 
     @asynccontextmanager
-    async def sit(source: Plugged, theme: str = "calm", **parameters: object) -> AsyncIterator[Chair]:
+    async def sit(source: Plugged, theme: str = "calm", **parameters: object) -> AsyncIterator[AppDriver]:
         def open_source(_: str, *, clock: VirtualClock, **__: object) -> Plugged:
             source.clock = clock
             return source
 
-        monkeypatch.setattr("sar_tui.sensing.open_source", open_source)
-        async with sit_down(data, catalogue, reaching_plan(reaching, theme, **parameters)) as chair:
-            yield chair
+        monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
+        async with sit_down(data, catalogue, reaching_plan(reaching, theme, **parameters)) as driver:
+            yield driver
 
     return sit
 
 
-def axis(chair: Chair, name: str) -> tuple[str, ...]:
+def axis(driver: AppDriver, name: str) -> tuple[str, ...]:
     """What stands beside the name of an axis: bar, rate, bias in deg/s and in rad/s."""
-    found = re.search(rf" {name} ([─━╼╾┼]{{9,}}) +(\S+) +(\S+) +(\S+)", chair.text)
+    found = re.search(rf" {name} ([─━╼╾┼]{{9,}}) +(\S+) +(\S+) +(\S+)", driver.text)
     assert found
     return found.groups()
 
@@ -127,44 +127,44 @@ def axis(chair: Chair, name: str) -> tuple[str, ...]:
 async def test_a_session_of_a_task_with_a_sensor_begins_with_a_look_at_it(
     data: Path, catalogue: Catalogue, reaching: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, reaching_plan(reaching)) as chair:
-        assert chair.screen_name == "SensorCheckScreen"
-        assert chair.sees("P01 · Reaching")
+    async with sit_down(data, catalogue, reaching_plan(reaching)) as driver:
+        assert driver.screen_name == "SensorCheckScreen"
+        assert driver.sees("P01 · Reaching")
         assert stored(data, "SELECT id FROM sessions") == []
-        await chair.wait(500)
-        assert chair.sees("Sensor ✓ Simulated hand")
-        await chair.press("enter")
-        assert chair.screen_name == "SessionScreen"
-        assert chair.sees("Rest your hand with the sensor at the start.")
+        await driver.wait(500)
+        assert driver.sees("Sensor ✓ Simulated hand")
+        await driver.press("enter")
+        assert driver.screen_name == "SessionScreen"
+        assert driver.sees("Rest your hand with the sensor at the start.")
     assert stored(data, "SELECT task, mode FROM sessions") == [("reaching", "live")]
 
 
 async def test_the_session_takes_over_the_sensor_as_it_runs(seated: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as chair:
-        await chair.wait(1000)
-        (feed,) = chair.app.feeds
-        await chair.press("enter")
-        await chair.wait(1000)
-        assert chair.app.feeds == ()
+    async with seated(source) as driver:
+        await driver.wait(1000)
+        (feed,) = driver.app.feeds
+        await driver.press("enter")
+        await driver.wait(1000)
+        assert driver.app.feeds == ()
         assert feed.is_running
-        assert [message["state"] for message in chair.messages("input/sensor")] == ["attached"]
+        assert [message["state"] for message in driver.messages("input/sensor")] == ["attached"]
         assert feed.received > 450
         assert feed.lost == 0
     assert not source.running
 
 
 async def test_a_task_without_a_sensor_begins_as_ever(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as chair:
-        assert chair.screen_name == "SessionScreen"
+    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+        assert driver.screen_name == "SessionScreen"
 
 
 async def test_escape_leaves_an_app_that_was_opened_for_one_session(data: Path, seated: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as chair:
-        await chair.wait(300)
-        await chair.press("escape")
-        assert chair.app.return_code == 0
+    async with seated(source) as driver:
+        await driver.wait(300)
+        await driver.press("escape")
+        assert driver.app.return_code == 0
         assert not source.running
     assert stored(data, "SELECT id FROM sessions") == []
 
@@ -175,15 +175,15 @@ async def test_escape_leads_back_home_and_the_check_can_be_opened_anew(data: Pat
     kept = participants.Settings({"imu": "simulated"}, "high-contrast")
     participants.save_settings(database, "P01", "reaching", kept)
     database.conn.close()
-    async with sit_down(data, catalogue) as chair:
-        chair.app.screen.query_one("#start", Button).active_effect_duration = 0  # it takes no second press meanwhile
+    async with sit_down(data, catalogue) as driver:
+        driver.app.screen.query_one("#start", Button).active_effect_duration = 0  # it takes no second press meanwhile
         for keys in (("right", "down", "down", "right", "right", "enter"), ("enter",)):
-            await chair.press(*keys)
-            assert chair.screen_name == "SensorCheckScreen"
-            assert chair.app.theme == "sar-high-contrast"
-            (feed,) = chair.app.feeds
-            await chair.press("escape")
-            assert chair.screen_name == "HomeScreen"
+            await driver.press(*keys)
+            assert driver.screen_name == "SensorCheckScreen"
+            assert driver.app.theme == "sar-high-contrast"
+            (feed,) = driver.app.feeds
+            await driver.press("escape")
+            assert driver.screen_name == "HomeScreen"
             assert not feed.is_running
     assert stored(data, "SELECT id FROM sessions") == []
 
@@ -193,12 +193,12 @@ async def test_however_the_app_ends_the_sensor_is_let_go_of(
     key: str, code: int, data: Path, seated: Callable[..., Any]
 ) -> None:
     source = Plugged()
-    async with seated(source) as chair:
-        await chair.wait(300)
+    async with seated(source) as driver:
+        await driver.wait(300)
         assert source.running
-        await chair.press(key)
+        await driver.press(key)
     assert not source.running
-    assert (chair.app.return_code or 0) == code
+    assert (driver.app.return_code or 0) == code
     assert stored(data, "SELECT id FROM sessions") == []
 
 
@@ -206,11 +206,11 @@ async def test_a_session_that_cannot_be_opened_lets_go_of_the_sensor(
     seated: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source = Plugged()
-    async with seated(source, max_level=6, start_level=6, marker_distances_cm=(10, 20, 30, 40, 50, 60)) as chair:
+    async with seated(source, max_level=6, start_level=6, marker_distances_cm=(10, 20, 30, 40, 50, 60)) as driver:
         monkeypatch.setattr("sar_tui.app.live.LiveSession.open", refuse)
-        await chair.press("enter", "enter")
-        assert chair.app.failure == "The disk is full."
-        assert chair.app.return_code == 1
+        await driver.press("enter", "enter")
+        assert driver.app.failure == "The disk is full."
+        assert driver.app.return_code == 1
         assert not source.running
 
 
@@ -223,33 +223,33 @@ def refuse(*_: object) -> None:
 async def test_a_sensor_that_does_not_exist_is_refused_as_other_settings_are(
     data: Path, catalogue: Catalogue, reaching: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, reaching_plan(reaching, imu="wiimote")) as chair:
-        assert 'There is no sensor "wiimote".' in chair.app.failure
-        assert chair.app.return_code == 1
+    async with sit_down(data, catalogue, reaching_plan(reaching, imu="wiimote")) as driver:
+        assert 'There is no sensor "wiimote".' in driver.app.failure
+        assert driver.app.return_code == 1
     assert stored(data, "SELECT id FROM sessions") == []
 
 
 async def test_a_session_that_is_gone_on_with_needs_no_look(
     data: Path, catalogue: Catalogue, reaching: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, reaching_plan(reaching)) as chair:
-        await chair.press("enter", "enter")
-        session = chair.session_id
-    async with sit_down(data, catalogue, session) as chair:
-        assert chair.screen_name == "SessionScreen"
+    async with sit_down(data, catalogue, reaching_plan(reaching)) as driver:
+        await driver.press("enter", "enter")
+        session = driver.session_id
+    async with sit_down(data, catalogue, session) as driver:
+        assert driver.screen_name == "SessionScreen"
 
 
 async def test_a_recording_that_is_over_is_played_anew_by_the_session(seated: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as chair:
-        await chair.wait(300)
+    async with seated(source) as driver:
+        await driver.wait(300)
         source.tell("ended")
-        await chair.wait(100)
-        assert chair.sees("! The recording is over. A session plays it from its beginning.")
-        await chair.press("enter")
-        await chair.wait(100)
+        await driver.wait(100)
+        assert driver.sees("! The recording is over. A session plays it from its beginning.")
+        await driver.press("enter")
+        await driver.wait(100)
         assert source.running
-        assert [message["state"] for message in chair.messages("input/sensor")] == ["attached"]
+        assert [message["state"] for message in driver.messages("input/sensor")] == ["attached"]
 
 
 async def test_on_a_live_clock_the_check_has_a_worker_of_its_own_that_ends_with_it(
@@ -273,131 +273,131 @@ async def test_no_sensor_is_told_after_three_seconds_and_one_that_comes_later_is
     seated: Callable[..., Any],
 ) -> None:
     source = Plugged(at_once=False)
-    async with seated(source) as chair:
-        assert chair.sees("Sensor … Looking for it")
-        await chair.wait(2900)
-        assert chair.sees("Looking for it")
-        await chair.wait(200)
-        assert chair.sees("! No sensor found. Plug it in; it is found by itself.")
-        assert not chair.sees("Samples")
+    async with seated(source) as driver:
+        assert driver.sees("Sensor … Looking for it")
+        await driver.wait(2900)
+        assert driver.sees("Looking for it")
+        await driver.wait(200)
+        assert driver.sees("! No sensor found. Plug it in; it is found by itself.")
+        assert not driver.sees("Samples")
         source.plug()
-        await chair.wait(2500)
-        assert chair.sees("✓ Spatial 3/3/3 (1044), serial 4711")
-        assert chair.sees("Samples ✓ 250 a second of 250, none lost")
-        assert chair.sees("At rest ✓ still")
+        await driver.wait(2500)
+        assert driver.sees("✓ Spatial 3/3/3 (1044), serial 4711")
+        assert driver.sees("Samples ✓ 250 a second of 250, none lost")
+        assert driver.sees("At rest ✓ still")
         source.unplug()
-        await chair.wait(100)
-        assert chair.sees("! It was unplugged. Plug it in again.")
-        assert not chair.sees("Samples")
+        await driver.wait(100)
+        assert driver.sees("! It was unplugged. Plug it in again.")
+        assert not driver.sees("Samples")
 
 
 async def test_what_the_sensor_waits_for_and_what_is_wrong_is_told_in_its_own_words(
     seated: Callable[..., Any],
 ) -> None:
     source = Plugged(at_once=False)
-    async with seated(source) as chair:
+    async with seated(source) as driver:
         source.tell("detached", "Waiting for the sensor with the number 12.")
-        await chair.wait(3100)
-        assert chair.sees("! No sensor found. Waiting for the sensor with the number 12.")
+        await driver.wait(3100)
+        assert driver.sees("! No sensor found. Waiting for the sensor with the number 12.")
         source.tell("error", "You may not use it: ask for permission.")
-        await chair.wait(100)
-        assert chair.sees("Sensor ! You may not use it: ask for permission.")
+        await driver.wait(100)
+        assert driver.sees("Sensor ! You may not use it: ask for permission.")
         source.plug()
-        await chair.wait(200)
-        assert not chair.sees("permission")
+        await driver.wait(200)
+        assert not driver.sees("permission")
         source.tell("error", "The sensor reports: packet lost.")
-        await chair.wait(100)
-        assert chair.sees("Trouble ! The sensor reports: packet lost.")
-        await chair.wait(5000)
-        assert not chair.sees("packet lost")
+        await driver.wait(100)
+        assert driver.sees("Trouble ! The sensor reports: packet lost.")
+        await driver.wait(5000)
+        assert not driver.sees("packet lost")
 
 
 async def test_without_a_sensor_enter_asks_first_and_a_second_one_goes_on(
     data: Path, seated: Callable[..., Any]
 ) -> None:
     source = Plugged(at_once=False)
-    async with seated(source) as chair:
-        await chair.press("enter")
-        assert chair.screen_name == "SensorCheckScreen"
-        assert chair.sees("There is no sensor, so the session will wait for one. Press Enter again")
+    async with seated(source) as driver:
+        await driver.press("enter")
+        assert driver.screen_name == "SensorCheckScreen"
+        assert driver.sees("There is no sensor, so the session will wait for one. Press Enter again")
         source.plug()
-        await chair.wait(200)
-        assert not chair.sees("Press Enter again")
+        await driver.wait(200)
+        assert not driver.sees("Press Enter again")
         source.unplug()
-        await chair.wait(200)
-        await chair.press("enter", "enter")
-        assert chair.screen_name == "SessionScreen"
+        await driver.wait(200)
+        await driver.press("enter", "enter")
+        assert driver.screen_name == "SessionScreen"
     assert len(stored(data, "SELECT id FROM sessions")) == 1
 
 
 async def test_samples_that_are_missing_are_counted(seated: Callable[..., Any]) -> None:
-    async with seated(Plugged(PROFILES["lossy"])) as chair:
-        await chair.wait(4000)
-        row = next(row for row in chair.rows if "Samples" in row)
+    async with seated(Plugged(PROFILES["lossy"])) as driver:
+        await driver.wait(4000)
+        row = next(row for row in driver.rows if "Samples" in row)
         lost = int(row.split(",")[1].split()[0])
         assert 60 < lost < 140
-        assert chair.sees("Try another cable or port.")
+        assert driver.sees("Try another cable or port.")
 
 
 async def test_samples_that_are_no_numbers_are_counted_as_left_out(seated: Callable[..., Any]) -> None:
     def spoil(sample: Sample) -> Sample:
         return sample._replace(rate=NOTHING) if round(sample.device_ms) % 400 == 0 else sample
 
-    async with seated(Plugged(alter=spoil)) as chair:
-        await chair.wait(2200)
-        assert chair.sees("6 left out")
-        assert chair.sees("Trouble ! The sensor tells of an angular")
+    async with seated(Plugged(alter=spoil)) as driver:
+        await driver.wait(2200)
+        assert driver.sees("6 left out")
+        assert driver.sees("Trouble ! The sensor tells of an angular")
 
 
 async def test_a_sensor_that_falls_silent_is_told(seated: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as chair:
-        await chair.wait(500)
+    async with seated(source) as driver:
+        await driver.wait(500)
         source.inner.stop()
-        await chair.wait(700)
-        assert chair.sees("! It is attached, but sends nothing. Unplug it, and plug it in again.")
-        assert not chair.sees("At rest")
+        await driver.wait(700)
+        assert driver.sees("! It is attached, but sends nothing. Unplug it, and plug it in again.")
+        assert not driver.sees("At rest")
 
 
 async def test_a_slow_sensor_is_told(seated: Callable[..., Any]) -> None:
     source = Plugged(at_once=False)
-    async with seated(source) as chair:
+    async with seated(source) as driver:
         source.info = Info(source="USB", model="Slow", rate_hz=4.0)
         source.inner.hand = SimulatedHand(PROFILES["clean"], 4.0)
         source.inner.start(source.sink, source.on_status)
-        await chair.wait(3000)
-        assert chair.sees("That is too few to see a reach.")
+        await driver.wait(3000)
+        assert driver.sees("That is too few to see a reach.")
 
 
 async def test_the_bias_is_shown_while_the_hand_is_still_and_only_then(seated: Callable[..., Any]) -> None:
     source = Plugged(PROFILES["biased"])
-    async with seated(source) as chair:
-        assert axis(chair, "z") == ("────────┼────────", "–", "–", "–")
-        await chair.wait(2500)
-        assert axis(chair, "x") == ("────────┼────────", "+0.10", "+6.00", "+0.105")
-        assert axis(chair, "y") == ("────────┼────────", "−0.10", "−6.00", "−0.105")
-        assert chair.sees("still, but the bias is large: press Z")
-        source.inner.move(chair.clock.now(), ReachShape(out_s=1.0, back_s=1.0, peak_out=3.0, peak_back=-3.0))
-        await chair.wait(500)
-        assert chair.sees("At rest … moving")
-        turning, _, *bias = axis(chair, "z")
+    async with seated(source) as driver:
+        assert axis(driver, "z") == ("────────┼────────", "–", "–", "–")
+        await driver.wait(2500)
+        assert axis(driver, "x") == ("────────┼────────", "+0.10", "+6.00", "+0.105")
+        assert axis(driver, "y") == ("────────┼────────", "−0.10", "−6.00", "−0.105")
+        assert driver.sees("still, but the bias is large: press Z")
+        source.inner.move(driver.clock.now(), ReachShape(out_s=1.0, back_s=1.0, peak_out=3.0, peak_back=-3.0))
+        await driver.wait(500)
+        assert driver.sees("At rest … moving")
+        turning, _, *bias = axis(driver, "z")
         assert "━━━" in turning.split("┼")[1]
         assert bias == ["–", "–"]
 
 
 async def test_zero_asks_the_sensor_and_says_so_for_a_while(seated: Callable[..., Any]) -> None:
     source = Plugged(at_once=False)
-    async with seated(source) as chair:
-        await chair.press("z")
-        assert chair.sees("There is no sensor to zero.")
+    async with seated(source) as driver:
+        await driver.press("z")
+        assert driver.sees("There is no sensor to zero.")
         assert source.zeroed == 0
         source.plug()
-        await chair.wait(200)
-        await chair.press("z")
+        await driver.wait(200)
+        await driver.press("z")
         assert source.zeroed == 1
-        assert chair.sees("keep the hand still for two seconds")
-        await chair.wait(3100)
-        assert not chair.sees("keep the hand still for two seconds")
+        assert driver.sees("keep the hand still for two seconds")
+        await driver.wait(3100)
+        assert not driver.sees("keep the hand still for two seconds")
 
 
 # --- how it lies on the hand --------------------------------------------------------------------------------
@@ -430,15 +430,15 @@ async def test_a_sensor_that_is_worn_turned_over_is_told(sign: float, says: str,
         x, y, z = sample.acceleration
         return sample._replace(acceleration=(sign * x, sign * y, sign * z))
 
-    async with seated(Plugged(alter=turn)) as chair:
-        await chair.wait(1500)
-        assert chair.sees(says)
+    async with seated(Plugged(alter=turn)) as driver:
+        await driver.wait(1500)
+        assert driver.sees(says)
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])
 async def test_the_hand_that_reaches_is_drawn_its_thumb_on_its_own_side(hand: str, seated: Callable[..., Any]) -> None:
-    async with seated(Plugged(), hand=hand) as chair:
-        thumb = next(row for row in chair.rows if "↑ y" in row).rstrip()
+    async with seated(Plugged(), hand=hand) as driver:
+        thumb = next(row for row in driver.rows if "↑ y" in row).rstrip()
         beside = thumb[: thumb.index("↑")].split("│")[0] if hand == "right" else thumb[thumb.index("y") :]
         assert "╭─╮" in beside
 
@@ -471,35 +471,35 @@ async def test_a_simulated_hand_makes_the_test_reach_and_it_is_drawn_with_its_ph
     seated: Callable[..., Any],
 ) -> None:
     source = Moved(PROFILES["drifting"])
-    async with seated(source) as chair:
-        await chair.wait(500)
-        await chair.press("t")
-        assert chair.sees("Rest the hand at the start, and keep it still")
-        await chair.wait(1500)
-        assert chair.sees("Now reach out, come back, and rest.")
-        await chair.wait(4000)
-        assert chair.sees("✓ Reach 0.8")
-        assert chair.sees("peaks +2.4 and −3.4 rad/s.")
-        names = next(row for row in chair.rows if "rad/s" in row and "├" in row)
+    async with seated(source) as driver:
+        await driver.wait(500)
+        await driver.press("t")
+        assert driver.sees("Rest the hand at the start, and keep it still")
+        await driver.wait(1500)
+        assert driver.sees("Now reach out, come back, and rest.")
+        await driver.wait(4000)
+        assert driver.sees("✓ Reach 0.8")
+        assert driver.sees("peaks +2.4 and −3.4 rad/s.")
+        names = next(row for row in driver.rows if "rad/s" in row and "├" in row)
         assert names.index("out") < names.index("back")
-        assert chair.sees("0 s")
-        await chair.press("t")
-        assert not any("├─" in row for row in chair.rows)
+        assert driver.sees("0 s")
+        await driver.press("t")
+        assert not any("├─" in row for row in driver.rows)
         assert len(source.moves) == 1
 
 
 async def test_a_persons_own_reach_is_seen_as_soon_as_the_hand_rests_again(seated: Callable[..., Any]) -> None:
     source = Plugged(PROFILES["noisy"])
-    async with seated(source) as chair:
-        await chair.wait(3000)
-        await chair.press("t")
-        await chair.wait(500)
-        source.inner.move(chair.clock.now() + SECOND, ReachShape(out_s=0.7, back_s=0.6, dwell_s=0.5))
-        await chair.wait(3000)
-        assert chair.sees("Now reach out")
-        await chair.wait(1200)
-        assert chair.sees("dwell 0.")
-        assert any("dwell" in row and "├" in row for row in chair.rows)
+    async with seated(source) as driver:
+        await driver.wait(3000)
+        await driver.press("t")
+        await driver.wait(500)
+        source.inner.move(driver.clock.now() + SECOND, ReachShape(out_s=0.7, back_s=0.6, dwell_s=0.5))
+        await driver.wait(3000)
+        assert driver.sees("Now reach out")
+        await driver.wait(1200)
+        assert driver.sees("dwell 0.")
+        assert any("dwell" in row and "├" in row for row in driver.rows)
 
 
 @pytest.mark.parametrize(
@@ -514,69 +514,69 @@ async def test_a_persons_own_reach_is_seen_as_soon_as_the_hand_rests_again(seate
 async def test_what_is_wrong_with_the_test_reach_is_said_beside_its_curve(
     profile: Profile, parameters: dict[str, object], says: str, seated: Callable[..., Any]
 ) -> None:
-    async with seated(Moved(profile), **parameters) as chair:
-        await chair.wait(2000)
-        await chair.press("t")
-        await chair.wait(6000)
-        assert chair.sees(f"! {says}")
-        assert any("├" in row and "out" in row for row in chair.rows)
+    async with seated(Moved(profile), **parameters) as driver:
+        await driver.wait(2000)
+        await driver.press("t")
+        await driver.wait(6000)
+        assert driver.sees(f"! {says}")
+        assert any("├" in row and "out" in row for row in driver.rows)
 
 
 async def test_what_is_beyond_the_range_is_not_laid_on_the_cable(seated: Callable[..., Any]) -> None:
     source = Moved(PROFILES["saturating"])
-    async with seated(source) as chair:
-        await chair.wait(2000)
-        await chair.press("t")
-        await chair.wait(2500)
-        assert chair.sees("Trouble ! The hand was faster than the sensor can")
-        await chair.wait(6000)
-        assert re.search(r"Samples ✓ 250 a second of 250, \d+ beyond its", chair.text)
-        assert not chair.sees("lost")
-        assert not chair.sees("Trouble")
+    async with seated(source) as driver:
+        await driver.wait(2000)
+        await driver.press("t")
+        await driver.wait(2500)
+        assert driver.sees("Trouble ! The hand was faster than the sensor can")
+        await driver.wait(6000)
+        assert re.search(r"Samples ✓ 250 a second of 250, \d+ beyond its", driver.text)
+        assert not driver.sees("lost")
+        assert not driver.sees("Trouble")
 
 
 async def test_a_hand_that_goes_out_and_stays_there_ends_the_test(seated: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as chair:
-        await chair.wait(1500)
-        await chair.press("t")
-        await chair.wait(500)
-        source.inner.move(chair.clock.now(), ReachShape(out_s=0.8, back_s=0.1, peak_out=2.0, peak_back=-0.001))
-        await chair.wait(4000)
-        assert chair.sees(f"! {NO_REACH}")
+    async with seated(source) as driver:
+        await driver.wait(1500)
+        await driver.press("t")
+        await driver.wait(500)
+        source.inner.move(driver.clock.now(), ReachShape(out_s=0.8, back_s=0.1, peak_out=2.0, peak_back=-0.001))
+        await driver.wait(4000)
+        assert driver.sees(f"! {NO_REACH}")
 
 
 async def test_a_hand_that_never_reaches_ends_the_test_and_that_is_said(seated: Callable[..., Any]) -> None:
-    async with seated(Plugged()) as chair:
-        await chair.wait(1500)
-        await chair.press("t")
-        await chair.wait(16_000)
-        assert chair.sees(f"! {NO_REACH}")
+    async with seated(Plugged()) as driver:
+        await driver.wait(1500)
+        await driver.press("t")
+        await driver.wait(16_000)
+        assert driver.sees(f"! {NO_REACH}")
 
 
 async def test_a_hand_that_never_rests_is_not_waited_for_for_ever(seated: Callable[..., Any]) -> None:
     def shake(sample: Sample) -> Sample:
         return sample._replace(rate=(0.0, 0.0, 2.0 * math.sin(sample.device_ms / 300)))
 
-    async with seated(Plugged(alter=shake)) as chair:
-        await chair.wait(500)
-        await chair.press("t")
-        await chair.wait(7000)
-        assert chair.sees("Rest the hand at the start")
-        await chair.wait(1500)
-        assert chair.sees("Now reach out")
+    async with seated(Plugged(alter=shake)) as driver:
+        await driver.wait(500)
+        await driver.press("t")
+        await driver.wait(7000)
+        assert driver.sees("Rest the hand at the start")
+        await driver.wait(1500)
+        assert driver.sees("Now reach out")
 
 
 async def test_a_sensor_that_is_pulled_out_ends_the_test(seated: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as chair:
-        await chair.wait(300)
-        await chair.press("t")
+    async with seated(source) as driver:
+        await driver.wait(300)
+        await driver.press("t")
         source.unplug()
-        await chair.wait(100)
-        assert chair.sees("! There is no sensor to test. Plug it in, then press T.")
-        await chair.press("t")
-        assert chair.sees("! There is no sensor to test.")
+        await driver.wait(100)
+        assert driver.sees("! There is no sensor to test. Plug it in, then press T.")
+        await driver.press("t")
+        assert driver.sees("! There is no sensor to test.")
 
 
 @pytest.mark.parametrize("flag", [*FLAGS, "something_new"])
@@ -601,14 +601,14 @@ def test_where_nothing_was_found_it_is_said_why(invalid: str) -> None:
 
 
 async def test_help_tells_what_the_check_is_for(seated: Callable[..., Any]) -> None:
-    async with seated(Plugged()) as chair:
+    async with seated(Plugged()) as driver:
         for words in ("T Test", "Z Zero", "Enter Begin", "Esc Back", "Ctrl-Q Quit", "F1 Help"):
-            assert words in chair.rows[-1]
-        await chair.press("f1")
-        assert chair.sees("y along the fingers, z out of the hand.")
-        await chair.wait(500)
-        await chair.press("escape")
-        assert isinstance(chair.app.screen, SensorCheckScreen)
+            assert words in driver.rows[-1]
+        await driver.press("f1")
+        assert driver.sees("y along the fingers, z out of the hand.")
+        await driver.wait(500)
+        await driver.press("escape")
+        assert isinstance(driver.app.screen, SensorCheckScreen)
 
 
 @pytest.mark.parametrize("theme", THEMES)
@@ -617,15 +617,15 @@ async def test_the_check_looks_as_it_did(
 ) -> None:
     monkeypatch.setattr(test_snapshots, "FOLDER", SNAPSHOTS)
     album, source = Album(theme), Moved(PROFILES["drifting"], at_once=False)
-    async with seated(source, theme) as chair:
-        await chair.wait(3500)
-        await chair.press("enter")
-        album.take("no-sensor", chair)
+    async with seated(source, theme) as driver:
+        await driver.wait(3500)
+        await driver.press("enter")
+        album.take("no-sensor", driver)
         source.plug()
-        await chair.wait(3000)
-        album.take("at-rest", chair)
-        await chair.press("t")
-        await chair.wait(5000)
-        album.take("test-reach", chair)
+        await driver.wait(3000)
+        album.take("at-rest", driver)
+        await driver.press("t")
+        await driver.wait(5000)
+        album.take("test-reach", driver)
     assert {f"{name}.{theme}.txt" for name in album.taken} == {path.name for path in SNAPSHOTS.glob(f"*.{theme}.txt")}
     album.check()

@@ -10,7 +10,7 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.chair import Chair, plan, sit_down
+from tests.app.app_driver import AppDriver, plan, sit_down
 
 FOLDER = Path(__file__).parent / "snapshots"
 THEMES = ("calm", "high-contrast", "playful")
@@ -40,12 +40,12 @@ class Album:
         self.taken: list[str] = []
         self.changed: dict[str, str] = {}
 
-    def take(self, name: str, chair: Chair) -> None:
-        assert len(chair.rows) <= 24
-        assert max(map(len, chair.rows)) <= 80
+    def take(self, name: str, driver: AppDriver) -> None:
+        assert len(driver.rows) <= 24
+        assert max(map(len, driver.rows)) <= 80
         self.taken.append(name)
         path = FOLDER / f"{name}.{self._theme}.txt"
-        seen = chair.text.rstrip("\n") + "\n"
+        seen = driver.text.rstrip("\n") + "\n"
         if os.environ.get("SAR_TUI_UPDATE_SNAPSHOTS"):
             path.write_text(seen, encoding="utf-8")
         elif not path.exists() or path.read_text(encoding="utf-8") != seen:
@@ -60,26 +60,26 @@ class Album:
 @pytest.mark.parametrize("theme", THEMES)
 async def test_home_and_settings_look_as_they_did(theme: str, data: Path, catalogue: Catalogue) -> None:
     album = Album(theme)
-    async with sit_down(data, catalogue) as chair:
-        chair.app.screen.query_one("#theme").highlighted = THEMES.index(theme)  # type: ignore[attr-defined]
-        await chair.settle()
-        album.take("home", chair)
-        await chair.press("f1")
-        album.take("help", chair)
-        await chair.press("enter", "enter")
-        await chair.write(*"Peter Maier")
-        album.take("new-participant", chair)
-        await chair.press("ctrl+u")
-        await chair.write(*"p01")
-        await chair.press("enter")
-        album.take("home-with-a-participant", chair)
-        await chair.press("f2")
-        album.take("settings", chair)
-        await chair.press("end")
-        await chair.write("x")
-        album.take("settings-to-mend", chair)
-        await chair.resize(60, 20)
-        album.take("too-small", chair)
+    async with sit_down(data, catalogue) as driver:
+        driver.app.screen.query_one("#theme").highlighted = THEMES.index(theme)  # type: ignore[attr-defined]
+        await driver.settle()
+        album.take("home", driver)
+        await driver.press("f1")
+        album.take("help", driver)
+        await driver.press("enter", "enter")
+        await driver.write(*"Peter Maier")
+        album.take("new-participant", driver)
+        await driver.press("ctrl+u")
+        await driver.write(*"p01")
+        await driver.press("enter")
+        album.take("home-with-a-participant", driver)
+        await driver.press("f2")
+        album.take("settings", driver)
+        await driver.press("end")
+        await driver.write("x")
+        album.take("settings-to-mend", driver)
+        await driver.resize(60, 20)
+        album.take("too-small", driver)
     assert tuple(album.taken) == HOME
     album.check()
 
@@ -87,41 +87,41 @@ async def test_home_and_settings_look_as_they_did(theme: str, data: Path, catalo
 @pytest.mark.parametrize("theme", THEMES)
 async def test_a_session_looks_as_it_did(theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     album = Album(theme)
-    async with sit_down(data, catalogue, plan(keyboard, theme=theme, attempts=4, practice_attempts=1)) as chair:
-        album.take("instructions", chair)
-        await chair.press("enter")
-        album.take("before-practice", chair)
-        prompt = await chair.begin()
-        album.take("prompt", chair)
-        await chair.answer(prompt)
-        album.take("between-prompts", chair)
-        await chair.to_prompt()
-        await chair.press("escape")
-        album.take("paused", chair)
+    async with sit_down(data, catalogue, plan(keyboard, theme=theme, attempts=4, practice_attempts=1)) as driver:
+        album.take("instructions", driver)
+        await driver.press("enter")
+        album.take("before-practice", driver)
+        prompt = await driver.begin()
+        album.take("prompt", driver)
+        await driver.answer(prompt)
+        album.take("between-prompts", driver)
+        await driver.to_prompt()
+        await driver.press("escape")
+        album.take("paused", driver)
         for name in ("tired", "in-pain", "end-now"):
-            await chair.press("down", "enter")
-            album.take(name, chair)
-        await chair.press("enter")
-        await chair.answer(await chair.to_prompt())
-        album.take("before-an-attempt", chair)
-        await chair.do_attempt(await chair.begin())
-        await chair.begin()
-        await chair.disk(False)
-        album.take("disk-full", chair)
-        await chair.disk(True)
-        album.take("disk-works-again", chair)
-        await chair.press("enter")
-        await chair.do_attempt(await chair.to_prompt())
-        await chair.answer(await chair.begin(), after_ms=1900)
-        await chair.answer(await chair.to_prompt(), after_ms=900)
-        await chair.begin()
-        await chair.wait(6000)
-        await chair.to_prompt()
-        await chair.wait(6000)
-        album.take("review", chair)
-        await chair.see_the_summary()
-        await chair.wait(8000)  # the last gestures end
-        album.take("summary", chair)
+            await driver.press("down", "enter")
+            album.take(name, driver)
+        await driver.press("enter")
+        await driver.answer(await driver.to_prompt())
+        album.take("before-an-attempt", driver)
+        await driver.do_attempt(await driver.begin())
+        await driver.begin()
+        await driver.disk(False)
+        album.take("disk-full", driver)
+        await driver.disk(True)
+        album.take("disk-works-again", driver)
+        await driver.press("enter")
+        await driver.do_attempt(await driver.to_prompt())
+        await driver.answer(await driver.begin(), after_ms=1900)
+        await driver.answer(await driver.to_prompt(), after_ms=900)
+        await driver.begin()
+        await driver.wait(6000)
+        await driver.to_prompt()
+        await driver.wait(6000)
+        album.take("review", driver)
+        await driver.see_the_summary()
+        await driver.wait(8000)  # the last gestures end
+        album.take("summary", driver)
     assert tuple(album.taken) == SESSION
     album.check()
 

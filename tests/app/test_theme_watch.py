@@ -15,7 +15,7 @@ from sar_tui.app.theme_watch import ThemeWatch
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue
-from tests.app.chair import Chair, known, plan, sit_down
+from tests.app.app_driver import AppDriver, known, plan, sit_down
 
 HAPPY_EYES = "│  ◠   ◠  │"
 
@@ -43,11 +43,11 @@ def edit(folder: Path, old: str, new: str, file: str = "theme.toml") -> None:
     os.utime(path, ns=(then, then))
 
 
-async def look(chair: Chair) -> None:
+async def look(driver: AppDriver) -> None:
     """What the app does by itself, a while later."""
-    chair.app.theme_watch.look()
-    chair.app.theme_watch.look()
-    await chair.settle()
+    driver.app.theme_watch.look()
+    driver.app.theme_watch.look()
+    await driver.settle()
 
 
 class Editor:
@@ -141,109 +141,109 @@ def test_a_theme_whose_folder_is_gone_is_told_and_stays_worn(folder: Path, theme
 
 async def test_at_home_the_colours_change_with_the_file(data: Path, folder: Path, themes: Catalogue) -> None:
     known(data, theme="mine")
-    async with sit_down(data, themes) as chair:
-        assert chair.app.theme == "sar-mine"
+    async with sit_down(data, themes) as driver:
+        assert driver.app.theme == "sar-mine"
         edit(folder, "#10171e", "#30171e")
-        await look(chair)
-        assert chair.app.screen.styles.background.hex.lower() == "#30171e"
-        assert chair.app.theme == "sar-mine"
+        await look(driver)
+        assert driver.app.screen.styles.background.hex.lower() == "#30171e"
+        assert driver.app.theme == "sar-mine"
 
 
 async def test_in_a_session_the_face_the_colours_and_what_is_said_change_and_the_words_that_stand_stay(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme="mine", feedback_form="qualitative")) as chair:
-        words = chair.said
-        assert HAPPY_EYES in chair.text
+    async with sit_down(data, themes, plan(keyboard, theme="mine", feedback_form="qualitative")) as driver:
+        words = driver.said
+        assert HAPPY_EYES in driver.text
         edit(folder, HAPPY_EYES, "│  Q   Q  │")
         edit(folder, "#10171e", "#30171e")
         phrases = (folder / "phrases.en.toml").read_text(encoding="utf-8")
         start = phrases.index("positive_strong = [")
         wordings = phrases[start : phrases.index("]", start) + 1]
         edit(folder, wordings, 'positive_strong = ["Splendid."]', "phrases.en.toml")
-        await look(chair)
-        assert "│  Q   Q  │" in chair.text
-        assert HAPPY_EYES not in chair.text
-        assert chair.said == words
-        assert chair.app.screen.styles.background.hex.lower() == "#30171e"
-        await chair.do_attempt(await chair.to_first_prompt())
-        assert "Splendid." in chair.said
-        worn = chair.messages("theme/worn")
+        await look(driver)
+        assert "│  Q   Q  │" in driver.text
+        assert HAPPY_EYES not in driver.text
+        assert driver.said == words
+        assert driver.app.screen.styles.background.hex.lower() == "#30171e"
+        await driver.do_attempt(await driver.to_first_prompt())
+        assert "Splendid." in driver.said
+        worn = driver.messages("theme/worn")
         assert worn[-1]["theme"]["colors"]["background"] == "#30171e"
 
 
 async def test_a_session_in_spanish_stays_in_spanish_when_its_theme_is_edited(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme="mine", language="es")) as chair:
+    async with sit_down(data, themes, plan(keyboard, theme="mine", language="es")) as driver:
         edit(folder, "#10171e", "#30171e")
-        await look(chair)
-        assert chair.session.theme.language == "es"
-        assert chair.session.theme.colors.background == "#30171e"
+        await look(driver)
+        assert driver.session.theme.language == "es"
+        assert driver.session.theme.colors.background == "#30171e"
 
 
 async def test_at_home_what_is_wrong_with_an_edit_is_told_at_once(data: Path, folder: Path, themes: Catalogue) -> None:
     known(data, theme="mine")
-    async with sit_down(data, themes) as chair:
+    async with sit_down(data, themes) as driver:
         edit(folder, "[colors]", "[colors")
-        await look(chair)
-        assert chair.sees("The theme mine cannot be read")
+        await look(driver)
+        assert driver.sees("The theme mine cannot be read")
 
 
 async def test_in_a_session_the_participant_reads_nothing_of_an_edit_that_is_wrong_and_home_tells_it_later(
     data: Path, folder: Path, themes: Catalogue
 ) -> None:
     known(data, theme="mine")
-    async with sit_down(data, themes) as chair:
-        await chair.press("enter", "enter", "enter", "enter")
+    async with sit_down(data, themes) as driver:
+        await driver.press("enter", "enter", "enter", "enter")
         edit(folder, "[colors]", "[colors")
-        await look(chair)
-        assert not chair.sees("cannot be read")
-        assert HAPPY_EYES in chair.text
-        await chair.do_attempt(await chair.to_first_prompt())
-        assert not chair.sees("cannot be read")
-        chair.app.screen.dismiss()
-        await chair.settle()
-        assert chair.sees("The theme mine cannot be read")
-        assert chair.app.untold == ""
+        await look(driver)
+        assert not driver.sees("cannot be read")
+        assert HAPPY_EYES in driver.text
+        await driver.do_attempt(await driver.to_first_prompt())
+        assert not driver.sees("cannot be read")
+        driver.app.screen.dismiss()
+        await driver.settle()
+        assert driver.sees("The theme mine cannot be read")
+        assert driver.app.untold == ""
 
 
 async def test_what_was_wrong_with_an_edit_is_kept_for_the_terminal_until_it_is_mended(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme="mine")) as chair:
+    async with sit_down(data, themes, plan(keyboard, theme="mine")) as driver:
         edit(folder, '"#7cc4e8"', '"blueish"')
-        await look(chair)
-        assert chair.app.untold.startswith("Theme edited. One thing to mend: ")
-        assert not chair.sees("Theme edited")
+        await look(driver)
+        assert driver.app.untold.startswith("Theme edited. One thing to mend: ")
+        assert not driver.sees("Theme edited")
         edit(folder, '"blueish"', '"#7cc4e8"')
-        await look(chair)
-        assert chair.app.untold == ""
+        await look(driver)
+        assert driver.app.untold == ""
 
 
 async def test_the_palette_offers_no_theme_while_a_session_is_open_so_that_its_own_is_still_followed(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme="mine")) as chair:
-        await chair.press("ctrl+p")
-        assert chair.sees("Quit")
-        assert not chair.sees("Theme:")
-        await chair.press("escape")
+    async with sit_down(data, themes, plan(keyboard, theme="mine")) as driver:
+        await driver.press("ctrl+p")
+        assert driver.sees("Quit")
+        assert not driver.sees("Theme:")
+        await driver.press("escape")
         edit(folder, "#10171e", "#30171e")
-        await look(chair)
-        assert chair.session.theme.colors.background == "#30171e"
+        await look(driver)
+        assert driver.session.theme.colors.background == "#30171e"
 
 
 @pytest.mark.parametrize("name", ["a\\u0000b.png", "a" * 300])
 async def test_an_image_that_cannot_be_is_left_out_in_mid_session_and_at_the_beginning(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task], name: str
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme="mine")) as chair:
+    async with sit_down(data, themes, plan(keyboard, theme="mine")) as driver:
         edit(folder, "[gestures]", f'[images]\nhappy = "{name}"\n[gestures]')
-        await look(chair)
-        assert chair.session.theme.repairs[0].startswith("There is no image a")
-    async with sit_down(data, themes) as chair:
-        assert "mine" in chair.app.themes
+        await look(driver)
+        assert driver.session.theme.repairs[0].startswith("There is no image a")
+    async with sit_down(data, themes) as driver:
+        assert "mine" in driver.app.themes
 
 
 @pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte")])
@@ -266,8 +266,8 @@ async def test_a_theme_without_english_is_worn_in_a_session_in_its_own_language(
 ) -> None:
     (folder / "phrases.en.toml").unlink()
     edit(folder, "#10171e", "#30171e")
-    async with sit_down(data, themes, plan(keyboard, theme="mine", language="es")) as chair:
-        assert chair.app.screen.styles.background.hex.lower() == "#30171e"
+    async with sit_down(data, themes, plan(keyboard, theme="mine", language="es")) as driver:
+        assert driver.app.screen.styles.background.hex.lower() == "#30171e"
 
 
 # --- the beginning -------------------------------------------------------------------------------------------
@@ -277,10 +277,10 @@ async def test_only_the_worn_theme_is_read_before_the_first_screen_and_all_are_t
     data: Path, folder: Path, themes: Catalogue
 ) -> None:
     assert list(SarTui(data, themes).themes) == ["calm"]
-    async with sit_down(data, themes) as chair:
-        assert list(chair.app.themes) == ["calm", "high-contrast", "mine", "playful"]
-        options = chair.app.screen.query_one("#theme", OptionList).options
-        assert [option.id for option in options] == list(chair.app.themes)
+    async with sit_down(data, themes) as driver:
+        assert list(driver.app.themes) == ["calm", "high-contrast", "mine", "playful"]
+        options = driver.app.screen.query_one("#theme", OptionList).options
+        assert [option.id for option in options] == list(driver.app.themes)
 
 
 async def test_somebodys_own_calm_that_cannot_be_read_is_told_and_another_is_worn(
@@ -288,31 +288,33 @@ async def test_somebodys_own_calm_that_cannot_be_read_is_told_and_another_is_wor
 ) -> None:
     edit(folder, "[colors]", "[colors")
     folder.rename(folder.parent / "calm")
-    async with sit_down(data, themes) as chair:
-        assert chair.app.theme == "sar-high-contrast"
-        assert chair.sees("The theme calm cannot be read")
+    async with sit_down(data, themes) as driver:
+        assert driver.app.theme == "sar-high-contrast"
+        assert driver.sees("The theme calm cannot be read")
 
 
 def test_what_only_a_session_needs_is_not_loaded_before_the_first_screen() -> None:
     script = "import sys, sar_tui.app.app, sar_tui.app.screens.home; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
     assert "sar_tui.theme_folder" in loaded
-    assert not {"sar_tui.framework.session", "sar_tui.outputs.node", "sar_tui.runs", "sar_tui.app.live"} & set(loaded)
+    assert not {"sar_tui.framework.session", "sar_tui.outputs.node", "sar_tui.runs.run", "sar_tui.app.live"} & set(
+        loaded
+    )
 
 
 async def test_no_file_is_looked_at_from_the_quiet_before_a_prompt_to_its_response(
     data: Path, themes: Catalogue, keyboard: type[Task], folder: Path
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme=folder.name)) as chair:
-        timer = chair.app._edits
+    async with sit_down(data, themes, plan(keyboard, theme=folder.name)) as driver:
+        timer = driver.app._edits
         assert _runs(timer)
-        prompt = await chair.to_first_prompt()
-        while chair.waiting.stage == "trial":
+        prompt = await driver.to_first_prompt()
+        while driver.waiting.stage == "trial":
             assert not _runs(timer)
-            await chair.answer(prompt)
-            assert _runs(timer) == (chair.waiting.stage != "trial")
-            if chair.waiting.stage == "trial":
-                prompt = await chair.to_prompt()
+            await driver.answer(prompt)
+            assert _runs(timer) == (driver.waiting.stage != "trial")
+            if driver.waiting.stage == "trial":
+                prompt = await driver.to_prompt()
 
 
 def _runs(timer: object) -> bool:

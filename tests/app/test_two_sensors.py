@@ -10,9 +10,9 @@ import pytest
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan
+from sar_tui.runs.plan import Plan
 from sar_tui.widgets.speed_trace import SpeedTrace
-from tests.app.chair import Chair, sit_down, stored
+from tests.app.app_driver import AppDriver, sit_down, stored
 from tests.app.test_sensor_check import Moved, Plugged
 
 Sit = Callable[..., Any]
@@ -24,41 +24,41 @@ def seated(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) ->
     """Sits two people down before a session with these sensors."""
 
     @asynccontextmanager
-    async def sit(left: Plugged, right: Plugged, **parameters: object) -> AsyncIterator[Chair]:
+    async def sit(left: Plugged, right: Plugged, **parameters: object) -> AsyncIterator[AppDriver]:
         def open_source(name: str, *, clock: VirtualClock, **__: object) -> Plugged:
             source = {"left": left, "right": right}[name]
             source.clock = clock
             return source
 
-        monkeypatch.setattr("sar_tui.sensing.open_source", open_source)
+        monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
         kind = catalogue.task("pairs")
         given = {"respond_with": "reaches", "imu": "left", "imu_b": "right", "attempts": 1, **parameters}
         plan = Plan(kind, build(kind.Parameters, given), "calm", "P01", 7, "live", "P02")
-        async with sit_down(data, catalogue, plan) as chair:
-            yield chair
+        async with sit_down(data, catalogue, plan) as driver:
+            yield driver
 
     return sit
 
 
 async def test_one_sensor_is_looked_at_after_the_other_and_then_the_session_begins(data: Path, seated: Sit) -> None:
     left, right = Plugged(), Plugged(at_once=False)
-    async with seated(left, right, hand_b="left") as chair:
-        assert chair.screen_name == "SensorCheckScreen"
-        await chair.wait(3500)
-        assert chair.sees(f"▸ {LEFT} ✓")
-        assert chair.sees(f"{RIGHT} !"), "nor is the other out of sight"
-        assert chair.sees("Enter: on to the other sensor.")
-        assert "│ ⊙ ├→ x│" in "".join(chair.rows)
-        await chair.press("enter")
-        assert chair.sees(f"▸ {RIGHT} !")
-        assert chair.sees("No sensor found.")
-        assert "│ ⊙ ├→ x╰╯" in "".join(chair.rows), "a left hand is drawn"
+    async with seated(left, right, hand_b="left") as driver:
+        assert driver.screen_name == "SensorCheckScreen"
+        await driver.wait(3500)
+        assert driver.sees(f"▸ {LEFT} ✓")
+        assert driver.sees(f"{RIGHT} !"), "nor is the other out of sight"
+        assert driver.sees("Enter: on to the other sensor.")
+        assert "│ ⊙ ├→ x│" in "".join(driver.rows)
+        await driver.press("enter")
+        assert driver.sees(f"▸ {RIGHT} !")
+        assert driver.sees("No sensor found.")
+        assert "│ ⊙ ├→ x╰╯" in "".join(driver.rows), "a left hand is drawn"
         right.plug()
-        await chair.wait(3500)
-        assert chair.sees(f"▸ {RIGHT} ✓")
-        await chair.press("enter")
-        assert chair.screen_name == "SessionScreen"
-        assert chair.sees("and a sensor on one hand.")
+        await driver.wait(3500)
+        assert driver.sees(f"▸ {RIGHT} ✓")
+        await driver.press("enter")
+        assert driver.screen_name == "SessionScreen"
+        assert driver.sees("and a sensor on one hand.")
         assert left.running
         assert right.running
     assert not left.running
@@ -68,78 +68,78 @@ async def test_one_sensor_is_looked_at_after_the_other_and_then_the_session_begi
 
 async def test_a_test_reach_is_of_the_hand_that_is_looked_at(seated: Sit) -> None:
     left, right = Moved(), Moved()
-    async with seated(left, right) as chair:
-        await chair.wait(2500)
-        await chair.press("tab", "t")
-        await chair.wait(8000)
+    async with seated(left, right) as driver:
+        await driver.wait(2500)
+        await driver.press("tab", "t")
+        await driver.wait(8000)
         assert (len(left.moves), len(right.moves)) == (0, 1)
-        assert chair.sees("✓ Reach ")
-        await chair.press("tab")
-        assert not chair.sees("✓ Reach ")
-        await chair.press("z")
+        assert driver.sees("✓ Reach ")
+        await driver.press("tab")
+        assert not driver.sees("✓ Reach ")
+        await driver.press("z")
         assert (left.zeroed, right.zeroed) == (1, 0)
 
 
 async def test_without_one_of_two_sensors_enter_asks_first(data: Path, seated: Sit) -> None:
     left, right = Plugged(at_once=False), Plugged()
-    async with seated(left, right) as chair:
-        await chair.wait(500)
-        await chair.press("enter", "enter")
-        assert chair.screen_name == "SensorCheckScreen"
-        assert chair.sees("A sensor is missing, so the session will wait for it. Press Enter again")
-        await chair.press("escape")
+    async with seated(left, right) as driver:
+        await driver.wait(500)
+        await driver.press("enter", "enter")
+        assert driver.screen_name == "SensorCheckScreen"
+        assert driver.sees("A sensor is missing, so the session will wait for it. Press Enter again")
+        await driver.press("escape")
         assert not right.running
     assert stored(data, "SELECT id FROM sessions") == []
 
 
 async def test_all_that_is_known_of_two_sensors_fits_on_the_screen(seated: Sit) -> None:
-    async with seated(Moved(), Moved()) as chair:
-        await chair.wait(3000)
+    async with seated(Moved(), Moved()) as driver:
+        await driver.wait(3000)
         for words in ("T Test", "Z Zero", "Enter Begin", "Esc Back", "F1 Help"):
-            assert words in chair.rows[-1]
-        assert chair.sees("Tab: the other one")
-        await chair.press("t")
-        await chair.wait(6000)
-        trace = chair.app.screen.query_one(SpeedTrace)
+            assert words in driver.rows[-1]
+        assert driver.sees("Tab: the other one")
+        await driver.press("t")
+        await driver.wait(6000)
+        trace = driver.app.screen.query_one(SpeedTrace)
         assert trace.region.height >= 6
-        assert trace.region.bottom < len(chair.rows)
+        assert trace.region.bottom < len(driver.rows)
 
 
 async def test_whose_sensor_came_loose_stands_on_the_screen_and_it_goes_on_by_itself(seated: Sit) -> None:
     left, right = Plugged(), Plugged()
-    async with seated(left, right) as chair:
-        await chair.wait(500)
-        await chair.press("enter", "enter", "enter")
-        assert chair.sees("Press Enter to begin attempt 1 of 1.")
+    async with seated(left, right) as driver:
+        await driver.wait(500)
+        await driver.press("enter", "enter", "enter")
+        assert driver.sees("Press Enter to begin attempt 1 of 1.")
         right.unplug()
-        await chair.wait(200)
-        assert chair.sees("Please wait")
-        assert chair.sees("Right: The sensor on your hand is not heard just now.")
+        await driver.wait(200)
+        assert driver.sees("Please wait")
+        assert driver.sees("Right: The sensor on your hand is not heard just now.")
         left.unplug()
-        await chair.wait(200)
-        assert chair.sees("The sensor on your hand is not heard just now.")
-        assert not chair.sees("Right: The sensor")
+        await driver.wait(200)
+        assert driver.sees("The sensor on your hand is not heard just now.")
+        assert not driver.sees("Right: The sensor")
         right.plug()
-        await chair.wait(200)
-        assert chair.sees("Left: The sensor on your hand is not heard just now.")
+        await driver.wait(200)
+        assert driver.sees("Left: The sensor on your hand is not heard just now.")
         left.plug()
-        await chair.wait(200)
-        assert chair.sees("Press Enter to begin attempt 1 of 1.")
+        await driver.wait(200)
+        assert driver.sees("Press Enter to begin attempt 1 of 1.")
 
 
 async def test_whose_sensor_came_loose_is_told_by_code_where_they_are_called_so(seated: Sit) -> None:
     left, right = Plugged(), Plugged()
-    async with seated(left, right, address="code") as chair:
-        await chair.wait(500)
-        await chair.press("enter", "enter", "enter")
+    async with seated(left, right, address="code") as driver:
+        await driver.wait(500)
+        await driver.press("enter", "enter", "enter")
         right.unplug()
-        await chair.wait(200)
-        assert chair.sees("P02: The sensor on your hand is not heard just now.")
+        await driver.wait(200)
+        assert driver.sees("P02: The sensor on your hand is not heard just now.")
 
 
 async def test_the_help_of_two_sensors_names_the_settings_of_both(seated: Sit) -> None:
-    async with seated(Plugged(), Plugged()) as chair:
-        told = chair.app.screen.help_text
+    async with seated(Plugged(), Plugged()) as driver:
+        told = driver.app.screen.help_text
         assert "set Sensor on the left and Sensor on the right to simulated" in told
         assert "Motion sensor" not in told
 
@@ -149,12 +149,12 @@ async def test_hands_that_are_simulated_play_by_themselves(data: Path, catalogue
     given = {"respond_with": "reaches", "imu": "simulated", "imu_b": "simulated", "policy": "race"}
     parameters = build(kind.Parameters, given | {"attempts": 1, "prompts_per_attempt": 2})
     plan = Plan(kind, parameters, "calm", "P01", 7, "live", "P02")
-    async with sit_down(data, catalogue, plan) as chair:
-        await chair.wait(500)
-        await chair.press("enter", "enter", "enter")
-        await chair.begin()
-        assert chair.sees("Left: reach out and back Right: reach out and back")
-        await chair.wait(20_000)
-        assert [fault.error for fault in chair.session.faults] == []
+    async with sit_down(data, catalogue, plan) as driver:
+        await driver.wait(500)
+        await driver.press("enter", "enter", "enter")
+        await driver.begin()
+        assert driver.sees("Left: reach out and back Right: reach out and back")
+        await driver.wait(20_000)
+        assert [fault.error for fault in driver.session.faults] == []
     kept = stored(data, "SELECT trial, seat, response, correct FROM trials ORDER BY trial, seat")
     assert kept == [(trial, seat, "reach", 1) for trial in (1, 2) for seat in "AB"]

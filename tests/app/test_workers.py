@@ -5,7 +5,7 @@ from pathlib import Path
 from sar_tui.app.app import SarTui
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.chair import known, plan, stored
+from tests.app.app_driver import known, plan, stored
 
 
 async def test_session_and_storage_are_workers_and_none_is_left_when_the_app_has_ended(

@@ -5,17 +5,17 @@ from pathlib import Path
 import pytest
 
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.joining import session_to_join
-from sar_tui.link import folder
+from sar_tui.cli.session_choice import session_to_join
+from sar_tui.link import discovery
+from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
-from sar_tui.link.folder import Live
-from tests.cli.conftest import Call
+from tests.program import Call
 
-ONE, OTHER = Live("abc1", "keyboard", "l1", 1), Live("abd2", "reaching", "l2", 2)
+ONE, OTHER = JoinableSession("abc1", "keyboard", "l1", 1), JoinableSession("abd2", "reaching", "l2", 2)
 
 
-def live(monkeypatch: pytest.MonkeyPatch, *sessions: Live) -> None:
-    monkeypatch.setattr(folder, "live_sessions", lambda: list(sessions))
+def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
+    monkeypatch.setattr(discovery, "live_sessions", lambda: list(sessions))
 
 
 def test_without_a_session_it_says_how_to_begin_one(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:

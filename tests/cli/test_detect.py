@@ -17,7 +17,7 @@ from sar_tui.motion.analysis import AnalysisParameters
 from sar_tui.motion.detection import DETECTORS
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.synthesis import TABLE_4_1
-from tests.cli.conftest import Call
+from tests.program import Call
 
 SAMPLE = Path(sar_tui.__file__).parent.parent / "data" / "table-4.1.csv"
 Row = dict[str, float]

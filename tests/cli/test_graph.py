@@ -7,7 +7,7 @@ import pytest
 from sar_tui.framework.graph import graph, spine
 from sar_tui.framework.node import Node, TimedNode, on
 from sar_tui.framework.topics import ACTION, KEY, PERCEIVED, TIMER
-from tests.cli.conftest import Call
+from tests.program import Call
 
 
 @pytest.fixture

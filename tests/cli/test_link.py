@@ -10,8 +10,8 @@ from sar_tui.link import errors
 from sar_tui.link.authority import Authority
 from sar_tui.link.invitation import read
 from sar_tui.link.settings import Endpoint, Guest, Keys, config, host_settings
-from tests.cli.conftest import Call, Called
-from tests.link.house import free_port
+from tests.link.tls_fixtures import free_port
+from tests.program import Call, Called
 
 
 @pytest.fixture(autouse=True)

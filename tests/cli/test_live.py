@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 
-from sar_tui.link.folder import live_sessions
-from sar_tui.link.host import Host
+from sar_tui.link.broker_process import BrokerProcess
+from sar_tui.link.discovery import live_sessions
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan
+from sar_tui.runs.plan import Plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
-from tests.cli.conftest import Call
+from tests.program import Call
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def opened(monkeypatch: pytest.MonkeyPatch, runtime: str) -> list[dict[str, Any]
         catalogue: Catalogue,
         plan: Plan | None = None,
         resume: str | None = None,
-        link: Host | None = None,
+        link: BrokerProcess | None = None,
     ) -> int:
         calls.append({"folder": folder, "catalogue": catalogue, "plan": plan, "resume": resume, "link": link})
         calls[-1]["joinable"] = live_sessions()

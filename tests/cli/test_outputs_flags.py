@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-from sar_tui.link.host import Host
+from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan
+from sar_tui.runs.plan import Plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
-from tests.cli.conftest import Call
-from tests.speech import needs_speech
+from tests.needs_speech import needs_speech
+from tests.program import Call
 
 SIMULATE = ("simulate", "keyboard", "--user", "average", "--seed", 1, "--attempts", 1, "--set", "prompts_per_attempt=2")
 RUN = ("run", "keyboard", "-p", "P01")
@@ -26,7 +26,7 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> list[Plan]:
     """A terminal, and an app that only notes the session it was opened with."""
     plans: list[Plan] = []
 
-    def run_app(folder: Path, catalogue: Catalogue, plan: Plan, link: Host | None) -> int:
+    def run_app(folder: Path, catalogue: Catalogue, plan: Plan, link: BrokerProcess | None) -> int:
         plans.append(plan)
         return 0
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import sar_tui
-from tests.cli.conftest import Call
+from tests.program import Call
 
 HEAVY = ("textual", "aiohttp", "numpy", "sqlite3", "sqlite_utils", "plotext", "msgspec")
 COMMANDS = (

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.cli.conftest import Call
+from tests.program import Call
 
 
 def change(folder: Path, statement: str, *values: object) -> None:

@@ -10,7 +10,7 @@ import pytest
 from sar_tui.cli.simulate import OperatorName
 from sar_tui.reports.wizard import WizardReport
 from sar_tui.simulation.operator import CHARACTERS
-from tests.cli.conftest import Call
+from tests.program import Call
 
 PAGE = (Path(__file__).parents[2] / "docs" / "data-dictionary.md").read_text(encoding="utf-8")
 SHORT = ("simulate", "keyboard", "--user", "average", "--set", "prompts_per_attempt=3", "--seed", 1, "--json")

@@ -17,7 +17,7 @@ from sar_tui.cli.common import Home
 from sar_tui.cli.serve import _program
 from sar_tui.link import errors
 from sar_tui.link.errors import NO_PACKAGES, LinkError
-from tests.cli.conftest import Call
+from tests.program import Call
 
 
 @contextmanager

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.task import Metric
-from tests.cli.conftest import Call
+from sar_tui.framework.trial_types import Metric
+from tests.program import Call
 
 
 def change(folder: Path, statement: str, *values: object) -> None:

@@ -8,7 +8,7 @@ import pytest
 from sar_tui.cli.simulate import User
 from sar_tui.outputs.output import Output
 from sar_tui.simulation.person import PEOPLE
-from tests.cli.conftest import Call
+from tests.program import Call
 
 AVERAGE = ("simulate", "keyboard", "--user", "average")
 COLUMNS = {

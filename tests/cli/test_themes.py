@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.plugins import Catalogue, user_folder
-from tests.cli.conftest import Call
+from tests.program import Call
 
 Change = Callable[[str, str, str], Path]
 

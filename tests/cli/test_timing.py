@@ -10,17 +10,17 @@ import pytest
 
 from sar_tui.cli import timing
 from sar_tui.cli.timing import Circumstances, judge
-from sar_tui.simulation.closed_loop import BARE, SAR_TUI, Program, Trial
-from sar_tui.simulation.scripted import NoPrompt
-from sar_tui.simulation.spread import Spread, spread
-from tests.cli.conftest import Call
+from sar_tui.timing.closed_loop import BARE, SAR_TUI, Program, Trial
+from sar_tui.timing.error_statistics import ErrorStatistics, spread
+from sar_tui.timing.scripted_participant import NoPrompt
+from tests.program import Call
 
 GOOD = spread([0.2, 0.3, 0.25, 0.3, 0.2])
 KEPT = {"measured_at", "trials", "median_ms", "sd_ms", "robust_sd_ms", "p99_ms", "verdict"}
 
 
-def figures(median: float = 0.3, robust: float = 0.1, p99: float = 1.0) -> Spread:
-    return Spread(100, median, median, robust, robust, robust, p99, p99)
+def figures(median: float = 0.3, robust: float = 0.1, p99: float = 1.0) -> ErrorStatistics:
+    return ErrorStatistics(100, median, median, robust, robust, robust, p99, p99)
 
 
 def measures(errors: dict[str, list[float]], source: str = "flush") -> Callable[..., dict[str, list[Trial]]]:
@@ -64,7 +64,7 @@ def test_small_errors_at_a_terminal_of_ones_own_are_fit() -> None:
         (figures(p99=21.0), "not fit", "in a hundred is off by 21.0 ms"),
     ],
 )
-def test_the_worst_figure_decides_and_is_named(measured: Spread, verdict: str, word: str) -> None:
+def test_the_worst_figure_decides_and_is_named(measured: ErrorStatistics, verdict: str, word: str) -> None:
     found, reasons = judge(measured, GOOD, Circumstances())
     assert found == verdict
     assert word in " ".join(reasons)

@@ -2,9 +2,9 @@
 
 import pytest
 
-from sar_tui.runs import Plan
-from tests.cli.conftest import Call
+from sar_tui.runs.plan import Plan
 from tests.cli.test_outputs_flags import opened
+from tests.program import Call
 
 __all__ = ["opened"]
 

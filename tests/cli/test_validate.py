@@ -7,7 +7,7 @@ import pytest
 
 from sar_tui.validation import reach, table_4_1
 from sar_tui.validation.registry import VALIDATIONS
-from tests.cli.conftest import Call
+from tests.program import Call
 
 
 def test_table_4_1_is_printed_beside_what_is_found(call: Call) -> None:

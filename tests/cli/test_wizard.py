@@ -8,20 +8,20 @@ from typing import Any
 
 import pytest
 
-from sar_tui.cli import joining
+from sar_tui.cli import session_choice
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.wizard import name_there, session_to_show
-from sar_tui.link import folder
-from sar_tui.link.folder import Live
+from sar_tui.link import discovery
+from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import NAME, Invitation
 from sar_tui.link.settings import Credentials
-from tests.cli.conftest import Call
+from tests.program import Call
 
-ONE, OTHER = Live("abc1", "keyboard", "l1", 1), Live("abd2", "reaching", "l2", 2)
+ONE, OTHER = JoinableSession("abc1", "keyboard", "l1", 1), JoinableSession("abd2", "reaching", "l2", 2)
 
 
-def live(monkeypatch: pytest.MonkeyPatch, *sessions: Live) -> None:
-    monkeypatch.setattr(folder, "live_sessions", lambda: list(sessions))
+def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
+    monkeypatch.setattr(discovery, "live_sessions", lambda: list(sessions))
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,7 @@ def live(monkeypatch: pytest.MonkeyPatch, *sessions: Live) -> None:
     ],
 )
 def test_what_cannot_be_is_refused_in_a_sentence(
-    call: Call, monkeypatch: pytest.MonkeyPatch, arguments: list[str], sessions: list[Live], said: str
+    call: Call, monkeypatch: pytest.MonkeyPatch, arguments: list[str], sessions: list[JoinableSession], said: str
 ) -> None:
     live(monkeypatch, *sessions)
     called = call("wizard", *arguments)
@@ -64,7 +64,7 @@ def test_an_invitation_to_act_is_not_one_to_look_on(monkeypatch: pytest.MonkeyPa
             credentials=Credentials("", "", ""),
         )
 
-    monkeypatch.setattr(joining, "session_to_join", read)
+    monkeypatch.setattr(session_choice, "session_to_join", read)
     with pytest.raises(Refused, match="have an observer invited"):
         session_to_show(None, Path("anna.sar-link"), wait=False, observe=True)
     with pytest.raises(Refused, match="leave out --name"):

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
-from sar_tui.simulation.terminal import Terminal
-from tests.end_to_end.seat import command, only_session, rows, run_command, see_the_summary
+from sar_tui.timing.pty import Terminal
+from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
+from tests.end_to_end.participant_terminal import command, only_session, rows, run_command, see_the_summary
 
 _LEAVE_ALTERNATE_SCREEN = b"\x1b[?1049l"
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from sar_tui.framework.clock import MS
-from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
-from sar_tui.simulation.terminal import Terminal
-from tests.end_to_end.seat import rows, run_command
+from sar_tui.timing.pty import Terminal
+from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
+from tests.end_to_end.participant_terminal import rows, run_command
 
 
 @pytest.fixture

@@ -3,14 +3,14 @@
 import json
 from pathlib import Path
 
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS
 from sar_tui.framework.parameters import build
-from sar_tui.framework.task import Situation
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.trial_types import Situation
 from sar_tui.plugins import Catalogue
-from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
-from sar_tui.simulation.terminal import Terminal
-from tests.end_to_end.seat import command, only_session, rows, run_command, see_the_summary
+from sar_tui.timing.pty import Terminal
+from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
+from tests.end_to_end.participant_terminal import command, only_session, rows, run_command, see_the_summary
 
 KILLS = 20
 PROMPTS, ATTEMPTS = 8, 8
@@ -22,7 +22,7 @@ def test_twenty_kills_lose_no_acknowledged_trial_and_change_no_prompt(data: Path
     for kill in range(KILLS):
         with Terminal(start if kill == 0 else command("resume", only_session(data), "--data", str(data))) as terminal:
             terminal.wait_for("Enter")
-            moment = terminal.read_at + round(Chance("kill", kill).uniform("moment") * 2000 * MS)
+            moment = terminal.read_at + round(RandomStreams("kill", kill).uniform("moment") * 2000 * MS)
             participant = ScriptedParticipant(terminal, random_answers(kill, 60, 160))
             presses = participant.run(until=moment)
             terminal.kill()
@@ -55,7 +55,9 @@ def _prompts_it_would_have_had(data: Path, catalogue: Catalogue) -> list[tuple[i
         (
             attempt,
             trial,
-            task.stimulus(Situation(attempt, trial, level, Chance(seed, attempt, trial), Chance(seed))).name,
+            task.stimulus(
+                Situation(attempt, trial, level, RandomStreams(seed, attempt, trial), RandomStreams(seed))
+            ).name,
         )
         for attempt, level in rows(data, "SELECT attempt, level FROM attempts ORDER BY attempt")
         for trial in range(1, PROMPTS + 1)

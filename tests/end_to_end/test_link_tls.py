@@ -10,8 +10,8 @@ from sar_tui.link import invitation
 from sar_tui.link.authority import Authority
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.settings import Guest, config, network_settings
-from tests.end_to_end.operator_seat import Room
-from tests.link.house import House, house, visiting
+from tests.end_to_end.operator_terminal import Room
+from tests.link.tls_fixtures import House, house, visiting
 
 SETTINGS = {
     "attempts": 1,

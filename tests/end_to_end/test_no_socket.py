@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import pytest
 
-from tests.end_to_end.operator_seat import Room, children
-from tests.end_to_end.seat import see_the_summary
+from tests.end_to_end.operator_terminal import Room, children
+from tests.end_to_end.participant_terminal import see_the_summary
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 

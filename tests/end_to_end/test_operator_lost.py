@@ -11,8 +11,8 @@ import pytest
 
 from sar_tui.framework.clock import MS, host_now
 from sar_tui.link.settings import socket_settings
-from tests.end_to_end.operator_seat import Panel, Participant, Room, children, runs
-from tests.end_to_end.seat import only_session, rows
+from tests.end_to_end.operator_terminal import Panel, Participant, Room, children, runs
+from tests.end_to_end.participant_terminal import only_session, rows
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.simulation.terminal import Terminal
-from tests.end_to_end.seat import QUICK, Eyes, command, rows, see_the_summary
+from sar_tui.timing.pty import Terminal
+from tests.end_to_end.participant_terminal import QUICK, Eyes, command, rows, see_the_summary
 
 _ASKED = re.compile(r"^ *(?:Left: (\w))? *(?:Right: (\w))?$", re.MULTILINE)
 _PATIENCE = 20

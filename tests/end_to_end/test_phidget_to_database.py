@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sar_tui.drivers.phidget import new_channel
 from sar_tui.framework.clock import LiveClock
 from sar_tui.framework.messages import ImuBlock, SensorChanged
 from sar_tui.framework.parameters import build
@@ -15,17 +16,17 @@ from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.inputs.sensor import Imu
 from sar_tui.motion.samples import unpack
-from sar_tui.phidget_library import new_channel
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, Run, start
-from sar_tui.simulation.driven import DrivenSpatial
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.run import Run, start
+from sar_tui.simulation.fake_phidget import FakeSpatial
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
 
 PATIENCE_S = 60.0
 
 
-async def streamed(run: Run, driven: DrivenSpatial, plugged: tuple[int, ...]) -> list[str]:
+async def streamed(run: Run, driven: FakeSpatial, plugged: tuple[int, ...]) -> list[str]:
     """Plug the sensor in as often as told, each time for so many samples; returns what the session heard of it."""
     states: list[str] = []
     heard = 0
@@ -75,7 +76,7 @@ def test_five_seconds_of_samples_are_all_kept_and_a_sensor_that_is_plugged_in_ag
     tmp_path: Path, interval_ms: int
 ) -> None:
     count = 5000 // interval_ms
-    driven = DrivenSpatial(new_channel("Spatial"), interval_ms)
+    driven = FakeSpatial(new_channel("Spatial"), interval_ms)
     catalogue = Catalogue()
     task = catalogue.task("reaching")
     plan = Plan(task, build(task.Parameters, {}), "calm", "P01", seed=1)

@@ -6,15 +6,15 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.parameters import build
+from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.motion.analysis import Window, analyse
 from sar_tui.plugins import Catalogue
-from sar_tui.simulation.terminal import Terminal
 from sar_tui.store import imu
 from sar_tui.store.database import connect
-from tests.end_to_end.seat import command, only_session, rows, see_the_summary
+from sar_tui.timing.pty import Terminal
+from tests.end_to_end.participant_terminal import command, only_session, rows, see_the_summary
 
 KILLS = 3
 REACHED = 2200 * MS
@@ -143,7 +143,7 @@ def test_a_kill_in_mid_reach_loses_a_moment_of_samples_and_the_session_goes_on(d
                 terminal.wait_for("Welcome back")
                 to_start(terminal, press(terminal, "enter"))
             start(terminal)
-            rest(terminal, round((0.3 + 1.2 * Chance("kill", kill).uniform("moment")) * SECOND))
+            rest(terminal, round((0.3 + 1.2 * RandomStreams("kill", kill).uniform("moment")) * SECOND))
             killed = time.monotonic_ns()
             terminal.kill()
             terminal.wait()

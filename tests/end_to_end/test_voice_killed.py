@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
-from sar_tui.simulation.terminal import Terminal
-from tests.end_to_end.seat import rows, run_command, see_the_summary
-from tests.speech import needs_speech
+from sar_tui.timing.pty import Terminal
+from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
+from tests.end_to_end.participant_terminal import rows, run_command, see_the_summary
+from tests.needs_speech import needs_speech
 
 
 def wait_until(holds: Callable[[], bool], what: str, seconds: float = 30) -> None:

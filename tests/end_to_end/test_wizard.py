@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
-from tests.end_to_end.operator_seat import Room, Row, plain
-from tests.end_to_end.seat import rows
+from tests.end_to_end.operator_terminal import Room, Row, plain
+from tests.end_to_end.participant_terminal import rows
 
 WORDS = "Lovely, and now a little slower."
 NOTE = "rubs the left wrist"

@@ -4,10 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.cli.task_words import texts_in
+from sar_tui.checks.task_translations import texts_in
 from sar_tui.framework import language as module
 from sar_tui.framework.language import Language, language, read_words, slot_problem
-from sar_tui.framework.task import Metric, Task
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Metric
 
 FRAMEWORK = Path(module.__file__).parent
 

@@ -4,8 +4,9 @@ from typing import Annotated
 
 import pytest
 
+from sar_tui.framework.declaration import Field, meta
 from sar_tui.framework.parameter_groups import grouped
-from sar_tui.framework.parameters import Field, TaskParameters, fields, meta
+from sar_tui.framework.parameters import TaskParameters, fields
 
 
 class Parameters(TaskParameters, frozen=True, kw_only=True):

@@ -7,17 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.parameters import (
-    Field,
-    ParameterError,
-    TaskParameters,
-    build,
-    changed,
-    fields,
-    meta,
-    read,
-    show,
-)
+from sar_tui.framework.declaration import Field, ParameterError, meta, read, show
+from sar_tui.framework.parameters import TaskParameters, build, changed, fields
 
 
 class Parameters(TaskParameters, frozen=True, kw_only=True):

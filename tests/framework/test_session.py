@@ -32,7 +32,7 @@ from sar_tui.framework.topics import (
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.person import PEOPLE
-from tests.desk import Desk
+from tests.loop_driver import LoopDriver
 
 SET_UP = {"attempts": 4, "practice_attempts": 1, "prompts_per_attempt": 3, "start_level": 4, "min_accuracy": 0.6}
 
@@ -272,10 +272,10 @@ def test_the_theme_is_in_the_record_so_that_another_in_its_place_changes_nothing
 
 
 def test_after_a_replay_the_clock_is_the_sessions_own_and_no_old_timer_fires(keyboard: type[Task], calm: Theme) -> None:
-    desk = Desk(keyboard, calm)
-    desk.enter()
-    desk.press("enter")
-    resumed = Desk(keyboard, calm, history=desk.records)
+    driver = LoopDriver(keyboard, calm)
+    driver.enter()
+    driver.press("enter")
+    resumed = LoopDriver(keyboard, calm, history=driver.records)
     assert resumed.session.bus.clock is resumed.clock
     resumed.wait(600_000)
     assert resumed.all(TIMER) == []
@@ -295,14 +295,14 @@ class Clumsy(Node):
 def test_an_output_that_raised_does_not_keep_a_session_from_being_gone_on_with(
     keyboard: type[Task], calm: Theme
 ) -> None:
-    desk = Desk(keyboard, calm, extra=[Clumsy()], prompts_per_attempt=2)
-    desk.start()
-    desk.answer()
-    desk.to_prompt()
-    assert {fault.node for fault in desk.session.faults} == {"clumsy"}
-    assert desk.session.broken is None
-    resumed = Desk(keyboard, calm, history=desk.records, prompts_per_attempt=2)
-    assert resumed.records[0].seq == desk.records[-1].seq + 1
+    driver = LoopDriver(keyboard, calm, extra=[Clumsy()], prompts_per_attempt=2)
+    driver.start()
+    driver.answer()
+    driver.to_prompt()
+    assert {fault.node for fault in driver.session.faults} == {"clumsy"}
+    assert driver.session.broken is None
+    resumed = LoopDriver(keyboard, calm, history=driver.records, prompts_per_attempt=2)
+    assert resumed.records[0].seq == driver.records[-1].seq + 1
     assert resumed.waiting.reason == "interrupted"
     resumed.press("enter")
     assert resumed.answer().trial == 2
@@ -320,6 +320,6 @@ def test_every_message_survives_being_written_and_read() -> None:
 
 
 def test_a_new_session_tells_what_it_is(keyboard: type[Task], calm: Theme) -> None:
-    desk = Desk(keyboard, calm, seed=12)
-    started = desk.last(SESSION)
+    driver = LoopDriver(keyboard, calm, seed=12)
+    started = driver.last(SESSION)
     assert (started.run, started.task, started.theme, started.seed) == (1, "keyboard", "calm", 12)

@@ -11,7 +11,7 @@ from text_to_num import alpha2digit
 
 from sar_tui.framework.gesture import GESTURES, JOINTS
 from sar_tui.framework.number_words import holds_number
-from sar_tui.framework.situations import FIGURES, QUALITATIVE, QUANTITATIVE, SITUATIONS
+from sar_tui.framework.phrase_keys import FIGURES, QUALITATIVE, QUANTITATIVE, SITUATIONS
 from sar_tui.framework.theme import FACES, MANNERS, Manner, Note, Theme
 from sar_tui.plugins import Catalogue, user_folder
 from sar_tui.theme_folder import languages, read_theme

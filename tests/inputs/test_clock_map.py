@@ -20,11 +20,11 @@ def mapped(device_ms: list[float], host_ns: list[int]) -> list[int]:
 
 @pytest.mark.parametrize("drift_ppm", [-50, 0, 50])
 def test_ten_minutes_of_late_samples_and_drift_are_mapped_to_a_tenth_of_a_millisecond(drift_ppm: int) -> None:
-    chance = np.random.default_rng(drift_ppm + 50)
+    streams = np.random.default_rng(drift_ppm + 50)
     count = 250 * 600
     device_ms = np.arange(count) * 4.0
     truth = 5_000_000_000_000 + np.rint(device_ms * 1e6 * (1 + drift_ppm * 1e-6)).astype(np.int64)
-    delay_ms = chance.exponential(1.0, count) + 20.0 * (chance.random(count) < 0.01)
+    delay_ms = streams.exponential(1.0, count) + 20.0 * (streams.random(count) < 0.01)
     host_ns = np.maximum.accumulate(truth + (delay_ms * MS).astype(np.int64))
     at = np.array(mapped(device_ms.tolist(), host_ns.tolist()))
     settled = np.abs(at - truth)[250:] / MS

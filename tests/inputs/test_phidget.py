@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
+from sar_tui.drivers.phidget import usb_denied
 from sar_tui.inputs import phidget
 from sar_tui.inputs.imu import Sample, SourceError, Status
 from sar_tui.inputs.phidget import NO_PERMISSION, PhidgetSource
-from sar_tui.phidget_library import usb_denied
 
 WAIT_S = 20.0
 """How long to wait for another thread before a test fails."""

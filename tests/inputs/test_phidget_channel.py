@@ -7,11 +7,11 @@ import threading
 import numpy as np
 import pytest
 
+from sar_tui.drivers.phidget import new_channel
 from sar_tui.framework.clock import host_now
 from sar_tui.inputs.feed import Drained, ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
-from sar_tui.phidget_library import new_channel
-from sar_tui.simulation.driven import DrivenSpatial
+from sar_tui.simulation.fake_phidget import FakeSpatial
 
 WAIT_S = 20.0
 """How long to wait for another thread before a test fails."""
@@ -20,7 +20,7 @@ WAIT_S = 20.0
 @pytest.mark.parametrize("interval_ms", [4, 1])
 def test_five_seconds_of_samples_arrive_whole_in_order_and_in_our_units(interval_ms: int) -> None:
     count = 5000 // interval_ms
-    driven = DrivenSpatial(new_channel("Spatial"), interval_ms)
+    driven = FakeSpatial(new_channel("Spatial"), interval_ms)
     feed = ImuFeed(PhidgetSource(make=lambda: driven.spatial, denied=lambda: False), host_now)
     feed.start()
 

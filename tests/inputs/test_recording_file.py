@@ -25,12 +25,12 @@ ROWS = [f"{0.01 * index:.2f},1,2,3,{index},0.5,-90" for index in range(40)]
 
 
 def some_samples(count: int = 50) -> Samples:
-    chance = np.random.default_rng(7)
+    streams = np.random.default_rng(7)
     samples = np.zeros(count, dtype=SAMPLE)
     samples["at"] = samples["host"] = 123_456_789_012 + np.arange(count) * 4_000_000
     samples["device_ms"] = samples["at"] / 1e6
     for field in ("acceleration", "rate", "field"):
-        samples[field] = chance.normal(0, 3, (count, 3))
+        samples[field] = streams.normal(0, 3, (count, 3))
     return samples
 
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from sar_tui import rosbridge
+from sar_tui.drivers import rosbridge
 from sar_tui.framework.clock import MS, SECOND, host_now
 from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.imu import Sample, SourceError, Status
 from sar_tui.inputs.ros import LOOKED_AT, RosImuSource
-from tests.rosbridge import RosBridge, ros_bridge, wait_until
+from tests.fake_rosbridge import RosBridge, ros_bridge, wait_until
 
 BORN_NS = 1_760_000_000 * SECOND
 """What a ROS clock shows: the time of day."""

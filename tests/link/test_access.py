@@ -7,12 +7,12 @@ import msgspec
 import pytest
 import zenoh
 
-from sar_tui.link import line
+from sar_tui.link import transport
 from sar_tui.link.authority import Authority
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.knock import NOT_LET_IN, knock
 from sar_tui.link.peer import Connection
+from sar_tui.link.probe import NOT_LET_IN, knock
 from sar_tui.link.settings import (
     Credentials,
     Endpoint,
@@ -23,7 +23,7 @@ from sar_tui.link.settings import (
     network_settings,
     socket_settings,
 )
-from tests.link.house import Host, House, eventually, free_port, hosting, house, visiting
+from tests.link.tls_fixtures import FakeBroker, House, eventually, free_port, hosting, house, visiting
 
 
 @pytest.fixture(scope="module")
@@ -32,13 +32,13 @@ def at(tmp_path_factory: pytest.TempPathFactory) -> House:
 
 
 @pytest.fixture(scope="module")
-def open_house(at: House) -> Iterator[Host]:
+def open_house(at: House) -> Iterator[FakeBroker]:
     with hosting(at) as host:
         yield host
 
 
 @pytest.fixture
-def host(open_house: Host) -> Host:
+def host(open_house: FakeBroker) -> FakeBroker:
     """The host, with nothing heard yet."""
     for heard in (open_house.heard, open_house.asked, open_house.there):
         heard.clear()
@@ -51,7 +51,7 @@ def settings_of(invited: Invitation, **changes: object) -> str:
     return msgspec.json.encode(settings).decode()
 
 
-def last_word(host: Host, at: House, guest: zenoh.Session, name: str) -> list[str]:
+def last_word(host: FakeBroker, at: House, guest: zenoh.Session, name: str) -> list[str]:
     """What the host heard until the guest's greeting: all that it sent before came, or never will."""
     guest.put(at.keys.hello(name), b"the last word")
     assert eventually(lambda: (at.keys.hello(name), b"the last word") in host.heard)
@@ -61,7 +61,7 @@ def last_word(host: Host, at: House, guest: zenoh.Session, name: str) -> list[st
 # --- who gets in -----------------------------------------------------------------------------------------------------
 
 
-def test_an_operator_with_the_right_certificate_acts_and_hears(at: House, host: Host) -> None:
+def test_an_operator_with_the_right_certificate_acts_and_hears(at: House, host: FakeBroker) -> None:
     heard: list[bytes] = []
     with visiting(at.anna) as [anna]:
         anna.declare_subscriber(at.keys.out, lambda s: heard.append(bytes(s.payload)))
@@ -77,7 +77,7 @@ def test_an_operator_with_the_right_certificate_acts_and_hears(at: House, host: 
         assert eventually(both_came)
 
 
-def test_an_operator_is_seen_to_come_and_to_go(at: House, host: Host) -> None:
+def test_an_operator_is_seen_to_come_and_to_go(at: House, host: FakeBroker) -> None:
     key = at.keys.hello("operator.anna")
     with visiting(at.anna) as [anna]:
         token = anna.liveliness().declare_token(key)
@@ -86,7 +86,7 @@ def test_an_operator_is_seen_to_come_and_to_go(at: House, host: Host) -> None:
     assert eventually(lambda: host.there == [key, key])
 
 
-def test_without_a_certificate_nobody_gets_in(at: House, host: Host) -> None:
+def test_without_a_certificate_nobody_gets_in(at: House, host: FakeBroker) -> None:
     settings = msgspec.json.decode(settings_of(at.anna))
     for name in ("connect_certificate_base64", "connect_private_key_base64", "enable_mtls"):
         del settings["transport"]["link"]["tls"][name]
@@ -94,26 +94,26 @@ def test_without_a_certificate_nobody_gets_in(at: House, host: Host) -> None:
         zenoh.open(config(msgspec.json.encode(settings).decode()))
 
 
-def test_with_another_authoritys_certificate_nobody_gets_in(at: House, host: Host, tmp_path: Path) -> None:
+def test_with_another_authoritys_certificate_nobody_gets_in(at: House, host: FakeBroker, tmp_path: Path) -> None:
     stranger = Authority.made(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
     trusting = Credentials(at.anna.credentials.authority, stranger.credentials.certificate, stranger.credentials.key)
     with pytest.raises(zenoh.ZError):
         zenoh.open(config(network_settings(at.where, trusting)))
 
 
-def test_with_an_expired_certificate_nobody_gets_in(at: House, host: Host) -> None:
+def test_with_an_expired_certificate_nobody_gets_in(at: House, host: FakeBroker) -> None:
     with pytest.raises(zenoh.ZError), visiting(at.late):
         pass
 
 
 @pytest.mark.parametrize("is_new", [False, True], ids=["revoked", "made after the session began"])
 def test_a_panel_that_is_not_let_in_is_told_so_soon(
-    at: House, host: Host, is_new: bool, monkeypatch: pytest.MonkeyPatch
+    at: House, host: FakeBroker, is_new: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(line, "_LETS_IN_S", 0.2)
+    monkeypatch.setattr(transport, "_LETS_IN_S", 0.2)
     invitation = at.authority.invite(Guest("newcomer", "operator"), [at.where], 30) if is_new else at.gone
     arrived: list[object] = []
-    panel = line.Line(line.ways_of(invitation), str(invitation.guest), arrived.append)
+    panel = transport.Transport(transport.ways_of(invitation), str(invitation.guest), arrived.append)
     panel.open()
     try:
         assert eventually(lambda: panel.send_hello(b"hello") or arrived)
@@ -123,7 +123,7 @@ def test_a_panel_that_is_not_let_in_is_told_so_soon(
     assert host.heard == []
 
 
-def test_a_guest_does_not_talk_to_a_host_of_another_authority(at: House, host: Host, tmp_path: Path) -> None:
+def test_a_guest_does_not_talk_to_a_host_of_another_authority(at: House, host: FakeBroker, tmp_path: Path) -> None:
     stranger = Authority.made(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
     with pytest.raises(zenoh.ZError), visiting(stranger):
         pass
@@ -155,7 +155,7 @@ def test_a_host_that_goes_by_another_name_is_not_talked_to(at: House) -> None:
 
 
 @pytest.mark.parametrize("mode", ["client", "peer"])
-def test_an_observer_cannot_act_whatever_it_sends(at: House, host: Host, mode: str) -> None:
+def test_an_observer_cannot_act_whatever_it_sends(at: House, host: FakeBroker, mode: str) -> None:
     keys = at.keys
     targets = [
         *(keys.act(name) for name in ("observer.eve", "operator.anna", "*", "**")),
@@ -181,7 +181,7 @@ def test_an_observer_cannot_act_whatever_it_sends(at: House, host: Host, mode: s
     assert [asked for asked in host.asked if asked != keys.out] == []
 
 
-def test_an_operator_cannot_act_under_anothers_name(at: House, host: Host) -> None:
+def test_an_operator_cannot_act_under_anothers_name(at: House, host: FakeBroker) -> None:
     with visiting(at.anna) as [anna]:
         anna.put(at.keys.act("operator.ben"), b"not mine")
         anna.put(at.keys.act("*"), b"everybody's")
@@ -189,7 +189,7 @@ def test_an_operator_cannot_act_under_anothers_name(at: House, host: Host) -> No
         assert last_word(host, at, anna, "operator.anna") == []
 
 
-def test_what_is_for_one_guest_or_from_one_is_heard_by_no_other(at: House, host: Host) -> None:
+def test_what_is_for_one_guest_or_from_one_is_heard_by_no_other(at: House, host: FakeBroker) -> None:
     heard: list[str] = []
     with visiting(at.anna, at.eve) as [anna, eve]:
         for key in ("**", at.keys.everything, at.keys.act("*"), at.keys.back("operator.anna"), at.keys.hello("*")):
@@ -206,7 +206,7 @@ def test_what_is_for_one_guest_or_from_one_is_heard_by_no_other(at: House, host:
     assert set(heard) == {at.keys.out}
 
 
-def test_who_was_revoked_neither_acts_nor_hears(at: House, host: Host) -> None:
+def test_who_was_revoked_neither_acts_nor_hears(at: House, host: FakeBroker) -> None:
     heard: list[str] = []
     told: list[str] = []
     with visiting(at.gone, at.anna) as [gone, anna]:
@@ -256,7 +256,7 @@ def test_on_the_same_machine_the_link_is_open_and_nothing_else(tmp_path: Path) -
 
 
 @pytest.fixture
-def present(at: House, host: Host) -> Iterator[None]:
+def present(at: House, host: FakeBroker) -> Iterator[None]:
     """The host says that its session is there."""
     token = host.session.liveliness().declare_token(at.keys.out)
     yield

@@ -11,25 +11,25 @@ import pytest
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record
 from sar_tui.framework.parameters import TaskParameters, fields
-from sar_tui.framework.topics import KEY, LEVEL, NOTED
-from sar_tui.link import client, wire
+from sar_tui.framework.topics import KEY, LEVEL, NOTE_ADDED
+from sar_tui.link import client, protocol
 from sar_tui.link.authority import Authority
-from sar_tui.link.folder import Live
+from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.line import Arrived
 from sar_tui.link.peer import Connection, Frame, Heard, Peer, Trace, Welcome
+from sar_tui.link.protocol import Act, Batch, Greeting, Hello, Over, Pong, Traces
 from sar_tui.link.settings import Endpoint, Guest
-from sar_tui.link.wire import Act, Batch, Greeting, Hello, Over, Pong, Traces
+from sar_tui.link.transport import Arrived
 from tests.link.test_node import ABOUT, ANNA
 
-HERE = Live(session="s1", task="keyboard", link="link", pid=1)
+HERE = JoinableSession(session="s1", task="keyboard", link="link", pid=1)
 WELCOME: Welcome = msgspec.structs.replace(ABOUT, name=ANNA, role="operator")
 
 
-class Line:
+class Transport:
     """In the place of a connection."""
 
-    made: list["Line"] = []
+    made: list["Transport"] = []
 
     def __init__(self, ways: object, name: str, arrived: Callable[[Arrived], object]) -> None:
         self.name, self.arrived = name, arrived
@@ -41,10 +41,10 @@ class Line:
     def open(self) -> None: ...
 
     def send_hello(self, payload: bytes) -> None:
-        self.hellos.append(wire.decode(payload, Hello))
+        self.hellos.append(protocol.decode(payload, Hello))
 
     def send_act(self, payload: bytes) -> None:
-        self.acts.append(wire.decode(payload, Act))
+        self.acts.append(protocol.decode(payload, Act))
 
     def close(self, *, awaits_answer: bool) -> None:
         self.is_closed = True
@@ -57,11 +57,11 @@ class Line:
 class Panel:
     """A peer, and what it was told."""
 
-    def __init__(self, where: Live | Invitation = HERE) -> None:
+    def __init__(self, where: JoinableSession | Invitation = HERE) -> None:
         self.heard: list[Heard] = []
         loop = asyncio.get_running_loop()
         self.peer: Peer = client.connect(where, "anna", "operator", self.heard.append, loop)
-        self.line = Line.made[-1]
+        self.line = Transport.made[-1]
 
     async def arrives(self, *what: Arrived) -> None:
         for each in what:
@@ -74,7 +74,7 @@ class Panel:
         return Pong(0, 0, "elsewhere", number, self.line.hellos[0].who, refusal)
 
     async def welcomed(self) -> None:
-        await self.arrives(self.pong(), Greeting(3, WELCOME, wire.framed([level(1)])))
+        await self.arrives(self.pong(), Greeting(3, WELCOME, protocol.framed([level(1)])))
         self.heard.clear()
 
     def levels(self) -> list[int]:
@@ -90,12 +90,12 @@ def level(number: int) -> Record:
 
 
 def batch(number: int) -> Batch:
-    return Batch(number, wire.framed([level(number)]))
+    return Batch(number, protocol.framed([level(number)]))
 
 
 @pytest.fixture
 async def panel(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.setattr(client, "Line", Line)
+    monkeypatch.setattr(client, "Transport", Transport)
     monkeypatch.setattr(client, "ways_of", lambda where: where)
     panel = Panel()
     await panel.arrives()
@@ -106,7 +106,7 @@ async def panel(monkeypatch: pytest.MonkeyPatch) -> Any:
 async def test_it_is_connected_once_it_is_greeted_and_told_all_in_order(panel: Panel) -> None:
     assert panel.heard == [Connection("connecting")]
     assert panel.wants()
-    await panel.arrives(panel.pong(), batch(2), Greeting(3, WELCOME, wire.framed([level(1)])), batch(3), batch(4))
+    await panel.arrives(panel.pong(), batch(2), Greeting(3, WELCOME, protocol.framed([level(1)])), batch(3), batch(4))
     frames = [each for each in panel.heard if isinstance(each, list)]
     assert panel.heard[1:3] == [Connection("connected"), WELCOME]
     assert frames == [[Frame(*level(1))], [Frame(*level(4))]]  # what the greeting holds is not told again
@@ -117,7 +117,7 @@ async def test_when_a_batch_is_missing_nothing_more_is_told_until_all_is_told_an
     await panel.arrives(batch(5), batch(6))
     assert panel.levels() == []
     assert panel.wants()
-    await panel.arrives(Greeting(6, WELCOME, wire.framed([level(6)])), batch(7))
+    await panel.arrives(Greeting(6, WELCOME, protocol.framed([level(6)])), batch(7))
     assert panel.levels() == [6, 7]
 
 
@@ -128,17 +128,17 @@ async def test_a_pong_tells_of_a_batch_that_was_missed_though_none_follows(panel
 
 
 async def test_an_act_is_sent_as_it_is_while_there_is_a_link_and_else_not_at_all(panel: Panel) -> None:
-    note = m.Noted(text="well", at=panel.peer.now())
-    panel.peer.send(NOTED, note)
+    note = m.NoteAdded(text="well", at=panel.peer.now())
+    panel.peer.send(NOTE_ADDED, note)
     assert panel.line.acts == []
     await panel.welcomed()
-    panel.peer.send(NOTED, note)
+    panel.peer.send(NOTE_ADDED, note)
     panel.peer.take_baton()
     sent = panel.line.acts
     assert [(act.topic, act.who) for act in sent] == [
-        (topic, panel.line.hellos[0].who) for topic in (NOTED.name, wire.BATON)
+        (topic, panel.line.hellos[0].who) for topic in (NOTE_ADDED.name, protocol.BATON)
     ]
-    assert wire.act(sent[0].topic, sent[0].message) == note
+    assert protocol.act(sent[0].topic, sent[0].message) == note
 
 
 async def test_what_is_no_act_cannot_be_sent(panel: Panel) -> None:
@@ -183,14 +183,14 @@ async def test_a_session_of_this_machine_that_is_over_is_joined_again_when_it_is
     assert not panel.line.is_closed
     await panel.arrives(Connection("connected"))
     assert panel.wants()
-    await panel.arrives(panel.pong(), Greeting(1, WELCOME, wire.framed([level(1)])))
+    await panel.arrives(panel.pong(), Greeting(1, WELCOME, protocol.framed([level(1)])))
     assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["away", "connected"]
 
 
 async def test_with_an_invitation_a_session_that_is_over_is_away_for_good(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(client, "Line", Line)
+    monkeypatch.setattr(client, "Transport", Transport)
     monkeypatch.setattr(client, "ways_of", lambda where: where)
     invitation = Authority.made(tmp_path).invite(Guest("anna", "operator"), [Endpoint("127.0.0.1", 7447)], 30)
     panel = Panel(invitation)

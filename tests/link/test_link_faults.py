@@ -20,18 +20,18 @@ import zenoh
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import MS, LiveClock
-from sar_tui.framework.topics import NOTED, PRESENCE, REFUSED, SESSION
-from sar_tui.link import wire
+from sar_tui.framework.topics import NOTE_ADDED, PRESENCE, REFUSED, SESSION
+from sar_tui.link import protocol
+from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.link.client import connect
+from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
-from sar_tui.link.folder import Live
-from sar_tui.link.host import Host
 from sar_tui.link.node import LinkNode
-from sar_tui.link.opening import Listening, opened
 from sar_tui.link.peer import Connection, Frame, Heard, Peer, Welcome
+from sar_tui.link.server import Listening, opened
 from sar_tui.link.settings import Keys, config, host_settings, socket_settings
-from tests.link.house import eventually
 from tests.link.test_node import ABOUT, STARTED
+from tests.link.tls_fixtures import eventually
 
 LOST_MS = 800
 ANNA, OLAF = "operator.anna", "observer.olaf"
@@ -48,7 +48,7 @@ async def until(true: Callable[[], object], seconds: float = 15.0) -> None:
 class Panel:
     """A panel in this process."""
 
-    def __init__(self, live: Live, name: str, role: m.Role = "operator") -> None:
+    def __init__(self, live: JoinableSession, name: str, role: m.Role = "operator") -> None:
         self.heard: list[Heard] = []
         self.peer: Peer = connect(live, name, role, self.heard.append, asyncio.get_running_loop())
 
@@ -64,8 +64,8 @@ class Panel:
 class Onlooker:
     """A panel in a process of its own."""
 
-    def __init__(self, live: Live, name: str, role: m.Role = "operator") -> None:
-        program = [sys.executable, "-m", "tests.link.onlooker", live.session, live.link, name, role]
+    def __init__(self, live: JoinableSession, name: str, role: m.Role = "operator") -> None:
+        program = [sys.executable, "-m", "tests.link.panel_process", live.session, live.link, name, role]
         self.process = subprocess.Popen(
             program, bufsize=0, stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=Path(__file__).parents[2]
         )
@@ -90,7 +90,7 @@ class Onlooker:
 class Sitting:
     """A session's side: a bus on the live clock, the node, and the link's own process."""
 
-    def __init__(self, host: Host, live: Live) -> None:
+    def __init__(self, host: BrokerProcess, live: JoinableSession) -> None:
         self.host, self.live = host, live
         clock = LiveClock(asyncio.get_running_loop())
         self.running = asyncio.create_task(clock.run())
@@ -138,7 +138,7 @@ async def sitting(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Sitting]:
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(folder))
     session = secrets.token_hex(5)
     with opened(folder, session, "keyboard", Listening.read(operator=True, listen=None), LOST_MS) as host:
-        live = Live(session=session, task="keyboard", link=host.link, pid=os.getpid())
+        live = JoinableSession(session=session, task="keyboard", link=host.link, pid=os.getpid())
         sitting = Sitting(host, live)
         try:
             yield sitting
@@ -158,10 +158,10 @@ async def test_who_comes_late_is_welcomed_and_told_how_things_stand(sitting: Sit
 async def test_an_act_is_posted_and_comes_back_to_the_panel(sitting: Sitting) -> None:
     panel = await sitting.panel("anna")
     at = panel.peer.now()
-    panel.peer.send(NOTED, m.Noted(text="well", at=at))
-    expected = m.Noted(text="well", actor=ANNA, at=at)
+    panel.peer.send(NOTE_ADDED, m.NoteAdded(text="well", at=at))
+    expected = m.NoteAdded(text="well", actor=ANNA, at=at)
     await until(lambda: expected in [frame.message for frame in panel.frames])
-    assert sitting.of(NOTED) == [expected]
+    assert sitting.of(NOTE_ADDED) == [expected]
 
 
 async def test_when_the_links_process_is_killed_another_takes_its_place_and_panels_come_back(sitting: Sitting) -> None:
@@ -170,8 +170,8 @@ async def test_when_the_links_process_is_killed_another_takes_its_place_and_pane
     os.kill(sitting.host.pid, signal.SIGKILL)
     await until(lambda: panel.states[-2:] == ["lost", "connected"])
     assert sitting.states(ANNA) == ["joined", "baton", "lost", "joined", "baton"]
-    panel.peer.send(NOTED, m.Noted(text="again"))
-    await until(lambda: sitting.of(NOTED))
+    panel.peer.send(NOTE_ADDED, m.NoteAdded(text="again"))
+    await until(lambda: sitting.of(NOTE_ADDED))
 
 
 async def test_when_the_links_process_is_frozen_it_is_ended_and_another_takes_its_place(sitting: Sitting) -> None:
@@ -192,7 +192,7 @@ async def test_a_panel_that_is_frozen_is_lost_and_comes_back_with_the_baton(sitt
     onlooker.process.send_signal(signal.SIGCONT)
     await until(lambda: sitting.states(ANNA)[-2:] == ["joined", "baton"])
     onlooker.tell("here I am")
-    await until(lambda: sitting.of(NOTED))
+    await until(lambda: sitting.of(NOTE_ADDED))
 
 
 async def test_a_panel_that_is_killed_is_lost_and_another_operator_has_the_baton(sitting: Sitting) -> None:
@@ -211,19 +211,19 @@ async def test_a_panel_that_is_closed_has_left(sitting: Sitting) -> None:
 
 async def test_what_an_observer_does_is_refused_and_logged(sitting: Sitting) -> None:
     panel = await sitting.panel("olaf", "observer")
-    panel.peer.send(NOTED, m.Noted(text="me, too"))
+    panel.peer.send(NOTE_ADDED, m.NoteAdded(text="me, too"))
     panel.peer.take_baton()
     await until(lambda: sitting.of(REFUSED))
     assert {refused.actor for refused in sitting.of(REFUSED)} == {OLAF}
-    assert sitting.of(NOTED) == []
+    assert sitting.of(NOTE_ADDED) == []
     assert sitting.of(PRESENCE)[-1].operated is False
 
 
 async def test_of_ten_thousand_messages_few_reach_the_program_and_an_operator_still_can_act(sitting: Sitting) -> None:
     ben = await sitting.panel("ben")
     keys = Keys(sitting.live.link)
-    note = msgspec.Raw(wire.encode(m.Noted(text="flood")))
-    act = wire.encode(wire.Act("1", NOTED.name, note))
+    note = msgspec.Raw(protocol.encode(m.NoteAdded(text="flood")))
+    act = protocol.encode(protocol.Act("1", NOTE_ADDED.name, note))
     reached: list[object] = []
     hear = sitting.node.hear
     sitting.node.hear = lambda news: (reached.append(news), hear(news))  # type: ignore[method-assign,assignment]
@@ -241,8 +241,8 @@ async def test_of_ten_thousand_messages_few_reach_the_program_and_an_operator_st
     started = time.monotonic()
     flooding = asyncio.create_task(asyncio.to_thread(flood))
     await until(lambda: any("more than" in refused.why for refused in sitting.of(REFUSED)))
-    ben.peer.send(NOTED, m.Noted(text="calm"))
-    await until(lambda: "calm" in [note.text for note in sitting.of(NOTED)])
+    ben.peer.send(NOTE_ADDED, m.NoteAdded(text="calm"))
+    await until(lambda: "calm" in [note.text for note in sitting.of(NOTE_ADDED)])
     await flooding
     await until(lambda: sum(refused.count for refused in sitting.of(REFUSED) if refused.actor == ANNA) > 10_000)
     assert len(reached) < 100 + 50 * (time.monotonic() - started)
@@ -250,15 +250,15 @@ async def test_of_ten_thousand_messages_few_reach_the_program_and_an_operator_st
 
 async def test_each_thing_that_cannot_be_taken_is_refused_and_logged(sitting: Sitting) -> None:
     panel = await sitting.panel("anna")
-    panel.peer.send(NOTED, m.Noted(text="x" * 100_000))
-    panel.peer.send(NOTED, m.Noted(text="x" * 5_000))
-    panel.peer.send(NOTED, m.Noted(text="\x1b[2J"))
+    panel.peer.send(NOTE_ADDED, m.NoteAdded(text="x" * 100_000))
+    panel.peer.send(NOTE_ADDED, m.NoteAdded(text="x" * 5_000))
+    panel.peer.send(NOTE_ADDED, m.NoteAdded(text="\x1b[2J"))
     with zenoh.open(config(socket_settings(sitting.live.socket))) as session:
         for key in ("act/operator.anna", "act/nobody", "act/*"):
             session.put(f"sar-tui/{sitting.live.link}/{key}", b"nonsense")
         whys = ("20000 bytes", "4000 characters", "control characters", "cannot be read", "who it is from")
         await until(lambda: all(any(why in each.why for each in sitting.of(REFUSED)) for why in whys))
-    assert sitting.of(NOTED) == []
+    assert sitting.of(NOTE_ADDED) == []
 
 
 async def test_a_session_that_ends_is_away_to_its_panels(sitting: Sitting) -> None:
@@ -274,15 +274,15 @@ async def test_a_session_that_was_left_and_is_resumed_is_joined_again_by_its_pan
     sitting.host.close()
     await until(lambda: panel.states[-1] == "away")
     live = sitting.live
-    host = Host(wire.Setup(host_settings(live.link, socket=live.socket), live.link, LOST_MS * MS))
+    host = BrokerProcess(protocol.Setup(host_settings(live.link, socket=live.socket), live.link, LOST_MS * MS))
     resumed = LinkNode(host)
     resumed.about = sitting.node.about
     try:
         host.open()
         resumed.attach(sitting.bus)
         await until(lambda: panel.states[-1] == "connected")
-        panel.peer.send(NOTED, m.Noted(text="well again"))
-        await until(lambda: sitting.of(NOTED))
+        panel.peer.send(NOTE_ADDED, m.NoteAdded(text="well again"))
+        await until(lambda: sitting.of(NOTE_ADDED))
     finally:
         resumed.detach()
         host.close()
@@ -290,8 +290,8 @@ async def test_a_session_that_was_left_and_is_resumed_is_joined_again_by_its_pan
 
 def test_when_the_program_is_killed_the_links_process_ends_with_it(tmp_path: Path) -> None:
     program = (
-        "import sys, time; from sar_tui.link.host import Host; from sar_tui.link.settings import host_settings;"
-        "from sar_tui.link.wire import Setup; host = Host(Setup(host_settings('link'), 'link', 10**9)); host.open();"
+        "import sys, time; from sar_tui.link.broker_process import BrokerProcess; from sar_tui.link.settings import host_settings;"
+        "from sar_tui.link.protocol import Setup; host = BrokerProcess(Setup(host_settings('link'), 'link', 10**9)); host.open();"
         "print(host.pid, flush=True); time.sleep(60)"
     )
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as parent:
@@ -316,7 +316,7 @@ def _is_running(pid: int) -> bool:
 def test_a_link_that_cannot_listen_says_so_before_the_session_begins(tmp_path: Path) -> None:
     program = (sys.executable, "-c", "raise SystemExit(3)")
     with pytest.raises(LinkError, match="ended at once"):
-        Host(wire.Setup("{}", "link", LOST_MS * MS), program).open()
+        BrokerProcess(protocol.Setup("{}", "link", LOST_MS * MS), program).open()
 
 
 def test_a_port_that_is_taken_and_an_authority_that_is_not_there_are_told_in_a_sentence(tmp_path: Path) -> None:

@@ -17,21 +17,21 @@ from sar_tui.framework.topics import (
     IMU,
     KEY,
     LEVEL,
-    NOTED,
+    NOTE_ADDED,
     OPERATOR,
     PRESENCE,
     PROMPT,
+    PROPOSAL_SEEN,
     REFUSED,
-    SEEN,
     SESSION,
     SHOWN,
     WAITING,
 )
-from sar_tui.link import wire
+from sar_tui.link import protocol
 from sar_tui.link.channel import Ended, Hear, Measured, Sending, ToAll, ToOne
 from sar_tui.link.node import LinkNode
 from sar_tui.link.peer import Welcome
-from sar_tui.link.wire import Acted, Came, Gone, News, Refused, Wants
+from sar_tui.link.protocol import Acted, Came, Gone, News, Refused, Wants
 
 ANNA, BEN, OLAF = "operator.anna", "operator.ben", "observer.olaf"
 ABOUT = Welcome(
@@ -112,7 +112,7 @@ class Bench:
         self.clock.advance(MS)
 
     def act(self, name: str, topic: Topic[Any], message: Message) -> None:
-        self.hear(Acted(name, topic.name, msgspec.Raw(wire.encode(message))))
+        self.hear(Acted(name, topic.name, msgspec.Raw(protocol.encode(message))))
 
     def of(self, topic: Topic[Any]) -> list[Any]:
         """What was published on a topic."""
@@ -159,15 +159,15 @@ def test_an_act_of_the_holder_is_posted_with_the_name_that_the_link_knows(bench:
 def test_a_stamp_is_held_to_the_last_minute(bench: Bench, said_ms: int, stored_ms: int) -> None:
     bench.hear(Came(ANNA))
     now = bench.clock.now()
-    act = m.Noted(text="x", at=now + said_ms * MS)
-    bench.node.hear(Acted(ANNA, NOTED.name, msgspec.Raw(wire.encode(act))))
-    assert bench.of(NOTED)[0].at == now + stored_ms * MS
+    act = m.NoteAdded(text="x", at=now + said_ms * MS)
+    bench.node.hear(Acted(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(act))))
+    assert bench.of(NOTE_ADDED)[0].at == now + stored_ms * MS
 
 
 def test_an_act_without_a_stamp_happens_as_it_comes(bench: Bench) -> None:
     bench.hear(Came(ANNA))
-    bench.node.hear(Acted(ANNA, NOTED.name, msgspec.Raw(wire.encode(m.Noted(text="x")))))
-    assert bench.of(NOTED)[0].at == bench.clock.now()
+    bench.node.hear(Acted(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(m.NoteAdded(text="x")))))
+    assert bench.of(NOTE_ADDED)[0].at == bench.clock.now()
 
 
 def test_an_act_without_the_baton_is_refused_and_told(bench: Bench) -> None:
@@ -179,12 +179,12 @@ def test_an_act_without_the_baton_is_refused_and_told(bench: Bench) -> None:
 
 def test_that_another_operators_panel_shows_a_proposal_is_nothing_to_refuse(bench: Bench) -> None:
     bench.hear(Came(ANNA), Came(BEN))
-    bench.act(BEN, SEEN, m.OfferSeen(action="a1"))
-    assert bench.of(SEEN) == bench.of(REFUSED) == []
+    bench.act(BEN, PROPOSAL_SEEN, m.ProposalSeen(action="a1"))
+    assert bench.of(PROPOSAL_SEEN) == bench.of(REFUSED) == []
 
 
 def test_the_baton_moves_at_once_when_it_is_taken(bench: Bench) -> None:
-    bench.hear(Came(ANNA), Came(BEN), Acted(BEN, wire.BATON, msgspec.Raw(b"\xc0")))
+    bench.hear(Came(ANNA), Came(BEN), Acted(BEN, protocol.BATON, msgspec.Raw(b"\xc0")))
     bench.act(ANNA, OPERATOR, m.Operator(command="pause"))
     bench.act(BEN, OPERATOR, m.Operator(command="skip"))
     assert bench.presence()[-1] == (BEN, "baton", True)
@@ -192,7 +192,7 @@ def test_the_baton_moves_at_once_when_it_is_taken(bench: Bench) -> None:
 
 
 def test_an_observer_can_neither_act_nor_take_the_baton(bench: Bench) -> None:
-    bench.hear(Came(OLAF), Acted(OLAF, wire.BATON, msgspec.Raw(b"\xc0")))
+    bench.hear(Came(OLAF), Acted(OLAF, protocol.BATON, msgspec.Raw(b"\xc0")))
     bench.act(OLAF, OPERATOR, m.Operator(command="end"))
     assert bench.of(OPERATOR) == []
     assert [refused.actor for refused in bench.of(REFUSED)] == [OLAF, OLAF]
@@ -200,13 +200,15 @@ def test_an_observer_can_neither_act_nor_take_the_baton(bench: Bench) -> None:
 
 def test_an_act_for_a_seat_that_there_is_not_is_refused(bench: Bench) -> None:
     bench.hear(Came(ANNA))
-    bench.act(ANNA, NOTED, m.Noted(seat="Q", text="x"))
-    assert bench.of(NOTED) == []
+    bench.act(ANNA, NOTE_ADDED, m.NoteAdded(seat="Q", text="x"))
+    assert bench.of(NOTE_ADDED) == []
     assert len(bench.of(REFUSED)) == 1
 
 
 def test_what_the_process_should_not_have_let_through_is_refused_here(bench: Bench) -> None:
-    bench.hear(Came(ANNA), Acted(ANNA, NOTED.name, msgspec.Raw(b"\xc1")), Acted(ANNA, KEY.name, msgspec.Raw(b"\xc0")))
+    bench.hear(
+        Came(ANNA), Acted(ANNA, NOTE_ADDED.name, msgspec.Raw(b"\xc1")), Acted(ANNA, KEY.name, msgspec.Raw(b"\xc0"))
+    )
     assert [refused.actor for refused in bench.of(REFUSED)] == [ANNA, ANNA]
 
 

@@ -1,7 +1,7 @@
 """Who is at the link, and who of them acts."""
 
 from sar_tui.framework.clock import SECOND
-from sar_tui.link.baton import Baton
+from sar_tui.link.control_lock import ControlLock
 from sar_tui.link.presence import MOST_PEERS, Presence
 
 
@@ -33,7 +33,7 @@ def test_there_is_room_for_so_many_and_no_more() -> None:
 
 
 def test_the_first_operator_gets_the_baton_and_an_observer_never() -> None:
-    baton = Baton()
+    baton = ControlLock()
     baton.join("observer.olaf", "observer")
     assert baton.holder == ""
     baton.join("operator.anna", "operator")
@@ -44,7 +44,7 @@ def test_the_first_operator_gets_the_baton_and_an_observer_never() -> None:
 
 
 def test_taking_the_baton_moves_it_at_once_if_one_is_there() -> None:
-    baton = Baton()
+    baton = ControlLock()
     baton.join("operator.anna", "operator")
     assert not baton.take("operator.ben")
     baton.join("operator.ben", "operator")
@@ -53,7 +53,7 @@ def test_taking_the_baton_moves_it_at_once_if_one_is_there() -> None:
 
 
 def test_when_its_holder_is_gone_the_baton_goes_to_another_operator_or_waits_for_one() -> None:
-    baton = Baton()
+    baton = ControlLock()
     for name in ("operator.anna", "operator.ben"):
         baton.join(name, "operator")
     baton.leave("operator.anna")

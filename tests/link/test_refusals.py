@@ -10,7 +10,7 @@ import zenoh
 
 from sar_tui.link.refusals import HOST_LOG, Refusal, Refusals, log_environment, why_not_connected
 from sar_tui.link.settings import host_settings
-from tests.link.house import house, visiting
+from tests.link.tls_fixtures import house, visiting
 
 ZID = "b5fa3a2865218a34b09927dff29185fb"
 TLS = "2026-11-21T19:38:04.543323Z  WARN acc-0 ThreadId(05) zenoh_link_tls::unicast: "

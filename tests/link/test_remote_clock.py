@@ -1,8 +1,8 @@
 """The session's clock, seen from another program."""
 
 from sar_tui.framework.clock import MS, SECOND
+from sar_tui.link.protocol import Pong
 from sar_tui.link.remote_clock import RemoteClock
-from sar_tui.link.wire import Pong
 
 AHEAD = 1000 * SECOND
 

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sar_tui.motion.detection import DETECTORS, detect
+from sar_tui.motion.fixed_threshold import ThesisParameters
 from sar_tui.motion.reach import Reach
-from sar_tui.motion.robust import RobustParameters
 from sar_tui.motion.samples import Recording
 from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.single_axis import RobustParameters
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, simulate, table_4_1_recording
-from sar_tui.motion.thesis import ThesisParameters
 
 Name = Literal["robust", "thesis"]
 NAMES = ["robust", "thesis"]

@@ -132,10 +132,10 @@ def cuts(seed: int) -> Iterator[tuple[Set, int]]:
     takes k twentieths of the set's time. The error of this truth: the tempo is not even, and some recordings hold
     18.4 to 22 swings to and fro. About one cut in ten is nearer to another whole number than to its k.
     """
-    chance = np.random.default_rng(seed)
+    streams = np.random.default_rng(seed)
     for whole in watch_sets():
-        count = int(chance.integers(5, 21))
-        first = int(chance.integers(0, 21 - count))
+        count = int(streams.integers(5, 21))
+        first = int(streams.integers(0, 21 - count))
         start, end = (round(len(whole.rate) * number / 20) for number in (first, first + count))
         yield Set(*whole[:2], whole.rate[start:end], whole.acceleration[start:end]), count
 

@@ -19,8 +19,8 @@ def minimum_jerk(duration_s: float, rate_hz: float) -> Floats:
 
 
 def random_profiles(count: int) -> list[Floats]:
-    chance = np.random.default_rng(20)
-    return [np.abs(np.cumsum(chance.normal(size=chance.integers(40, 600)))) for _ in range(count)]
+    streams = np.random.default_rng(20)
+    return [np.abs(np.cumsum(streams.normal(size=streams.integers(40, 600)))) for _ in range(count)]
 
 
 def about_one_axis(speed: Floats) -> Floats:

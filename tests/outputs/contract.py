@@ -12,10 +12,10 @@ import msgspec
 
 from sar_tui.framework.clock import MS, Clock, VirtualClock
 from sar_tui.framework.gesture import Gesture, Keyframe
-from sar_tui.framework.messages import Deed
+from sar_tui.framework.messages import ActionPart
 from sar_tui.framework.theme import FACES, Colors, Note, Theme
-from sar_tui.outputs.hearing import heard
 from sar_tui.outputs.output import Output, Report
+from sar_tui.outputs.report_validation import heard
 
 WAIT_S = 30.0
 """How long to wait for another thread or process before a check fails."""
@@ -45,7 +45,7 @@ OTHER_THEME = msgspec.structs.replace(
     gestures={name: Gesture((Keyframe(at_ms=250, right_arm=-0.5), Keyframe(at_ms=500))) for name in ("wave", "nod")},
 )
 
-_WHAT: dict[Deed, str] = {
+_WHAT: dict[ActionPart, str] = {
     "say": "You were forty milliseconds faster than before.",
     "show": "Well done.",
     "gesture": "wave",
@@ -78,12 +78,12 @@ class Rig:
         lasting: which of its deeds take time by themselves, rather than being over at once or when others follow.
     """
 
-    def __init__(self, output: Output, clock: Clock, lasting: Sequence[Deed]) -> None:
+    def __init__(self, output: Output, clock: Clock, lasting: Sequence[ActionPart]) -> None:
         self.output = output
         self.clock = clock
         self.lasting = tuple(lasting)
         self.reports: list[Report] = []
-        self.asked: list[tuple[str, Deed]] = []
+        self.asked: list[tuple[str, ActionPart]] = []
         self._lock = threading.Lock()
         output.open(THEME, clock, self._hear)
 
@@ -91,25 +91,25 @@ class Rig:
         with self._lock:
             self.reports.append(report)
 
-    def ask(self, deed: Deed, action: str, what: str | None = None) -> None:
+    def ask(self, deed: ActionPart, action: str, what: str | None = None) -> None:
         """Have it do something, which does not matter where ``what`` is left open."""
         self.asked.append((action, deed))
         what = _WHAT[deed] if what is None else what
         getattr(self.output, deed)(action, what, *(["happy"] if deed == "show" else []))
 
-    def ask_much(self, deed: Deed, action: str) -> None:
+    def ask_much(self, deed: ActionPart, action: str) -> None:
         """Have it do something that takes long enough to be stopped."""
         self.ask(deed, action, "One word after the other. " * 20 if deed == "say" else None)
 
-    def states(self, action: str, deed: Deed) -> list[str]:
+    def states(self, action: str, deed: ActionPart) -> list[str]:
         """What it reported of a deed, in order."""
         return [report.state for report in list(self.reports) if (report.action, report.deed) == (action, deed)]
 
-    def ended(self, action: str, deed: Deed) -> bool:
+    def ended(self, action: str, deed: ActionPart) -> bool:
         """Whether a deed is over, as often as it was asked for."""
         return sum(state in OVER for state in self.states(action, deed)) >= self.asked.count((action, deed))
 
-    def detail(self, action: str, deed: Deed) -> str:
+    def detail(self, action: str, deed: ActionPart) -> str:
         """What it said of how a deed ended."""
         return next(r.detail for r in self.reports if (r.action, r.deed) == (action, deed) and r.state in OVER)
 
@@ -124,11 +124,11 @@ class Rig:
                 assert time.monotonic() < deadline, f"waited in vain; reported: {self.reports}"
                 time.sleep(0.002)
 
-    def wait_for(self, deed: Deed, *actions: str) -> None:
+    def wait_for(self, deed: ActionPart, *actions: str) -> None:
         """Let time pass until these are over."""
         self.wait(lambda: all(self.ended(action, deed) for action in actions))
 
-    def wait_for_start(self, deed: Deed, action: str) -> None:
+    def wait_for_start(self, deed: ActionPart, action: str) -> None:
         """Let time pass until this can be heard or seen."""
         self.wait(lambda: "started" in self.states(action, deed))
         assert not self.ended(action, deed)

@@ -10,12 +10,12 @@ from contextlib import AbstractContextManager, contextmanager
 import pytest
 
 from sar_tui.framework.clock import LiveClock
+from tests.needs_speech import needs_speech
 from tests.outputs.contract import CHECKS, Rig
-from tests.outputs.listening import speech_in_real_time_rig, speech_rig, tones_rig
-from tests.outputs.ros_bench import ros_rig
-from tests.outputs.screen_bench import screen_rig
-from tests.outputs.servo_bench import servo_rig
-from tests.speech import needs_speech
+from tests.outputs.ros_fixtures import ros_rig
+from tests.outputs.screen_fixtures import screen_rig
+from tests.outputs.servo_fixtures import servo_rig
+from tests.outputs.voice_fixtures import speech_in_real_time_rig, speech_rig, tones_rig
 
 
 @contextmanager

@@ -19,11 +19,12 @@ from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.outputs import outputs
-from sar_tui.outputs.hearing import LONGEST_DETAIL
 from sar_tui.outputs.node import GIVES_UP, PER_CHARACTER, STILL
 from sar_tui.outputs.output import OutputError
+from sar_tui.outputs.report_validation import LONGEST_DETAIL
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, simulate
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from tests.outputs.contract import CHECKS, Rig
 

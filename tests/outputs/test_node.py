@@ -10,16 +10,16 @@ import pytest
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Topic
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.messages import Deed
+from sar_tui.framework.messages import ActionPart
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
 from sar_tui.outputs.node import GIVES_UP, PER_CHARACTER, STILL, OutputNode
 from sar_tui.outputs.output import Output, OutputError, Report
 from tests.outputs.contract import THEME as BARE
-from tests.outputs.fakes import EVERYTHING, Puppet, Speaker
+from tests.outputs.fake_outputs import EVERYTHING, Puppet, Speaker
 
-LASTING: tuple[Deed, ...] = ("say", "gesture", "gaze", "tone")
+LASTING: tuple[ActionPart, ...] = ("say", "gesture", "gaze", "tone")
 
 
 class Told(m.Message, frozen=True, kw_only=True):
@@ -78,7 +78,7 @@ class Stage:
     def halt(self, action: str = "", reason: Any = "stopped", asked: int | None = None) -> None:
         self.publish(m.Halt(action=action, reason=reason, asked=self.clock.now() if asked is None else asked))
 
-    def tell(self, deed: Deed, state: Any, action: str = "a1", at: int | None = None, detail: str = "") -> None:
+    def tell(self, deed: ActionPart, state: Any, action: str = "a1", at: int | None = None, detail: str = "") -> None:
         """Have the output report."""
         self.node.output._tell(Report(action, deed, state, self.clock.now() if at is None else at, detail))
         self.clock.advance(0)
@@ -86,7 +86,7 @@ class Stage:
     def wait(self, ns: int) -> None:
         self.clock.advance(ns)
 
-    def states(self, action: str = "a1", deed: Deed = "say") -> list[str]:
+    def states(self, action: str = "a1", deed: ActionPart = "say") -> list[str]:
         return [report.state for report in self.reports if (report.action, report.deed) == (action, deed)]
 
 
@@ -130,7 +130,7 @@ def test_an_action_is_done_look_and_tone_first() -> None:
 
 
 @pytest.mark.parametrize("deed", sorted(EVERYTHING))
-def test_it_is_asked_only_for_what_it_can(deed: Deed) -> None:
+def test_it_is_asked_only_for_what_it_can(deed: ActionPart) -> None:
     stage = Stage(Puppet(can=frozenset({deed})))
     stage.act(**EVERY_PART)
     assert [what[0] for what in asked(stage)] == [deed]
@@ -145,7 +145,7 @@ def test_what_an_action_leaves_out_is_not_asked_for() -> None:
 
 def test_a_theme_that_is_edited_is_worn() -> None:
     stage = Stage(Puppet())
-    stage.bus.publish(THEME, m.ThemeWorn(theme=msgspec.structs.replace(BARE, name="edited")))
+    stage.bus.publish(THEME, m.ThemeApplied(theme=msgspec.structs.replace(BARE, name="edited")))
     assert isinstance(stage.node.output, Puppet)
     assert stage.node.output.asked == [("wear", "bench"), ("wear", "edited")]
 
@@ -171,7 +171,7 @@ def test_its_reports_are_passed_on_with_their_own_times() -> None:
 
 
 @pytest.mark.parametrize("deed", sorted(EVERYTHING))
-def test_what_raises_has_failed_and_the_rest_goes_on(deed: Deed) -> None:
+def test_what_raises_has_failed_and_the_rest_goes_on(deed: ActionPart) -> None:
     stage = Stage(Puppet(breaks=(deed,)))
     stage.act(**EVERY_PART)
     assert {what[0] for what in asked(stage)} == EVERYTHING
@@ -181,7 +181,7 @@ def test_what_raises_has_failed_and_the_rest_goes_on(deed: Deed) -> None:
 
 
 @pytest.mark.parametrize("deed", LASTING)
-def test_what_never_answers_has_failed_after_a_while_and_is_told_to_stop(deed: Deed) -> None:
+def test_what_never_answers_has_failed_after_a_while_and_is_told_to_stop(deed: ActionPart) -> None:
     stage = Stage(Puppet(can=frozenset({deed})))
     stage.act(**{**EVERY_PART, "spoken": "x" * 100})
     limit = GIVES_UP + (100 * PER_CHARACTER if deed == "say" else 0)

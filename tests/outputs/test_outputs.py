@@ -8,20 +8,23 @@ from typing import Any
 import pytest
 
 from sar_tui.framework.clock import MS, VirtualClock
-from sar_tui.framework.parameters import ParameterError, build
+from sar_tui.framework.declaration import ParameterError
+from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import TONES, Theme
 from sar_tui.framework.topics import OUTPUT
 from sar_tui.outputs.output import Output, OutputError
 from sar_tui.outputs.outputs import check_outputs, open_outputs, output_names
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, simulate, speaking, start
-from sar_tui.runs import check_outputs as check_parameters
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import check_outputs as check_parameters
+from sar_tui.runs.run import speaking, start
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.outputs.contract import THEME as BARE
-from tests.outputs.fakes import Puppet, Speaker
+from tests.outputs.fake_outputs import Puppet, Speaker
 
 PlugIn = Callable[..., None]
 

@@ -12,15 +12,15 @@ from typing import Any, cast
 import msgspec
 import pytest
 
-from sar_tui import rosbridge
+from sar_tui.drivers import rosbridge
 from sar_tui.framework.clock import MS, SECOND, LiveClock
 from sar_tui.outputs.node import STILL
 from sar_tui.outputs.output import OutputError, Report
 from sar_tui.outputs.ros import ANSWER, CONFIRM, LONGEST, PATIENCE, SETTLE, Ros
 from sar_tui.outputs.ros_topics import Topics, understand
+from tests.fake_rosbridge import Manner, RosBridge, ros_bridge, wait_until
 from tests.outputs.contract import THEME, WAIT_S, Rig
-from tests.outputs.ros_bench import BenchClock, RosRig, is_ready, robot_bench
-from tests.rosbridge import Manner, RosBridge, ros_bridge, wait_until
+from tests.outputs.ros_fixtures import BenchClock, RosRig, is_ready, robot_bench
 
 
 @pytest.fixture(autouse=True)

@@ -9,11 +9,11 @@ import pytest
 
 from sar_tui.framework.clock import SECOND, VirtualClock
 from sar_tui.framework.theme import Theme, Voice
-from sar_tui.outputs.sound.path import Sound
+from sar_tui.outputs.sound.mixer import Sound
 from sar_tui.outputs.sound.samples import RATE, peak
 from sar_tui.outputs.speech import LONGEST
-from tests.outputs.listening import LONG, NOBODY, listening
-from tests.speech import needs_speech
+from tests.needs_speech import needs_speech
+from tests.outputs.voice_fixtures import LONG, NOBODY, listening
 
 pytestmark = needs_speech
 

@@ -8,10 +8,10 @@ import pytest
 
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.theme import TONES, Note, Theme
-from sar_tui.outputs.sound.path import Sound
+from sar_tui.outputs.sound.mixer import Sound
 from sar_tui.outputs.sound.samples import tone
-from tests.outputs.listening import NOBODY, listening
-from tests.speech import needs_speech
+from tests.needs_speech import needs_speech
+from tests.outputs.voice_fixtures import NOBODY, listening
 
 
 def frames(path: Path) -> bytes:

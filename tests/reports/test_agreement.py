@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.reports.agreement import agreement, kappa, word_distance
-from sar_tui.reports.cases import Case
+from sar_tui.reports.proposals import Case
 
 VALENCES = st.sampled_from(["positive", "neutral", "negative"])
 WORDS = st.lists(st.sampled_from(["well", "done", "slow", "again"]), max_size=6).map(" ".join)

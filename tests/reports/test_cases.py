@@ -6,8 +6,8 @@ import pytest
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.parameters import TaskParameters
-from sar_tui.reports.cases import Case, Fate, cases
-from tests.reports.script import Script, action, decision, offer, proposal, ruled, seen
+from sar_tui.reports.proposals import Case, Fate, cases
+from tests.reports.session_script import Script, action, decision, offer, proposal, ruled, seen
 
 ALONE = TaskParameters()
 APPROVE = TaskParameters(
@@ -127,7 +127,7 @@ def test_two_operators_are_timed_each_by_their_own_screen() -> None:
 
 def test_a_key_that_changed_nothing_does_not_count_for_what_a_change_of_mode_decides_later() -> None:
     script = offered().say(1500, decision("a1", ms=1500))
-    case = only(script.say(3000, m.ModeChosen(kind="feedback", mode="autonomous"), action(A1)))
+    case = only(script.say(3000, m.ModeChanged(kind="feedback", mode="autonomous"), action(A1)))
     assert (case.verdict, case.keyed, case.waiting_ms) == ("accepted", None, 2000)
 
 
@@ -138,7 +138,7 @@ def test_a_decision_by_who_never_had_it_on_screen_has_no_latency() -> None:
 
 def test_the_mode_is_that_which_was_set_when_it_was_proposed() -> None:
     later = proposal("a2")
-    script = Script().join(10).say(1000, A1).say(2000, m.ModeChosen(kind="feedback", mode="manual")).say(3000, later)
+    script = Script().join(10).say(1000, A1).say(2000, m.ModeChanged(kind="feedback", mode="manual")).say(3000, later)
     assert [(case.id, case.mode) for case in cases(script, APPROVE)] == [("a1", "approve"), ("a2", "manual")]
 
 
@@ -190,7 +190,7 @@ UP = m.LevelChanged(previous=1, level=2, reason="success")
         (ruled("l1", 0, "rejected", "mode"), "amended", None),
     ],
 )
-def test_a_change_of_level_that_waited_is_one_case(ruling: m.LevelRuled, fate: str, verdict: str | None) -> None:
+def test_a_change_of_level_that_waited_is_one_case(ruling: m.LevelDecided, fate: str, verdict: str | None) -> None:
     told = () if ruling.decision == "rejected" else (UP,)
     script = Script().join(10).say(1000, offer(L1, level=2)).say(1700, ruling, *told)
     case = only(script)
@@ -212,7 +212,7 @@ ENDED = m.AttemptEnded(
 
 def switched() -> Script:
     """A level waits to be approved; then the operator takes levels over."""
-    taken = m.ModeChosen(kind="difficulty", mode="manual", actor="x")
+    taken = m.ModeChanged(kind="difficulty", mode="manual", actor="x")
     return Script().join(10).say(1000, offer(L1, level=2)).say(2000, taken, offer(L1, "manual", 2))
 
 
@@ -223,7 +223,7 @@ def test_a_level_whose_mode_was_changed_while_it_waited_falls_away_for_that() ->
 
 
 def test_words_whose_mode_was_changed_while_they_waited_fall_away_for_that() -> None:
-    taken = m.ModeChosen(kind="feedback", mode="manual", actor="x")
+    taken = m.ModeChanged(kind="feedback", mode="manual", actor="x")
     script = offered().say(2000, taken, offer(A1, "manual")).say(9000, m.Dropped(id="a1", reason="manual"))
     assert only(script).fate == "mode_changed"
 

@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.framework import messages as m
 from sar_tui.reports.deviations import Deviation, deviations
-from tests.reports.script import WHO, Script
+from tests.reports.session_script import WHO, Script
 
 GOES_ON = m.Waiting(what="foreperiod", stage="trial")
 PAUSED = m.Waiting(what="resume", stage="paused")
@@ -28,7 +28,7 @@ def test_a_session_that_went_as_planned_has_none() -> None:
 @pytest.mark.parametrize(
     ("message", "what", "detail"),
     [
-        (m.ModeChosen(kind="feedback", mode="veto", actor=WHO), "mode", "feedback: veto"),
+        (m.ModeChanged(kind="feedback", mode="veto", actor=WHO), "mode", "feedback: veto"),
         (act("level", value=3), "level", "3"),
         (act("skip"), "skip", ""),
         (act("repeat"), "repeat", ""),

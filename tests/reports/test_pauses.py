@@ -4,7 +4,7 @@ from typing import Any
 
 from sar_tui.framework import messages as m
 from sar_tui.reports.pauses import Pause, pauses
-from tests.reports.script import WHO, Script
+from tests.reports.session_script import WHO, Script
 
 GOES_ON = m.Waiting(what="foreperiod", stage="trial")
 PAUSED = m.Waiting(what="resume", stage="paused")
@@ -39,6 +39,6 @@ def test_what_could_not_be_a_pause_just_then_is_none() -> None:
 
 
 def test_a_pause_in_which_the_run_ends_lasts_until_then_and_the_next_run_begins_without_one() -> None:
-    script = Script().say(5000, act("pause", "tired"), PAUSED).say(8000, m.Noted())
+    script = Script().say(5000, act("pause", "tired"), PAUSED).say(8000, m.NoteAdded())
     script.begin(2, 0).say(1000, GOES_ON).say(4000, act("pause"), PAUSED).say(5000, act("resume"), GOES_ON)
     assert found(script) == [Pause(1, 5, 3, "tired", ""), Pause(2, 4, 1, "", "participant")]

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from sar_tui.framework import messages as m
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.reports.presence import KINDS, MODES, mode_times, presence
-from tests.reports.script import WHO, Script
+from tests.reports.session_script import WHO, Script
 
 STILL = m.Waiting(what="enter", stage="attempt")
 """Something that only shows that the session went on."""
@@ -71,7 +71,7 @@ def test_who_came_before_a_run_began_is_not_there_for_it() -> None:
 
 
 def test_modes_are_timed_by_kind_and_what_of_it_was_unattended() -> None:
-    script = Script().join(1000).say(4000, m.ModeChosen(kind="feedback", mode="veto"))
+    script = Script().join(1000).say(4000, m.ModeChanged(kind="feedback", mode="veto"))
     script.join(9000, state="lost", operated=False).say(10_000, STILL)
     times = mode_times(script, TaskParameters(operator_feedback="approve"))
     assert [(t.mode, t.time_s, t.unattended_s) for t in times if t.kind == "feedback"] == [
@@ -82,14 +82,14 @@ def test_modes_are_timed_by_kind_and_what_of_it_was_unattended() -> None:
 
 
 def test_a_mode_chosen_by_hand_still_holds_in_the_next_run() -> None:
-    script = Script().say(4000, m.ModeChosen(kind="difficulty", mode="manual")).say(5000, STILL)
+    script = Script().say(4000, m.ModeChanged(kind="difficulty", mode="manual")).say(5000, STILL)
     script.begin(2, 7000).say(8000, STILL)
     times = {t.mode: t.time_s for t in mode_times(script, TaskParameters()) if t.kind == "difficulty"}
     assert times == {"autonomous": 4, "manual": 2}
 
 
 EVENTS = st.one_of(
-    st.builds(m.ModeChosen, kind=st.sampled_from(KINDS), mode=st.sampled_from(MODES)),
+    st.builds(m.ModeChanged, kind=st.sampled_from(KINDS), mode=st.sampled_from(MODES)),
     st.builds(m.OperatorChanged, actor=st.just(WHO), state=st.just("joined"), operated=st.just(True)),
     st.builds(m.OperatorChanged, actor=st.just(WHO), state=st.just("lost"), operated=st.just(False)),
 )

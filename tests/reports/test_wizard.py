@@ -9,17 +9,18 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from sar_tui.reports.cases import cases
 from sar_tui.reports.distribution import Distribution
+from sar_tui.reports.notes import Written
+from sar_tui.reports.proposals import cases
 from sar_tui.reports.record import Told, read
 from sar_tui.reports.wizard import WizardReport, report
-from sar_tui.reports.written import Written
-from sar_tui.runs import Plan, simulate
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import CHARACTERS
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
-from tests.reports.script import WHO, Script, action, decision, offer, proposal, seen
+from tests.reports.session_script import WHO, Script, action, decision, offer, proposal, seen
 
 SETTINGS = {"operator_feedback": "approve", "attempts": 8, "prompts_per_attempt": 4}
 """The last is the task's own: the report does not mind."""
@@ -40,7 +41,7 @@ def evening() -> Script:
     script.say(22_034, decision("a2", "edit", 22_030), milder)
     script.say(25_003, m.Remark(text="Take your time.", actor=WHO, at=25_000_000_000))
     script.say(26_000, m.Remark(gesture="nod", source="gesture", actor=WHO, at=26_000_000_000))
-    script.say(27_000, m.Noted(text="Tired today.", actor=WHO)).say(28_000, m.Noted(label="yawn", actor=WHO))
+    script.say(27_000, m.NoteAdded(text="Tired today.", actor=WHO)).say(28_000, m.NoteAdded(label="yawn", actor=WHO))
     script.say(29_001, m.Operator(command="level", value=2, actor=WHO, at=29_000_000_000))
     script.say(30_000, third, offer(third)).say(30_040, seen("a3", 30_030)).say(
         34_000, action(third, ground="deadline")
@@ -77,8 +78,8 @@ def test_a_session_worked_out_by_hand() -> None:
 
 def test_the_shares_of_a_kind_that_changed_its_mode() -> None:
     script = Script().join(0).say(1000, proposal("a1"))
-    script.say(5000, m.ModeChosen(kind="feedback", mode="veto", actor=WHO)).say(6000, proposal("a2"), proposal("a3"))
-    made, _ = report("s1", SETTINGS, script.say(20_000, m.Noted(actor=WHO)))
+    script.say(5000, m.ModeChanged(kind="feedback", mode="veto", actor=WHO)).say(6000, proposal("a2"), proposal("a3"))
+    made, _ = report("s1", SETTINGS, script.say(20_000, m.NoteAdded(actor=WHO)))
     rows = [(row.mode, row.time_share, row.n, row.share) for row in made.proposals if row.kind == "feedback"]
     assert rows == [("veto", 0.75, 2, 0.6667), ("approve", 0.25, 1, 0.3333)]
 

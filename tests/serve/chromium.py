@@ -16,8 +16,8 @@ from urllib.parse import parse_qs, urlsplit
 
 import aiohttp
 
-from tests.browser import CHROMIUM
-from tests.serve.served import SECONDS, Eyes
+from tests.needs_browser import CHROMIUM
+from tests.serve.serve_fixtures import SECONDS, Eyes
 
 _FLAGS = (
     "--headless=new",

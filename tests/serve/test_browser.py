@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from tests.browser import needs_browser
+from tests.needs_browser import needs_browser
 from tests.serve.chromium import chromium
-from tests.serve.served import TOKEN, logged, serving
+from tests.serve.serve_fixtures import TOKEN, logged, serving
 
 pytestmark = needs_browser
 

@@ -14,12 +14,12 @@ from typing import Any
 import aiohttp
 import pytest
 
-from sar_tui.simulation.scripted import ScriptedParticipant, random_answers
-from sar_tui.simulation.terminal import Terminal
-from tests.browser import needs_browser
-from tests.end_to_end.seat import rows, run_command
+from sar_tui.timing.pty import Terminal
+from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
+from tests.end_to_end.participant_terminal import rows, run_command
+from tests.needs_browser import needs_browser
 from tests.serve.chromium import chromium
-from tests.serve.served import SECONDS
+from tests.serve.serve_fixtures import SECONDS
 
 pytestmark = [needs_browser, pytest.mark.skipif(os.name != "posix", reason="pseudo-terminals of POSIX systems")]
 

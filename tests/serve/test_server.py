@@ -11,7 +11,7 @@ import aiohttp
 import pytest
 
 from sar_tui.serve.server import MOST
-from tests.serve.served import SECONDS, TOKEN, Eyes, Served, logged, press, read_until, serving
+from tests.serve.serve_fixtures import SECONDS, TOKEN, Eyes, Served, logged, press, read_until, serving
 
 PATHS = ("/", "/page/page.js", "/library/js/textual.js", "/ws/one", "/voice/one", "/download/x", "/nowhere")
 UPGRADE = {
@@ -196,11 +196,11 @@ async def test_a_killed_server_takes_its_programs_along(tmp_path: Path) -> None:
     process = await asyncio.create_subprocess_exec(
         sys.executable,
         "-m",
-        "tests.serve.tiny",
+        "tests.serve.counter_app",
         str(tmp_path / "diary"),
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
-        env={**os.environ, "TEXTUAL_DRIVER": "sar_tui.app.web_driver:ServedDriver"},
+        env={**os.environ, "TEXTUAL_DRIVER": "sar_tui.tui.web_driver:ServedDriver"},
     )
     try:
         assert process.stdout

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from sar_tui.serve.view import DRIVER
-from tests.app.chair import known, stored
-from tests.cli.conftest import Call, call
-from tests.serve.served import Eyes, press, read_until, serving
+from tests.app.app_driver import known, stored
+from tests.program import Call, call
+from tests.serve.serve_fixtures import Eyes, press, read_until, serving
 
 __all__ = ["call"]
 

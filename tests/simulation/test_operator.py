@@ -10,18 +10,20 @@ import msgspec
 import pytest
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.parameters import build
+from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import MODE, STORED
-from sar_tui.simulation.operator import CHARACTERS, NAME, TOO_LATE_TO_STOP, Character, SimulatedOperator
+from sar_tui.simulation.operator import CHARACTERS, NAME, TOO_LATE_TO_STOP, OperatorProfile, SimulatedOperator
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.person import PEOPLE
 
-PLAIN = Character("plain", 0, 500, 0.001, 0.001, vetoes=0, edits=0, slips=0, misses=0, remarks=0, notes=0, levels=0)
+PLAIN = OperatorProfile(
+    "plain", 0, 500, 0.001, 0.001, vetoes=0, edits=0, slips=0, misses=0, remarks=0, notes=0, levels=0
+)
 """Accepts all, 500 ms after it stood on the screen, and does nothing else."""
 
 Record = tuple[int, m.Message]
@@ -36,9 +38,9 @@ def play(keyboard: type[Task], calm: Theme) -> Play:
     """
 
     def whole(
-        character: Character | None,
+        character: OperatorProfile | None,
         seed: int = 1,
-        colleague: Callable[[m.Message], m.ModeChosen | None] = lambda _: None,
+        colleague: Callable[[m.Message], m.ModeChanged | None] = lambda _: None,
         **parameters: object,
     ) -> list[Record]:
         short = {"attempts": 6, "prompts_per_attempt": 3, "operator_feedback": "approve", **parameters}
@@ -68,7 +70,7 @@ def of(kind: type[Any], heard: list[Record]) -> list[Any]:
     return [message for _, message in heard if isinstance(message, kind)]
 
 
-def like(character: str, **changes: Any) -> Character:
+def like(character: str, **changes: Any) -> OperatorProfile:
     return msgspec.structs.replace(CHARACTERS[character], **changes)
 
 
@@ -91,8 +93,8 @@ def test_it_is_there_from_the_beginning_and_holds_the_baton(play: Play) -> None:
 
 def test_what_is_offered_is_seen_and_then_decided(play: Play) -> None:
     heard = play(PLAIN)
-    offers = {message.proposal.id: at for at, message in heard if isinstance(message, m.Offer)}
-    seen = {message.action: message.at for message in of(m.OfferSeen, heard)}
+    offers = {message.proposal.id: at for at, message in heard if isinstance(message, m.PendingApproval)}
+    seen = {message.action: message.at for message in of(m.ProposalSeen, heard)}
     decided = {message.action: message.at for message in of(m.Decision, heard)}
     assert offers.keys() == seen.keys() == decided.keys()
     assert len(offers) == 6
@@ -133,7 +135,7 @@ def test_a_key_that_comes_too_late_to_be_held_back_is_pressed_and_missed(play: P
     """The deadline is at 1000 ms: who would decide at 1030 + 100 is on their way, who would at 2000 is not."""
     on_the_way = msgspec.structs.replace(PLAIN, mean_ms=1100)
     heard = play(on_the_way, operator_time_ms=1000)
-    assert len(of(m.ActMissed, heard)) == len(of(m.Offer, heard)) == 6
+    assert len(of(m.ActMissed, heard)) == len(of(m.PendingApproval, heard)) == 6
     assert 100_000_000 < TOO_LATE_TO_STOP < 970_000_000
     heard = play(msgspec.structs.replace(PLAIN, mean_ms=2000), operator_time_ms=1000)
     assert of(m.ActMissed, heard) == of(m.Decision, heard) == []
@@ -148,18 +150,18 @@ def test_who_comes_and_goes_is_lost_and_back_and_decides_nothing_meanwhile(play:
     for _, message in heard:
         if isinstance(message, m.OperatorChanged):
             is_here = message.operated
-        assert is_here or not isinstance(message, m.Decision | m.Remark | m.Noted | m.OfferSeen)
+        assert is_here or not isinstance(message, m.Decision | m.Remark | m.NoteAdded | m.ProposalSeen)
 
 
 def test_what_is_put_before_them_once_more_is_decided_once(play: Play) -> None:
     """A proposal that waits is offered anew when its mode is chosen anew."""
 
-    def colleague(message: m.Message) -> m.ModeChosen | None:
-        waits = isinstance(message, m.Offer) and message.mode == "approve"
-        return m.ModeChosen(kind="feedback", mode="veto") if waits else None
+    def colleague(message: m.Message) -> m.ModeChanged | None:
+        waits = isinstance(message, m.PendingApproval) and message.mode == "approve"
+        return m.ModeChanged(kind="feedback", mode="veto") if waits else None
 
     heard = play(PLAIN, colleague=colleague)
-    offers = Counter(message.proposal.id for message in of(m.Offer, heard))
+    offers = Counter(message.proposal.id for message in of(m.PendingApproval, heard))
     decisions = Counter(message.action for message in of(m.Decision, heard))
     assert sorted(offers.values()) == [1] * 5 + [2]
     assert decisions == Counter(offers.keys())
@@ -168,11 +170,11 @@ def test_what_is_put_before_them_once_more_is_decided_once(play: Play) -> None:
 
 def test_what_it_does_of_its_own_accord(play: Play) -> None:
     heard = play(msgspec.structs.replace(PLAIN, remarks=1.0, notes=1.0, levels=1.0), attempts=8)
-    acts = Counter(type(message).__name__ for message in of(m.Remark | m.Noted | m.Operator, heard))
+    acts = Counter(type(message).__name__ for message in of(m.Remark | m.NoteAdded | m.Operator, heard))
     assert acts["Remark"] >= 7
-    assert acts["Noted"] >= 7
+    assert acts["NoteAdded"] >= 7
     assert {message.command for message in of(m.Operator, heard)} == {"level"}
-    assert all(message.actor == NAME and message.at for message in of(m.Remark | m.Noted | m.Operator, heard))
+    assert all(message.actor == NAME and message.at for message in of(m.Remark | m.NoteAdded | m.Operator, heard))
 
 
 def test_the_participant_is_as_fast_with_an_operator_as_without(play: Play) -> None:
@@ -186,13 +188,13 @@ def test_the_participant_is_as_fast_with_an_operator_as_without(play: Play) -> N
 
 # --- characters, by themselves -----------------------------------------------------------------------------------
 
-MANY = [Chance(1, "operator", f"a{n}") for n in range(2000)]
+MANY = [RandomStreams(1, "operator", f"a{n}") for n in range(2000)]
 
 
 @pytest.mark.parametrize("name", CHARACTERS)
 def test_shares_come_out_as_the_character_says(name: str) -> None:
     character = CHARACTERS[name]
-    verdicts = Counter(character.verdict(chance) for chance in MANY)
+    verdicts = Counter(character.verdict(streams) for streams in MANY)
     assert verdicts["miss"] / 2000 == pytest.approx(character.misses, abs=0.025)
     slipped = character.slips / 2
     for verdict, share in (("veto", character.vetoes), ("edit", character.edits)):
@@ -204,7 +206,7 @@ def test_shares_come_out_as_the_character_says(name: str) -> None:
 def test_times_come_out_as_the_character_says(name: str) -> None:
     character = CHARACTERS[name]
     text = "one two three four five"
-    times = [character.reaction_ms(text, chance) for chance in MANY]
+    times = [character.reaction_ms(text, streams) for streams in MANY]
     assert fmean(times) == pytest.approx(5 * character.ms_per_word + character.mean_ms, rel=0.03)
     assert median(times) < fmean(times), "the tail is on the slow side"
     assert min(times) >= 150
@@ -213,7 +215,7 @@ def test_times_come_out_as_the_character_says(name: str) -> None:
 def test_who_is_hasty_is_faster_and_more_often_wrong_than_who_is_careful() -> None:
     text = "You were a little slower than last time."
     hasty, careful = (
-        fmean(CHARACTERS[name].reaction_ms(text, chance) for chance in MANY) for name in ("hasty", "careful")
+        fmean(CHARACTERS[name].reaction_ms(text, streams) for streams in MANY) for name in ("hasty", "careful")
     )
     assert hasty < careful / 2
     assert CHARACTERS["hasty"].slips > CHARACTERS["careful"].slips

@@ -17,7 +17,8 @@ from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, SimulatedHand
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, simulate
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions

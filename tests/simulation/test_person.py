@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.chance import Chance
+from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.simulation.person import PEOPLE, Person
 
 STEADY = Person("steady", 300, 150, sigma_ms=80, tau_ms=120, errors=0.1, misses=0.05, practice=0, fatigue=0)
 
 
 def draws(person: Person, choices: int = 4, attempt: int = 1, count: int = 4000) -> list[float]:
-    return [person.reaction_ms(choices, attempt, Chance(9, attempt, trial)) for trial in range(count)]
+    return [person.reaction_ms(choices, attempt, RandomStreams(9, attempt, trial)) for trial in range(count)]
 
 
 @pytest.mark.parametrize("person", PEOPLE.values(), ids=PEOPLE)
@@ -45,7 +45,7 @@ def test_reaction_times_have_a_tail_to_the_slow_side() -> None:
 @given(st.integers(0, 10**6), st.integers(1, 80), st.integers(1, 200))
 def test_nobody_reacts_faster_than_a_choice_can_be(seed: int, choices: int, attempt: int) -> None:
     for person in PEOPLE.values():
-        assert person.reaction_ms(choices, attempt, Chance(seed)) >= 120
+        assert person.reaction_ms(choices, attempt, RandomStreams(seed)) >= 120
 
 
 def test_practice_helps_at_first_and_fatigue_tells_in_the_end() -> None:
@@ -56,7 +56,7 @@ def test_practice_helps_at_first_and_fatigue_tells_in_the_end() -> None:
 
 
 def test_errors_and_misses_come_as_often_as_they_should() -> None:
-    chances = [Chance(2, trial) for trial in range(6000)]
+    chances = [RandomStreams(2, trial) for trial in range(6000)]
     assert sum(map(STEADY.slips, chances)) / 6000 == pytest.approx(0.1, abs=0.015)
     assert sum(map(STEADY.misses_it, chances)) / 6000 == pytest.approx(0.05, abs=0.015)
 

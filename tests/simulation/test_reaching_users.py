@@ -11,11 +11,12 @@ import pytest
 from filelock import FileLock
 
 from sar_tui.framework.parameters import build
-from sar_tui.framework.situations import PERFORMANCE, QUALITATIVE
+from sar_tui.framework.phrase_keys import PERFORMANCE, QUALITATIVE
 from sar_tui.framework.task import Task
 from sar_tui.motion.analysis import Window, analyse
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, simulate
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect

@@ -8,18 +8,20 @@ import pytest
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.framework.declaration import ParameterError, meta
 from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import ParameterError, build, meta
+from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
-from sar_tui.framework.task import Again, Trial
 from sar_tui.framework.topics import REACH, SENSOR, WAITING
+from sar_tui.framework.trial_types import Again, Trial
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, simulate
-from sar_tui.sensing import sensor, sensors
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.sensors import sensor, sensors
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
-from tests.desk import Desk
+from tests.loop_driver import LoopDriver
 
 REACHING: Any = Catalogue().task("reaching")
 REACH_PERCEPTION: Any = type(REACHING(build(REACHING.Parameters, {"imu": "simulated"})).nodes()[0])
@@ -65,7 +67,7 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def played(data: Path) -> str:
     plan = Plan(TwoHands, parameters(), "calm", "P01", 5, "simulated", "P02")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sar_tui.runs.task_folder", lambda kind: Path(__file__).parent / "nowhere")
+        patch.setattr("sar_tui.runs.run.task_folder", lambda kind: Path(__file__).parent / "nowhere")
         return simulate(plan, PEOPLE["competent"], data, Catalogue(), partner=PEOPLE["poor"])
 
 
@@ -111,19 +113,19 @@ def test_a_session_with_two_sensors_comes_out_the_same_when_replayed(data: Path,
 
 
 def test_the_session_waits_for_the_sensor_of_either(calm: Any) -> None:
-    desk = Desk(TwoHands, calm, imu="simulated")
-    tell = desk.session.bus.publish
-    tell(SENSOR, m.SensorChanged(seat="A", state="attached", at=desk.clock.now(), rate_hz=250))
-    desk.enter()
-    assert (desk.last(WAITING).stage, desk.last(WAITING).what) == ("paused", "sensor")
-    tell(SENSOR, m.SensorChanged(seat="B", state="attached", at=desk.clock.now(), rate_hz=250))
-    assert (desk.last(WAITING).stage, desk.last(WAITING).what) == ("attempt", "enter")
-    tell(SENSOR, m.SensorChanged(seat="A", state="detached", at=desk.clock.now(), detail="Unplugged."))
-    assert (desk.last(WAITING).what, desk.last(WAITING).detail) == ("sensor", "Unplugged.")
-    tell(SENSOR, m.SensorChanged(seat="B", state="flowing", at=desk.clock.now()))
-    assert desk.last(WAITING).what == "sensor"
-    tell(SENSOR, m.SensorChanged(seat="A", state="attached", at=desk.clock.now(), rate_hz=250))
-    assert desk.last(WAITING).stage == "attempt"
+    driver = LoopDriver(TwoHands, calm, imu="simulated")
+    tell = driver.session.bus.publish
+    tell(SENSOR, m.SensorChanged(seat="A", state="attached", at=driver.clock.now(), rate_hz=250))
+    driver.enter()
+    assert (driver.last(WAITING).stage, driver.last(WAITING).what) == ("paused", "sensor")
+    tell(SENSOR, m.SensorChanged(seat="B", state="attached", at=driver.clock.now(), rate_hz=250))
+    assert (driver.last(WAITING).stage, driver.last(WAITING).what) == ("attempt", "enter")
+    tell(SENSOR, m.SensorChanged(seat="A", state="detached", at=driver.clock.now(), detail="Unplugged."))
+    assert (driver.last(WAITING).what, driver.last(WAITING).detail) == ("sensor", "Unplugged.")
+    tell(SENSOR, m.SensorChanged(seat="B", state="flowing", at=driver.clock.now()))
+    assert driver.last(WAITING).what == "sensor"
+    tell(SENSOR, m.SensorChanged(seat="A", state="attached", at=driver.clock.now(), rate_hz=250))
+    assert driver.last(WAITING).stage == "attempt"
 
 
 def test_of_a_stored_session_each_seat_is_given_the_samples_of_its_own(data: Path, played: str) -> None:

@@ -8,7 +8,7 @@ import sqlite_utils
 
 from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan
+from sar_tui.runs.plan import Plan
 from sar_tui.store.database import connect
 
 

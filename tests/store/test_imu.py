@@ -19,7 +19,7 @@ from sar_tui.motion.samples import SAMPLE, Samples, pack, unpack
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.recorder import Recorder
-from tests.tasks.reaching.table import Table, merged
+from tests.tasks.reaching.reaching_driver import ReachingDriver, merged
 
 NAMES = ("session", "stream", "seq", "n", "t0_ns", "t1_ns", "before_event", "at_ns", "crc32", "data")
 
@@ -114,26 +114,26 @@ class Kept:
             self.id = of.id
             history = list(sessions.history(self.database, self.id))
         run = sessions.begin_run(self.database, self.id, software={}, machine={})
-        self.table = Table(begin=False, history=history, **parameters)
-        self.table.screen.stores = False
-        self.recorder = Recorder(self.database, self.id, run, self.table.session.bus, inline=inline)
-        self.table.session.begin(run)
+        self.driver = ReachingDriver(begin=False, history=history, **parameters)
+        self.driver.screen.stores = False
+        self.recorder = Recorder(self.database, self.id, run, self.driver.session.bus, inline=inline)
+        self.driver.session.begin(run)
         self.eyes = connect(data)
 
     def do(self, reaches: int) -> "Kept":
         """From the instructions through so many reaches, one an attempt."""
-        self.table.sit_down(rest_ms=2000)
-        self.table.reach()
+        self.driver.sit_down(rest_ms=2000)
+        self.driver.reach()
         for _ in range(reaches - 1):
-            self.table.wait(300)
-            self.table.begin()
-            self.table.reach()
+            self.driver.wait(300)
+            self.driver.begin()
+            self.driver.reach()
         return self
 
     def write(self) -> None:
         """A turn of the recorder's thread; what it tells is heard."""
         self.recorder.try_write()
-        self.table.wait(0)
+        self.driver.wait(0)
 
     @property
     def history(self) -> list[Record]:
@@ -149,24 +149,24 @@ class Kept:
 def test_every_sample_of_a_session_is_kept_as_it_was_measured(data: Path) -> None:
     kept = Kept(data).do(2)
     kept.recorder.write()
-    assert len(kept.table.samples) > 1500
-    assert kept.samples().tobytes() == kept.table.samples.tobytes()
+    assert len(kept.driver.samples) > 1500
+    assert kept.samples().tobytes() == kept.driver.samples.tobytes()
     (stream,) = sessions.rows(kept.eyes, "imu_streams", kept.id)
     assert (stream["stream"], stream["run"], stream["source"], stream["rate_hz"]) == (1, 1, "simulated", 250.0)
     assert [chunk["seq"] for chunk in kept.chunks()] == list(range(1, len(kept.chunks()) + 1))
-    assert sum(chunk["n"] for chunk in kept.chunks()) == len(kept.table.samples)
+    assert sum(chunk["n"] for chunk in kept.chunks()) == len(kept.driver.samples)
 
 
 def test_the_history_holds_messages_and_samples_in_the_order_in_which_they_passed(data: Path) -> None:
     kept = Kept(data).do(2)
     kept.recorder.write()
-    assert merged(kept.history) == merged(kept.table.records)
-    assert len(kept.chunks()) < len([r for r in kept.table.records if r.topic is IMU]) / 4, "few rows, not one a block"
+    assert merged(kept.history) == merged(kept.driver.records)
+    assert len(kept.chunks()) < len([r for r in kept.driver.records if r.topic is IMU]) / 4, "few rows, not one a block"
 
 
 def test_a_trial_is_not_acknowledged_before_the_samples_it_was_made_of_are_there(data: Path) -> None:
     kept = Kept(data).do(1)
-    details = kept.table.last(TRIAL).details
+    details = kept.driver.last(TRIAL).details
     inside = kept.samples(int(details["window_from_ns"] or 0), int(details["window_to_ns"] or 0))
     assert len(inside) == details["samples"]
 
@@ -174,7 +174,7 @@ def test_a_trial_is_not_acknowledged_before_the_samples_it_was_made_of_are_there
 def test_samples_are_found_by_when_they_were_measured(data: Path) -> None:
     kept = Kept(data).do(1)
     kept.recorder.write()
-    stamps = kept.table.samples["at"]
+    stamps = kept.driver.samples["at"]
     for first, last in [(0, 1), (100, 100), (249, 900), (0, len(stamps) - 1)]:
         found = kept.samples(int(stamps[first]), int(stamps[last]))
         assert found["at"].tolist() == stamps[first:last].tolist()
@@ -209,9 +209,9 @@ def test_a_damaged_block_is_told_by_its_number_and_never_taken_for_samples(data:
 # --- gone on with ---------------------------------------------------------------------------------------------
 
 
-def replayed(history: list[Record], table: Table) -> list[Record]:
+def replayed(history: list[Record], driver: ReachingDriver) -> list[Record]:
     """What the nodes derive from a history."""
-    again = Session(table.session.task, table.session.theme, VirtualClock(), 1)
+    again = Session(driver.session.task, driver.session.theme, VirtualClock(), 1)
     derived: list[Record] = []
     again.bus.tap(derived.extend)
     again.replay(history)
@@ -222,8 +222,8 @@ def replayed(history: list[Record], table: Table) -> list[Record]:
 def test_a_session_with_a_sensor_is_derived_again_from_the_database(data: Path, parameters: dict[str, Any]) -> None:
     kept = Kept(data, **parameters).do(2)
     kept.recorder.write()
-    assert len(kept.table.all(REACH)) >= 2
-    assert replayed(kept.history, kept.table) == [r for r in kept.table.records if r.topic is not IMU]
+    assert len(kept.driver.all(REACH)) >= 2
+    assert replayed(kept.history, kept.driver) == [r for r in kept.driver.records if r.topic is not IMU]
 
 
 @settings(max_examples=15)
@@ -233,53 +233,53 @@ def test_it_is_so_wherever_it_was_cut_off_and_in_whatever_batches_it_was_written
 ) -> None:
     """Samples that were written together come back as one block; with a signal to go, so does the long wait for it."""
     kept = Kept(tmp_path_factory.mktemp("kept"), inline=False, go_signal=data.draw(st.booleans()), attempts=1)
-    table, pauses = kept.table, st.integers(20, 900)
-    table.sit_down(rest_ms=1000)
-    table.start()
-    table.move(200)
+    driver, pauses = kept.driver, st.integers(20, 900)
+    driver.sit_down(rest_ms=1000)
+    driver.start()
+    driver.move(200)
     for _ in range(data.draw(st.integers(0, 8))):
-        table.wait(data.draw(pauses))
+        driver.wait(data.draw(pauses))
         kept.write()
     if data.draw(st.booleans()):
-        table.press("space")
+        driver.press("space")
     for _ in range(data.draw(st.integers(0, 4))):
-        table.wait(data.draw(pauses))
+        driver.wait(data.draw(pauses))
         kept.write()
     events = [record for record in kept.history if record.topic is not IMU]
-    assert replayed(kept.history, table) == events
-    resumed = Kept(kept.data, of=kept, go_signal=table.session.task.has_foreperiod, attempts=1)
-    assert resumed.table.session.faults == []
+    assert replayed(kept.history, driver) == events
+    resumed = Kept(kept.data, of=kept, go_signal=driver.session.task.has_foreperiod, attempts=1)
+    assert resumed.driver.session.faults == []
 
 
 def test_a_second_run_is_a_stream_of_its_own_numbered_on(data: Path) -> None:
     first = Kept(data, inline=False).do(1)
     first.write()
-    first.table.wait(300)
-    first.table.begin()
-    first.table.start()
-    first.table.move(100)
-    first.table.wait(600)
+    first.driver.wait(300)
+    first.driver.begin()
+    first.driver.start()
+    first.driver.move(100)
+    first.driver.wait(600)
     first.write()
     before, cut = first.chunks(), first.history
 
     second = Kept(data, of=first)
-    second.table.wait(100)
-    assert second.table.waiting.reason == "interrupted"
-    second.table.enter()
-    second.table.wait(2000)
-    assert second.table.reach().correct
+    second.driver.wait(100)
+    assert second.driver.waiting.reason == "interrupted"
+    second.driver.enter()
+    second.driver.wait(2000)
+    assert second.driver.reach().correct
     second.recorder.write()
     streams = sessions.rows(second.eyes, "imu_streams", second.id)
     assert [(stream["stream"], stream["run"]) for stream in streams] == [(1, 1), (2, 2)]
     later = [chunk for chunk in second.chunks() if chunk["stream"] == 2]
     assert second.chunks()[: len(before)] == before
     assert [chunk["seq"] for chunk in later] == list(range(1, len(later) + 1))
-    assert second.samples(run=2).tobytes() == second.table.samples.tobytes()
-    assert second.samples(run=1).tobytes() == first.table.samples.tobytes()
+    assert second.samples(run=2).tobytes() == second.driver.samples.tobytes()
+    assert second.samples(run=1).tobytes() == first.driver.samples.tobytes()
     seqs = [record.seq for record in second.history if record.topic is not IMU]
     assert seqs == list(range(1, len(seqs) + 1))
-    assert merged(second.history) == merged([*cut, *second.table.records])
-    assert replayed(second.history, second.table) == [r for r in second.history if r.topic is not IMU]
+    assert merged(second.history) == merged([*cut, *second.driver.records])
+    assert replayed(second.history, second.driver) == [r for r in second.history if r.topic is not IMU]
 
 
 # --- a disk that refuses --------------------------------------------------------------------------------------
@@ -287,47 +287,47 @@ def test_a_second_run_is_a_stream_of_its_own_numbered_on(data: Path) -> None:
 
 def test_while_the_disk_refuses_samples_wait_in_order_and_none_is_lost_or_doubled(data: Path) -> None:
     kept = Kept(data, inline=False)
-    kept.table.sit_down(rest_ms=500)
+    kept.driver.sit_down(rest_ms=500)
     kept.write()
     there = kept.chunks()
     kept.database.execute("PRAGMA query_only=1")
-    kept.table.wait(1000)
+    kept.driver.wait(1000)
     for _ in range(3):
         kept.write()
-        kept.table.wait(700)
-    assert [storage.working for storage in kept.table.all(STORAGE)] == [False]
-    assert (kept.table.waiting.stage, kept.table.waiting.reason) == ("paused", "storage")
+        kept.driver.wait(700)
+    assert [storage.working for storage in kept.driver.all(STORAGE)] == [False]
+    assert (kept.driver.waiting.stage, kept.driver.waiting.reason) == ("paused", "storage")
     assert kept.chunks() == there
 
     kept.database.execute("PRAGMA query_only=0")
     kept.write()
-    assert kept.table.waiting.reason == "restored"
-    kept.table.enter()
-    kept.table.wait(2000)
-    kept.table.start()
-    kept.table.move(200)
-    kept.table.wait(2000)
-    kept.table.press("space")
-    kept.table.to_row()
+    assert kept.driver.waiting.reason == "restored"
+    kept.driver.enter()
+    kept.driver.wait(2000)
+    kept.driver.start()
+    kept.driver.move(200)
+    kept.driver.wait(2000)
+    kept.driver.press("space")
+    kept.driver.to_row()
     kept.write()
     kept.write()
-    assert kept.samples().tobytes() == kept.table.samples.tobytes()
-    assert merged(kept.history) == merged(kept.table.records)
+    assert kept.samples().tobytes() == kept.driver.samples.tobytes()
+    assert merged(kept.history) == merged(kept.driver.records)
     assert [chunk["seq"] for chunk in kept.chunks()] == list(range(1, len(kept.chunks()) + 1))
-    assert replayed(kept.history, kept.table) == [r for r in kept.table.records if r.topic is not IMU]
+    assert replayed(kept.history, kept.driver) == [r for r in kept.driver.records if r.topic is not IMU]
 
 
 def test_a_sensor_that_comes_loose_and_back_is_two_streams_of_one_run(data: Path) -> None:
     kept = Kept(data).do(1)
-    table = kept.table
+    driver = kept.driver
     for state in ("detached", "attached"):
-        table.wait(100)
-        table.session.bus.publish(SENSOR, SensorChanged(state=state, at=table.clock.now(), rate_hz=250.0))  # type: ignore[arg-type]
-    table.wait(500)
+        driver.wait(100)
+        driver.session.bus.publish(SENSOR, SensorChanged(state=state, at=driver.clock.now(), rate_hz=250.0))  # type: ignore[arg-type]
+    driver.wait(500)
     kept.recorder.write()
     streams = sessions.rows(kept.eyes, "imu_streams", kept.id)
     assert [(stream["stream"], stream["run"]) for stream in streams] == [(1, 1), (2, 1)]
     second = [chunk for chunk in kept.chunks() if chunk["stream"] == 2]
     assert sum(chunk["n"] for chunk in second) == pytest.approx(0.5 * 250, abs=3)
     assert second[0]["t0_ns"] >= streams[1]["attached_ns"] - 10 * MS
-    assert kept.samples().tobytes() == table.samples.tobytes()
+    assert kept.samples().tobytes() == driver.samples.tobytes()

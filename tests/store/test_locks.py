@@ -12,7 +12,8 @@ import pytest
 
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.plugins import Catalogue, PluginError
-from sar_tui.runs import Failed, Plan, resume, start
+from sar_tui.runs.plan import Failed, Plan
+from sar_tui.runs.run import resume, start
 from sar_tui.store import locks, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.locks import Held, hold, is_held
@@ -32,7 +33,7 @@ from pathlib import Path
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
-from sar_tui.runs import Plan, start
+from sar_tui.runs.run import Plan, start
 catalogue = Catalogue()
 keyboard = catalogue.task("keyboard")
 plan = Plan(keyboard, build(keyboard.Parameters, {}), "calm", "P01", 1, "live")

@@ -5,7 +5,7 @@ from typing import Any
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.topics import DECISION, NOTED, OFFERED, OPERATOR, PRESENCE, REMARK, SEEN
+from sar_tui.framework.topics import DECISION, NOTE_ADDED, OPERATOR, PENDING_APPROVAL, PRESENCE, PROPOSAL_SEEN, REMARK
 from sar_tui.store import sessions
 from tests.store.test_recorder import Recorded
 
@@ -22,14 +22,16 @@ class Operated(Recorded):
         self._offers = 0
         self.session.begin()
         self.session.bus.publish(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
-        self.session.bus.subscribe(OFFERED, self._offered)
+        self.session.bus.subscribe(PENDING_APPROVAL, self._offered)
 
-    def _offered(self, offer: m.Offer) -> None:
+    def _offered(self, offer: m.PendingApproval) -> None:
         """Seen after 200 ms, decided after 700."""
         self._offers += 1
         now, bus, clock = self.clock.now(), self.session.bus, self.clock
         id = offer.proposal.id
-        clock.call_at(now + 200 * MS, lambda: bus.publish(SEEN, m.OfferSeen(action=id, actor=ANA, at=clock.now())))
+        clock.call_at(
+            now + 200 * MS, lambda: bus.publish(PROPOSAL_SEEN, m.ProposalSeen(action=id, actor=ANA, at=clock.now()))
+        )
         if verdict := self._verdicts.get(self._offers):
             told = m.Decision(action=id, actor=ANA, at=now + 700 * MS, **verdict)
             clock.call_at(now + 700 * MS, lambda: bus.publish(DECISION, told))
@@ -73,7 +75,7 @@ def test_what_nobody_decided_in_time_says_so(data: Path) -> None:
 def test_what_was_decided_without_an_operator_says_so(data: Path) -> None:
     operated = Operated(data, {}, operator_feedback="approve")
     gone = m.OperatorChanged(actor=ANA, state="lost", operated=False)
-    operated.session.bus.subscribe(OFFERED, lambda _: operated.session.bus.publish(PRESENCE, gone))
+    operated.session.bus.subscribe(PENDING_APPROVAL, lambda _: operated.session.bus.publish(PRESENCE, gone))
     rows = operated.rows("feedback")
     assert [(row["decision"], row["actor"], row["ground"]) for row in rows] == [
         ("accepted", "agent", "no operator")
@@ -84,8 +86,8 @@ def test_an_operators_own_words_and_notes_are_kept_with_their_times(data: Path) 
     operated = Operated(data, {})
     bus = operated.session.bus
     bus.publish(REMARK, m.Remark(text="Well held.", actor=ANA, at=operated.clock.now()))
-    bus.publish(NOTED, m.Noted(text="coughs", actor=ANA, at=12 * MS))
-    bus.publish(NOTED, m.Noted(label="pain", actor=ANA, at=13 * MS))
+    bus.publish(NOTE_ADDED, m.NoteAdded(text="coughs", actor=ANA, at=12 * MS))
+    bus.publish(NOTE_ADDED, m.NoteAdded(label="pain", actor=ANA, at=13 * MS))
     (own,) = operated.rows("remark")
     assert (own["id"], own["proposed"], own["proposed_ns"]) == ("o1", None, None)
     assert (own["decision"], own["actor"], own["mode"]) == ("initiated", ANA, "manual")
@@ -133,11 +135,11 @@ def test_of_all_who_saw_a_proposal_the_first_is_kept(data: Path) -> None:
     operated = Operated(data, {1: {"verdict": "accept"}}, operator_feedback="approve")
     bus, clock = operated.session.bus, operated.clock
 
-    def see_again(offer: m.Offer) -> None:
-        late = m.OfferSeen(action=offer.proposal.id, actor="observer.ben", at=clock.now() + 900 * MS)
-        clock.call_at(clock.now() + 300 * MS, lambda: bus.publish(SEEN, late))
+    def see_again(offer: m.PendingApproval) -> None:
+        late = m.ProposalSeen(action=offer.proposal.id, actor="observer.ben", at=clock.now() + 900 * MS)
+        clock.call_at(clock.now() + 300 * MS, lambda: bus.publish(PROPOSAL_SEEN, late))
 
-    bus.subscribe(OFFERED, see_again)
+    bus.subscribe(PENDING_APPROVAL, see_again)
     first = operated.rows("feedback")[0]
     assert first["shown_ns"] - first["proposed_ns"] == 200 * MS
 
@@ -146,7 +148,7 @@ def test_an_operators_stop_is_told_from_the_participants(data: Path) -> None:
     operated = Operated(data, {}, operator_feedback="approve", operator_time_ms=60_000)
     stop = m.Operator(command="stop", actor=ANA)
     bus, clock = operated.session.bus, operated.clock
-    bus.subscribe(OFFERED, lambda _: clock.call_at(clock.now() + 1, lambda: bus.publish(OPERATOR, stop)))
+    bus.subscribe(PENDING_APPROVAL, lambda _: clock.call_at(clock.now() + 1, lambda: bus.publish(OPERATOR, stop)))
     rows = operated.rows("feedback")
     told = [(row["decision"], row["actor"], row["reason"], row["ground"]) for row in rows]
     assert told == [("dropped", ANA, "stopped", "operator")] * 3

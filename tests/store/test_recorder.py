@@ -26,7 +26,7 @@ from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.recorder import Recorder
-from tests.outputs.fakes import Puppet, Speaker
+from tests.outputs.fake_outputs import Puppet, Speaker
 
 A_TRIAL = TrialEnded(
     attempt=1,

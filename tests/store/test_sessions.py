@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sar_tui.framework.parameters import TaskParameters, build
-from sar_tui.framework.task import Metric, Task
+from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ALL
+from sar_tui.framework.trial_types import Metric
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.locks import hold

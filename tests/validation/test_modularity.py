@@ -25,7 +25,7 @@ def test_a_session_of_the_keyboard_task_loads_no_movement_science(catalogue: Cat
 
 def test_a_session_of_the_reaching_task_loads_the_sensor_and_not_the_simulated_hand(catalogue: Catalogue) -> None:
     loaded = set(load("reaching", catalogue).modules)
-    assert {"sar_tui.inputs.phidget", "sar_tui.inputs.feed", "sar_tui.motion.robust"} <= loaded
+    assert {"sar_tui.inputs.phidget", "sar_tui.inputs.feed", "sar_tui.motion.single_axis"} <= loaded
     assert not {"sar_tui.inputs.simulated", "sar_tui.motion.synthesis", "sar_tui.simulation.participant"} & loaded
 
 
@@ -54,7 +54,7 @@ def test_strictly_what_one_task_alone_uses_is_that_tasks_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
 ) -> None:
     both = {"sar_tui.framework.bus": file(tmp_path, "bus.py", 60)}
-    one = both | {"sar_tui.motion.robust": file(tmp_path, "robust.py", 20)}
+    one = both | {"sar_tui.motion.single_axis": file(tmp_path, "robust.py", 20)}
 
     def loaded(name: str, _: Catalogue) -> Loaded:
         own = {f"{name}.task": file(tmp_path / name, "task.py", 20)}

@@ -187,13 +187,13 @@ def test_whatever_was_measured_can_be_drawn(rate: list[float]) -> None:
     assert len(drawn(odd)) == 12
 
 
-class Board(App[None]):
+class PanelLayout(App[None]):
     def compose(self) -> ComposeResult:
         yield SpeedTrace()
 
 
 async def test_the_widget_draws_what_it_is_shown_and_nothing_else() -> None:
-    app = Board()
+    app = PanelLayout()
     async with app.run_test(size=(60, 10)) as pilot:
         widget = app.query_one(SpeedTrace)
         assert widget.render().plain == ""

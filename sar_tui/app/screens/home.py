@@ -11,7 +11,8 @@ from textual.screen import Screen
 from textual.widgets import Button, Footer, OptionList, Static
 from textual.widgets.option_list import Option
 
-from sar_tui.framework.parameters import ParameterError, build
+from sar_tui.framework.declaration import ParameterError
+from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
 from sar_tui.store import participants, sessions
@@ -19,7 +20,7 @@ from sar_tui.store.database import StoreError
 from sar_tui.store.provenance import machine
 
 if TYPE_CHECKING:
-    from sar_tui.runs import Plan
+    from sar_tui.runs.plan import Plan
 
 _NEW = "+"
 _LOOK_SECONDS = 3.0
@@ -183,8 +184,8 @@ class HomeScreen(Screen[None]):
 
     def look_for_sessions(self) -> None:
         """The panel is offered while there is a session on this machine that can be joined."""
+        from sar_tui.link.discovery import live_sessions
         from sar_tui.link.errors import LinkError
-        from sar_tui.link.folder import live_sessions
 
         if not self.is_current:
             return
@@ -201,10 +202,10 @@ class HomeScreen(Screen[None]):
 
     def action_operate(self) -> None:
         """Choose the session, and open its panel."""
-        from sar_tui.app.panel.joining import ChooseScreen, own_name, panel
-        from sar_tui.link.folder import Live, live_sessions
+        from sar_tui.link.discovery import JoinableSession, live_sessions
+        from sar_tui.operator.session_picker import ChooseScreen, own_name, panel
 
-        def chosen(live: Live | None) -> None:
+        def chosen(live: JoinableSession | None) -> None:
             if live is not None:
                 theme = next(iter(self.app.themes.values()))
                 self.app.push_screen(panel(live, own_name(), "operator", theme, self.app.folder), left)
@@ -246,7 +247,7 @@ class HomeScreen(Screen[None]):
         except StoreError as error:
             self.notify(str(error), severity="error", timeout=15)
             return
-        from sar_tui.runs import Plan
+        from sar_tui.runs.plan import Plan
 
         plan = Plan(task, parameters, theme, who, secrets.randbelow(2**31))
         if len(task.seats) == 1:

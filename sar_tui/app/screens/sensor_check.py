@@ -13,14 +13,14 @@ from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Footer, Static
 
-from sar_tui.app.language import planned_language, translated
-from sar_tui.app.sensor_watch import SensorWatch
-from sar_tui.app.sensor_words import MARKS, Fact, Mark, facts, signed, words_of, worst
+from sar_tui.app.sensor_advice import MARKS, Fact, Mark, facts, signed, words_of, worst
+from sar_tui.app.sensor_monitor import SensorWatch
 from sar_tui.framework.clock import MS, SECOND, Clock, Handle, LiveClock
 from sar_tui.framework.language import Language
 from sar_tui.inputs.feed import ImuFeed
 from sar_tui.motion.bounds import Hand
-from sar_tui.runs import Plan
+from sar_tui.runs.plan import Plan
+from sar_tui.tui.language import planned_language, translated
 from sar_tui.widgets.speed_trace import SpeedTrace
 from sar_tui.widgets.worn_sensor import bar, draw_hand
 

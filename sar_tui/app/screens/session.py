@@ -9,13 +9,12 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.widgets import ContentSwitcher, Footer, Static
 
+from sar_tui.app.agent.screen_base import AgentScreen
 from sar_tui.app.live import LiveSession
-from sar_tui.app.onset import report_onset
-from sar_tui.app.quiet import Quiet
-from sar_tui.app.screens.agent_screen import AgentScreen
+from sar_tui.app.prompt_onset import report_onset
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
-from sar_tui.app.screens.words import Words, key_name, words
+from sar_tui.app.screens.waiting_text import Words, key_name, words
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
     AttemptEnded,
@@ -29,6 +28,7 @@ from sar_tui.framework.messages import (
     Waiting,
 )
 from sar_tui.framework.topics import RECALL
+from sar_tui.tui.gc_control import GcControl
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.progress_line import ProgressLine
 
@@ -50,7 +50,7 @@ class SessionScreen(AgentScreen):
 
     def __init__(self, live: LiveSession) -> None:
         super().__init__(live)
-        self._quiet = Quiet()
+        self._quiet = GcControl()
         self._waiting: Waiting | None = None
         self._last_key = ("", 0.0)
         self._shown: str | None = "message"

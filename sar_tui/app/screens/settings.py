@@ -9,11 +9,12 @@ from textual.containers import Horizontal, VerticalScroll
 from textual.screen import Screen
 from textual.widgets import Button, Footer, Static
 
+from sar_tui.framework.declaration import ParameterError, show
 from sar_tui.framework.parameter_groups import grouped
-from sar_tui.framework.parameters import ParameterError, build, changed, show
+from sar_tui.framework.parameters import build, changed
 from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
-from sar_tui.runs import check_outputs
+from sar_tui.runs.plan import check_outputs
 from sar_tui.store import participants
 from sar_tui.store.database import StoreError
 from sar_tui.theme_folder import languages
@@ -99,7 +100,7 @@ class SettingsScreen(Screen[None]):
         try:
             parameters = build(self._motor_task.Parameters, self._values())
             if seats := self._motor_task.sensed(parameters):
-                from sar_tui.sensing import check_sensors
+                from sar_tui.runs.sensors import check_sensors
 
                 check_sensors(parameters, seats)
             check_outputs(parameters)

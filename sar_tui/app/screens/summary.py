@@ -9,7 +9,7 @@ from textual.containers import Vertical
 from textual.widgets import Static
 
 from sar_tui.framework.messages import AttemptEnded
-from sar_tui.framework.task import Metric
+from sar_tui.framework.trial_types import Metric
 from sar_tui.widgets.language import language_of
 
 _GAP = 3
@@ -73,7 +73,7 @@ class Summary(Vertical):
         return f"{facts}{more}"
 
     def _draw(self) -> None:
-        from sar_tui.plot import EMPTY, LEVEL, MISSED, REACHED
+        from sar_tui.reports.attempts_plot import EMPTY, LEVEL, MISSED, REACHED
 
         plot = self.query_one("#plot", Static)
         if not self._attempts:
@@ -93,7 +93,7 @@ class Summary(Vertical):
 
         Those of two have the same left axis, and stand apart.
         """
-        from sar_tui.plot import attempts_figure
+        from sar_tui.reports.attempts_plot import attempts_figure
 
         tr = language_of(self.app)
         if not attempts or width < 20 or height < 6:

@@ -5,10 +5,12 @@ from typing import Annotated, Any
 
 import msgspec
 
-from sar_tui.framework.chance import Chance
+from sar_tui.framework.declaration import meta
 from sar_tui.framework.messages import KeyPerceived
-from sar_tui.framework.parameters import TaskParameters, meta
-from sar_tui.framework.task import Act, Details, Metric, Performance, Result, Situation, Stimulus, Task, Trial
+from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
 
 # What a level asks for, easiest first: these keys, one after the other, over and over.
 SEQUENCES = ("f", "fj", "dfj", "dfjk", "sdfjkl")
@@ -78,7 +80,7 @@ class ExampleTask(Task):
         )
 
     def stimulus(self, situation: Situation) -> Stimulus:
-        """What a prompt shows. It follows from the situation alone: draw what is random from ``situation.chance``."""
+        """What a prompt shows. It follows from the situation alone: draw what is random from ``situation.streams``."""
         keys = SEQUENCES[situation.level - 1]
         return Stimulus(
             name=keys,
@@ -113,7 +115,7 @@ class ExampleTask(Task):
             details={"taps": len(taps), "wrong": wrong},
         )
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, chance: Chance) -> list[Act]:
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
         """What a simulated participant presses: (milliseconds after onset, key). Only a task of one key needs none."""
         pace = performance.reaction_ms / 2
         duration = self.parameters.response_timeout_ms
@@ -121,5 +123,5 @@ class ExampleTask(Task):
         times = [first + pace * tap for tap in range(int((duration - first) / pace))]
         keys = [stimulus.name[tap % len(stimulus.name)] for tap in range(len(times))]
         if performance.slips:
-            keys = ["x" if chance.uniform("wrong", tap) < 0.5 else key for tap, key in enumerate(keys)]
+            keys = ["x" if streams.uniform("wrong", tap) < 0.5 else key for tap, key in enumerate(keys)]
         return list(zip(times, keys, strict=True))

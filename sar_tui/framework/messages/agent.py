@@ -3,19 +3,19 @@
 from typing import Literal
 
 from sar_tui.framework.messages.base import (
-    Deed,
+    ActionPart,
+    ControlledKind,
     Degree,
     Ground,
     Kind,
     Message,
     Mode,
     Policy,
-    Ruled,
     Valence,
 )
 
 
-class Saying(Message, frozen=True, kw_only=True):
+class Utterance(Message, frozen=True, kw_only=True):
     """What the agent says and does at once. ``text`` is shown, ``spoken`` said; where one is empty it is left out.
 
     ``face``, ``gesture``, ``gaze`` and ``tone`` are the theme's; empty where there is none. ``joins``: it adds to what
@@ -41,11 +41,11 @@ class Saying(Message, frozen=True, kw_only=True):
     due: int = 0
 
 
-class Proposal(Saying, frozen=True, kw_only=True):
+class Proposal(Utterance, frozen=True, kw_only=True):
     """What the agent would say."""
 
 
-class Action(Saying, frozen=True, kw_only=True):
+class Action(Utterance, frozen=True, kw_only=True):
     """What is said, who decided it, in what mode, on what ground and when (``decided``, ns; 0: when its turn came).
 
     ``decision``: ``accepted`` (as proposed), ``edited``, ``initiated`` (an operator's own).
@@ -58,7 +58,7 @@ class Action(Saying, frozen=True, kw_only=True):
     decided: int = 0
 
 
-class Offer(Message, frozen=True, kw_only=True):
+class PendingApproval(Message, frozen=True, kw_only=True):
     """A proposal waits for an operator.
 
     ``deadline`` (ns): when it is decided without one, as ``otherwise`` says; None where it waits for as long as the
@@ -72,7 +72,7 @@ class Offer(Message, frozen=True, kw_only=True):
     level: int | None = None
 
 
-class LevelRuled(Message, frozen=True, kw_only=True):
+class LevelDecided(Message, frozen=True, kw_only=True):
     """A change of level that waited for an operator is decided: ``level`` is that of the next attempt.
 
     ``decision``: ``accepted``, ``edited`` (to another than was proposed), ``rejected`` (it stays).
@@ -86,33 +86,33 @@ class LevelRuled(Message, frozen=True, kw_only=True):
     at: int
 
 
-class Standing(Message, frozen=True, kw_only=True):
+class ArbiterState(Message, frozen=True, kw_only=True):
     """How the arbiter stands, whole, after each change: what an operator who has just come has to know.
 
     ``modes``: as they are set; ``operated``: whether there is an operator, so that they hold. ``offers`` wait for one;
     ``queued`` is decided and waits for its turn; ``current`` is under way.
     """
 
-    modes: dict[Ruled, Mode]
+    modes: dict[ControlledKind, Mode]
     operated: bool
-    offers: tuple[Offer, ...] = ()
+    offers: tuple[PendingApproval, ...] = ()
     queued: tuple[Action, ...] = ()
     current: Action | None = None
 
 
-class Unsaid(Message, frozen=True, kw_only=True):
+class UnsaidFeedbackRequest(Message, frozen=True, kw_only=True):
     """Ask whose answer to an attempt is still to be said: it waits for an operator, or for its turn."""
 
     attempt: int
 
 
-class UnsaidTo(Message, frozen=True, kw_only=True):
+class UnsaidFeedback(Message, frozen=True, kw_only=True):
     """The answer to Unsaid, by seat."""
 
     seats: tuple[str, ...]
 
 
-class Stalling(Message, frozen=True, kw_only=True):
+class FillerDue(Message, frozen=True, kw_only=True):
     """An answer (``id``) has been owed for a while: something may cover the wait."""
 
     id: str
@@ -142,7 +142,7 @@ class OutputOpened(Message, frozen=True, kw_only=True):
 
     output: str
     address: str
-    can: tuple[Deed, ...]
+    can: tuple[ActionPart, ...]
 
 
 class AgentActing(Message, frozen=True, kw_only=True):

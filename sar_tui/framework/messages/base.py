@@ -22,7 +22,7 @@ Kind = Literal[
     "remark",
 ]
 """``filler``: covers a wait; ``gesture``: one that is ruled on apart from its words; ``remark``: an operator's own."""
-Ruled = Literal["feedback", "encouragement", "instruction", "gesture", "difficulty"]
+ControlledKind = Literal["feedback", "encouragement", "instruction", "gesture", "difficulty"]
 """What an operator may rule over, each in a mode of its own. Greeting and goodbye go with instructions, rest with
 encouragement."""
 Mode = Literal["autonomous", "veto", "approve", "manual"]
@@ -33,8 +33,8 @@ Ground = Literal["mode", "operator", "deadline", "no operator"]
 """On what ground a proposal was decided: its kind is the agent's own; an operator did; nobody did in time; nobody was
 there."""
 Policy = Literal["queue", "interrupt", "drop"]
-Deed = Literal["say", "show", "gesture", "gaze", "tone"]
-DeedState = Literal["queued", "started", "done", "aborted", "failed"]
+ActionPart = Literal["say", "show", "gesture", "gaze", "tone"]
+PartState = Literal["queued", "started", "done", "aborted", "failed"]
 Outcome = Literal["success", "failure"]
 Json = dict[str, str | int | float | bool | None]
 """What a task may add to a trial's row."""

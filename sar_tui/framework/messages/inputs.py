@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from sar_tui.framework.messages.base import Deed, DeedState, Message, SensorState
+from sar_tui.framework.messages.base import ActionPart, Message, PartState, SensorState
 from sar_tui.framework.theme import Theme
 
 
@@ -22,7 +22,7 @@ class SessionStarted(Message, frozen=True, kw_only=True):
     names: dict[str, str] = {}
 
 
-class ThemeWorn(Message, frozen=True, kw_only=True):
+class ThemeApplied(Message, frozen=True, kw_only=True):
     """What the agent looks like and how it speaks, from here on: at the beginning of a run, and after each edit."""
 
     theme: Theme
@@ -114,8 +114,8 @@ class OutputReport(Message, frozen=True, kw_only=True):
 
     action: str
     output: str
-    deed: Deed
-    state: DeedState
+    deed: ActionPart
+    state: PartState
     at: int
     detail: str = ""
 

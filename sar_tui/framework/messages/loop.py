@@ -297,14 +297,14 @@ class Fault(Message, frozen=True, kw_only=True):
     trace: str
 
 
-class LevelAsked(Message, frozen=True, kw_only=True):
+class LevelRequest(Message, frozen=True, kw_only=True):
     """May the level change? ``is_last``: after the last attempt, where nobody is asked any more: it does, or stays."""
 
     change: LevelChanged
     is_last: bool
 
 
-class Ruling(Message, frozen=True, kw_only=True):
+class LevelReply(Message, frozen=True, kw_only=True):
     """The answer to a change of level: whether it happens now, or waits for an operator, or does not happen."""
 
     happens: bool
@@ -316,7 +316,7 @@ class Recall(Message, frozen=True, kw_only=True):
     level: int | None = None
 
 
-class Attempts(Message, frozen=True, kw_only=True):
+class RecalledAttempts(Message, frozen=True, kw_only=True):
     """The answer to Recall. ``earlier_best``: the best of earlier sessions at that level, if one was asked for."""
 
     attempts: tuple[AttemptEnded, ...]

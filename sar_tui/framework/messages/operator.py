@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from sar_tui.framework.messages.base import Message, Mode, Role, Ruled, Valence
+from sar_tui.framework.messages.base import ControlledKind, Message, Mode, Role, Valence
 
 
 class Operator(Message, frozen=True, kw_only=True):
@@ -56,16 +56,16 @@ class Remark(Message, frozen=True, kw_only=True):
     at: int = 0
 
 
-class ModeChosen(Message, frozen=True, kw_only=True):
+class ModeChanged(Message, frozen=True, kw_only=True):
     """From here on proposals of a kind are decided in another way; those that wait, too."""
 
-    kind: Ruled
+    kind: ControlledKind
     mode: Mode
     actor: str = "operator"
     at: int = 0
 
 
-class OfferSeen(Message, frozen=True, kw_only=True):
+class ProposalSeen(Message, frozen=True, kw_only=True):
     """A proposal stands on an operator's screen."""
 
     action: str
@@ -73,7 +73,7 @@ class OfferSeen(Message, frozen=True, kw_only=True):
     at: int = 0
 
 
-class Noted(Message, frozen=True, kw_only=True):
+class NoteAdded(Message, frozen=True, kw_only=True):
     """An operator's remark for the record, which nobody else sees. ``label``: of an event mark, a word."""
 
     text: str = ""

@@ -3,25 +3,25 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from sar_tui.framework.answers import Answers
-from sar_tui.framework.chance import Chance
+from sar_tui.framework.feedback_text import FeedbackText
 from sar_tui.framework.messages import (
     Feedback,
+    FillerDue,
     Kind,
     Policy,
     Proposal,
     Recall,
     SessionEnded,
     SessionStarted,
-    Stalling,
-    ThemeWorn,
+    ThemeApplied,
     Waiting,
 )
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.policies import encouragement
+from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import FEEDBACK, PROPOSED, RECALL, SESSION, SESSION_ENDED, STALLING, THEME, WAITING
+from sar_tui.framework.topics import FEEDBACK, FILLER_DUE, PROPOSED, RECALL, SESSION, SESSION_ENDED, THEME, WAITING
 
 
 class _Rule(NamedTuple):
@@ -58,14 +58,14 @@ class ActionCenter(Node):
     def __init__(self, task: Task, theme: Theme, seed: int) -> None:
         super().__init__()
         self._task = task
-        self._words = _Words(theme, Chance(seed))
-        self._answers = Answers(task, self._words)
+        self._words = _Words(theme, RandomStreams(seed))
+        self._answers = FeedbackText(task, self._words)
         self._instructed = False
         self._ready_for = 0
         self._answered = 0
 
     @on(THEME)
-    def wear(self, worn: ThemeWorn) -> None:
+    def wear(self, worn: ThemeApplied) -> None:
         """A theme that was edited is spoken from here on."""
         self._words.theme = worn.theme
 
@@ -112,8 +112,8 @@ class ActionCenter(Node):
         """Words for all who sit there."""
         return self._words(situation if len(self._task.seats) == 1 else f"{situation}_both")
 
-    @on(STALLING)
-    def cover(self, stalling: Stalling) -> None:
+    @on(FILLER_DUE)
+    def cover(self, stalling: FillerDue) -> None:
         """An answer is long in coming."""
         self._propose("filler", self._words("filler"), seat=stalling.seat)
 
@@ -179,21 +179,21 @@ class ActionCenter(Node):
 class _Words:
     """Wordings of a theme: at random, but not the same twice running."""
 
-    def __init__(self, theme: Theme, chance: Chance) -> None:
+    def __init__(self, theme: Theme, streams: RandomStreams) -> None:
         self.theme = theme
         self.count = 0
-        self._chance = chance
+        self._streams = streams
         self._last: dict[str, str] = {}
 
     def __call__(self, situation: str, **slots: str) -> str:
         wordings = self.theme.phrases[situation]
         fresh = [wording for wording in wordings if wording != self._last.get(situation)] or list(wordings)
-        wording = self._chance.choice(fresh, "wording", situation, self.count)
+        wording = self._streams.choice(fresh, "wording", situation, self.count)
         self._last[situation] = wording
         return wording.format(**slots)
 
     def choose(self, choices: Sequence[str]) -> str:
-        return self._chance.choice(choices, "aim", self.count)
+        return self._streams.choice(choices, "aim", self.count)
 
     def call(self, name: str) -> str:
         return self.theme.vocabulary[name]

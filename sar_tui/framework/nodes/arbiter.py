@@ -6,41 +6,51 @@ from typing import NamedTuple
 import msgspec
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.agenda import LASTING, Agenda
+from sar_tui.framework.action_queue import LASTING, ActionQueue
 from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.messages import Action, Deed, Dropped, Ground, Halt, Kind, Offer, Proposal, Saying
+from sar_tui.framework.messages import (
+    Action,
+    ActionPart,
+    Dropped,
+    Ground,
+    Halt,
+    Kind,
+    PendingApproval,
+    Proposal,
+    Utterance,
+)
 from sar_tui.framework.node import TimedNode, on, serves
-from sar_tui.framework.offers import Offers, accepted, edited
 from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.pending_approvals import PendingApprovals, accepted, edited
 from sar_tui.framework.policies import arbitration
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
     ACTING,
     ACTION,
+    ARBITER_STATE,
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
     DECIDED,
     DECISION,
     DROPPED,
+    FILLER_DUE,
     HALT,
-    LEVEL_RULED,
+    LEVEL_DECIDED,
+    LEVEL_REQUEST,
     MISSED,
     MODE,
-    OFFERED,
     OPERATOR,
     OUTPUT,
+    PENDING_APPROVAL,
     PRESENCE,
     PROPOSED,
     REMARK,
     REPORT,
-    RULE,
     SESSION,
     SESSION_ENDED,
-    STALLING,
-    STANDING,
     THEME,
     TIMER,
-    UNSAID,
+    UNSAID_FEEDBACK,
     WAITING,
 )
 
@@ -71,20 +81,32 @@ class Arbiter(TimedNode):
     """
 
     name = "arbiter"
-    emits = (TIMER, OFFERED, DECIDED, LEVEL_RULED, ACTION, DROPPED, HALT, ACTING, STALLING, MISSED, STANDING)
+    emits = (
+        TIMER,
+        PENDING_APPROVAL,
+        DECIDED,
+        LEVEL_DECIDED,
+        ACTION,
+        DROPPED,
+        HALT,
+        ACTING,
+        FILLER_DUE,
+        MISSED,
+        ARBITER_STATE,
+    )
 
     def __init__(self, parameters: TaskParameters, theme: Theme) -> None:
         super().__init__()
         self._parameters = parameters
         self._theme = theme
         self._rules = arbitration.start(parameters)
-        self._offers = Offers()
-        self._agenda = Agenda()
+        self._offers = PendingApprovals()
+        self._queue = ActionQueue()
         self._announced: list[m.OutputOpened] = []
         self._outputs: list[m.OutputOpened] = []
         self._is_closed = False
         self._acting = m.AgentActing(acting=False)
-        self._standing: m.Standing | None = None
+        self._standing: m.ArbiterState | None = None
         self._has_operators = False
         self._remarks = self._levels = 0
         self._stalling: tuple[str, ...] = ()
@@ -98,7 +120,7 @@ class Arbiter(TimedNode):
         self._announced.append(opened)
 
     @on(THEME)
-    def wear(self, worn: m.ThemeWorn) -> None:
+    def wear(self, worn: m.ThemeApplied) -> None:
         """Operators' words are said in the manner of the theme."""
         self._theme = worn.theme
 
@@ -110,7 +132,7 @@ class Arbiter(TimedNode):
         """
         self._outputs, self._announced = self._announced, []
         self.cancel_timers()
-        self._agenda.abandon()
+        self._queue.abandon()
         for offer in self._offers.clear(lambda offer: offer.level is not None):
             self._do_without_operator(offer)
         self._drop("late")
@@ -125,7 +147,7 @@ class Arbiter(TimedNode):
         self._is_closed = in_trial or (waiting.stage == "paused" and waiting.reason != "interrupted")
         if waiting.stage == "trial":
             self._drop("late", lambda saying: saying.policy == "drop")
-        current = self._agenda.current
+        current = self._queue.current
         if waiting.stage not in ("instructions", "paused"):
             self._drop("late", lambda saying: saying.kind == "instruction")
             if current and current.kind == "instruction":
@@ -160,7 +182,7 @@ class Arbiter(TimedNode):
     @on(SESSION_ENDED)
     def session_ended(self, ended: m.SessionEnded) -> None:
         """Nothing is said after the goodbye; before it, where all was done, the last answers have their turn."""
-        answers = [action.id for action in self._agenda.waiting if action.kind == "feedback"]
+        answers = [action.id for action in self._queue.waiting if action.kind == "feedback"]
         self._drop("late", lambda saying: ended.status == "aborted" or saying.id not in answers)
         self._tell()
 
@@ -180,15 +202,15 @@ class Arbiter(TimedNode):
         self._expect_stall(proposal)
         self._go_on()
 
-    @serves(RULE)
-    def rule_on_level(self, asked: m.LevelAsked) -> m.Ruling:
+    @serves(LEVEL_REQUEST)
+    def rule_on_level(self, asked: m.LevelRequest) -> m.LevelReply:
         """A change of level: it happens, or an operator is asked; after the last attempt it happens, or does not."""
         change = asked.change
         told = f"Level {change.previous} → {change.level}"
         proposal = Proposal(seat=change.seat, id=f"l{self._levels + 1}", kind="difficulty", text=told)
         if asked.is_last:
             verdict = arbitration.rule(self._rules, self._parameters, proposal, self.now)
-            return m.Ruling(happens=verdict.what == "act")
+            return m.LevelReply(happens=verdict.what == "act")
         self._levels += 1
         for offer in self._offers.clear(lambda offer: offer.level is not None):
             self._give_up(offer, "amended", "mode")
@@ -196,30 +218,32 @@ class Arbiter(TimedNode):
         if verdict.offer:
             self._offer(verdict.offer)
         elif verdict.what == "drop":
-            self._rule_level(Offer(proposal=proposal, mode=self._rules.mode("difficulty")), "rejected", change.previous)
+            self._rule_level(
+                PendingApproval(proposal=proposal, mode=self._rules.mode("difficulty")), "rejected", change.previous
+            )
         self._tell()
-        return m.Ruling(happens=verdict.what == "act")
+        return m.LevelReply(happens=verdict.what == "act")
 
-    @serves(UNSAID)
-    def tell_unsaid(self, asked: m.Unsaid) -> m.UnsaidTo:
+    @serves(UNSAID_FEEDBACK)
+    def tell_unsaid(self, asked: m.UnsaidFeedbackRequest) -> m.UnsaidFeedback:
         """Whose answers wait."""
-        waiting = (*self._agenda.waiting, *(offer.proposal for offer in self._offers.waiting))
+        waiting = (*self._queue.waiting, *(offer.proposal for offer in self._offers.waiting))
         answers = [saying for saying in waiting if saying.kind == "feedback" and saying.attempt == asked.attempt]
-        return m.UnsaidTo(seats=tuple(sorted({saying.seat for saying in answers})))
+        return m.UnsaidFeedback(seats=tuple(sorted({saying.seat for saying in answers})))
 
     def _rule(self, proposal: Proposal) -> None:
         verdict = arbitration.rule(self._rules, self._parameters, proposal, self.now)
         match verdict.what:
             case "act":
-                self._agenda.add(accepted(proposal, ground=verdict.ground))
+                self._queue.add(accepted(proposal, ground=verdict.ground))
             case "drop":
                 self.emit(DROPPED, Dropped(id=proposal.id, reason="no operator"))
             case "offer" if verdict.offer:
                 self._offer(verdict.offer)
 
-    def _offer(self, offer: Offer) -> None:
+    def _offer(self, offer: PendingApproval) -> None:
         self._offers.add(offer)
-        self.emit(OFFERED, offer)
+        self.emit(PENDING_APPROVAL, offer)
 
     def _expect_stall(self, proposal: Proposal) -> None:
         """A filler covers a wait for an operator; or any, so that it does not tell the two apart."""
@@ -243,7 +267,7 @@ class Arbiter(TimedNode):
         self._go_on()
 
     @on(MODE)
-    def mode_chosen(self, chosen: m.ModeChosen) -> None:
+    def mode_chosen(self, chosen: m.ModeChanged) -> None:
         """What waits already is ruled on anew."""
         self._has_operators = True
         self._rules = arbitration.choose(self._rules, chosen.kind, chosen.mode)
@@ -260,9 +284,9 @@ class Arbiter(TimedNode):
         """An operator decides: on what waits for them, on what waits for its turn, or on what is under way."""
         if offer := self._offers.take(decision.action):
             self._decide(offer, decision)
-        elif queued := self._agenda.take(decision.action):
+        elif queued := self._queue.take(decision.action):
             self._decide_queued(queued, decision)
-        elif (current := self._agenda.current) and current.id == decision.action and decision.verdict == "veto":
+        elif (current := self._queue.current) and current.id == decision.action and decision.verdict == "veto":
             self.emit(HALT, Halt(action=current.id, reason="vetoed", asked=decision.at or self.now))
         else:
             why = "It was decided, or its time was over."
@@ -292,7 +316,7 @@ class Arbiter(TimedNode):
             ground="operator",
             decided=self.now,
         )
-        self._agenda.add(said)
+        self._queue.add(said)
         self.emit(DECIDED, said)
         self._go_on()
 
@@ -307,7 +331,7 @@ class Arbiter(TimedNode):
                 self._rule_level(offer, "rejected", 0, act.actor, "operator")
         self._tell()
 
-    def _decide(self, offer: Offer, decision: m.Decision) -> None:
+    def _decide(self, offer: PendingApproval, decision: m.Decision) -> None:
         if decision.verdict == "veto":
             self._give_up(offer, "vetoed", "operator", decision.actor)
         elif offer.level is not None:
@@ -327,16 +351,16 @@ class Arbiter(TimedNode):
         if decision.verdict == "edit":
             queued = edited(queued, decision, self._theme, self.now)
             self.emit(DECIDED, queued)
-        self._agenda.add(queued)
+        self._queue.add(queued)
 
-    def _act(self, offer: Offer, actor: str, ground: Ground) -> None:
+    def _act(self, offer: PendingApproval, actor: str, ground: Ground) -> None:
         """Do what was offered, as it was proposed."""
         if offer.level is not None:
             self._rule_level(offer, "accepted", offer.level, actor, ground)
         else:
             self._take_turn(accepted(offer.proposal, actor, ground, offer, self.now))
 
-    def _do_without_operator(self, offer: Offer) -> None:
+    def _do_without_operator(self, offer: PendingApproval) -> None:
         if self._parameters.operator_lost == "autonomous":
             self._act(offer, "agent", "no operator")
         else:
@@ -344,12 +368,12 @@ class Arbiter(TimedNode):
 
     def _take_turn(self, action: Action) -> None:
         """It is decided, and waits for its turn; what was to cover the wait is needed no more."""
-        for filler in self._agenda.clear(lambda waiting: waiting.kind == "filler"):
+        for filler in self._queue.clear(lambda waiting: waiting.kind == "filler"):
             self.emit(DROPPED, Dropped(id=filler.id, reason="late"))
-        self._agenda.add(action)
+        self._queue.add(action)
         self.emit(DECIDED, action)
 
-    def _give_up(self, offer: Offer, reason: str, ground: Ground, actor: str = "agent") -> None:
+    def _give_up(self, offer: PendingApproval, reason: str, ground: Ground, actor: str = "agent") -> None:
         """Leave out what was offered."""
         if offer.level is not None:
             self._rule_level(offer, "rejected", 0, actor, ground)
@@ -357,9 +381,9 @@ class Arbiter(TimedNode):
             self.emit(DROPPED, Dropped(id=offer.proposal.id, reason=reason, actor=actor))  # type: ignore[arg-type]
 
     def _rule_level(
-        self, offer: Offer, decision: str, level: int, actor: str = "agent", ground: Ground = "no operator"
+        self, offer: PendingApproval, decision: str, level: int, actor: str = "agent", ground: Ground = "no operator"
     ) -> None:
-        ruled = m.LevelRuled(
+        ruled = m.LevelDecided(
             seat=offer.seat,
             id=offer.proposal.id,
             level=level,
@@ -368,21 +392,21 @@ class Arbiter(TimedNode):
             ground=ground,
             at=self.now,
         )
-        self.emit(LEVEL_RULED, ruled)
+        self.emit(LEVEL_DECIDED, ruled)
 
     # --- whose turn it is --------------------------------------------------------------------------------------
 
     @on(REPORT)
     def reported(self, report: m.OutputReport) -> None:
-        if report.state in _OVER and self._agenda.close(report.action, report.output, report.deed):
+        if report.state in _OVER and self._queue.close(report.action, report.output, report.deed):
             self._go_on()
 
     def timer(self, name: str, late: int) -> None:
-        if name == "patience" and (current := self._agenda.current):
+        if name == "patience" and (current := self._queue.current):
             self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
-            self._agenda.abandon()
+            self._queue.abandon()
         elif name == "filler" and (owed := next(filter(self._is_owed, self._stalling), None)):
-            self.emit(STALLING, m.Stalling(id=owed))
+            self.emit(FILLER_DUE, m.FillerDue(id=owed))
         elif name == "deadline":
             self._decide_without_operator()
         self._go_on()
@@ -396,21 +420,21 @@ class Arbiter(TimedNode):
 
     def _is_owed(self, id: str) -> bool:
         return any(offer.proposal.id == id for offer in self._offers.waiting) or any(
-            action.id == id for action in self._agenda.waiting
+            action.id == id for action in self._queue.waiting
         )
 
     def _go_on(self) -> None:
         """Let those act whose turn it is."""
         held = _AFTER_ANSWER if self._offers.is_owing else ()
-        while not self._is_closed and (action := self._agenda.next(self.now, held)):
-            if current := self._agenda.current:
+        while not self._is_closed and (action := self._queue.next(self.now, held)):
+            if current := self._queue.current:
                 self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
-            self._agenda.begin(action, self._parts(action))
+            self._queue.begin(action, self._parts(action))
             self.emit(ACTION, action)
             self.set_timer("patience", self.now + PATIENCE + PER_CHARACTER * len(action.spoken))
-        if not self._agenda.is_acting:
+        if not self._queue.is_acting:
             self.cancel_timer("patience")
-        if (due := self._agenda.next_due(self.now)) is not None:
+        if (due := self._queue.next_due(self.now)) is not None:
             self.set_timer("due", due)
         if (deadline := self._offers.next_deadline) is not None:
             self.set_timer("deadline", deadline)
@@ -418,38 +442,38 @@ class Arbiter(TimedNode):
             self.cancel_timer("deadline")
         self._tell()
 
-    def _parts(self, saying: Saying) -> list[tuple[str, Deed]]:
+    def _parts(self, saying: Utterance) -> list[tuple[str, ActionPart]]:
         """Which outputs have something to do for it that takes a while."""
         wanted = {deed for deed in LASTING if getattr(saying, _FIELDS[deed])}
         return [(opened.output, deed) for opened in self._outputs for deed in opened.can if deed in wanted]
 
     def _tell(self) -> None:
         """Tell what is another than before: whether the agent acts; and to operators, how things stand."""
-        acting = m.AgentActing(acting=self._agenda.is_acting, owing=self._offers.is_owing)
+        acting = m.AgentActing(acting=self._queue.is_acting, owing=self._offers.is_owing)
         if acting != self._acting:
             self._acting = acting
             self.emit(ACTING, acting)
         if not self._has_operators:
             return
-        standing = m.Standing(
+        standing = m.ArbiterState(
             modes=self._rules.modes,
             operated=self._rules.operated,
             offers=self._offers.waiting,
-            queued=self._agenda.waiting,
-            current=self._agenda.current,
+            queued=self._queue.waiting,
+            current=self._queue.current,
         )
         if standing != self._standing:
             self._standing = standing
-            self.emit(STANDING, standing)
+            self.emit(ARBITER_STATE, standing)
 
-    def _drop(self, reason: str, what: Callable[[Saying], bool] = lambda _: True, actor: str = "agent") -> None:
-        for action in self._agenda.clear(what):
+    def _drop(self, reason: str, what: Callable[[Utterance], bool] = lambda _: True, actor: str = "agent") -> None:
+        for action in self._queue.clear(what):
             self.emit(DROPPED, Dropped(id=action.id, reason=reason, actor=_who(reason, actor)))  # type: ignore[arg-type]
         for offer in self._offers.clear(lambda offer: what(offer.proposal)):
             self._give_up(offer, reason, "mode", _who(reason, actor))
 
 
-_FIELDS: dict[Deed, str] = {"say": "spoken", "gesture": "gesture", "gaze": "gaze", "tone": "tone"}
+_FIELDS: dict[ActionPart, str] = {"say": "spoken", "gesture": "gesture", "gaze": "gaze", "tone": "tone"}
 """What of a saying each deed takes."""
 
 

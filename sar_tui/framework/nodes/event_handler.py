@@ -4,25 +4,25 @@ from collections.abc import Collection
 from typing import Literal
 
 from sar_tui.framework import messages as m
+from sar_tui.framework.attempts import Attempts, Scored
+from sar_tui.framework.blockers import Blockers
 from sar_tui.framework.bus import FAULT
-from sar_tui.framework.course import Course, Scored
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.nodes.trials import Trials
-from sar_tui.framework.obstacles import Obstacles
-from sar_tui.framework.phase import ENTER_GOES_ON, IN_TRIAL, MARKABLE, OVER, PAUSES, Phase
-from sar_tui.framework.task import Mark, Result, Results, Task
+from sar_tui.framework.session_phase import ENTER_GOES_ON, IN_TRIAL, MARKABLE, OVER, PAUSES, Phase
+from sar_tui.framework.task import Task
 from sar_tui.framework.topics import (
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
     CUE,
     FEEDBACK,
     LEVEL,
-    LEVEL_RULED,
+    LEVEL_DECIDED,
+    LEVEL_REQUEST,
     MARKED,
     OPERATOR,
     PROMPT,
-    RULE,
     SENSOR,
     SESSION,
     SESSION_ENDED,
@@ -30,10 +30,11 @@ from sar_tui.framework.topics import (
     STORED,
     TIMER,
     TRIAL,
-    UNSAID,
+    UNSAID_FEEDBACK,
     VOIDED,
     WAITING,
 )
+from sar_tui.framework.trial_types import Mark, Result, Results
 from sar_tui.framework.waiting import ASK_KEY, waiting
 
 
@@ -56,17 +57,17 @@ class EventHandler(Trials):
         SESSION_ENDED,
     )
 
-    asks = (RULE, UNSAID)
+    asks = (LEVEL_REQUEST, UNSAID_FEEDBACK)
 
     def __init__(self, task: Task, seed: int, vital: Collection[str] = VITAL) -> None:
         super().__init__(task)
         self.vital = vital
-        self._course = Course(task, seed)
+        self._attempts = Attempts(task, seed)
         self._unmarked: Results
         self._marked: Mark | None = None
         self._paused_from = Phase.INSTRUCTIONS
         self._pause_reason = ""
-        self._obstacles = Obstacles(task.sensed(task.parameters))
+        self._blockers = Blockers(task.sensed(task.parameters))
         self._after_answer = Phase.READY
         self._answer_due = 0
         self._is_owing = False
@@ -86,7 +87,7 @@ class EventHandler(Trials):
         self._is_owing = False
         self.cancel_timers()
         self._stored = self._last_trial
-        self._obstacles.begin_run()
+        self._blockers.begin_run()
         was_menu = self._phase is Phase.PAUSED and self._pause_reason not in PAUSES
         if self._phase is Phase.CLOSING:
             self._end()
@@ -108,17 +109,17 @@ class EventHandler(Trials):
             return
         match act.command:
             case "pause":
-                if not self._obstacles.disk_refuses:
+                if not self._blockers.disk_refuses:
                     self._pause(act.reason)
             case "resume":
-                if self._phase is Phase.PAUSED and not self._obstacles.disk_refuses:
+                if self._phase is Phase.PAUSED and not self._blockers.disk_refuses:
                     self._resume()
             case "end":
                 self._void("ended")
                 from_phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
                 self._close("completed" if self._is_all_done_in(from_phase) else "aborted")
             case "level":
-                self._set_level(act.value if act.value is not None else self._course.level)
+                self._set_level(act.value if act.value is not None else self._attempts.level)
             case "repeat" if self._phase in IN_TRIAL:
                 self._void("repeat")
                 self._begin_trial()
@@ -132,24 +133,24 @@ class EventHandler(Trials):
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:
         """A disk that refuses pauses the session; one that writes again lets it go on."""
-        self._obstacles.hear_storage(storage)
+        self._blockers.hear_storage(storage)
         if self._phase in (Phase.CLOSING, Phase.PAUSED):
             self._wait(self._phase)
-        elif self._obstacles.disk_refuses and self._phase not in OVER:
+        elif self._blockers.disk_refuses and self._phase not in OVER:
             self._pause("restored")
 
     @on(SENSOR)
     def sensor_changed(self, sensor: m.SensorChanged) -> None:
         """A sensor from which nothing comes stops the session; when it comes again, the session goes on."""
-        if self._phase in OVER or not self._obstacles.hear_sensor(sensor):
+        if self._phase in OVER or not self._blockers.hear_sensor(sensor):
             return
-        lost = self._obstacles.sensor_lost
+        lost = self._blockers.sensor_lost
         waits_for_sensor = self._phase is Phase.PAUSED and self._pause_reason == "sensor"
         if lost and self._phase is not Phase.PAUSED and self._needs_sensor(self._phase):
             self._pause("sensor")
         elif lost and waits_for_sensor:
             self._wait(Phase.PAUSED)
-        elif waits_for_sensor and self._obstacles.disk_refuses:
+        elif waits_for_sensor and self._blockers.disk_refuses:
             self._pause("restored")
         elif waits_for_sensor:
             self._resume()
@@ -168,7 +169,7 @@ class EventHandler(Trials):
         self._wait(Phase.PAUSED)
 
     def _resume(self) -> None:
-        if self._obstacles.sensor_lost and self._needs_sensor(self._paused_from):
+        if self._blockers.sensor_lost and self._needs_sensor(self._paused_from):
             self._pause("sensor")
         elif self._is_under_way:
             self._last_key = self.now
@@ -203,7 +204,7 @@ class EventHandler(Trials):
         match self._phase, percept.key:
             case Phase.INSTRUCTIONS, "enter":
                 self._wait(Phase.READY)
-                if self._obstacles.sensor_lost:
+                if self._blockers.sensor_lost:
                     self._pause("sensor")
             case Phase.READY, "enter" if not percept.repeat:
                 self._begin_attempt()
@@ -222,17 +223,17 @@ class EventHandler(Trials):
         return (self._paused_from if self._phase is Phase.PAUSED else self._phase) in IN_TRIAL
 
     def _begin_attempt(self) -> None:
-        self.emit(ATTEMPT_STARTED, self._course.begin(self.now))
-        self._told_level = self._course.level
-        self._trial = self._course.next_trial()
+        self.emit(ATTEMPT_STARTED, self._attempts.begin(self.now))
+        self._told_level = self._attempts.level
+        self._trial = self._attempts.next_trial()
         self._begin_trial()
 
     def _end_attempt(self) -> None:
         """Score, adapt, answer: in this order, so that memory holds the attempt before it is spoken of."""
-        scored = self._course.score(self.now)
+        scored = self._attempts.score(self.now)
         self._tell(scored)
         self._answer(scored, self.task.seats)
-        self._after_answer = Phase.READY if self._course.advance() else Phase.REVIEW
+        self._after_answer = Phase.READY if self._attempts.advance() else Phase.REVIEW
         self._answer_due = max(one.feedback.due for one in scored.each)
         self._await_answer()
 
@@ -270,7 +271,7 @@ class EventHandler(Trials):
 
     def _ask(self) -> None:
         """The participant wants to know how the last attempt went."""
-        if asked := self._course.ask(self.now):
+        if asked := self._attempts.ask(self.now):
             self._tell(asked)
             self._answer(asked, self.task.seats)
             self._wait(self._phase)
@@ -281,24 +282,24 @@ class EventHandler(Trials):
             self.emit(ATTEMPT_ENDED, one.ended)
         if scored.level is None:
             return
-        asked = m.LevelAsked(change=scored.level, is_last=scored.ended.attempt == self._course.attempts)
-        if self.ask(RULE, asked).happens:
+        asked = m.LevelRequest(change=scored.level, is_last=scored.ended.attempt == self._attempts.total)
+        if self.ask(LEVEL_REQUEST, asked).happens:
             self.emit(LEVEL, scored.level)
         else:
-            self._course.hold(scored.level)
+            self._attempts.hold(scored.level)
 
-    @on(LEVEL_RULED)
-    def level_ruled(self, ruled: m.LevelRuled) -> None:
+    @on(LEVEL_DECIDED)
+    def level_ruled(self, ruled: m.LevelDecided) -> None:
         """A change of level that waited is decided; one that is not to be leaves the level as it is."""
         if ruled.decision == "rejected" or self._phase in OVER:
             return
-        if changed := self._course.settle(ruled.level, under_way=self._is_under_way):
+        if changed := self._attempts.settle(ruled.level, under_way=self._is_under_way):
             self.emit(LEVEL, changed)
         if self._phase is Phase.READY:
             self._wait(Phase.READY)
 
     def _set_level(self, level: int) -> None:
-        if changed := self._course.set_level(level, under_way=self._is_under_way):
+        if changed := self._attempts.set_level(level, under_way=self._is_under_way):
             self.emit(LEVEL, changed)
         if self._phase is Phase.READY:
             self._wait(Phase.READY)
@@ -309,15 +310,15 @@ class EventHandler(Trials):
         self._unmarked = results
         self._marked = self._trial.mark
         results = _marked(results, self._marked)
-        self._course.results.append(results)
-        self._last_trial = self._course.last_trial
+        self._attempts.results.append(results)
+        self._last_trial = self._attempts.last_trial
         return results
 
     def _next(self) -> None:
-        if self._course.is_attempt_done:
+        if self._attempts.is_attempt_done:
             self._end_attempt()
         else:
-            self._trial = self._course.next_trial()
+            self._trial = self._attempts.next_trial()
             self._begin_trial()
 
     def _mark(self, mark: Mark) -> None:
@@ -327,7 +328,7 @@ class EventHandler(Trials):
             return
         if self._phase not in MARKABLE:
             return
-        if (last := self._course.amendable) is None:
+        if (last := self._attempts.amendable) is None:
             return
         attempt, trial = last
         self._marked = None if self._marked is mark else mark
@@ -336,15 +337,15 @@ class EventHandler(Trials):
         for seat, result in marked.items():
             told = m.TrialMarked(seat=seat, attempt=attempt, trial=trial, mark=name, correct=result.correct)
             self.emit(MARKED, told)
-        unsaid = self.ask(UNSAID, m.Unsaid(attempt=attempt)).seats
-        if scored := self._course.amend(marked, unsaid):
+        unsaid = self.ask(UNSAID_FEEDBACK, m.UnsaidFeedbackRequest(attempt=attempt)).seats
+        if scored := self._attempts.amend(marked, unsaid):
             self._tell(scored)
             self._answer(scored, unsaid)
             self._wait(self._phase)
 
     def _marked_open(self, mark: Mark | None) -> None:
         self._trial.mark = mark
-        attempt, trial = self._course.attempt, self._course.trial
+        attempt, trial = self._attempts.attempt, self._attempts.trial
         name, correct = (mark.name, mark.counts) if mark else ("", True)
         for seat in self._trial.seats:
             self.emit(MARKED, m.TrialMarked(seat=seat, attempt=attempt, trial=trial, mark=name, correct=correct))
@@ -354,7 +355,7 @@ class EventHandler(Trials):
     @property
     def _reason(self) -> str:
         """Why the session stands still: the disk, before anything a person said."""
-        if self._obstacles.disk_refuses and self._phase in (Phase.PAUSED, Phase.CLOSING):
+        if self._blockers.disk_refuses and self._phase in (Phase.PAUSED, Phase.CLOSING):
             return "storage"
         return self._pause_reason if self._phase is Phase.PAUSED else ""
 
@@ -362,9 +363,9 @@ class EventHandler(Trials):
         self._phase = phase
         why = reason or self._reason
         notice = self._notice_for(phase)
-        detail = self._obstacles.says(why)
-        seat = self._obstacles.lacking if why == "sensor" else self._turn
-        told = waiting(phase, self._course, self.task, notice=notice, reason=why, detail=detail, seat=seat)
+        detail = self._blockers.says(why)
+        seat = self._blockers.lacking if why == "sensor" else self._turn
+        told = waiting(phase, self._attempts, self.task, notice=notice, reason=why, detail=detail, seat=seat)
         self.emit(WAITING, told)
 
     @property
@@ -376,8 +377,8 @@ class EventHandler(Trials):
 
     def _notice_for(self, phase: Phase) -> str:
         """What has to be known first: that a trial is done again, or that the level is another."""
-        if phase is Phase.READY and self._course.level != self._told_level:
-            return self.task.notice(self._course.level, self._told_level)
+        if phase is Phase.READY and self._attempts.level != self._told_level:
+            return self.task.notice(self._attempts.level, self._told_level)
         return self._notice if phase is Phase.START else ""
 
 

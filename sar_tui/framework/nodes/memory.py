@@ -1,6 +1,6 @@
 """Memory: what happened so far in this session, for those who ask."""
 
-from sar_tui.framework.messages import AttemptEnded, Attempts, Recall, SessionStarted
+from sar_tui.framework.messages import AttemptEnded, Recall, RecalledAttempts, SessionStarted
 from sar_tui.framework.node import Node, on, serves
 from sar_tui.framework.topics import ATTEMPT_ENDED, RECALL, SESSION
 
@@ -26,8 +26,8 @@ class Memory(Node):
         self._attempts[attempt.seat, attempt.attempt] = attempt
 
     @serves(RECALL)
-    def recall(self, request: Recall) -> Attempts:
-        return Attempts(
+    def recall(self, request: Recall) -> RecalledAttempts:
+        return RecalledAttempts(
             attempts=tuple(
                 attempt
                 for attempt in self._attempts.values()

@@ -8,10 +8,11 @@ import msgspec
 from sar_tui.framework import messages as m
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.node import STALLED, TimedNode, on
-from sar_tui.framework.phase import BEFORE_PROMPT, IN_TRIAL, Phase
-from sar_tui.framework.task import Again, Mark, Result, Results, Task
+from sar_tui.framework.session_phase import BEFORE_PROMPT, IN_TRIAL, Phase
+from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ACTING, CUE, FOCUS, PASTE, PERCEIVED, PROMPT, REACH, SHOWN, STORED, TRIAL, VOIDED
 from sar_tui.framework.trial import OpenTrial
+from sar_tui.framework.trial_types import Again, Mark, Result, Results
 
 GRACE = 50 * MS
 """A response stamped in time may be handled this much after the time-out was, however late that itself came."""

@@ -9,10 +9,10 @@ from typing import Literal
 import msgspec
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import Ground, Kind, Mode, Offer, Proposal, Ruled
+from sar_tui.framework.messages import ControlledKind, Ground, Kind, Mode, PendingApproval, Proposal
 from sar_tui.framework.parameters import TaskParameters
 
-RULED: dict[Kind, Ruled] = {
+RULED: dict[Kind, ControlledKind] = {
     "greeting": "instruction",
     "instruction": "instruction",
     "goodbye": "instruction",
@@ -28,7 +28,7 @@ RULED: dict[Kind, Ruled] = {
 class Arbitration(msgspec.Struct, frozen=True):
     """The modes that are set, and whether there is an operator, so that they hold."""
 
-    modes: dict[Ruled, Mode]
+    modes: dict[ControlledKind, Mode]
     operated: bool = False
 
     def mode(self, kind: Kind) -> Mode:
@@ -41,7 +41,7 @@ class Verdict(msgspec.Struct, frozen=True):
 
     what: Literal["act", "drop", "offer"]
     ground: Ground = "mode"
-    offer: Offer | None = None
+    offer: PendingApproval | None = None
 
 
 def start(parameters: TaskParameters) -> Arbitration:
@@ -57,7 +57,7 @@ def start(parameters: TaskParameters) -> Arbitration:
     )
 
 
-def choose(state: Arbitration, kind: Ruled, mode: Mode) -> Arbitration:
+def choose(state: Arbitration, kind: ControlledKind, mode: Mode) -> Arbitration:
     """The modes after one is set."""
     return msgspec.structs.replace(state, modes={**state.modes, kind: mode})
 
@@ -76,7 +76,7 @@ def rule(
     if not state.operated:
         return Verdict("act" if parameters.operator_lost == "autonomous" else "drop", "no operator")
     deadline = proposal.due if proposal.due > now else now + parameters.operator_time_ms * MS
-    offer = Offer(seat=proposal.seat, proposal=proposal, mode=mode, level=level)
+    offer = PendingApproval(seat=proposal.seat, proposal=proposal, mode=mode, level=level)
     if mode != "manual":
         otherwise = "act" if mode == "veto" else parameters.operator_timeout
         offer = msgspec.structs.replace(offer, deadline=deadline, otherwise=otherwise)
@@ -90,6 +90,6 @@ def is_apart(state: Arbitration, parameters: TaskParameters, proposal: Proposal)
     return state.mode("gesture") != "autonomous" and (state.operated or parameters.operator_lost == "silent")
 
 
-def is_owed(offer: Offer) -> bool:
+def is_owed(offer: PendingApproval) -> bool:
     """Whether the session waits for an offer: it is an answer or a change of level, and decided by a set time."""
     return offer.deadline is not None and offer.proposal.kind in ("feedback", "difficulty")

@@ -6,7 +6,7 @@ import msgspec
 
 from sar_tui.framework.messages import Degree, FeedbackChoice, Outcome, Valence
 from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.task import Metric, Score, Target
+from sar_tui.framework.trial_types import Metric, Score, Target
 
 Reason = Literal["goal", "missed", "band", "accuracy", "empty", "won", "lost", "drawn"]
 RACED = ("won", "lost", "drawn")

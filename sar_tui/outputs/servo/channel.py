@@ -4,9 +4,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
+from sar_tui.drivers.phidget import words
 from sar_tui.framework.clock import MS
 from sar_tui.outputs.servo.address import ServoAddress, Wire
-from sar_tui.phidget_library import words
 
 FAILSAFE_MS = 1000
 """How long a controller waits for a sign of life before it lets go of the motor."""

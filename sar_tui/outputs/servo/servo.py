@@ -7,16 +7,16 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
+from sar_tui.drivers.phidget import UDEV_RULE, new_channel, usb_denied, words
 from sar_tui.framework.clock import MS, SECOND, Clock, VirtualClock
 from sar_tui.framework.gesture import REST
-from sar_tui.framework.messages import Deed, DeedState
+from sar_tui.framework.messages import ActionPart, PartState
 from sar_tui.framework.theme import Theme
 from sar_tui.outputs.output import Output, Report
 from sar_tui.outputs.servo.address import parse
 from sar_tui.outputs.servo.channel import FEED_MS, ServoChannel
 from sar_tui.outputs.servo.motion import STEP_MS, Motion
-from sar_tui.outputs.servo.pace import ServoPace
-from sar_tui.phidget_library import UDEV_RULE, new_channel, usb_denied, words
+from sar_tui.outputs.servo.step_timer import StepTimer
 
 ATTACH_NS = SECOND
 """How long after opening a gesture waits for a controller that may just be about to tell of itself."""
@@ -69,7 +69,7 @@ class Servo(Output):
     """
 
     name = "servo"
-    can: frozenset[Deed] = frozenset({"gesture"})
+    can: frozenset[ActionPart] = frozenset({"gesture"})
 
     def __init__(
         self, address: str = "", *, make: Callable[[], Any] | None = None, denied: Callable[[], bool] | None = None
@@ -78,7 +78,7 @@ class Servo(Output):
         self._make = make or partial(new_channel, "RCServo")
         self._denied = denied or usb_denied
         self._lock = threading.Lock()
-        self._pace: ServoPace | None = None
+        self._pace: StepTimer | None = None
 
     def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
         """Wait in the background for the controller."""
@@ -91,7 +91,7 @@ class Servo(Output):
         self._opened: int | None = None
         self._missing = ""
         self._silent = False
-        self._pace = ServoPace(clock, self._step, self._let_go)
+        self._pace = StepTimer(clock, self._step, self._let_go)
         self._pace.start()
 
     def gesture(self, action: str, name: str) -> None:
@@ -119,7 +119,7 @@ class Servo(Output):
         if self._pace is not None:
             self._pace.wake()
 
-    def _tell_of(self, deed: _Deed, state: DeedState, detail: str = "") -> None:
+    def _tell_of(self, deed: _Deed, state: PartState, detail: str = "") -> None:
         if not self._silent:
             self.tell(deed.action, "gesture", state, detail)
 
@@ -245,7 +245,7 @@ class Servo(Output):
             what = f"The servo for {underway.channels[0].place} does not do what it is told: {error}."
         self._end(underway, "failed", what)
 
-    def _end(self, underway: _Underway, state: DeedState, detail: str = "") -> None:
+    def _end(self, underway: _Underway, state: PartState, detail: str = "") -> None:
         """Make the motors limp, all of them whatever becomes of one, and tell how the gesture ended."""
         held = list(filter(None, [channel.release() for channel in underway.channels]))
         self._underway = None

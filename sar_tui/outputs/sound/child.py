@@ -7,7 +7,7 @@ from typing import IO
 
 import msgspec
 
-from sar_tui import child_process
+from sar_tui.drivers import child_process
 from sar_tui.outputs.sound.protocol import Reply, Request, Setup, line, reply
 
 PROGRAM = child_process.python("sar_tui.outputs.sound.voice")

@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from sar_tui.outputs.sound.protocol import FoundVoice, SoundError, Unreadable, Voicing
-from sar_tui.outputs.sound.reading import why_unreadable
+from sar_tui.outputs.sound.readability import why_unreadable
 from sar_tui.outputs.sound.samples import at_volume, is_whole, peak, read, seconds
 from sar_tui.outputs.sound.voices import choose, found_voice
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from sar_tui.framework.clock import SECOND, Handle, VirtualClock
-from sar_tui.framework.messages import DeedState
-from sar_tui.outputs.sound.keeper import Ask, Kind
+from sar_tui.framework.messages import PartState
+from sar_tui.outputs.sound.supervisor import Ask, Kind
 
 
 class _Turn(NamedTuple):
@@ -17,7 +17,7 @@ class _Turn(NamedTuple):
 class Turns:
     """A queue of deeds whose length is known. ``told`` hears when each starts and when it is over."""
 
-    def __init__(self, clock: VirtualClock, told: Callable[[Ask, DeedState], object]) -> None:
+    def __init__(self, clock: VirtualClock, told: Callable[[Ask, PartState], object]) -> None:
         self._clock, self._told = clock, told
         self._turns: deque[_Turn] = deque()
         self._end: Handle | None = None

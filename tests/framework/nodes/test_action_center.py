@@ -9,35 +9,35 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.messages import Proposal, ThemeWorn
+from sar_tui.framework.messages import Proposal, ThemeApplied
 from sar_tui.framework.nodes.action_center import RULES
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import FACES, GAZES, TONES, Manner, Theme
 from sar_tui.framework.topics import PROPOSED, THEME
 from sar_tui.plugins import Catalogue
-from tests.framework.nodes.agent import Agent
-from tests.lifting import Bench, Lift
+from tests.framework.nodes.agent_driver import Agent
+from tests.lifting_task import Lift, LiftDriver
 
-Sit = Callable[..., Bench]
+Sit = Callable[..., LiftDriver]
 
 
 @pytest.fixture
 def sit(calm: Theme) -> Sit:
     """Sit down to five attempts of one lift each, unless told otherwise."""
 
-    def at(**settings: Any) -> Bench:
-        return Bench(Lift, calm, **{"attempts": 5, "lifts": 1, "start_level": 3, **settings})
+    def at(**settings: Any) -> LiftDriver:
+        return LiftDriver(Lift, calm, **{"attempts": 5, "lifts": 1, "start_level": 3, **settings})
 
     return at
 
 
-def proposed(desk: Bench, *kinds: str) -> list[Proposal]:
-    return [proposal for proposal in desk.all(PROPOSED) if not kinds or proposal.kind in kinds]
+def proposed(driver: LiftDriver, *kinds: str) -> list[Proposal]:
+    return [proposal for proposal in driver.all(PROPOSED) if not kinds or proposal.kind in kinds]
 
 
-def lift_once(desk: Bench, time_ms: float) -> None:
-    desk.press("enter")
-    desk.lift(time_ms)
+def lift_once(driver: LiftDriver, time_ms: float) -> None:
+    driver.press("enter")
+    driver.lift(time_ms)
 
 
 GOOD, BAD = 400.0, 1900.0
@@ -47,109 +47,109 @@ GOOD, BAD = 400.0, 1900.0
 
 
 def test_the_agent_greets_and_says_what_to_do_and_in_the_end_goodbye(sit: Sit, calm: Theme) -> None:
-    desk = sit(attempts=1)
-    greeting, instruction = proposed(desk)
+    driver = sit(attempts=1)
+    greeting, instruction = proposed(driver)
     assert (greeting.kind, greeting.face, greeting.gesture) == ("greeting", "happy", "wave")
     assert greeting.text in calm.phrases["greeting"]
     assert greeting.spoken == greeting.text
     assert (instruction.kind, instruction.text, instruction.spoken) == ("instruction", "", "Press Space, and lift.")
-    desk.enter()
-    lift_once(desk, GOOD)
-    assert proposed(desk, "goodbye") == [], "the last answer is read first"
-    desk.press("enter")
-    (goodbye,) = proposed(desk, "goodbye")
+    driver.enter()
+    lift_once(driver, GOOD)
+    assert proposed(driver, "goodbye") == [], "the last answer is read first"
+    driver.press("enter")
+    (goodbye,) = proposed(driver, "goodbye")
     assert goodbye.text in calm.phrases["goodbye"]
 
 
 def test_what_to_do_is_told_once_however_often_the_instructions_come_up(sit: Sit) -> None:
-    desk = sit()
-    desk.operate("pause")
-    desk.operate("resume")
-    assert desk.waiting.stage == "instructions"
-    assert len(proposed(desk, "instruction")) == 1
+    driver = sit()
+    driver.operate("pause")
+    driver.operate("resume")
+    assert driver.waiting.stage == "instructions"
+    assert len(proposed(driver, "instruction")) == 1
 
 
 def test_who_was_cut_off_in_the_instructions_is_told_again_what_to_do(sit: Sit, calm: Theme) -> None:
-    desk = sit()
-    resumed = Bench(Lift, calm, attempts=5, lifts=1, start_level=3, history=desk.records)
+    driver = sit()
+    resumed = LiftDriver(Lift, calm, attempts=5, lifts=1, start_level=3, history=driver.records)
     assert [proposal.kind for proposal in proposed(resumed)] == ["greeting", "instruction"]
 
 
 def test_who_comes_back_is_welcomed_back(sit: Sit, calm: Theme) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    resumed = Bench(Lift, calm, attempts=5, lifts=1, start_level=3, history=desk.records)
+    driver = sit()
+    driver.begin_lifts()
+    resumed = LiftDriver(Lift, calm, attempts=5, lifts=1, start_level=3, history=driver.records)
     assert [proposal.text in calm.phrases["welcome_back"] for proposal in proposed(resumed)] == [True]
 
 
 def test_a_session_that_is_broken_off_ends_with_a_goodbye_too(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.operate("end")
-    assert [proposal.kind for proposal in proposed(desk)][-1] == "goodbye"
+    driver = sit()
+    driver.begin_lifts()
+    driver.operate("end")
+    assert [proposal.kind for proposal in proposed(driver)][-1] == "goodbye"
 
 
 # --- between attempts -----------------------------------------------------------------------------------------
 
 
 def test_a_kind_word_comes_before_a_level_that_is_new_and_after_failing_twice(sit: Sit) -> None:
-    desk = sit(attempts=6)
-    desk.enter()
+    driver = sit(attempts=6)
+    driver.enter()
     for time_ms in (GOOD, BAD, GOOD, BAD, BAD):
-        lift_once(desk, time_ms)
-    heard = [(proposal.attempt, proposal.joins) for proposal in proposed(desk, "encouragement")]
+        lift_once(driver, time_ms)
+    heard = [(proposal.attempt, proposal.joins) for proposal in proposed(driver, "encouragement")]
     assert heard == [(2, True), (6, True)], "level 4 is new before attempt 2; attempts 4 and 5 failed"
 
 
 def test_the_first_attempt_is_begun_without_it(sit: Sit) -> None:
-    desk = sit()
-    desk.enter()
-    assert proposed(desk, "encouragement", "rest") == []
+    driver = sit()
+    driver.enter()
+    assert proposed(driver, "encouragement", "rest") == []
 
 
 def test_encouragement_can_be_left_out(sit: Sit) -> None:
-    desk = sit(encouragement=False)
-    desk.enter()
+    driver = sit(encouragement=False)
+    driver.enter()
     for _ in range(3):
-        lift_once(desk, GOOD)
-    assert proposed(desk, "encouragement") == []
+        lift_once(driver, GOOD)
+    assert proposed(driver, "encouragement") == []
 
 
 @pytest.mark.parametrize(("every", "before"), [(0, []), (1, [2, 3, 4, 5]), (2, [3, 5]), (4, [5])])
 def test_a_rest_is_offered_after_each_so_many_scored_attempts_but_not_after_the_last(
     sit: Sit, every: int, before: list[int]
 ) -> None:
-    desk = sit(rest_every=every)
-    desk.enter()
+    driver = sit(rest_every=every)
+    driver.enter()
     for _ in range(5):
-        lift_once(desk, GOOD)
-    assert [proposal.attempt for proposal in proposed(desk, "rest")] == before
+        lift_once(driver, GOOD)
+    assert [proposal.attempt for proposal in proposed(driver, "rest")] == before
 
 
 def test_practice_does_not_count_towards_a_rest(sit: Sit) -> None:
-    desk = sit(rest_every=2, practice_attempts=2)
-    desk.enter()
+    driver = sit(rest_every=2, practice_attempts=2)
+    driver.enter()
     for _ in range(4):
-        lift_once(desk, GOOD)
-    assert [proposal.attempt for proposal in proposed(desk, "rest")] == [5]
+        lift_once(driver, GOOD)
+    assert [proposal.attempt for proposal in proposed(driver, "rest")] == [5]
 
 
 def test_before_an_attempt_the_agent_says_one_thing_not_two(sit: Sit) -> None:
-    desk = sit(rest_every=1)
-    desk.enter()
+    driver = sit(rest_every=1)
+    driver.enter()
     for _ in range(4):
-        lift_once(desk, GOOD)
-    assert proposed(desk, "encouragement") == [], "each was harder, and before each a rest was offered"
-    assert len(proposed(desk, "rest")) == 4
+        lift_once(driver, GOOD)
+    assert proposed(driver, "encouragement") == [], "each was harder, and before each a rest was offered"
+    assert len(proposed(driver, "rest")) == 4
 
 
 def test_it_is_said_once_for_an_attempt_even_if_its_level_is_set_by_hand_meanwhile(sit: Sit) -> None:
-    desk = sit()
-    desk.enter()
-    lift_once(desk, GOOD)
+    driver = sit()
+    driver.enter()
+    lift_once(driver, GOOD)
     for level in (7, 8):
-        desk.operate("level", value=level)
-    assert len(proposed(desk, "encouragement")) == 1
+        driver.operate("level", value=level)
+    assert len(proposed(driver, "encouragement")) == 1
 
 
 # --- the answer's manner --------------------------------------------------------------------------------------
@@ -266,6 +266,6 @@ def test_a_theme_that_is_edited_is_spoken_from_then_on(calm: Theme) -> None:
     agent.hears_of(500)
     words, manner = {"positive_strong": ("Splendid.",)}, {"positive_strong": Manner("neutral", "", "up")}
     edited = msgspec.structs.replace(calm, phrases={**calm.phrases, **words}, manners=manner)
-    agent.bus.publish(THEME, ThemeWorn(theme=edited))
+    agent.bus.publish(THEME, ThemeApplied(theme=edited))
     assert agent.hears_of(500) == "Splendid."
     assert (agent.said[-1].face, agent.said[-1].gesture, agent.said[-1].gaze) == ("neutral", "", "up")

@@ -31,9 +31,9 @@ from sar_tui.framework.topics import (
 from sar_tui.outputs.node import GIVES_UP, OutputNode
 from sar_tui.outputs.output import Output
 from sar_tui.plugins import Catalogue
-from tests.desk import Desk
-from tests.lifting import Bench, Lift
-from tests.outputs.fakes import Puppet, Speaker
+from tests.lifting_task import Lift, LiftDriver
+from tests.loop_driver import LoopDriver
+from tests.outputs.fake_outputs import Puppet, Speaker
 
 Sit = Callable[..., Any]
 FIXED = {"foreperiod_min_ms": 900, "foreperiod_max_ms": 900, "quiet_ms": 500}
@@ -61,9 +61,11 @@ class Prompter(Node):
 def sit(keyboard: type[Task], calm: Theme) -> Sit:
     """Sit down to a keyboard session with an agent whose every utterance takes three seconds."""
 
-    def at(output: Output | None = None, **settings: Any) -> Desk:
+    def at(output: Output | None = None, **settings: Any) -> LoopDriver:
         speech = OutputNode(output or Speaker(3000), "speech", calm)
-        return Desk(keyboard, calm, extra=[speech], **{"prompts_per_attempt": 2, "attempts": 2, **FIXED, **settings})
+        return LoopDriver(
+            keyboard, calm, extra=[speech], **{"prompts_per_attempt": 2, "attempts": 2, **FIXED, **settings}
+        )
 
     return at
 
@@ -72,39 +74,39 @@ def sit(keyboard: type[Task], calm: Theme) -> Sit:
 def sit_to_lift(calm: Theme) -> Sit:
     """The same with weights to lift."""
 
-    def at(output: Output | None = None, **settings: Any) -> Bench:
+    def at(output: Output | None = None, **settings: Any) -> LiftDriver:
         speech = OutputNode(output or Speaker(3000), "speech", calm)
-        return Bench(Lift, calm, extra=[speech, Prompter()], **{"attempts": 2, **FIXED, **settings})
+        return LiftDriver(Lift, calm, extra=[speech, Prompter()], **{"attempts": 2, **FIXED, **settings})
 
     return at
 
 
-def is_acting(desk: Desk) -> bool:
-    return bool(desk.all(ACTING)) and desk.last(ACTING).acting
+def is_acting(driver: LoopDriver) -> bool:
+    return bool(driver.all(ACTING)) and driver.last(ACTING).acting
 
 
-def when_still(desk: Desk) -> int:
+def when_still(driver: LoopDriver) -> int:
     """When the agent last fell silent."""
-    return [record.at for record in desk.records if record.topic is ACTING and not record.message.acting][-1]
+    return [record.at for record in driver.records if record.topic is ACTING and not record.message.acting][-1]
 
 
-def shown_at(desk: Desk) -> int:
-    return [record.at for record in desk.records if record.topic is PROMPT][-1]
+def shown_at(driver: LoopDriver) -> int:
+    return [record.at for record in driver.records if record.topic is PROMPT][-1]
 
 
 # --- with a foreperiod ----------------------------------------------------------------------------------------
 
 
 def test_who_hurries_through_the_greeting_hears_it_to_its_end_before_the_first_foreperiod(sit: Sit) -> None:
-    desk = sit()
-    assert is_acting(desk)
-    desk.enter()
-    desk.press("enter")
-    assert (desk.waiting.what, desk.waiting.stage) == ("agent", "trial")
-    desk.to_prompt()
-    assert when_still(desk) == 13 * SECOND
-    assert shown_at(desk) - when_still(desk) == 900 * MS, "the keys have been quiet for long"
-    assert [record.message.what for record in desk.records if record.topic is WAITING][-4:] == [
+    driver = sit()
+    assert is_acting(driver)
+    driver.enter()
+    driver.press("enter")
+    assert (driver.waiting.what, driver.waiting.stage) == ("agent", "trial")
+    driver.to_prompt()
+    assert when_still(driver) == 13 * SECOND
+    assert shown_at(driver) - when_still(driver) == 900 * MS, "the keys have been quiet for long"
+    assert [record.message.what for record in driver.records if record.topic is WAITING][-4:] == [
         "agent",
         "quiet",
         "foreperiod",
@@ -113,12 +115,12 @@ def test_who_hurries_through_the_greeting_hears_it_to_its_end_before_the_first_f
 
 
 def test_the_instructions_are_not_read_to_who_has_begun(sit: Sit) -> None:
-    desk = sit()
-    desk.wait(4000)
-    assert desk.last(ACTION).kind == "instruction"
-    desk.enter()
-    assert desk.last(HALT).reason == "left"
-    assert not is_acting(desk)
+    driver = sit()
+    driver.wait(4000)
+    assert driver.last(ACTION).kind == "instruction"
+    driver.enter()
+    assert driver.last(HALT).reason == "left"
+    assert not is_acting(driver)
     hurried = sit()
     hurried.enter()
     hurried.press("enter")
@@ -127,106 +129,106 @@ def test_the_instructions_are_not_read_to_who_has_begun(sit: Sit) -> None:
 
 
 def test_keys_pressed_while_the_agent_speaks_are_no_false_starts_but_quiet_is_awaited_after_them(sit: Sit) -> None:
-    desk = sit()
-    desk.enter()
-    desk.press("enter")
-    desk.wait(13 * 1000 - 10 * 1000 - 300 - 100)
-    desk.press("f")
-    pressed = desk.clock.now()
-    assert desk.waiting.what == "agent"
-    desk.to_prompt()
-    assert shown_at(desk) - pressed == (500 + 900) * MS
-    desk.press("#")
-    assert desk.last(TRIAL).timing.false_starts == 0
+    driver = sit()
+    driver.enter()
+    driver.press("enter")
+    driver.wait(13 * 1000 - 10 * 1000 - 300 - 100)
+    driver.press("f")
+    pressed = driver.clock.now()
+    assert driver.waiting.what == "agent"
+    driver.to_prompt()
+    assert shown_at(driver) - pressed == (500 + 900) * MS
+    driver.press("#")
+    assert driver.last(TRIAL).timing.false_starts == 0
 
 
 def test_an_answer_is_spoken_to_its_end_before_the_next_attempt_begins_however_soon_enter_is_pressed(sit: Sit) -> None:
-    desk = sit()
-    desk.wait(10_000)
-    desk.enter()
-    desk.press("enter")
+    driver = sit()
+    driver.wait(10_000)
+    driver.enter()
+    driver.press("enter")
     for _ in range(2):
-        desk.answer(300)
-    desk.wait(0)
-    assert (desk.last(ACTION).kind, is_acting(desk)) == ("feedback", True)
-    desk.wait(200)
-    desk.press("enter")
-    assert desk.all(ATTEMPT_STARTED)[-1].attempt == 2
-    assert desk.waiting.what == "agent"
-    began = [record.at for record in desk.records if record.topic is FEEDBACK][-1]
-    desk.to_prompt()
-    assert when_still(desk) - began == 3 * SECOND
-    assert shown_at(desk) - when_still(desk) == 900 * MS
+        driver.answer(300)
+    driver.wait(0)
+    assert (driver.last(ACTION).kind, is_acting(driver)) == ("feedback", True)
+    driver.wait(200)
+    driver.press("enter")
+    assert driver.all(ATTEMPT_STARTED)[-1].attempt == 2
+    assert driver.waiting.what == "agent"
+    began = [record.at for record in driver.records if record.topic is FEEDBACK][-1]
+    driver.to_prompt()
+    assert when_still(driver) - began == 3 * SECOND
+    assert shown_at(driver) - when_still(driver) == 900 * MS
 
 
 def test_an_answer_breaks_off_a_greeting_that_has_not_ended_by_then(sit: Sit) -> None:
     """It was held back by the trials, and spoken between them."""
-    desk = sit(Speaker(60_000), prompts_per_attempt=1, attempts=1)
-    desk.operate("stop")
-    desk.enter()
-    desk.attempt()
-    assert desk.last(ACTION).kind == "feedback"
-    desk.press("enter")
-    desk.wait(0)
-    assert desk.last(ACTION).kind == "feedback", "the goodbye waits until it has been heard"
-    desk.wait(60_000)
-    assert desk.last(ACTION).kind == "goodbye"
+    driver = sit(Speaker(60_000), prompts_per_attempt=1, attempts=1)
+    driver.operate("stop")
+    driver.enter()
+    driver.attempt()
+    assert driver.last(ACTION).kind == "feedback"
+    driver.press("enter")
+    driver.wait(0)
+    assert driver.last(ACTION).kind == "feedback", "the goodbye waits until it has been heard"
+    driver.wait(60_000)
+    assert driver.last(ACTION).kind == "goodbye"
 
 
 def test_the_stop_key_lets_the_trial_come_at_once(sit: Sit) -> None:
-    desk = sit(Speaker(60_000))
-    desk.enter()
-    desk.press("enter")
-    desk.wait(2000)
-    assert desk.waiting.what == "agent"
-    desk.operate("stop")
-    stopped_at = desk.clock.now()
-    desk.to_prompt()
-    assert shown_at(desk) - stopped_at == 900 * MS
-    (stopped,) = desk.all(STOPPED)
+    driver = sit(Speaker(60_000))
+    driver.enter()
+    driver.press("enter")
+    driver.wait(2000)
+    assert driver.waiting.what == "agent"
+    driver.operate("stop")
+    stopped_at = driver.clock.now()
+    driver.to_prompt()
+    assert shown_at(driver) - stopped_at == 900 * MS
+    (stopped,) = driver.all(STOPPED)
     assert (stopped.output, stopped.asked, stopped.at, stopped.detail) == ("speech", stopped_at, stopped_at, "")
 
 
 def test_a_stop_in_a_trial_changes_nothing_in_it(sit: Sit) -> None:
-    desk = sit()
-    desk.wait(10_000)
-    desk.start()
-    desk.wait(200)
-    desk.operate("stop")
-    desk.wait(100)
-    desk.press(desk.screen.prompt.expected)
-    assert desk.last(TRIAL).reaction_time_ms == 300.0
+    driver = sit()
+    driver.wait(10_000)
+    driver.start()
+    driver.wait(200)
+    driver.operate("stop")
+    driver.wait(100)
+    driver.press(driver.screen.prompt.expected)
+    assert driver.last(TRIAL).reaction_time_ms == 300.0
 
 
 def test_an_output_that_hangs_holds_the_session_up_only_so_long(sit: Sit) -> None:
-    desk = sit(Puppet("speech", frozenset({"say"})))
-    desk.enter()
-    desk.press("enter")
-    desk.to_prompt()
-    assert desk.clock.now() <= 10 * SECOND + 3 * GIVES_UP
-    assert {report.state for report in desk.all(REPORT)} == {"queued", "failed"}
+    driver = sit(Puppet("speech", frozenset({"say"})))
+    driver.enter()
+    driver.press("enter")
+    driver.to_prompt()
+    assert driver.clock.now() <= 10 * SECOND + 3 * GIVES_UP
+    assert {report.state for report in driver.all(REPORT)} == {"queued", "failed"}
 
 
 def test_a_session_that_is_paused_while_the_agent_speaks_is_quiet_at_once(sit: Sit) -> None:
-    desk = sit(Speaker(5000))
-    desk.enter()
-    desk.press("enter")
-    desk.operate("pause")
-    desk.wait(0)
-    assert desk.last(HALT).reason == "left"
-    assert not is_acting(desk)
-    desk.wait(1000)
-    desk.operate("resume")
-    desk.to_prompt()
+    driver = sit(Speaker(5000))
+    driver.enter()
+    driver.press("enter")
+    driver.operate("pause")
+    driver.wait(0)
+    assert driver.last(HALT).reason == "left"
+    assert not is_acting(driver)
+    driver.wait(1000)
+    driver.operate("resume")
+    driver.to_prompt()
 
 
 def test_a_session_that_is_cut_off_while_the_agent_speaks_goes_on(sit: Sit, keyboard: type[Task], calm: Theme) -> None:
-    desk = sit()
-    desk.enter()
-    desk.press("enter")
-    assert desk.waiting.what == "agent"
+    driver = sit()
+    driver.enter()
+    driver.press("enter")
+    assert driver.waiting.what == "agent"
     settings = {"prompts_per_attempt": 2, "attempts": 2, **FIXED}
-    resumed = Desk(keyboard, calm, history=desk.records, **settings)
+    resumed = LoopDriver(keyboard, calm, history=driver.records, **settings)
     resumed.press("enter")
     assert resumed.to_prompt().trial == 1
     assert not is_acting(resumed)
@@ -236,18 +238,18 @@ def test_a_session_that_is_cut_off_while_the_agent_speaks_goes_on(sit: Sit, keyb
 
 
 def test_nobody_is_asked_to_start_a_trial_while_they_are_spoken_to(sit_to_lift: Sit) -> None:
-    desk = sit_to_lift()
-    desk.enter()
-    desk.press("enter")
-    assert (desk.waiting.what, desk.waiting.stage) == ("agent", "trial")
-    desk.press("space")
-    desk.wait(2600)
-    assert desk.waiting.what == "agent"
-    assert desk.all(PROMPT) == [], "a key pressed meanwhile starts nothing"
-    desk.wait(100)
-    assert desk.waiting.what == "start"
-    desk.lift()
-    assert desk.last(TRIAL).correct
+    driver = sit_to_lift()
+    driver.enter()
+    driver.press("enter")
+    assert (driver.waiting.what, driver.waiting.stage) == ("agent", "trial")
+    driver.press("space")
+    driver.wait(2600)
+    assert driver.waiting.what == "agent"
+    assert driver.all(PROMPT) == [], "a key pressed meanwhile starts nothing"
+    driver.wait(100)
+    assert driver.waiting.what == "start"
+    driver.lift()
+    assert driver.last(TRIAL).correct
 
 
 @pytest.mark.parametrize("signal", [False, True])
@@ -255,18 +257,18 @@ def test_what_the_agent_begins_to_say_while_a_start_is_awaited_is_ended_before_t
     sit_to_lift: Sit, signal: bool
 ) -> None:
     """A greeting that has waited behind a long utterance may come then."""
-    desk = sit_to_lift(signal=signal)
-    desk.wait(10_000)
-    desk.begin_lifts()
-    assert desk.waiting.what == "start"
-    desk.session.bus.publish(SPEAK, Speak())
-    assert is_acting(desk)
-    desk.press("space")
-    pressed = desk.clock.now()
+    driver = sit_to_lift(signal=signal)
+    driver.wait(10_000)
+    driver.begin_lifts()
+    assert driver.waiting.what == "start"
+    driver.session.bus.publish(SPEAK, Speak())
+    assert is_acting(driver)
+    driver.press("space")
+    pressed = driver.clock.now()
     if not signal:
-        assert desk.waiting.what == "agent"
-    assert desk.to_prompt().started == pressed
-    assert shown_at(desk) - when_still(desk) == (900 * MS if signal else 0)
+        assert driver.waiting.what == "agent"
+    assert driver.to_prompt().started == pressed
+    assert shown_at(driver) - when_still(driver) == (900 * MS if signal else 0)
 
 
 # --- whatever happens -----------------------------------------------------------------------------------------
@@ -298,19 +300,19 @@ def test_whatever_is_pressed_no_prompt_comes_while_the_agent_speaks_and_it_does_
     }[which]
     settings = {"attempts": 3, "feedback_delay_ms": delay_ms, "feedback_schedule": schedule, "rest_every": 1}
     extra = [OutputNode(Speaker(takes_ms), "speech", CALM)]
-    desk = Desk(kind, CALM, extra=extra, feedback_every=2, foreperiod_max_ms=700, **settings, **own)
+    driver = LoopDriver(kind, CALM, extra=extra, feedback_every=2, foreperiod_max_ms=700, **settings, **own)
     for after_ms, key in keys:
-        desk.wait(after_ms)
-        expected = desk.screen.prompt.expected if desk.screen.onset is not None and desk.screen.prompt else key
-        desk.press(expected if key == "right" else key)
-    desk.wait(20_000)
-    assert desk.session.faults == []
+        driver.wait(after_ms)
+        expected = driver.screen.prompt.expected if driver.screen.onset is not None and driver.screen.prompt else key
+        driver.press(expected if key == "right" else key)
+    driver.wait(20_000)
+    assert driver.session.faults == []
     speaking, up = False, False
-    for record in desk.records:
+    for record in driver.records:
         speaking, up = _after(record, speaking, up)
         assert not (speaking and up), f"message {record.seq}: {record.topic.name}"
-    if not desk.all(SESSION_ENDED):
-        assert desk.waiting.what not in ("agent", "answer"), "nothing hangs"
+    if not driver.all(SESSION_ENDED):
+        assert driver.waiting.what not in ("agent", "answer"), "nothing hangs"
 
 
 def _after(record: Record, speaking: bool, up: bool) -> tuple[bool, bool]:

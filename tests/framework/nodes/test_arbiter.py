@@ -27,7 +27,7 @@ from sar_tui.framework.topics import (
 )
 from sar_tui.outputs.node import OutputNode
 from tests.outputs.contract import THEME as BARE
-from tests.outputs.fakes import Speaker
+from tests.outputs.fake_outputs import Speaker
 
 
 class Told(m.Message, frozen=True, kw_only=True):
@@ -60,7 +60,10 @@ class Floor:
     """An arbiter, and outputs that can do this and that: they report what a test has them report."""
 
     def __init__(
-        self, outputs: dict[str, tuple[m.Deed, ...]] | None = None, extra: tuple[Node, ...] = (), **settings: object
+        self,
+        outputs: dict[str, tuple[m.ActionPart, ...]] | None = None,
+        extra: tuple[Node, ...] = (),
+        **settings: object,
     ) -> None:
         parameters = build(TaskParameters, settings)
         self.clock = VirtualClock(SECOND)
@@ -71,7 +74,7 @@ class Floor:
             node.attach(self.bus)
         self.begin(outputs or {})
 
-    def begin(self, outputs: dict[str, tuple[m.Deed, ...]], run: int = 1) -> None:
+    def begin(self, outputs: dict[str, tuple[m.ActionPart, ...]], run: int = 1) -> None:
         for name, can in outputs.items():
             self.bus.publish(OUTPUT, m.OutputOpened(output=name, address=name, can=can))
         self.bus.publish(SESSION, m.SessionStarted(run=run, task="lift", theme="calm", seed=1))
@@ -84,7 +87,7 @@ class Floor:
         made = [proposal(name, **how) for name in names]
         self.bus.publish(TOLD, Told(proposals=tuple(made)))
 
-    def report(self, action: str, state: Any = "done", output: str = "speech", deed: m.Deed = "say") -> None:
+    def report(self, action: str, state: Any = "done", output: str = "speech", deed: m.ActionPart = "say") -> None:
         told = m.OutputReport(action=action, output=output, deed=deed, state=state, at=self.clock.now())
         self.bus.publish(REPORT, told)
 

@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.framework.bus import Bus, Topic
 from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import AttemptEnded, Attempts, Message, Recall, SessionStarted
+from sar_tui.framework.messages import AttemptEnded, Message, Recall, RecalledAttempts, SessionStarted
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.nodes.memory import Memory
 from sar_tui.framework.topics import ATTEMPT_ENDED, RECALL, SESSION
@@ -56,7 +56,7 @@ def end(bus: Bus, attempt: int, level: int = 1, metric: float | None = 600.0, **
     bus.publish(DONE, Done(ended=AttemptEnded(attempt=attempt, level=level, metric=metric, **{**facts, **more})))
 
 
-def recall(bus: Bus, level: int | None = None, seat: str = "A") -> Attempts:
+def recall(bus: Bus, level: int | None = None, seat: str = "A") -> RecalledAttempts:
     return bus.call(RECALL, Recall(level=level, seat=seat))
 
 

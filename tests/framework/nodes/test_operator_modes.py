@@ -11,21 +11,21 @@ from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.topics import (
     ACTING,
     ACTION,
+    ARBITER_STATE,
     DECIDED,
     DECISION,
     DROPPED,
-    LEVEL_RULED,
+    FILLER_DUE,
+    LEVEL_DECIDED,
+    LEVEL_REQUEST,
     MISSED,
     MODE,
-    OFFERED,
     OPERATOR,
+    PENDING_APPROVAL,
     PRESENCE,
     REMARK,
-    RULE,
-    STALLING,
-    STANDING,
     TIMER,
-    UNSAID,
+    UNSAID_FEEDBACK,
 )
 from tests.framework.nodes.test_arbiter import TOLD, Floor, Told
 
@@ -50,21 +50,23 @@ class Room(Floor):
         happens: list[bool] = []
         self.bus.subscribe(
             OPERATOR,
-            lambda _: happens.append(self.bus.call(RULE, m.LevelAsked(change=change, is_last=is_last)).happens),
+            lambda _: happens.append(
+                self.bus.call(LEVEL_REQUEST, m.LevelRequest(change=change, is_last=is_last)).happens
+            ),
         )
         self.bus.publish(OPERATOR, m.Operator(command="mark"))
         return happens[0]
 
     def ask_unsaid(self, attempt: int) -> tuple[str, ...]:
-        return self.bus.call(UNSAID, m.Unsaid(attempt=attempt)).seats
+        return self.bus.call(UNSAID_FEEDBACK, m.UnsaidFeedbackRequest(attempt=attempt)).seats
 
     @property
     def said(self) -> list[m.Action]:
         return self.all(ACTION)
 
     @property
-    def standing(self) -> m.Standing:
-        told: m.Standing = self.all(STANDING)[-1]
+    def standing(self) -> m.ArbiterState:
+        told: m.ArbiterState = self.all(ARBITER_STATE)[-1]
         return told
 
     @property
@@ -81,7 +83,7 @@ def test_autonomous_feedback_is_given_at_once_though_an_operator_watches() -> No
     room.propose("a1")
     (said,) = room.said
     assert (said.decision, said.actor, said.mode, said.ground) == ("accepted", "agent", "autonomous", "mode")
-    assert room.all(OFFERED) == []
+    assert room.all(PENDING_APPROVAL) == []
 
 
 def test_under_veto_silence_lets_it_pass_after_the_operators_time() -> None:
@@ -309,9 +311,9 @@ def test_a_filler_covers_a_wait_of_more_than_a_second_once() -> None:
     room = Room(operator_feedback="approve", operator_time_ms=8000)
     room.propose("a1")
     room.clock.advance(SECOND - 1)
-    assert room.all(STALLING) == []
+    assert room.all(FILLER_DUE) == []
     room.clock.advance(5 * SECOND)
-    assert room.all(STALLING) == [m.Stalling(id="a1")]
+    assert room.all(FILLER_DUE) == [m.FillerDue(id="a1")]
 
 
 @pytest.mark.parametrize(("decided", "covered"), [("a1", "a2"), ("a2", "a1")])
@@ -321,7 +323,7 @@ def test_a_filler_covers_the_wait_of_either_of_two(decided: str, covered: str) -
     room.propose("a2", seat="B")
     room.decide(decided, "veto")
     room.clock.advance(4 * SECOND)
-    assert room.all(STALLING) == [m.Stalling(id=covered)]
+    assert room.all(FILLER_DUE) == [m.FillerDue(id=covered)]
 
 
 def test_no_filler_covers_what_is_not_waited_for_or_comes_within_a_second() -> None:
@@ -331,14 +333,14 @@ def test_no_filler_covers_what_is_not_waited_for_or_comes_within_a_second() -> N
     soon.propose("a1", due=soon.clock.now() + SECOND)
     for room in (manual, soon):
         room.clock.advance(10 * SECOND)
-        assert room.all(STALLING) == []
+        assert room.all(FILLER_DUE) == []
 
 
 def test_no_filler_covers_what_is_no_answer() -> None:
     room = Room(operator_encouragement="approve", operator_time_ms=5000)
     room.propose("a1", kind="encouragement")
     room.clock.advance(4 * SECOND)
-    assert room.all(STALLING) == []
+    assert room.all(FILLER_DUE) == []
 
 
 def test_no_filler_covers_what_was_decided_in_time() -> None:
@@ -346,7 +348,7 @@ def test_no_filler_covers_what_was_decided_in_time() -> None:
     room.propose("a1")
     room.decide("a1", "accept")
     room.clock.advance(20 * SECOND)
-    assert room.all(STALLING) == []
+    assert room.all(FILLER_DUE) == []
 
 
 @pytest.mark.parametrize(("filler", "covered"), [("operator", 0), ("always", 1), ("never", 0)])
@@ -357,7 +359,7 @@ def test_a_delay_is_covered_with_and_without_an_operator_or_not_at_all(
     room = Room(operated=operated, filler=filler)
     room.propose("a1", due=room.clock.now() + 4 * SECOND)
     room.clock.advance(10 * SECOND)
-    assert len(room.all(STALLING)) == covered
+    assert len(room.all(FILLER_DUE)) == covered
 
 
 @pytest.mark.parametrize(("status", "said"), [("completed", ["a1", "a2"]), ("aborted", ["a1"])])
@@ -408,7 +410,7 @@ def test_when_the_operator_is_lost_what_waited_is_decided_at_once(mode: str, los
 def test_a_mode_that_is_switched_rules_what_waits_already() -> None:
     room = Room(operator_feedback="manual")
     room.propose("a1")
-    room.bus.publish(MODE, m.ModeChosen(kind="feedback", mode="veto"))
+    room.bus.publish(MODE, m.ModeChanged(kind="feedback", mode="veto"))
     room.clock.advance(10 * SECOND)
     assert room.acted == ["a1"]
 
@@ -416,14 +418,14 @@ def test_a_mode_that_is_switched_rules_what_waits_already() -> None:
 def test_a_mode_that_is_switched_leaves_what_is_of_another_kind() -> None:
     room = Room(operator_feedback="manual")
     room.propose("a1")
-    room.bus.publish(MODE, m.ModeChosen(kind="encouragement", mode="veto"))
-    assert [offer.proposal.id for offer in room.all(OFFERED)] == ["a1"]
+    room.bus.publish(MODE, m.ModeChanged(kind="encouragement", mode="veto"))
+    assert [offer.proposal.id for offer in room.all(PENDING_APPROVAL)] == ["a1"]
 
 
 def test_a_mode_that_is_switched_to_autonomous_lets_what_waits_go() -> None:
     room = Room(operator_feedback="approve")
     room.propose("a1")
-    room.bus.publish(MODE, m.ModeChosen(kind="feedback", mode="autonomous", actor="operator.ana"))
+    room.bus.publish(MODE, m.ModeChanged(kind="feedback", mode="autonomous", actor="operator.ana"))
     assert [said.actor for said in room.said] == ["operator.ana"]
 
 
@@ -444,16 +446,16 @@ def test_operators_are_told_how_everything_stands() -> None:
 def test_operators_are_told_once_as_long_as_nothing_is_another() -> None:
     room = Room(operator_feedback="manual")
     room.propose("a1")
-    told = len(room.all(STANDING))
+    told = len(room.all(ARBITER_STATE))
     for _ in range(3):
         room.wait_for("enter", "attempt")
-    assert len(room.all(STANDING)) == told
+    assert len(room.all(ARBITER_STATE)) == told
 
 
 def test_nobody_is_told_where_there_is_no_operator() -> None:
     room = Room(operated=False)
     room.propose("a1")
-    assert room.all(STANDING) == []
+    assert room.all(ARBITER_STATE) == []
 
 
 # --- an operator's own ------------------------------------------------------------------------------------------------
@@ -520,7 +522,7 @@ def test_a_gesture_that_is_ruled_on_apart_waits_alone() -> None:
     room = Room(operator_gesture="approve")
     room.propose("a1", gesture="nod")
     assert [(said.id, said.gesture) for said in room.said] == [("a1", "")]
-    (offer,) = room.all(OFFERED)
+    (offer,) = room.all(PENDING_APPROVAL)
     assert (offer.proposal.id, offer.proposal.kind, offer.proposal.text) == ("a1.gesture", "gesture", "")
     room.report("a1")
     room.decide("a1.gesture", "accept")
@@ -534,14 +536,14 @@ def test_without_an_operator_a_gesture_that_is_theirs_is_left_out_or_made_with_i
     room = Room(operated=False, operator_gesture="approve", operator_lost=lost)
     room.propose("a1", gesture="nod")
     assert [(said.id, said.gesture) for said in room.said] == [("a1", gesture)]
-    assert room.all(OFFERED) == room.all(DROPPED) == []
+    assert room.all(PENDING_APPROVAL) == room.all(DROPPED) == []
 
 
 def test_what_covers_a_wait_keeps_its_gesture_whoever_rules_on_gestures() -> None:
     room = Room(operator_gesture="approve")
     room.propose("a1", kind="filler", gesture="nod")
     assert [said.gesture for said in room.said] == ["nod"]
-    assert room.all(OFFERED) == []
+    assert room.all(PENDING_APPROVAL) == []
 
 
 # --- the level -------------------------------------------------------------------------------------------------------
@@ -555,7 +557,7 @@ def test_a_change_of_level_happens_where_the_agent_decides() -> None:
 def test_after_the_last_attempt_nobody_is_asked_and_what_an_operator_holds_stays(mode: str, happens: bool) -> None:
     room = Room(operator_difficulty=mode)
     assert room.ask_for_level(2, 3, is_last=True) is happens
-    assert room.all(OFFERED) == []
+    assert room.all(PENDING_APPROVAL) == []
 
 
 def test_a_change_of_level_waits_for_an_operator() -> None:
@@ -563,7 +565,7 @@ def test_a_change_of_level_waits_for_an_operator() -> None:
     assert not room.ask_for_level(2, 3)
     assert room.owing
     room.decide("l1", "accept")
-    (ruled,) = room.all(LEVEL_RULED)
+    (ruled,) = room.all(LEVEL_DECIDED)
     assert (ruled.level, ruled.decision, ruled.actor) == (3, "accepted", "operator.ana")
 
 
@@ -579,7 +581,7 @@ def test_an_operator_rules_on_the_level(how: dict[str, Any], expected: str) -> N
     room = Room(operator_difficulty="veto")
     room.ask_for_level(2, 3)
     room.decide("l1", **how)
-    assert [ruled.decision for ruled in room.all(LEVEL_RULED)] == [expected]
+    assert [ruled.decision for ruled in room.all(LEVEL_DECIDED)] == [expected]
 
 
 def test_a_level_set_by_hand_settles_what_was_asked() -> None:
@@ -587,4 +589,4 @@ def test_a_level_set_by_hand_settles_what_was_asked() -> None:
     room.ask_for_level(2, 3)
     room.bus.publish(OPERATOR, m.Operator(command="level", value=1, actor="operator.ana"))
     room.clock.advance(60 * SECOND)
-    assert [ruled.decision for ruled in room.all(LEVEL_RULED)] == ["rejected"]
+    assert [ruled.decision for ruled in room.all(LEVEL_DECIDED)] == ["rejected"]

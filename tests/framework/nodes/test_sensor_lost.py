@@ -8,36 +8,36 @@ import pytest
 from sar_tui.framework.messages import SensorChanged, SensorState
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import PROMPT, SENSOR, SESSION_ENDED, TRIAL, VOIDED, WAITING
-from tests.lifting import Bench, Lift, SensedLift
+from tests.lifting_task import Lift, LiftDriver, SensedLift
 
-Sit = Callable[..., Bench]
+Sit = Callable[..., LiftDriver]
 
 
 @pytest.fixture
 def sit(calm: Theme) -> Sit:
     """Sit down to two attempts of two lifts each, with a sensor that nothing is known of yet."""
 
-    def at(task: type[Lift] = SensedLift, **settings: Any) -> Bench:
-        return Bench(task, calm, **{"attempts": 2, **settings})
+    def at(task: type[Lift] = SensedLift, **settings: Any) -> LiftDriver:
+        return LiftDriver(task, calm, **{"attempts": 2, **settings})
 
     return at
 
 
 @pytest.fixture
-def lifting(sit: Sit) -> Bench:
+def lifting(sit: Sit) -> LiftDriver:
     """Ready to start the first lift, the sensor in place."""
-    desk = sit()
-    sensor(desk, "attached")
-    desk.begin_lifts()
-    return desk
+    driver = sit()
+    sensor(driver, "attached")
+    driver.begin_lifts()
+    return driver
 
 
-def sensor(desk: Bench, state: SensorState, detail: str = "") -> None:
-    desk.session.bus.publish(SENSOR, SensorChanged(state=state, at=desk.clock.now(), detail=detail))
+def sensor(driver: LiftDriver, state: SensorState, detail: str = "") -> None:
+    driver.session.bus.publish(SENSOR, SensorChanged(state=state, at=driver.clock.now(), detail=detail))
 
 
-def stands(desk: Bench) -> tuple[str, str, str]:
-    return desk.waiting.what, desk.waiting.stage, desk.waiting.reason
+def stands(driver: LiftDriver) -> tuple[str, str, str]:
+    return driver.waiting.what, driver.waiting.stage, driver.waiting.reason
 
 
 LOST = ("sensor", "paused", "sensor")
@@ -45,35 +45,35 @@ AT_START = ("start", "trial", "")
 
 
 def test_the_instructions_can_be_read_while_the_sensor_is_sought_and_no_longer(sit: Sit) -> None:
-    desk = sit()
-    assert stands(desk) == ("enter", "instructions", "")
-    desk.enter()
-    assert stands(desk) == LOST
-    desk.press("enter")
-    desk.wait(60_000)
-    assert stands(desk) == LOST
-    sensor(desk, "attached")
-    assert stands(desk) == ("enter", "attempt", "")
+    driver = sit()
+    assert stands(driver) == ("enter", "instructions", "")
+    driver.enter()
+    assert stands(driver) == LOST
+    driver.press("enter")
+    driver.wait(60_000)
+    assert stands(driver) == LOST
+    sensor(driver, "attached")
+    assert stands(driver) == ("enter", "attempt", "")
 
 
-def test_a_sensor_that_is_there_is_never_spoken_of(lifting: Bench) -> None:
+def test_a_sensor_that_is_there_is_never_spoken_of(lifting: LiftDriver) -> None:
     lifting.lift()
     assert all(waiting.reason != "sensor" for waiting in lifting.all(WAITING))
 
 
 def test_a_task_without_sensors_does_not_care(sit: Sit) -> None:
-    desk = sit(Lift)
-    desk.begin_lifts()
-    sensor(desk, "detached")
-    assert stands(desk) == AT_START
-    desk.operate("pause")
-    desk.operate("resume")
-    assert stands(desk) == AT_START
+    driver = sit(Lift)
+    driver.begin_lifts()
+    sensor(driver, "detached")
+    assert stands(driver) == AT_START
+    driver.operate("pause")
+    driver.operate("resume")
+    assert stands(driver) == AT_START
 
 
 @pytest.mark.parametrize(("loss", "cure"), [("detached", "attached"), ("stalled", "flowing"), ("ended", "attached")])
 def test_a_sensor_from_which_nothing_comes_stops_a_trial_which_is_started_again(
-    lifting: Bench, loss: SensorState, cure: SensorState
+    lifting: LiftDriver, loss: SensorState, cure: SensorState
 ) -> None:
     lifting.press("space")
     lifting.to_prompt()
@@ -95,14 +95,14 @@ def test_a_sensor_from_which_nothing_comes_stops_a_trial_which_is_started_again(
     assert lifting.last(TRIAL).timing.presentation == 2
 
 
-def test_what_it_is_that_stands_in_the_way_is_told_anew_when_it_is_something_else(lifting: Bench) -> None:
+def test_what_it_is_that_stands_in_the_way_is_told_anew_when_it_is_something_else(lifting: LiftDriver) -> None:
     sensor(lifting, "stalled", "Nothing comes.")
     sensor(lifting, "error", "The cable is broken.")
     assert (stands(lifting), lifting.waiting.detail) == (LOST, "The cable is broken.")
 
 
 @pytest.mark.parametrize("state", ["gap", "saturated", "error"])
-def test_a_sensor_that_errs_and_goes_on_stops_nothing(lifting: Bench, state: SensorState) -> None:
+def test_a_sensor_that_errs_and_goes_on_stops_nothing(lifting: LiftDriver, state: SensorState) -> None:
     lifting.press("space")
     lifting.to_prompt()
     said = len(lifting.all(WAITING))
@@ -111,7 +111,7 @@ def test_a_sensor_that_errs_and_goes_on_stops_nothing(lifting: Bench, state: Sen
     assert lifting.all(VOIDED) == []
 
 
-def test_between_attempts_too_the_session_waits_for_the_sensor(lifting: Bench) -> None:
+def test_between_attempts_too_the_session_waits_for_the_sensor(lifting: LiftDriver) -> None:
     lifting.lift()
     lifting.lift()
     sensor(lifting, "detached")
@@ -124,45 +124,45 @@ def test_between_attempts_too_the_session_waits_for_the_sensor(lifting: Bench) -
 
 
 def test_once_all_is_done_the_sensor_may_be_taken_off(sit: Sit) -> None:
-    desk = sit(attempts=1, lifts=1)
-    sensor(desk, "attached")
-    desk.begin_lifts()
-    desk.lift()
-    sensor(desk, "detached")
-    assert stands(desk) == ("enter", "review", "")
-    desk.operate("pause")
-    desk.operate("resume")
-    assert stands(desk) == ("enter", "review", "")
-    desk.press("enter")
-    assert [ended.status for ended in desk.all(SESSION_ENDED)] == ["completed"]
+    driver = sit(attempts=1, lifts=1)
+    sensor(driver, "attached")
+    driver.begin_lifts()
+    driver.lift()
+    sensor(driver, "detached")
+    assert stands(driver) == ("enter", "review", "")
+    driver.operate("pause")
+    driver.operate("resume")
+    assert stands(driver) == ("enter", "review", "")
+    driver.press("enter")
+    assert [ended.status for ended in driver.all(SESSION_ENDED)] == ["completed"]
 
 
 def test_while_the_last_answer_is_waited_for_the_sensor_may_be_taken_off(sit: Sit) -> None:
-    desk = sit(attempts=1, feedback_delay_ms=3000)
-    sensor(desk, "attached")
-    desk.begin_lifts()
-    desk.lift()
-    desk.lift()
-    assert stands(desk) == ("answer", "answer", "")
-    sensor(desk, "detached")
-    desk.operate("pause")
-    desk.operate("resume")
-    desk.wait(3000)
-    assert stands(desk) == ("enter", "review", "")
-    desk.press("enter")
-    assert desk.last(SESSION_ENDED).status == "completed"
+    driver = sit(attempts=1, feedback_delay_ms=3000)
+    sensor(driver, "attached")
+    driver.begin_lifts()
+    driver.lift()
+    driver.lift()
+    assert stands(driver) == ("answer", "answer", "")
+    sensor(driver, "detached")
+    driver.operate("pause")
+    driver.operate("resume")
+    driver.wait(3000)
+    assert stands(driver) == ("enter", "review", "")
+    driver.press("enter")
+    assert driver.last(SESSION_ENDED).status == "completed"
 
 
 def test_a_sensor_lost_in_the_instructions_is_asked_for_after_them(sit: Sit) -> None:
-    desk = sit()
-    sensor(desk, "attached")
-    sensor(desk, "detached", "Gone.")
-    assert stands(desk) == ("enter", "instructions", "")
-    desk.enter()
-    assert (stands(desk), desk.waiting.detail) == (LOST, "Gone.")
+    driver = sit()
+    sensor(driver, "attached")
+    sensor(driver, "detached", "Gone.")
+    assert stands(driver) == ("enter", "instructions", "")
+    driver.enter()
+    assert (stands(driver), driver.waiting.detail) == (LOST, "Gone.")
 
 
-def test_a_pause_that_a_person_made_is_theirs_to_end_whatever_the_sensor_does(lifting: Bench) -> None:
+def test_a_pause_that_a_person_made_is_theirs_to_end_whatever_the_sensor_does(lifting: LiftDriver) -> None:
     lifting.operate("pause", reason="tired")
     paused = stands(lifting)
     sensor(lifting, "detached")
@@ -173,7 +173,7 @@ def test_a_pause_that_a_person_made_is_theirs_to_end_whatever_the_sensor_does(li
     assert stands(lifting) == AT_START
 
 
-def test_a_pause_that_ends_while_the_sensor_is_lost_becomes_one_for_the_sensor(lifting: Bench) -> None:
+def test_a_pause_that_ends_while_the_sensor_is_lost_becomes_one_for_the_sensor(lifting: LiftDriver) -> None:
     lifting.operate("pause")
     sensor(lifting, "stalled", "Nothing comes.")
     lifting.operate("resume")
@@ -183,7 +183,7 @@ def test_a_pause_that_ends_while_the_sensor_is_lost_becomes_one_for_the_sensor(l
     assert [voided.reason for voided in lifting.all(VOIDED)] == ["pause"]
 
 
-def test_a_person_who_pauses_while_the_sensor_is_lost_is_not_hurried_by_its_return(lifting: Bench) -> None:
+def test_a_person_who_pauses_while_the_sensor_is_lost_is_not_hurried_by_its_return(lifting: LiftDriver) -> None:
     sensor(lifting, "detached")
     lifting.operate("pause", reason="pain")
     assert stands(lifting) == ("resume", "paused", "pain")
@@ -191,7 +191,7 @@ def test_a_person_who_pauses_while_the_sensor_is_lost_is_not_hurried_by_its_retu
     assert stands(lifting) == ("resume", "paused", "pain")
 
 
-def test_a_session_that_waits_for_its_sensor_can_be_ended(lifting: Bench) -> None:
+def test_a_session_that_waits_for_its_sensor_can_be_ended(lifting: LiftDriver) -> None:
     sensor(lifting, "detached")
     lifting.operate("end")
     assert [ended.status for ended in lifting.all(SESSION_ENDED)] == ["aborted"]
@@ -199,7 +199,7 @@ def test_a_session_that_waits_for_its_sensor_can_be_ended(lifting: Bench) -> Non
     assert lifting.waiting.stage == "ended"
 
 
-def test_a_sensor_that_comes_back_to_a_full_disk_starts_nothing(lifting: Bench) -> None:
+def test_a_sensor_that_comes_back_to_a_full_disk_starts_nothing(lifting: LiftDriver) -> None:
     sensor(lifting, "detached")
     lifting.disk(False)
     assert lifting.waiting.reason == "storage"
@@ -211,7 +211,7 @@ def test_a_sensor_that_comes_back_to_a_full_disk_starts_nothing(lifting: Bench) 
     assert stands(lifting) == AT_START
 
 
-def test_a_disk_that_comes_back_before_the_sensor_leaves_the_session_waiting_for_that(lifting: Bench) -> None:
+def test_a_disk_that_comes_back_before_the_sensor_leaves_the_session_waiting_for_that(lifting: LiftDriver) -> None:
     sensor(lifting, "detached")
     lifting.disk(False)
     sensor(lifting, "stalled")
@@ -221,7 +221,7 @@ def test_a_disk_that_comes_back_before_the_sensor_leaves_the_session_waiting_for
     assert stands(lifting) == AT_START
 
 
-def test_a_sensor_lost_while_the_disk_is_full_is_asked_for_when_it_can_be_written_again(lifting: Bench) -> None:
+def test_a_sensor_lost_while_the_disk_is_full_is_asked_for_when_it_can_be_written_again(lifting: LiftDriver) -> None:
     lifting.disk(False)
     sensor(lifting, "detached")
     assert lifting.waiting.reason == "storage"
@@ -233,12 +233,12 @@ def test_a_sensor_lost_while_the_disk_is_full_is_asked_for_when_it_can_be_writte
 
 @pytest.mark.parametrize("lost", [False, True])
 def test_a_session_that_is_gone_on_with_waits_for_enter_first_and_then_for_its_sensor(
-    lifting: Bench, calm: Theme, lost: bool
+    lifting: LiftDriver, calm: Theme, lost: bool
 ) -> None:
     lifting.lift()
     if lost:
         sensor(lifting, "detached")
-    resumed = Bench(SensedLift, calm, attempts=2, history=lifting.records)
+    resumed = LiftDriver(SensedLift, calm, attempts=2, history=lifting.records)
     assert stands(resumed) == ("enter", "paused", "interrupted")
     resumed.press("enter")
     assert stands(resumed) == LOST, "of the sensor of this run nothing is known yet"
@@ -248,10 +248,10 @@ def test_a_session_that_is_gone_on_with_waits_for_enter_first_and_then_for_its_s
 
 
 def test_a_sensor_that_is_there_again_before_the_participant_is_keeps_nobody_waiting(
-    lifting: Bench, calm: Theme
+    lifting: LiftDriver, calm: Theme
 ) -> None:
     sensor(lifting, "detached")
-    resumed = Bench(SensedLift, calm, attempts=2, history=lifting.records)
+    resumed = LiftDriver(SensedLift, calm, attempts=2, history=lifting.records)
     sensor(resumed, "attached")
     assert stands(resumed) == ("enter", "paused", "interrupted")
     resumed.press("enter")

@@ -9,179 +9,184 @@ from sar_tui.framework.clock import MS
 from sar_tui.framework.nodes.trials import MOST_AGAIN
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, PROMPT, TRIAL, VOIDED, WAITING
-from tests.lifting import SLIPPED, Bench, Lift
+from tests.lifting_task import SLIPPED, Lift, LiftDriver
 
-Sit = Callable[..., Bench]
+Sit = Callable[..., LiftDriver]
 
 
 @pytest.fixture
 def sit(calm: Theme) -> Sit:
     """Sit down to two attempts of two lifts each, unless told otherwise."""
 
-    def at(**settings: Any) -> Bench:
-        return Bench(Lift, calm, **{"attempts": 2, **settings})
+    def at(**settings: Any) -> LiftDriver:
+        return LiftDriver(Lift, calm, **{"attempts": 2, **settings})
 
     return at
 
 
-def waits(desk: Bench) -> list[str]:
-    return [waiting.what for waiting in desk.all(WAITING)]
+def waits(driver: LiftDriver) -> list[str]:
+    return [waiting.what for waiting in driver.all(WAITING)]
 
 
-def numbers(desk: Bench) -> list[tuple[int, int]]:
-    return [(trial.attempt, trial.trial) for trial in desk.all(TRIAL)]
+def numbers(driver: LiftDriver) -> list[tuple[int, int]]:
+    return [(trial.attempt, trial.trial) for trial in driver.all(TRIAL)]
 
 
 # --- the key that starts a trial -----------------------------------------------------------------------------
 
 
 def test_a_trial_waits_for_its_start_as_long_as_the_participant_likes(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    assert (desk.waiting.what, desk.waiting.stage, desk.waiting.attempt, desk.waiting.trial) == ("start", "trial", 1, 1)
-    assert desk.waiting.goal == "Weight 1. Stand still."
-    desk.wait(3_600_000)
-    assert desk.waiting.what == "start"
-    assert (desk.all(PROMPT), desk.all(TRIAL), desk.all(VOIDED)) == ([], [], [])
+    driver = sit()
+    driver.begin_lifts()
+    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt, driver.waiting.trial) == (
+        "start",
+        "trial",
+        1,
+        1,
+    )
+    assert driver.waiting.goal == "Weight 1. Stand still."
+    driver.wait(3_600_000)
+    assert driver.waiting.what == "start"
+    assert (driver.all(PROMPT), driver.all(TRIAL), driver.all(VOIDED)) == ([], [], [])
 
 
 def test_the_start_key_shows_the_prompt_at_once(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.press("space")
-    (prompt,) = desk.all(PROMPT)
+    driver = sit()
+    driver.begin_lifts()
+    driver.press("space")
+    (prompt,) = driver.all(PROMPT)
     assert (prompt.attempt, prompt.trial, prompt.presentation, prompt.stimulus) == (1, 1, 1, "1 kg")
-    assert waits(desk)[-2:] == ["start", "response"], "neither quiet nor a foreperiod"
-    assert prompt.started == desk.clock.now()
+    assert waits(driver)[-2:] == ["start", "response"], "neither quiet nor a foreperiod"
+    assert prompt.started == driver.clock.now()
 
 
 def test_a_trial_is_told_when_its_key_was_pressed_not_when_it_was_handled(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    pressed = desk.clock.now() - 7 * MS
-    desk.press("space", at=pressed)
-    assert desk.last(PROMPT).started == pressed
+    driver = sit()
+    driver.begin_lifts()
+    pressed = driver.clock.now() - 7 * MS
+    driver.press("space", at=pressed)
+    assert driver.last(PROMPT).started == pressed
 
 
 @pytest.mark.parametrize("key", ["enter", "u", "k", "s"])
 def test_no_other_key_starts_a_trial(sit: Sit, key: str) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.press(key)
-    desk.wait(5000)
-    assert desk.waiting.what == "start"
-    assert desk.all(PROMPT) == []
+    driver = sit()
+    driver.begin_lifts()
+    driver.press(key)
+    driver.wait(5000)
+    assert driver.waiting.what == "start"
+    assert driver.all(PROMPT) == []
 
 
 def test_a_held_start_key_starts_one_trial_and_not_the_next(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.hold("space", ms=300)
-    desk.operate("skip")
-    desk.hold("space", ms=900)
-    assert (desk.waiting.what, desk.waiting.trial, len(desk.all(PROMPT))) == ("start", 2, 1)
-    desk.wait(600)
-    desk.press("space")
-    assert len(desk.all(PROMPT)) == 1, "so soon after the last it is held still"
-    desk.wait(700)
-    desk.press("space")
-    assert len(desk.all(PROMPT)) == 2
+    driver = sit()
+    driver.begin_lifts()
+    driver.hold("space", ms=300)
+    driver.operate("skip")
+    driver.hold("space", ms=900)
+    assert (driver.waiting.what, driver.waiting.trial, len(driver.all(PROMPT))) == ("start", 2, 1)
+    driver.wait(600)
+    driver.press("space")
+    assert len(driver.all(PROMPT)) == 1, "so soon after the last it is held still"
+    driver.wait(700)
+    driver.press("space")
+    assert len(driver.all(PROMPT)) == 2
 
 
 def test_each_trial_of_an_attempt_is_started_and_a_new_attempt_is_begun_with_enter(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.lift()
-    assert (desk.waiting.what, desk.waiting.trial) == ("start", 2)
-    desk.lift()
-    assert (desk.waiting.what, desk.waiting.stage, desk.waiting.attempt) == ("enter", "attempt", 2)
-    desk.press("space")
-    assert desk.waiting.stage == "attempt"
-    desk.press("enter")
-    desk.wait(700)
-    desk.lift()
-    desk.lift()
-    assert numbers(desk) == [(1, 1), (1, 2), (2, 1), (2, 2)]
-    assert desk.waiting.stage == "review"
+    driver = sit()
+    driver.begin_lifts()
+    driver.lift()
+    assert (driver.waiting.what, driver.waiting.trial) == ("start", 2)
+    driver.lift()
+    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt) == ("enter", "attempt", 2)
+    driver.press("space")
+    assert driver.waiting.stage == "attempt"
+    driver.press("enter")
+    driver.wait(700)
+    driver.lift()
+    driver.lift()
+    assert numbers(driver) == [(1, 1), (1, 2), (2, 1), (2, 2)]
+    assert driver.waiting.stage == "review"
 
 
 def test_a_trial_started_before_the_last_is_stored_waits_for_the_disk_and_no_key_disturbs_it(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.screen.stores = False
-    desk.lift()
-    desk.press("space")
-    pressed = desk.clock.now()
-    assert desk.waiting.what == "storage"
-    desk.wait(200)
-    desk.press("k")
-    assert desk.waiting.what == "storage"
-    desk.screen.store(1, 1)
-    assert desk.last(PROMPT).trial == 2
-    assert desk.last(PROMPT).started == pressed
+    driver = sit()
+    driver.begin_lifts()
+    driver.screen.stores = False
+    driver.lift()
+    driver.press("space")
+    pressed = driver.clock.now()
+    assert driver.waiting.what == "storage"
+    driver.wait(200)
+    driver.press("k")
+    assert driver.waiting.what == "storage"
+    driver.screen.store(1, 1)
+    assert driver.last(PROMPT).trial == 2
+    assert driver.last(PROMPT).started == pressed
 
 
 def test_a_time_out_counts_from_the_prompt_however_long_the_start_was_awaited(sit: Sit) -> None:
-    desk = sit(response_timeout_ms=2000)
-    desk.begin_lifts()
-    desk.wait(10_000)
-    desk.press("space")
-    desk.to_prompt()
-    desk.wait(2049)
-    assert desk.all(TRIAL) == []
-    desk.wait(1)
-    assert (desk.last(TRIAL).response, desk.last(TRIAL).correct) == (None, False)
+    driver = sit(response_timeout_ms=2000)
+    driver.begin_lifts()
+    driver.wait(10_000)
+    driver.press("space")
+    driver.to_prompt()
+    driver.wait(2049)
+    assert driver.all(TRIAL) == []
+    driver.wait(1)
+    assert (driver.last(TRIAL).response, driver.last(TRIAL).correct) == (None, False)
 
 
 def test_a_pause_before_the_start_goes_back_to_it(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.operate("pause")
-    desk.press("space")
-    assert (desk.waiting.stage, desk.all(PROMPT)) == ("paused", [])
-    desk.wait(1000)
-    desk.operate("resume")
-    assert (desk.waiting.what, desk.waiting.trial) == ("start", 1)
-    desk.lift()
-    assert numbers(desk) == [(1, 1)]
+    driver = sit()
+    driver.begin_lifts()
+    driver.operate("pause")
+    driver.press("space")
+    assert (driver.waiting.stage, driver.all(PROMPT)) == ("paused", [])
+    driver.wait(1000)
+    driver.operate("resume")
+    assert (driver.waiting.what, driver.waiting.trial) == ("start", 1)
+    driver.lift()
+    assert numbers(driver) == [(1, 1)]
 
 
 def test_a_pause_in_a_trial_has_it_started_again(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.press("space")
-    desk.to_prompt()
-    desk.press("k")
-    desk.operate("pause")
-    desk.operate("resume")
-    assert desk.waiting.what == "start"
-    desk.wait(700)
-    desk.press("space")
-    again = desk.to_prompt()
-    assert (again.trial, again.presentation, again.started) == (1, 2, desk.clock.now() - 4 * MS)
-    desk.wait(300)
-    desk.press("u")
-    assert desk.all(TRIAL) == [], "what was lifted before the pause is forgotten"
+    driver = sit()
+    driver.begin_lifts()
+    driver.press("space")
+    driver.to_prompt()
+    driver.press("k")
+    driver.operate("pause")
+    driver.operate("resume")
+    assert driver.waiting.what == "start"
+    driver.wait(700)
+    driver.press("space")
+    again = driver.to_prompt()
+    assert (again.trial, again.presentation, again.started) == (1, 2, driver.clock.now() - 4 * MS)
+    driver.wait(300)
+    driver.press("u")
+    assert driver.all(TRIAL) == [], "what was lifted before the pause is forgotten"
 
 
 def test_a_trial_that_was_not_started_can_be_skipped(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.operate("skip")
-    skipped = desk.last(TRIAL)
+    driver = sit()
+    driver.begin_lifts()
+    driver.operate("skip")
+    skipped = driver.last(TRIAL)
     assert (skipped.trial, skipped.correct, skipped.onset, skipped.timing.flags) == (1, False, None, ("skipped",))
-    assert (desk.waiting.what, desk.waiting.trial) == ("start", 2)
+    assert (driver.waiting.what, driver.waiting.trial) == ("start", 2)
 
 
 @pytest.mark.parametrize("presses", [(), ("space",), ("space", "k")])
 def test_a_session_cut_off_in_a_trial_has_it_started_again(sit: Sit, calm: Theme, presses: tuple[str, ...]) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.lift()
+    driver = sit()
+    driver.begin_lifts()
+    driver.lift()
     for key in presses:
-        desk.press(key)
-        desk.wait(100)
-    resumed = Bench(Lift, calm, attempts=2, history=desk.records)
+        driver.press(key)
+        driver.wait(100)
+    resumed = LiftDriver(Lift, calm, attempts=2, history=driver.records)
     assert (resumed.waiting.what, resumed.waiting.reason) == ("enter", "interrupted")
     resumed.press("enter")
     assert (resumed.waiting.what, resumed.waiting.trial) == ("start", 2)
@@ -193,109 +198,109 @@ def test_a_session_cut_off_in_a_trial_has_it_started_again(sit: Sit, calm: Theme
 
 
 def test_with_a_signal_the_start_is_followed_by_quiet_and_a_foreperiod(sit: Sit) -> None:
-    desk = sit(signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900)
-    desk.begin_lifts()
-    desk.press("space")
-    started = desk.clock.now()
-    prompt = desk.to_prompt()
-    assert waits(desk)[-4:] == ["start", "quiet", "foreperiod", "response"]
-    assert desk.clock.now() - started == (500 + 900 + 4) * MS
+    driver = sit(signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900)
+    driver.begin_lifts()
+    driver.press("space")
+    started = driver.clock.now()
+    prompt = driver.to_prompt()
+    assert waits(driver)[-4:] == ["start", "quiet", "foreperiod", "response"]
+    assert driver.clock.now() - started == (500 + 900 + 4) * MS
     assert prompt.started == started
-    desk.press("d")
-    assert desk.last(TRIAL).timing.foreperiod_ms == 900.0
+    driver.press("d")
+    assert driver.last(TRIAL).timing.foreperiod_ms == 900.0
 
 
 def test_a_key_before_the_signal_begins_the_foreperiod_anew_and_the_start_stands(sit: Sit) -> None:
-    desk = sit(signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900)
-    desk.begin_lifts()
-    desk.press("space")
-    started = desk.clock.now()
-    desk.until(lambda: desk.waiting.what == "foreperiod")
-    desk.wait(400)
-    desk.press("space")
-    pressed = desk.clock.now()
-    assert desk.to_prompt().started == started
-    assert desk.clock.now() - pressed == (500 + 900 + 4) * MS
-    desk.press("d")
-    assert desk.last(TRIAL).timing.false_starts == 1
+    driver = sit(signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900)
+    driver.begin_lifts()
+    driver.press("space")
+    started = driver.clock.now()
+    driver.until(lambda: driver.waiting.what == "foreperiod")
+    driver.wait(400)
+    driver.press("space")
+    pressed = driver.clock.now()
+    assert driver.to_prompt().started == started
+    assert driver.clock.now() - pressed == (500 + 900 + 4) * MS
+    driver.press("d")
+    assert driver.last(TRIAL).timing.false_starts == 1
 
 
 def test_a_task_that_neither_waits_for_a_start_nor_for_a_foreperiod_shows_its_prompts_at_once(sit: Sit) -> None:
-    desk = sit(by_itself=True)
-    desk.enter()
-    desk.press("enter")
-    assert [prompt.trial for prompt in desk.all(PROMPT)] == [1]
-    desk.to_prompt()
-    desk.press("d")
-    desk.wait(0)
-    assert [prompt.trial for prompt in desk.all(PROMPT)] == [1, 2]
-    assert {"quiet", "foreperiod"} & set(waits(desk)) == set()
-    assert desk.last(TRIAL).timing.foreperiod_ms == 0
+    driver = sit(by_itself=True)
+    driver.enter()
+    driver.press("enter")
+    assert [prompt.trial for prompt in driver.all(PROMPT)] == [1]
+    driver.to_prompt()
+    driver.press("d")
+    driver.wait(0)
+    assert [prompt.trial for prompt in driver.all(PROMPT)] == [1, 2]
+    assert {"quiet", "foreperiod"} & set(waits(driver)) == set()
+    assert driver.last(TRIAL).timing.foreperiod_ms == 0
 
 
 # --- a response that lasts ------------------------------------------------------------------------------------
 
 
 def test_the_row_of_a_movement_begins_with_its_onset_and_ends_with_its_end(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.lift(450)
-    trial = desk.last(TRIAL)
-    end = desk.clock.now() - 300 * MS
+    driver = sit()
+    driver.begin_lifts()
+    driver.lift(450)
+    trial = driver.last(TRIAL)
+    end = driver.clock.now() - 300 * MS
     assert (trial.onset, trial.response_at, trial.value) == (end - 450 * MS, end, 450.0)
     assert (trial.response, trial.correct, trial.details) == ("lift", True, {"sway": 4.5, "grip": 50.0})
     assert trial.timing.flags == ()
 
 
 def test_without_a_signal_there_is_no_reaction_time_and_nothing_is_an_anticipation(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.press("space")
-    desk.press("k")
-    desk.wait(5)
-    desk.press("u")
-    trial = desk.last(TRIAL)
+    driver = sit()
+    driver.begin_lifts()
+    driver.press("space")
+    driver.press("k")
+    driver.wait(5)
+    driver.press("u")
+    trial = driver.last(TRIAL)
     assert (trial.reaction_time_ms, trial.value, trial.timing.flags) == (None, 5.0, ())
 
 
 def test_with_a_signal_the_reaction_time_runs_from_the_signal_to_the_movements_onset(sit: Sit) -> None:
-    desk = sit(signal=True)
-    desk.begin_lifts()
-    desk.lift(450)
-    trial = desk.last(TRIAL)
+    driver = sit(signal=True)
+    driver.begin_lifts()
+    driver.lift(450)
+    trial = driver.last(TRIAL)
     assert (trial.reaction_time_ms, trial.value, trial.timing.flags) == (200.0, 450.0, ())
 
 
 def test_a_movement_that_begins_too_soon_after_the_signal_is_an_anticipation_however_late_it_ends(sit: Sit) -> None:
-    desk = sit(signal=True, lifts=1)
-    desk.begin_lifts()
-    desk.press("space")
-    desk.to_prompt()
-    desk.wait(99)
-    desk.press("k")
-    desk.wait(2000)
-    desk.press("u")
-    trial = desk.last(TRIAL)
+    driver = sit(signal=True, lifts=1)
+    driver.begin_lifts()
+    driver.press("space")
+    driver.to_prompt()
+    driver.wait(99)
+    driver.press("k")
+    driver.wait(2000)
+    driver.press("u")
+    trial = driver.last(TRIAL)
     assert (trial.reaction_time_ms, trial.value, trial.correct, trial.timing.flags) == (
         99.0,
         None,
         True,
         ("anticipation",),
     )
-    assert desk.last(ATTEMPT_ENDED).metric is None
+    assert driver.last(ATTEMPT_ENDED).metric is None
 
 
 def test_a_movement_that_begins_before_the_signal_is_an_anticipation_without_a_reaction_time(sit: Sit) -> None:
-    desk = sit(signal=True, lifts=1)
-    desk.begin_lifts()
-    desk.press("space")
-    desk.until(lambda: desk.all(PROMPT))
-    desk.wait(1)
-    desk.press("k")
-    desk.to_prompt()
-    desk.wait(500)
-    desk.press("u")
-    trial = desk.last(TRIAL)
+    driver = sit(signal=True, lifts=1)
+    driver.begin_lifts()
+    driver.press("space")
+    driver.until(lambda: driver.all(PROMPT))
+    driver.wait(1)
+    driver.press("k")
+    driver.to_prompt()
+    driver.wait(500)
+    driver.press("u")
+    trial = driver.last(TRIAL)
     assert (trial.reaction_time_ms, trial.value, trial.timing.flags) == (None, None, ("anticipation",))
     assert trial.response_at - trial.onset == 503 * MS
 
@@ -304,92 +309,92 @@ def test_a_movement_that_begins_before_the_signal_is_an_anticipation_without_a_r
 
 
 def test_a_trial_of_which_nothing_can_be_said_is_done_once_more_and_the_participant_is_told_why(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    first = desk.waiting
-    desk.lift(end="?")
-    assert desk.all(TRIAL) == []
-    voided = desk.last(VOIDED)
+    driver = sit()
+    driver.begin_lifts()
+    first = driver.waiting
+    driver.lift(end="?")
+    assert driver.all(TRIAL) == []
+    voided = driver.last(VOIDED)
     assert (voided.attempt, voided.trial, voided.presentation, voided.reason) == (1, 1, 1, "slipped")
-    assert (desk.waiting.what, desk.waiting.trial, desk.waiting.notice) == ("start", 1, SLIPPED)
-    assert (first.notice, desk.waiting.goal) == ("", first.goal)
-    desk.lift()
-    assert numbers(desk) == [(1, 1)]
-    assert desk.last(TRIAL).timing.presentation == 2
-    assert desk.waiting.notice == "", "the next trial is no repetition"
+    assert (driver.waiting.what, driver.waiting.trial, driver.waiting.notice) == ("start", 1, SLIPPED)
+    assert (first.notice, driver.waiting.goal) == ("", first.goal)
+    driver.lift()
+    assert numbers(driver) == [(1, 1)]
+    assert driver.last(TRIAL).timing.presentation == 2
+    assert driver.waiting.notice == "", "the next trial is no repetition"
 
 
 def test_what_was_perceived_before_a_trial_is_done_once_more_is_forgotten(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.lift(end="?")
-    desk.press("space")
-    desk.to_prompt()
-    desk.wait(300)
-    desk.press("u")
-    assert desk.all(TRIAL) == [], "no weight was taken off the table this time"
-    desk.press("k")
-    desk.wait(300)
-    desk.press("u")
-    assert desk.last(TRIAL).value == 300.0
+    driver = sit()
+    driver.begin_lifts()
+    driver.lift(end="?")
+    driver.press("space")
+    driver.to_prompt()
+    driver.wait(300)
+    driver.press("u")
+    assert driver.all(TRIAL) == [], "no weight was taken off the table this time"
+    driver.press("k")
+    driver.wait(300)
+    driver.press("u")
+    assert driver.last(TRIAL).value == 300.0
 
 
 def test_a_trial_may_be_done_over_as_soon_as_its_prompt_is_seen(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
-    desk.press("space")
-    desk.press("?")
-    desk.press("u")
-    desk.wait(4)
-    assert (desk.waiting.what, desk.waiting.notice, desk.all(TRIAL)) == ("start", SLIPPED, [])
-    assert desk.session.faults == []
+    driver = sit()
+    driver.begin_lifts()
+    driver.press("space")
+    driver.press("?")
+    driver.press("u")
+    driver.wait(4)
+    assert (driver.waiting.what, driver.waiting.notice, driver.all(TRIAL)) == ("start", SLIPPED, [])
+    assert driver.session.faults == []
 
 
 def test_however_often_a_trial_is_done_over_its_prompt_is_the_same(sit: Sit) -> None:
-    desk = sit(signal=True)
-    desk.begin_lifts()
+    driver = sit(signal=True)
+    driver.begin_lifts()
     for _ in range(MOST_AGAIN - 1):
-        desk.lift(end="?")
-    desk.lift()
-    prompts = desk.all(PROMPT)
+        driver.lift(end="?")
+    driver.lift()
+    prompts = driver.all(PROMPT)
     assert [(prompt.trial, prompt.presentation) for prompt in prompts] == [(1, n) for n in range(1, MOST_AGAIN + 1)]
     assert len({prompt.stimulus for prompt in prompts}) == 1
-    shown = [record.at for record in desk.records if record.topic is PROMPT]
-    began = [record.at for record in desk.records if record.topic is WAITING and record.message.what == "foreperiod"]
+    shown = [record.at for record in driver.records if record.topic is PROMPT]
+    began = [record.at for record in driver.records if record.topic is WAITING and record.message.what == "foreperiod"]
     assert len({end - begin for begin, end in zip(began, shown, strict=True)}) == 1
-    assert numbers(desk) == [(1, 1)]
+    assert numbers(driver) == [(1, 1)]
 
 
 def test_a_trial_of_which_nothing_can_be_said_is_not_asked_for_without_end(sit: Sit) -> None:
-    desk = sit()
-    desk.begin_lifts()
+    driver = sit()
+    driver.begin_lifts()
     for _ in range(MOST_AGAIN):
-        desk.lift(end="?")
-    (missed,) = desk.all(TRIAL)
+        driver.lift(end="?")
+    (missed,) = driver.all(TRIAL)
     assert (missed.correct, missed.timing.flags) == (False, ("unmeasured", "slipped"))
-    assert (desk.waiting.what, desk.waiting.trial, desk.waiting.notice) == ("start", 2, "")
-    desk.lift(end="?")
-    assert len(desk.all(TRIAL)) == 1, "and each trial has as many tries"
+    assert (driver.waiting.what, driver.waiting.trial, driver.waiting.notice) == ("start", 2, "")
+    driver.lift(end="?")
+    assert len(driver.all(TRIAL)) == 1, "and each trial has as many tries"
 
 
 # --- what has to be known first -------------------------------------------------------------------------------
 
 
 def test_a_level_is_announced_before_the_first_attempt_and_when_it_is_another(sit: Sit) -> None:
-    desk = sit(attempts=3, lifts=1, start_level=3)
-    desk.enter()
-    assert desk.waiting.notice == "Weight 3 after 0"
-    desk.press("enter")
-    desk.wait(300)
-    assert desk.waiting.notice == "", "a trial that is not repeated has nothing to tell"
-    desk.lift(end="d")
-    assert (desk.waiting.stage, desk.waiting.notice) == ("attempt", "Weight 2 after 3")
-    desk.operate("level", value=3)
-    assert (desk.waiting.stage, desk.waiting.notice) == ("attempt", ""), "the level is what it was"
+    driver = sit(attempts=3, lifts=1, start_level=3)
+    driver.enter()
+    assert driver.waiting.notice == "Weight 3 after 0"
+    driver.press("enter")
+    driver.wait(300)
+    assert driver.waiting.notice == "", "a trial that is not repeated has nothing to tell"
+    driver.lift(end="d")
+    assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", "Weight 2 after 3")
+    driver.operate("level", value=3)
+    assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", ""), "the level is what it was"
 
 
 def test_a_level_that_stays_is_not_announced_again(sit: Sit) -> None:
-    desk = sit(lifts=1, difficulty_policy="fixed")
-    desk.begin_lifts()
-    desk.lift()
-    assert (desk.waiting.stage, desk.waiting.notice) == ("attempt", "")
+    driver = sit(lifts=1, difficulty_policy="fixed")
+    driver.begin_lifts()
+    driver.lift()
+    assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", "")

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from sar_tui.framework.parameters import TaskParameters, build
 from sar_tui.framework.policies.feedback import Judgement, degree, judge
-from sar_tui.framework.task import Metric, Score, Target
+from sar_tui.framework.trial_types import Metric, Score, Target
 
 TIME = Metric("time", unit="ms", better="lower")
 TAPS = Metric("taps", unit="taps", better="higher")

@@ -10,7 +10,7 @@ from sar_tui.framework.messages import FeedbackChoice
 from sar_tui.framework.parameters import TaskParameters, build
 from sar_tui.framework.policies import feedback
 from sar_tui.framework.policies.feedback import RAREST, History, Judged
-from sar_tui.framework.task import Metric, Score, Target
+from sar_tui.framework.trial_types import Metric, Score, Target
 
 TIME = Metric("time", unit="ms", better="lower")
 GOAL = 1000.0

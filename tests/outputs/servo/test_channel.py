@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
+from sar_tui.drivers.phidget import new_channel
 from sar_tui.framework.clock import LiveClock
 from sar_tui.outputs.servo.servo import Servo
-from sar_tui.phidget_library import new_channel
 from tests.outputs.contract import Rig
 
 

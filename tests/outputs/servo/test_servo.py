@@ -17,7 +17,7 @@ from sar_tui.outputs.output import OutputError
 from sar_tui.outputs.servo import servo as servo_module
 from sar_tui.outputs.servo.servo import Servo
 from tests.outputs.contract import THEME, Rig
-from tests.outputs.servo_bench import UNSUPPORTED, PhidgetError, ServoBench
+from tests.outputs.servo_fixtures import UNSUPPORTED, PhidgetError, ServoBench
 
 BOTH = "?right_arm=0&nod=-5"
 

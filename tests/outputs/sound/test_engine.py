@@ -9,8 +9,8 @@ import pytest
 from sar_tui.outputs.sound.engine import Engine
 from sar_tui.outputs.sound.protocol import SoundError, Unreadable, Voicing
 from sar_tui.outputs.sound.samples import RATE, peak, seconds
-from tests.outputs.listening import ENGINE
-from tests.speech import needs_speech
+from tests.needs_speech import needs_speech
+from tests.outputs.voice_fixtures import ENGINE
 
 pytestmark = needs_speech
 

@@ -14,7 +14,7 @@ from sar_tui.framework.theme import Note
 from sar_tui.outputs.sound.player import Card, Folder, Nowhere, Place, Turn
 from sar_tui.outputs.sound.protocol import SoundError
 from sar_tui.outputs.sound.samples import seconds, tone
-from tests.outputs.listening import DEADLINE_S, NOBODY
+from tests.outputs.voice_fixtures import DEADLINE_S, NOBODY
 
 BEEP = tone((Note(880, 200),))
 

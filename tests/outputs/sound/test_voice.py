@@ -13,8 +13,8 @@ from sar_tui.framework.clock import host_now
 from sar_tui.framework.theme import Note
 from sar_tui.outputs.sound.child import Child
 from sar_tui.outputs.sound.protocol import Ended, Reply, Say, Setup, Started, Stop, Tone, Voicing, Warm, line
-from tests.outputs.listening import DEADLINE_S, ENGINE, NOBODY, is_alive, pids, program_with, real_program, until
-from tests.speech import needs_speech
+from tests.needs_speech import needs_speech
+from tests.outputs.voice_fixtures import DEADLINE_S, ENGINE, NOBODY, is_alive, pids, program_with, real_program, until
 
 pytestmark = needs_speech
 

@@ -8,11 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import MS
+from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.messages import KeyPerceived
-from sar_tui.framework.parameters import ParameterError, build, fields
-from sar_tui.framework.task import Performance, Result, Situation, Stimulus, Task, Trial
+from sar_tui.framework.parameters import build, fields
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Performance, Result, Situation, Stimulus, Trial
 from sar_tui.plugins import Catalogue
 
 
@@ -22,7 +24,7 @@ def make(**parameters: object) -> Task:
 
 
 def situation(trial: int, attempt: int = 1, level: int = 1, seed: int = 1) -> Situation:
-    return Situation(attempt, trial, level, Chance(seed, attempt, trial), Chance(seed))
+    return Situation(attempt, trial, level, RandomStreams(seed, attempt, trial), RandomStreams(seed))
 
 
 def prompts(task: Task, count: int = 20, **where: Any) -> list[str]:
@@ -221,10 +223,10 @@ def test_the_score_is_the_mean_of_correct_responses_that_count_and_the_share_of_
 @given(st.sampled_from("asdfjkl;1A?"), st.integers(0, 500))
 def test_a_slip_is_never_the_right_key(expected: str, seed: int) -> None:
     stimulus = Stimulus(expected, expected, f"Press: {expected}")
-    ((at, key),) = make().rehearse(stimulus, Performance(400.0, slips=True), Chance(seed))
+    ((at, key),) = make().rehearse(stimulus, Performance(400.0, slips=True), RandomStreams(seed))
     assert at == 400.0
     assert key.casefold() != expected.casefold()
-    assert make().rehearse(stimulus, Performance(400.0), Chance(seed)) == [(400.0, expected)]
+    assert make().rehearse(stimulus, Performance(400.0), RandomStreams(seed)) == [(400.0, expected)]
 
 
 def test_the_tasks_own_parameters_are_those_of_the_thesis() -> None:

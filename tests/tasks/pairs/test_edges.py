@@ -5,15 +5,16 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.parameters import build
-from sar_tui.framework.task import Performance, Result, Situation, Stimulus, Task
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import CUE, FEEDBACK, TRIAL
+from sar_tui.framework.trial_types import Performance, Result, Situation, Stimulus
 from sar_tui.plugins import Catalogue
-from tests.tasks.pairs.table import SHORT, Table
+from tests.tasks.pairs.pairs_driver import SHORT, PairsDriver
 
-Sit = Callable[..., Table]
+Sit = Callable[..., PairsDriver]
 
 
 @pytest.fixture
@@ -23,10 +24,10 @@ def pairs(catalogue: Catalogue) -> type[Task]:
 
 @pytest.fixture
 def sit(pairs: type[Task], calm: Theme) -> Sit:
-    def sit_down(policy: str, **parameters: Any) -> Table:
-        table = Table(pairs, calm, policy=policy, **(SHORT | parameters))
-        table.start()
-        return table
+    def sit_down(policy: str, **parameters: Any) -> PairsDriver:
+        driver = PairsDriver(pairs, calm, policy=policy, **(SHORT | parameters))
+        driver.start()
+        return driver
 
     return sit_down
 
@@ -38,37 +39,37 @@ def test_together_an_anticipation_is_no_response_however_near_the_other_is(sit: 
 
 
 def test_together_nobody_answers_and_both_miss(sit: Sit) -> None:
-    table = sit("cooperative", response_timeout_ms=500)
-    table.to_prompt()
-    table.wait(600)
-    rows = table.by_seat(table.all(TRIAL))
+    driver = sit("cooperative", response_timeout_ms=500)
+    driver.to_prompt()
+    driver.wait(600)
+    rows = driver.by_seat(driver.all(TRIAL))
     assert [(rows[seat].response, rows[seat].correct, rows[seat].value) for seat in "AB"] == [(None, False, None)] * 2
 
 
 def test_with_caps_lock_on_a_right_key_is_right(sit: Sit) -> None:
-    table = sit("race")
-    left, right = table.keys
-    rows = table.by_seat(table.press_after((300, left.upper()), (400, right)))
+    driver = sit("race")
+    left, right = driver.keys
+    rows = driver.by_seat(driver.press_after((300, left.upper()), (400, right)))
     assert (rows["A"].correct, rows["A"].details["won"], rows["A"].response) == (True, True, left.upper())
 
 
 def test_how_long_ago_ones_last_key_was_is_kept_in_milliseconds_and_is_not_the_others(sit: Sit) -> None:
-    table = sit("race")
-    first = table.both(300, 350)
-    second = table.both(310, 400)
+    driver = sit("race")
+    first = driver.both(300, 350)
+    second = driver.both(310, 400)
     since = (second["A"].response_at or 0) - (first["A"].response_at or 0)
     assert second["A"].details["key_gap_ms"] == pytest.approx(since / 1_000_000)
     assert first["B"].details["key_gap_ms"] is None
 
 
 def test_of_a_race_each_row_has_the_delay_of_ones_own_key(sit: Sit) -> None:
-    table = sit("race")
-    left, right = table.keys
-    now = table.clock.now()
-    table.wait(400)
-    table.press(left, at=now + 300_000_000)
-    table.press(right, at=now + 350_000_000)
-    rows = table.by_seat(table.all(TRIAL))
+    driver = sit("race")
+    left, right = driver.keys
+    now = driver.clock.now()
+    driver.wait(400)
+    driver.press(left, at=now + 300_000_000)
+    driver.press(right, at=now + 350_000_000)
+    rows = driver.by_seat(driver.all(TRIAL))
     assert [rows[seat].timing.handler_delay_ms for seat in "AB"] == pytest.approx([100, 50])
 
 
@@ -87,7 +88,9 @@ def test_the_sides_come_in_another_order_in_each_attempt(pairs: type[Task]) -> N
     task = pairs(build(pairs.Parameters, {"policy": "joint attention", "prompts_per_attempt": 20}))
 
     def sides(attempt: int) -> list[str]:
-        at = [Situation(attempt, trial, 1, Chance(3, attempt, trial), Chance(3)) for trial in range(1, 21)]
+        at = [
+            Situation(attempt, trial, 1, RandomStreams(3, attempt, trial), RandomStreams(3)) for trial in range(1, 21)
+        ]
         return [task.stimulus(situation).seat for situation in at]
 
     assert len({tuple(sides(attempt)) for attempt in range(1, 6)}) == 5
@@ -95,37 +98,37 @@ def test_the_sides_come_in_another_order_in_each_attempt(pairs: type[Task]) -> N
 
 
 def test_a_key_before_the_cue_puts_the_cue_off_too_so_that_it_is_given_once(sit: Sit) -> None:
-    table = sit("joint attention", cue_lead_ms=400, foreperiod_min_ms=1500, foreperiod_max_ms=1600)
-    table.press_after((300, "".join(table.keys)))
-    known = len(table.all(CUE))
-    table.until(lambda: table.waiting.what == "foreperiod")
-    table.wait(900)
-    table.press("space")
-    table.wait(490)
-    assert len(table.all(CUE)) == known
-    table.to_prompt()
-    assert len(table.all(CUE)) == known + 1
+    driver = sit("joint attention", cue_lead_ms=400, foreperiod_min_ms=1500, foreperiod_max_ms=1600)
+    driver.press_after((300, "".join(driver.keys)))
+    known = len(driver.all(CUE))
+    driver.until(lambda: driver.waiting.what == "foreperiod")
+    driver.wait(900)
+    driver.press("space")
+    driver.wait(490)
+    assert len(driver.all(CUE)) == known
+    driver.to_prompt()
+    assert len(driver.all(CUE)) == known + 1
 
 
 def test_a_second_key_is_not_taken_for_the_one_that_a_row_tells_of(sit: Sit) -> None:
-    table = sit("race")
-    left, right = table.keys
-    table.wait(300)
-    table.press(left)
-    table.wait(200)
-    table.press("d" if left != "d" else "s", at=table.clock.now() - 50_000_000)
-    table.press(right)
-    rows = table.by_seat(table.all(TRIAL))
+    driver = sit("race")
+    left, right = driver.keys
+    driver.wait(300)
+    driver.press(left)
+    driver.wait(200)
+    driver.press("d" if left != "d" else "s", at=driver.clock.now() - 50_000_000)
+    driver.press(right)
+    rows = driver.by_seat(driver.all(TRIAL))
     assert [rows[seat].timing.handler_delay_ms for seat in "AB"] == [0, 0]
 
 
 @pytest.mark.parametrize("policy", ["alternate", "cooperative", "joint attention"])
 def test_where_nobody_races_nobody_is_told_how_often_they_won(sit: Sit, policy: str) -> None:
-    table = sit(policy)
+    driver = sit(policy)
     for _ in range(2):
-        left, right = table.keys
-        table.press_after(*((300, key) for key in (left, right) if key))
-    assert [answer.won for answer in table.all(FEEDBACK)] == [None, None]
+        left, right = driver.keys
+        driver.press_after(*((300, key) for key in (left, right) if key))
+    assert [answer.won for answer in driver.all(FEEDBACK)] == [None, None]
 
 
 @pytest.mark.parametrize("seat", ["A", "B"])
@@ -133,16 +136,16 @@ def test_a_simulated_slip_is_another_key_of_ones_own_half(pairs: type[Task], sea
     task = pairs(build(pairs.Parameters, {"policy": "race"}))
     stimulus = Stimulus("f j", "", "", seat=seat, halves=("f", "j"))
     for seed in range(50):
-        ((_, key),) = task.rehearse(stimulus, Performance(400, slips=True), Chance(seed))
+        ((_, key),) = task.rehearse(stimulus, Performance(400, slips=True), RandomStreams(seed))
         assert key != stimulus.halves["AB".index(seat)]
         assert task.seat_of(key) == seat
 
 
 def test_who_wins_or_loses_a_race_is_told_so_plainly_however_far_off_the_goal(sit: Sit) -> None:
-    table = sit("race", threshold=5000)
+    driver = sit("race", threshold=5000)
     for _ in range(2):
-        table.both(300, 350)
-    assert [(answer.reason, answer.choice.degree) for answer in table.all(FEEDBACK)] == [
+        driver.both(300, 350)
+    assert [(answer.reason, answer.choice.degree) for answer in driver.all(FEEDBACK)] == [
         ("won", "clear"),
         ("lost", "clear"),
     ]

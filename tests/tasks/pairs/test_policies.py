@@ -9,9 +9,9 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, CUE, FEEDBACK, LEVEL, PERCEIVED, PROMPT, PROPOSED, TRIAL, WAITING
 from sar_tui.plugins import Catalogue
-from tests.tasks.pairs.table import SHORT, Table
+from tests.tasks.pairs.pairs_driver import SHORT, PairsDriver
 
-Sit = Callable[..., Table]
+Sit = Callable[..., PairsDriver]
 
 
 @pytest.fixture(scope="session")
@@ -21,115 +21,115 @@ def pairs(catalogue: Catalogue) -> type[Task]:
 
 @pytest.fixture
 def sit(pairs: type[Task], calm: Theme) -> Sit:
-    def sit_down(policy: str, **parameters: Any) -> Table:
-        return Table(pairs, calm, policy=policy, **(SHORT | parameters))
+    def sit_down(policy: str, **parameters: Any) -> PairsDriver:
+        return PairsDriver(pairs, calm, policy=policy, **(SHORT | parameters))
 
     return sit_down
 
 
-def ended(table: Table, attempt: int = 1) -> dict[str, Any]:
+def ended(driver: PairsDriver, attempt: int = 1) -> dict[str, Any]:
     """How an attempt ended for each seat."""
-    return {one.seat: one for one in table.all(ATTEMPT_ENDED) if one.attempt == attempt}
+    return {one.seat: one for one in driver.all(ATTEMPT_ENDED) if one.attempt == attempt}
 
 
-def told(table: Table, attempt: int = 1) -> dict[str, Any]:
+def told(driver: PairsDriver, attempt: int = 1) -> dict[str, Any]:
     """What the agent would say of an attempt, by seat."""
-    return {one.seat: one for one in table.all(PROPOSED) if one.kind == "feedback" and one.attempt == attempt}
+    return {one.seat: one for one in driver.all(PROPOSED) if one.kind == "feedback" and one.attempt == attempt}
 
 
 # --- alternate ---------------------------------------------------------------------------------------------------
 
 
 def test_in_turn_each_prompt_is_one_persons_and_who_begins_changes_with_the_attempt(sit: Sit) -> None:
-    table = sit("alternate", prompts_per_attempt=3)
-    table.start()
+    driver = sit("alternate", prompts_per_attempt=3)
+    driver.start()
     for _ in range(2):
         for _ in range(3):
-            left, right = table.keys
-            table.press_after((300, left or right))
-        table.wait(1000)
-        table.press("enter")
-    assert [(row.attempt, row.seat) for row in table.all(TRIAL)] == [
+            left, right = driver.keys
+            driver.press_after((300, left or right))
+        driver.wait(1000)
+        driver.press("enter")
+    assert [(row.attempt, row.seat) for row in driver.all(TRIAL)] == [
         (1, "A"), (1, "B"), (1, "A"), (2, "B"), (2, "A"), (2, "B"),
     ]  # fmt: skip
-    assert all(row.correct and row.reaction_time_ms == pytest.approx(300) for row in table.all(TRIAL))
-    assert [prompt.seat for prompt in table.all(PROMPT)] == [row.seat for row in table.all(TRIAL)]
+    assert all(row.correct and row.reaction_time_ms == pytest.approx(300) for row in driver.all(TRIAL))
+    assert [prompt.seat for prompt in driver.all(PROMPT)] == [row.seat for row in driver.all(TRIAL)]
 
 
 def test_in_turn_the_others_keys_do_nothing_and_are_flagged(sit: Sit) -> None:
-    table = sit("alternate")
-    table.start()
-    left, _ = table.keys
-    assert table.press_after((200, "j"), (250, "k")) == []
-    (row,) = table.press_after((100, left))
+    driver = sit("alternate")
+    driver.start()
+    left, _ = driver.keys
+    assert driver.press_after((200, "j"), (250, "k")) == []
+    (row,) = driver.press_after((100, left))
     assert (row.seat, row.correct, row.response) == ("A", True, left)
     assert row.timing.flags == ("other_seat",)
 
 
 def test_in_turn_keys_of_nobody_do_nothing_either(sit: Sit) -> None:
-    table = sit("alternate")
-    table.start()
-    left, _ = table.keys
-    assert table.press_after((200, "space"), (250, "enter"), (270, "left")) == []
-    (row,) = table.press_after((100, left))
+    driver = sit("alternate")
+    driver.start()
+    left, _ = driver.keys
+    assert driver.press_after((200, "space"), (250, "enter"), (270, "left")) == []
+    (row,) = driver.press_after((100, left))
     assert (row.correct, row.timing.flags) == (True, ())
 
 
 def test_in_turn_it_is_told_before_the_prompt_whose_turn_it_is(sit: Sit) -> None:
-    table = sit("alternate")
-    table.start()
-    assert {waiting.seat for waiting in table.all(WAITING) if waiting.stage == "trial"} == {"A"}
-    assert {waiting.seat for waiting in table.all(WAITING) if waiting.stage != "trial"} == {""}
-    left, _ = table.keys
-    table.press_after((300, left))
-    table.to_prompt()
-    assert table.waiting.seat == "B"
+    driver = sit("alternate")
+    driver.start()
+    assert {waiting.seat for waiting in driver.all(WAITING) if waiting.stage == "trial"} == {"A"}
+    assert {waiting.seat for waiting in driver.all(WAITING) if waiting.stage != "trial"} == {""}
+    left, _ = driver.keys
+    driver.press_after((300, left))
+    driver.to_prompt()
+    assert driver.waiting.seat == "B"
 
 
 def test_in_turn_a_wrong_key_of_ones_own_half_is_wrong_and_a_miss_is_a_miss(sit: Sit) -> None:
-    table = sit("alternate", response_timeout_ms=1000)
-    table.start()
-    left, _ = table.keys
-    (row,) = table.press_after((300, "x" if left != "x" else "z"))
+    driver = sit("alternate", response_timeout_ms=1000)
+    driver.start()
+    left, _ = driver.keys
+    (row,) = driver.press_after((300, "x" if left != "x" else "z"))
     assert (row.seat, row.correct, row.details["right"]) == ("A", False, False)
-    table.to_prompt()
-    table.wait(1100)
-    assert (table.last(TRIAL).seat, table.last(TRIAL).response, table.last(TRIAL).correct) == ("B", None, False)
+    driver.to_prompt()
+    driver.wait(1100)
+    assert (driver.last(TRIAL).seat, driver.last(TRIAL).response, driver.last(TRIAL).correct) == ("B", None, False)
 
 
 def test_in_turn_each_is_scored_and_answered_for_themselves_and_the_level_waits_for_both(sit: Sit) -> None:
-    table = sit("alternate", prompts_per_attempt=4)
-    table.start()
+    driver = sit("alternate", prompts_per_attempt=4)
+    driver.start()
     for _ in range(4):
-        left, right = table.keys
-        table.press_after((400, left) if left else (1300, right))
-    table.wait(1000)
-    results = ended(table)
+        left, right = driver.keys
+        driver.press_after((400, left) if left else (1300, right))
+    driver.wait(1000)
+    results = ended(driver)
     assert (results["A"].outcome, results["A"].feedback, round(results["A"].metric)) == ("success", "positive", 400)
     assert (results["B"].outcome, results["B"].feedback, round(results["B"].metric)) == ("failure", "negative", 1300)
     assert (results["A"].trials, results["B"].trials) == (2, 2)
-    assert table.all(LEVEL) == []
-    assert [(one.seat, one.valence) for one in table.all(FEEDBACK)] == [("A", "positive"), ("B", "negative")]
+    assert driver.all(LEVEL) == []
+    assert [(one.seat, one.valence) for one in driver.all(FEEDBACK)] == [("A", "positive"), ("B", "negative")]
 
 
 def test_the_level_rises_when_both_reached_the_goal(sit: Sit) -> None:
-    table = sit("alternate")
-    table.start()
+    driver = sit("alternate")
+    driver.start()
     for _ in range(2):
-        left, right = table.keys
-        table.press_after((400, left or right))
-    table.wait(1000)
-    assert [(change.previous, change.level) for change in table.all(LEVEL)] == [(1, 2)]
-    assert table.waiting.level == 2
+        left, right = driver.keys
+        driver.press_after((400, left or right))
+    driver.wait(1000)
+    assert [(change.previous, change.level) for change in driver.all(LEVEL)] == [(1, 2)]
+    assert driver.waiting.level == 2
 
 
 # --- race ----------------------------------------------------------------------------------------------------------
 
 
 def test_in_a_race_both_are_recorded_and_the_fastest_right_response_wins(sit: Sit) -> None:
-    table = sit("race")
-    table.start()
-    rows = table.both(a_ms=500, b_ms=400)
+    driver = sit("race")
+    driver.start()
+    rows = driver.both(a_ms=500, b_ms=400)
     assert {seat: (row.correct, row.details["won"]) for seat, row in rows.items()} == {
         "A": (True, False),
         "B": (True, True),
@@ -138,47 +138,47 @@ def test_in_a_race_both_are_recorded_and_the_fastest_right_response_wins(sit: Si
 
 
 def test_in_a_race_who_is_fast_and_wrong_loses_to_who_is_slow_and_right(sit: Sit) -> None:
-    table = sit("race")
-    table.start()
-    left, right = table.keys
-    rows = table.by_seat(table.press_after((300, "x" if left != "x" else "z"), (900, right)))
+    driver = sit("race")
+    driver.start()
+    left, right = driver.keys
+    rows = driver.by_seat(driver.press_after((300, "x" if left != "x" else "z"), (900, right)))
     assert (rows["A"].correct, rows["A"].details["won"]) == (False, False)
     assert (rows["B"].correct, rows["B"].details["won"]) == (True, True)
 
 
 def test_in_a_race_a_second_key_mends_nothing(sit: Sit) -> None:
-    table = sit("race")
-    table.start()
-    left, right = table.keys
-    rows = table.by_seat(table.press_after((300, "x" if left != "x" else "z"), (350, left), (900, right)))
+    driver = sit("race")
+    driver.start()
+    left, right = driver.keys
+    rows = driver.by_seat(driver.press_after((300, "x" if left != "x" else "z"), (350, left), (900, right)))
     assert (rows["A"].response, rows["A"].correct) != (left, True)
     assert rows["B"].details["won"] is True
 
 
 def test_in_a_race_an_anticipation_does_not_win(sit: Sit) -> None:
-    table = sit("race")
-    table.start()
-    rows = table.both(a_ms=50, b_ms=400)
+    driver = sit("race")
+    driver.start()
+    rows = driver.both(a_ms=50, b_ms=400)
     assert rows["A"].timing.flags == ("anticipation",)
     assert (rows["A"].details["won"], rows["B"].details["won"]) == (False, True)
     assert (rows["A"].value, round(rows["B"].value or 0)) == (None, 400)
 
 
 def test_in_a_race_who_does_not_answer_misses_and_the_other_wins(sit: Sit) -> None:
-    table = sit("race", response_timeout_ms=1000)
-    table.start()
-    left, _ = table.keys
-    assert table.press_after((300, left)) == []
-    table.wait(1000)
-    rows = table.by_seat(table.all(TRIAL))
+    driver = sit("race", response_timeout_ms=1000)
+    driver.start()
+    left, _ = driver.keys
+    assert driver.press_after((300, left)) == []
+    driver.wait(1000)
+    rows = driver.by_seat(driver.all(TRIAL))
     assert (rows["A"].correct, rows["A"].details["won"], round(rows["A"].reaction_time_ms or 0)) == (True, True, 300)
     assert (rows["B"].response, rows["B"].correct, rows["B"].details["won"]) == (None, False, False)
 
 
 def test_in_a_race_at_the_same_moment_both_win(sit: Sit) -> None:
-    table = sit("race")
-    table.start()
-    assert [row.details["won"] for row in table.both(400, 400).values()] == [True, True]
+    driver = sit("race")
+    driver.start()
+    assert [row.details["won"] for row in driver.both(400, 400).values()] == [True, True]
 
 
 @pytest.mark.parametrize(
@@ -192,50 +192,50 @@ def test_in_a_race_at_the_same_moment_both_win(sit: Sit) -> None:
 def test_the_answer_to_a_race_follows_winning_whatever_the_goal(
     sit: Sit, a_ms: tuple[int, int], b_ms: tuple[int, int], valences: tuple[str, str], won: tuple[int, int]
 ) -> None:
-    table = sit("race", feedback_form="quantitative")
-    table.start()
+    driver = sit("race", feedback_form="quantitative")
+    driver.start()
     for a, b in zip(a_ms, b_ms, strict=True):
-        table.both(a, b)
-    table.wait(1000)
-    answers = told(table)
+        driver.both(a, b)
+    driver.wait(1000)
+    answers = told(driver)
     assert (answers["A"].valence, answers["B"].valence) == valences
     assert f"{won[0]} of 2" in answers["A"].text
     assert f"{won[1]} of 2" in answers["B"].text
-    assert [ended(table)[seat].qualities["won"] for seat in "AB"] == list(won)
-    assert [feedback.won for feedback in table.all(FEEDBACK)] == list(won)
+    assert [ended(driver)[seat].qualities["won"] for seat in "AB"] == list(won)
+    assert [feedback.won for feedback in driver.all(FEEDBACK)] == list(won)
 
 
 def test_the_level_of_a_race_follows_the_goal_not_the_winning(sit: Sit) -> None:
-    table = sit("race")
-    table.start()
+    driver = sit("race")
+    driver.start()
     for _ in range(2):
-        table.both(400, 500)
-    table.wait(1000)
-    assert [one.outcome for one in ended(table).values()] == ["success", "success"]
-    assert [change.level for change in table.all(LEVEL)] == [2]
+        driver.both(400, 500)
+    driver.wait(1000)
+    assert [one.outcome for one in ended(driver).values()] == ["success", "success"]
+    assert [change.level for change in driver.all(LEVEL)] == [2]
 
 
 def test_a_race_that_nobody_won_is_answered_by_what_was_reached(sit: Sit) -> None:
-    table = sit("race", response_timeout_ms=500)
-    table.start()
+    driver = sit("race", response_timeout_ms=500)
+    driver.start()
     for _ in range(2):
-        table.to_prompt()
-        table.wait(600)
-    table.wait(1000)
-    assert {feedback.reason for feedback in table.all(FEEDBACK)} == {"accuracy"}
+        driver.to_prompt()
+        driver.wait(600)
+    driver.wait(1000)
+    assert {feedback.reason for feedback in driver.all(FEEDBACK)} == {"accuracy"}
 
 
 def test_a_skipped_prompt_of_a_race_is_nobodys(sit: Sit) -> None:
-    table = sit("race")
-    table.start()
-    table.operate("skip")
-    assert [(row.seat, row.correct, row.timing.flags) for row in table.all(TRIAL)] == [
+    driver = sit("race")
+    driver.start()
+    driver.operate("skip")
+    assert [(row.seat, row.correct, row.timing.flags) for row in driver.all(TRIAL)] == [
         ("A", False, ("skipped",)),
         ("B", False, ("skipped",)),
     ]
-    table.both(400, 500)
-    table.wait(1000)
-    assert [ended(table)[seat].qualities["won"] for seat in "AB"] == [1, 0]
+    driver.both(400, 500)
+    driver.wait(1000)
+    assert [ended(driver)[seat].qualities["won"] for seat in "AB"] == [1, 0]
 
 
 # --- cooperative ---------------------------------------------------------------------------------------------------
@@ -243,9 +243,9 @@ def test_a_skipped_prompt_of_a_race_is_nobodys(sit: Sit) -> None:
 
 @pytest.mark.parametrize(("b_ms", "together"), [(650, True), (700, True), (701, False), (100, True), (90, False)])
 def test_together_is_right_only_if_both_are_right_and_within_the_window(sit: Sit, b_ms: int, together: bool) -> None:
-    table = sit("cooperative", window_ms=300)
-    table.start()
-    rows = table.both(a_ms=400, b_ms=b_ms)
+    driver = sit("cooperative", window_ms=300)
+    driver.start()
+    rows = driver.both(a_ms=400, b_ms=b_ms)
     assert {row.correct for row in rows.values()} == {together}
     assert {row.details["together"] for row in rows.values()} == {together}
     assert {row.details["right"] for row in rows.values()} == {True}
@@ -255,34 +255,34 @@ def test_together_is_right_only_if_both_are_right_and_within_the_window(sit: Sit
 
 
 def test_together_one_wrong_key_is_both_ones_miss(sit: Sit) -> None:
-    table = sit("cooperative")
-    table.start()
-    left, right = table.keys
-    rows = table.by_seat(table.press_after((400, left), (450, "m" if right != "m" else "n")))
+    driver = sit("cooperative")
+    driver.start()
+    left, right = driver.keys
+    rows = driver.by_seat(driver.press_after((400, left), (450, "m" if right != "m" else "n")))
     assert [rows[seat].correct for seat in "AB"] == [False, False]
     assert [rows[seat].details["right"] for seat in "AB"] == [True, False]
 
 
 def test_together_both_have_one_result_and_one_outcome(sit: Sit) -> None:
-    table = sit("cooperative")
-    table.start()
-    table.both(300, 500)
-    table.both(600, 400)
-    table.wait(1000)
-    results = ended(table)
+    driver = sit("cooperative")
+    driver.start()
+    driver.both(300, 500)
+    driver.both(600, 400)
+    driver.wait(1000)
+    results = ended(driver)
     assert {(round(one.metric), one.accuracy, one.outcome, one.feedback) for one in results.values()} == {
         (550, 1.0, "success", "positive")
     }
-    assert {one.valence for one in told(table).values()} == {"positive"}
+    assert {one.valence for one in told(driver).values()} == {"positive"}
 
 
 def test_together_without_the_other_nothing_is_right(sit: Sit) -> None:
-    table = sit("cooperative", response_timeout_ms=800)
-    table.start()
-    left, _ = table.keys
-    table.press_after((300, left))
-    table.wait(800)
-    rows = table.by_seat(table.all(TRIAL))
+    driver = sit("cooperative", response_timeout_ms=800)
+    driver.start()
+    left, _ = driver.keys
+    driver.press_after((300, left))
+    driver.wait(800)
+    rows = driver.by_seat(driver.all(TRIAL))
     assert [(rows[seat].correct, rows[seat].details["between_ms"]) for seat in "AB"] == [(False, None), (False, None)]
     assert rows["A"].details["right"] is True
 
@@ -291,13 +291,13 @@ def test_together_without_the_other_nothing_is_right(sit: Sit) -> None:
 
 
 def test_the_agent_looks_to_a_side_so_long_before_the_prompt_and_the_lead_is_measured(sit: Sit) -> None:
-    table = sit("joint attention", cue_lead_ms=300)
-    table.start()
-    left, right = table.keys
-    (row,) = table.press_after((350, left or right))
-    (cue,) = table.all(CUE)
-    shown = next(record.at for record in table.records if record.topic is PROMPT)
-    given = next(record.at for record in table.records if record.topic is CUE)
+    driver = sit("joint attention", cue_lead_ms=300)
+    driver.start()
+    left, right = driver.keys
+    (row,) = driver.press_after((350, left or right))
+    (cue,) = driver.all(CUE)
+    shown = next(record.at for record in driver.records if record.topic is PROMPT)
+    given = next(record.at for record in driver.records if record.topic is CUE)
     assert shown - given == 300_000_000
     assert row.details["cue_lead_ms"] == pytest.approx(304)  # and the screen took 4 ms
     assert (cue.side, cue.gaze, cue.gesture) == (row.details["cue"], cue.side, "")
@@ -308,27 +308,27 @@ def test_the_agent_looks_to_a_side_so_long_before_the_prompt_and_the_lead_is_mea
     ("cue_by", "gaze", "gesture"), [("gaze", True, False), ("gesture", False, True), ("both", True, True)]
 )
 def test_the_cue_is_a_look_a_gesture_or_both(sit: Sit, cue_by: str, gaze: bool, gesture: bool) -> None:
-    table = sit("joint attention", cue_by=cue_by)
-    table.start()
-    cue = table.last(CUE)
+    driver = sit("joint attention", cue_by=cue_by)
+    driver.start()
+    cue = driver.last(CUE)
     assert cue.gaze == (cue.side if gaze else "")
     assert cue.gesture == (f"point_{cue.side}" if gesture else "")
 
 
 def test_only_the_cue_tells_before_the_prompt_whose_turn_it_is(sit: Sit) -> None:
-    table = sit("joint attention")
-    table.start()
-    assert {waiting.seat for waiting in table.all(WAITING)} == {""}
-    assert table.last(PROMPT).seat in ("A", "B")
+    driver = sit("joint attention")
+    driver.start()
+    assert {waiting.seat for waiting in driver.all(WAITING)} == {""}
+    assert driver.last(PROMPT).seat in ("A", "B")
 
 
 def test_who_sits_where_the_prompt_comes_up_answers_and_the_others_keys_do_nothing(sit: Sit) -> None:
-    table = sit("joint attention")
-    table.start()
-    left, right = table.keys
+    driver = sit("joint attention")
+    driver.start()
+    left, right = driver.keys
     other = "k" if left else "d"
-    assert table.press_after((200, other)) == []
-    (row,) = table.press_after((100, left or right))
+    assert driver.press_after((200, other)) == []
+    (row,) = driver.press_after((100, left or right))
     assert (row.seat, row.correct) == ("A" if left else "B", True)
     assert "other_seat" in row.timing.flags
 
@@ -337,43 +337,44 @@ def test_who_sits_where_the_prompt_comes_up_answers_and_the_others_keys_do_nothi
 def test_the_share_of_congruent_trials_is_as_set_and_both_sides_come_up_as_often(
     sit: Sit, share: float, congruent: set[bool]
 ) -> None:
-    table = sit("joint attention", congruent_share=share, prompts_per_attempt=10)
-    table.start()
+    driver = sit("joint attention", congruent_share=share, prompts_per_attempt=10)
+    driver.start()
     for _ in range(10):
-        left, right = table.keys
-        table.press_after((300, left or right))
-    assert {row.details["congruent"] for row in table.all(TRIAL)} == congruent
-    assert [row.seat for row in table.all(TRIAL)].count("A") == 5
+        left, right = driver.keys
+        driver.press_after((300, left or right))
+    assert {row.details["congruent"] for row in driver.all(TRIAL)} == congruent
+    assert [row.seat for row in driver.all(TRIAL)].count("A") == 5
 
 
 def test_a_key_after_the_cue_begins_the_wait_anew_with_a_cue_of_its_own(sit: Sit) -> None:
-    table = sit("joint attention")
-    table.enter()
-    table.press("enter")
-    table.until(lambda: table.all(CUE))
-    table.press("f")
-    table.to_prompt()
-    assert len(table.all(CUE)) == 2
-    left, right = table.keys
-    (row,) = table.press_after((300, left or right))
+    driver = sit("joint attention")
+    driver.enter()
+    driver.press("enter")
+    driver.until(lambda: driver.all(CUE))
+    driver.press("f")
+    driver.to_prompt()
+    assert len(driver.all(CUE)) == 2
+    left, right = driver.keys
+    (row,) = driver.press_after((300, left or right))
     assert row.details["cue_lead_ms"] == pytest.approx(404)
     assert row.timing.false_starts == 1
 
 
 def test_the_effect_of_the_cue_is_incongruent_minus_congruent(sit: Sit) -> None:
-    table = sit("joint attention", prompts_per_attempt=20)
-    table.start()
+    driver = sit("joint attention", prompts_per_attempt=20)
+    driver.start()
     for _ in range(20):
-        left, right = table.keys
+        left, right = driver.keys
         side = "left" if left else "right"
-        table.press_after((300 if table.last(CUE).side == side else 340, left or right))
-    table.wait(1000)
-    for one in ended(table).values():
+        driver.press_after((300 if driver.last(CUE).side == side else 340, left or right))
+    driver.wait(1000)
+    for one in ended(driver).values():
         assert one.qualities["congruency_effect_ms"] == pytest.approx(40, abs=0.1)
 
 
 def test_a_lead_that_is_longer_than_the_shortest_wait_is_refused(pairs: type[Task]) -> None:
-    from sar_tui.framework.parameters import ParameterError, build
+    from sar_tui.framework.declaration import ParameterError
+    from sar_tui.framework.parameters import build
 
     with pytest.raises(ParameterError, match=r"Cue lead \(900 ms\) is longer than the shortest wait \(500 ms\)"):
         build(pairs.Parameters, {"policy": "joint attention", "cue_lead_ms": 900})
@@ -383,10 +384,10 @@ def test_a_lead_that_is_longer_than_the_shortest_wait_is_refused(pairs: type[Tas
 
 
 def test_presses_have_their_seat_and_repeats_and_gaps_are_each_ones_own(sit: Sit) -> None:
-    table = sit("race")
+    driver = sit("race")
     for at, key in ((0, "f"), (10, "j"), (30, "f"), (45, "j"), (50, "space"), (200, "f")):
-        table.press(key, at=table.clock.now() + at * 1_000_000)
-    seen = [(one.seat, one.key, one.repeat, one.gap and one.gap // 1_000_000) for one in table.all(PERCEIVED)]
+        driver.press(key, at=driver.clock.now() + at * 1_000_000)
+    seen = [(one.seat, one.key, one.repeat, one.gap and one.gap // 1_000_000) for one in driver.all(PERCEIVED)]
     assert seen == [
         ("A", "f", False, None),
         ("B", "j", False, None),

@@ -9,7 +9,7 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ATTEMPT_ENDED, CUE, FEEDBACK, PROMPT, REACH, TRIAL, VOIDED, WAITING
 from sar_tui.plugins import Catalogue
-from tests.tasks.pairs.hands import SLOW, TWITCH, Hands
+from tests.tasks.pairs.pairs_reaching_driver import SLOW, TWITCH, PairsReachingDriver
 
 NEAR = 15
 """Within so many ms of the truth the detector finds the onset of a clean movement."""
@@ -36,9 +36,9 @@ def near(ms: float) -> Any:
 
 
 def test_in_turn_the_reach_is_of_whose_turn_it_is_and_its_onset_is_the_response() -> None:
-    table = Hands("alternate")
-    assert table.sit_down().seat == "A"
-    (left,) = table.reach(("A", 400)).values()
+    driver = PairsReachingDriver("alternate")
+    assert driver.sit_down().seat == "A"
+    (left,) = driver.reach(("A", 400)).values()
     assert (left.seat, left.correct, left.stimulus, left.response) == ("A", True, "reach", "reach")
     assert left.reaction_time_ms == left.value == near(400)
     assert left.response_at is not None
@@ -48,51 +48,51 @@ def test_in_turn_the_reach_is_of_whose_turn_it_is_and_its_onset_is_the_response(
     assert (left.details["movement_end_ns"] - left.response_at) / 1e6 == pytest.approx(left.details["reach_time_ms"])
     assert left.response_at < left.details["turn_ns"] < left.details["movement_end_ns"]
     assert set(left.details) <= set(KIND.Details.__struct_fields__)
-    (right,) = table.reach(("B", 700)).values()
+    (right,) = driver.reach(("B", 700)).values()
     assert (right.seat, right.correct, right.reaction_time_ms) == ("B", True, near(700))
     assert right.timing.flags == ()
-    assert {one.seat: one.metric for one in table.all(ATTEMPT_ENDED)} == {"A": near(400), "B": near(700)}
+    assert {one.seat: one.metric for one in driver.all(ATTEMPT_ENDED)} == {"A": near(400), "B": near(700)}
 
 
 def test_in_turn_a_reach_of_the_other_is_nothing_but_flagged() -> None:
-    table = Hands("alternate", response_timeout_ms=6000)
-    table.sit_down()
-    rows = table.reach(("B", 300), ("A", 1500))
+    driver = PairsReachingDriver("alternate", response_timeout_ms=6000)
+    driver.sit_down()
+    rows = driver.reach(("B", 300), ("A", 1500))
     assert set(rows) == {"A"}
     assert (rows["A"].correct, rows["A"].reaction_time_ms) == (True, near(1500))
     assert rows["A"].timing.flags == ("other_seat",)
 
 
 def test_in_a_race_who_sets_off_first_wins_though_the_other_is_back_first() -> None:
-    table = Hands("race", response_timeout_ms=6000)
-    table.sit_down()
-    rows = table.reach(("A", 700), ("B", 500, SLOW))
+    driver = PairsReachingDriver("race", response_timeout_ms=6000)
+    driver.sit_down()
+    rows = driver.reach(("A", 700), ("B", 500, SLOW))
     assert rows["A"].details["movement_end_ns"] < rows["B"].details["movement_end_ns"]
     assert (rows["A"].details["won"], rows["B"].details["won"]) == (False, True)
     assert (rows["A"].reaction_time_ms, rows["B"].reaction_time_ms) == (near(700), near(500))
-    rows = table.reach(("A", 400, TWITCH), ("B", 600))
+    rows = driver.reach(("A", 400, TWITCH), ("B", 600))
     assert (rows["A"].correct, rows["A"].details["won"], rows["B"].details["won"]) == (False, False, True)
-    told = {one.seat: (one.won, one.valence) for one in table.all(FEEDBACK)}
+    told = {one.seat: (one.won, one.valence) for one in driver.all(FEEDBACK)}
     assert told == {"A": (0, "negative"), "B": (2, "positive")}
 
 
 def test_together_both_set_off_within_the_window_however_long_they_take() -> None:
-    table = Hands("cooperative", window_ms=200, response_timeout_ms=6000)
-    table.sit_down()
-    rows = table.reach(("A", 500), ("B", 600, SLOW))
+    driver = PairsReachingDriver("cooperative", window_ms=200, response_timeout_ms=6000)
+    driver.sit_down()
+    rows = driver.reach(("A", 500), ("B", 600, SLOW))
     for row in rows.values():
         assert (row.correct, row.details["together"], row.value) == (True, True, near(600))
         assert row.details["between_ms"] == pytest.approx(100, abs=NEAR)
     assert rows["A"].reaction_time_ms == near(500)
-    rows = table.reach(("A", 500), ("B", 800))
+    rows = driver.reach(("A", 500), ("B", 800))
     assert [(row.correct, row.value, row.details["right"]) for row in rows.values()] == [(False, None, True)] * 2
 
 
 def test_in_joint_attention_who_is_asked_reaches_and_the_cue_is_kept() -> None:
-    table = Hands("joint attention", congruent_share=0.0)
-    prompt = table.sit_down()
-    rows = table.reach((prompt.seat, 450))
-    (cue,) = table.all(CUE)
+    driver = PairsReachingDriver("joint attention", congruent_share=0.0)
+    prompt = driver.sit_down()
+    rows = driver.reach((prompt.seat, 450))
+    (cue,) = driver.all(CUE)
     row = rows[prompt.seat]
     assert (row.correct, row.reaction_time_ms) == (True, near(450))
     assert (row.details["cue"], row.details["congruent"]) == (cue.side, False)
@@ -104,47 +104,47 @@ def test_in_joint_attention_who_is_asked_reaches_and_the_cue_is_kept() -> None:
 
 
 def test_a_hand_that_sets_off_too_soon_is_kept_and_never_wins() -> None:
-    table = Hands("race")
-    table.sit_down()
-    rows = table.reach(("A", 20), ("B", 800))
+    driver = PairsReachingDriver("race")
+    driver.sit_down()
+    rows = driver.reach(("A", 20), ("B", 800))
     assert rows["A"].timing.flags == ("anticipation",)
     assert (rows["A"].details["won"], rows["B"].details["won"]) == (False, True)
     assert rows["A"].value is None
 
 
 def test_who_does_not_reach_in_time_has_missed_and_is_told_what_to_do() -> None:
-    table = Hands("alternate", prompts_per_attempt=2, attempts=1)
-    table.sit_down()
-    (row,) = table.reach().values()
+    driver = PairsReachingDriver("alternate", prompts_per_attempt=2, attempts=1)
+    driver.sit_down()
+    (row,) = driver.reach().values()
     assert (row.seat, row.response, row.correct, row.timing.flags) == ("A", None, False, ("no_reach",))
-    table.reach(("B", 500))
-    told = {one.seat: one.remark for one in table.all(FEEDBACK)}
+    driver.reach(("B", 500))
+    told = {one.seat: one.remark for one in driver.all(FEEDBACK)}
     assert told["A"].startswith("I saw no whole reach.")
     assert told["B"] == ""
 
 
 def test_keys_are_no_response_where_hands_are() -> None:
-    table = Hands("alternate")
-    table.sit_down()
+    driver = PairsReachingDriver("alternate")
+    driver.sit_down()
     for key in ("f", "j", "space"):
-        table.press(key)
-    assert table.all(TRIAL) == []
-    (row,) = table.reach(("A", 400)).values()
+        driver.press(key)
+    assert driver.all(TRIAL) == []
+    (row,) = driver.reach(("A", 400)).values()
     assert (row.response, row.timing.flags) == ("reach", ())
 
 
 def test_a_reach_that_a_sensor_missed_is_asked_for_again_of_both() -> None:
-    table = Hands("race")
-    table.sit_down()
-    onset = table.clock.now()
-    for seat, hand in table.hands.items():
+    driver = PairsReachingDriver("race")
+    driver.sit_down()
+    onset = driver.clock.now()
+    for seat, hand in driver.hands.items():
         hand.move(onset + 500_000_000, SLOW)
         sink = hand._sink
         lost = (onset + 900_000_000, onset + 1_300_000_000) if seat == "B" else (0, 0)
         hand._sink = lambda sample, sink=sink, lost=lost: None if lost[0] < sample.host_ns < lost[1] else sink(sample)
-    table.wait(5000)
-    assert [voided.reason for voided in table.all(VOIDED)] == ["gap"]
-    rows = table.reach(("A", 500), ("B", 600))
+    driver.wait(5000)
+    assert [voided.reason for voided in driver.all(VOIDED)] == ["gap"]
+    rows = driver.reach(("A", 500), ("B", 600))
     assert [(row.trial, row.correct, row.timing.presentation) for row in rows.values()] == [(1, True, 2)] * 2
 
 
@@ -152,17 +152,17 @@ def test_a_reach_that_a_sensor_missed_is_asked_for_again_of_both() -> None:
 
 
 def test_a_sensor_that_comes_loose_pauses_the_session_and_whose_it_is_is_told() -> None:
-    table = Hands("alternate")
-    table.sit_down()
-    table.sensor("B", "detached", "Unplugged.")
-    told = table.last(WAITING)
+    driver = PairsReachingDriver("alternate")
+    driver.sit_down()
+    driver.sensor("B", "detached", "Unplugged.")
+    told = driver.last(WAITING)
     assert (told.what, told.stage, told.seat, told.detail) == ("sensor", "paused", "B", "Unplugged.")
-    table.sensor("A", "stalled")
-    assert (table.last(WAITING).what, table.last(WAITING).seat) == ("sensor", ""), "of both"
-    table.sensor("B", "attached")
-    assert (table.last(WAITING).what, table.last(WAITING).seat, table.last(WAITING).detail) == ("sensor", "A", "")
-    table.sensor("A", "flowing")
-    (row,) = table.reach(("A", 400)).values()
+    driver.sensor("A", "stalled")
+    assert (driver.last(WAITING).what, driver.last(WAITING).seat) == ("sensor", ""), "of both"
+    driver.sensor("B", "attached")
+    assert (driver.last(WAITING).what, driver.last(WAITING).seat, driver.last(WAITING).detail) == ("sensor", "A", "")
+    driver.sensor("A", "flowing")
+    (row,) = driver.reach(("A", 400)).values()
     assert (row.seat, row.trial, row.correct, row.timing.presentation) == ("A", 1, True, 2)
 
 
@@ -177,11 +177,11 @@ def test_with_keys_nobody_wears_a_sensor() -> None:
 
 
 def test_go_stands_in_the_half_of_who_is_asked() -> None:
-    table = Hands("alternate")
-    table.sit_down()
-    table.reach(("A", 400))
-    table.to_prompt()
-    shown = [(prompt.halves, prompt.text, prompt.choices) for prompt in table.all(PROMPT)]
+    driver = PairsReachingDriver("alternate")
+    driver.sit_down()
+    driver.reach(("A", 400))
+    driver.to_prompt()
+    shown = [(prompt.halves, prompt.text, prompt.choices) for prompt in driver.all(PROMPT)]
     assert shown == [(("GO", ""), "Left: reach out and back", 1), (("", "GO"), "Right: reach out and back", 1)]
 
 
@@ -213,7 +213,7 @@ def test_a_goal_has_its_plural(parameters: dict[str, Any], goal: str) -> None:
 
 
 def test_reaches_are_told_once_each() -> None:
-    table = Hands("race")
-    table.sit_down()
-    table.reach(("A", 400), ("B", 500))
-    assert sorted(reach.seat for reach in table.all(REACH)) == ["A", "B"]
+    driver = PairsReachingDriver("race")
+    driver.sit_down()
+    driver.reach(("A", 400), ("B", 500))
+    assert sorted(reach.seat for reach in driver.all(REACH)) == ["A", "B"]

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.parameters import ParameterError, build, fields
+from sar_tui.framework.declaration import ParameterError
+from sar_tui.framework.parameters import build, fields
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 

@@ -8,10 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.chance import Chance
 from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import KeyPerceived, ReachPerceived
-from sar_tui.framework.task import Again, Performance, Result, Situation, Task, Trial
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Again, Performance, Result, Situation, Trial
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.plugins import Catalogue
 from tests.tasks.reaching.test_parameters import make
@@ -40,7 +41,7 @@ def words_of(task: Task) -> Iterator[str]:
 
 
 def situation(level: int = 1) -> Situation:
-    return Situation(1, 1, level, Chance(1, 1, 1), Chance(1))
+    return Situation(1, 1, level, RandomStreams(1, 1, 1), RandomStreams(1))
 
 
 def percept(**facts: Any) -> ReachPerceived:
@@ -174,7 +175,7 @@ def test_a_rehearsed_reach_goes_out_and_back_before_the_key_is_pressed(
     performance: Performance, level: int, seed: int
 ) -> None:
     task = make()
-    (at, shape), (press, key) = task.rehearse(task.stimulus(situation(level)), performance, Chance(seed))
+    (at, shape), (press, key) = task.rehearse(task.stimulus(situation(level)), performance, RandomStreams(seed))
     assert isinstance(shape, ReachShape)
     assert (at, key) == (performance.reaction_ms, "space")
     assert press > at + shape.duration_s * 1000
@@ -183,7 +184,7 @@ def test_a_rehearsed_reach_goes_out_and_back_before_the_key_is_pressed(
 
 def test_who_slips_forgets_the_key() -> None:
     task = make()
-    acts = task.rehearse(task.stimulus(situation()), Performance(300.0, slips=True), Chance(1))
+    acts = task.rehearse(task.stimulus(situation()), Performance(300.0, slips=True), RandomStreams(1))
     assert [type(act) for _, act in acts] == [ReachShape]
 
 
@@ -191,7 +192,7 @@ def test_a_rehearsed_reach_to_a_farther_marker_takes_longer_and_at_a_slower_pace
     task = make()
 
     def takes(level: int, pace: float = 1.0) -> float:
-        shape = task.rehearse(task.stimulus(situation(level)), Performance(300.0, pace=pace), Chance(1))[0][1]
+        shape = task.rehearse(task.stimulus(situation(level)), Performance(300.0, pace=pace), RandomStreams(1))[0][1]
         return float(shape.duration_s)
 
     times = [takes(level) for level in range(1, 7)]
@@ -202,8 +203,12 @@ def test_a_rehearsed_reach_to_a_farther_marker_takes_longer_and_at_a_slower_pace
 def test_the_same_chance_rehearses_the_same() -> None:
     task, performance = make(), Performance(300.0, unsteadiness=0.7)
     stimulus = task.stimulus(situation(3))
-    assert task.rehearse(stimulus, performance, Chance(4)) == task.rehearse(stimulus, performance, Chance(4))
-    assert task.rehearse(stimulus, performance, Chance(4)) != task.rehearse(stimulus, performance, Chance(5))
+    assert task.rehearse(stimulus, performance, RandomStreams(4)) == task.rehearse(
+        stimulus, performance, RandomStreams(4)
+    )
+    assert task.rehearse(stimulus, performance, RandomStreams(4)) != task.rehearse(
+        stimulus, performance, RandomStreams(5)
+    )
 
 
 def test_the_tasks_own_sensor_is_known_by_what_it_declares() -> None:

@@ -1,0 +1,162 @@
+"""The agent of a session elsewhere: what its link tells is put on a stage, as the participant's own screen does it."""
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from sar_tui.app.agent.output import AgentStage, DrawnAgent
+from sar_tui.framework.clock import SECOND, Clock, Handle
+from sar_tui.framework.messages import Action, CueGiven, Halt, OutputReport, ThemeApplied, Waiting
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import ACTION, CUE, HALT, REPORT, THEME, WAITING
+from sar_tui.link.peer import Connection, Frame, Heard, Welcome
+from sar_tui.tui.web_driver import BrowserVoice
+
+FRESH = 3 * SECOND
+"""What happened longer ago is still there to be read, but no longer said or gestured: the view has just come."""
+_VOICES = frozenset(("speech", "ros"))
+"""Outputs that say words by themselves, and report when."""
+
+
+class ViewStage(AgentStage, Protocol):
+    """What the view needs of a screen."""
+
+    def wait(self, waiting: Waiting) -> None:
+        """What the session waits for: in a trial nothing moves, and no words stand."""
+
+    def clear_agent(self, face: str) -> None:
+        """What the agent said is no longer meant."""
+
+    def connected(self, connection: Connection) -> None:
+        """How the link is."""
+
+    def speak_language(self, code: str) -> None:
+        """The language of the session."""
+
+
+class AgentView:
+    """Follows the agent.
+
+    Args:
+        stage: where it is drawn.
+        theme: worn until the session tells its own.
+        clock: of its motion.
+        now: the session's clock (ns): what is news?
+        voice: speaks the agent's words here, too.
+    """
+
+    def __init__(
+        self, stage: ViewStage, theme: Theme, clock: Clock, now: Callable[[], int], voice: BrowserVoice | None = None
+    ) -> None:
+        self._stage = stage
+        self._clock = clock
+        self._now = now
+        self._voice = voice
+        self._drawn = DrawnAgent(stage)
+        self._drawn.open(theme, clock, lambda _: None)
+        self._language = theme.language
+        self._has_own_voice = False
+        self._cleared = 0
+        self._sounding: set[tuple[str, str]] = set()
+        self._silence: Handle | None = None
+
+    def hear(self, heard: Heard) -> None:
+        """What the link tells."""
+        match heard:
+            case Welcome():
+                self._enter(heard)
+            case Connection():
+                self._connect(heard)
+            case list():
+                for frame in heard:
+                    self._take(frame)
+
+    def _enter(self, welcome: Welcome) -> None:
+        outputs: list[Any] = list(welcome.parameters.get("outputs", ()))
+        self._has_own_voice = any(str(name).partition(":")[0] in _VOICES for name in outputs)
+        self._language = str(welcome.parameters.get("language", self._language))
+        self._stage.speak_language(self._language)
+        self._cleared = 0
+        self._hush()
+
+    def _connect(self, connection: Connection) -> None:
+        if connection.state != "connected":
+            self._hush()
+            self._drawn.stop()
+        self._stage.connected(connection)
+
+    def _take(self, frame: Frame) -> None:
+        is_fresh = self._now() - frame.at < FRESH
+        match frame.message:
+            case Action() if frame.topic is ACTION and frame.seq >= self._cleared:
+                self._act(frame.message, is_fresh)
+            case CueGiven() if frame.topic is CUE and is_fresh:
+                self._drawn.cue(frame.message, lambda _: None)
+            case Halt() if frame.topic is HALT and is_fresh:
+                self._hush()
+                self._drawn.stop(frame.message.action)
+            case ThemeApplied() if frame.topic is THEME:
+                self._language = frame.message.theme.language
+                self._drawn.wear(frame.message.theme)
+            case OutputReport() if frame.topic is REPORT and is_fresh:
+                self._report(frame.message)
+            case Waiting() if frame.topic is WAITING:
+                self._wait(frame.message, frame.seq)
+
+    def _act(self, action: Action, is_fresh: bool) -> None:
+        self._drawn.action = action
+        if action.text or action.face:
+            self._drawn.show(action.id, action.text, action.face)
+        if not is_fresh:
+            return
+        if action.gaze:
+            self._drawn.gaze(action.id, action.gaze)
+        if action.gesture:
+            self._drawn.gesture(action.id, action.gesture)
+        if action.spoken and self._voice:
+            self._voice.say(action.spoken, self._language)
+            if not self._has_own_voice:
+                self._mouth(action.spoken)
+
+    def _mouth(self, spoken: str) -> None:
+        """A browser does not tell how long it speaks: as long as so many words take."""
+        voice = self._drawn.theme.voice
+        seconds = len(spoken.split()) * 60 / voice.rate_in(self._language)
+        if self._silence:
+            self._silence.cancel()
+        self._stage.speaking(True)
+        self._silence = self._clock.call_at(self._clock.now() + round(seconds * SECOND), self._fall_silent)
+
+    def _fall_silent(self) -> None:
+        self._stage.speaking(bool(self._sounding))
+
+    def _report(self, report: OutputReport) -> None:
+        """The session's own voice moves the mouth."""
+        if report.deed != "say" or report.state == "queued":
+            return
+        voice = (report.output, report.action)
+        if report.state == "started":
+            self._sounding.add(voice)
+        else:
+            self._sounding.discard(voice)
+        self._stage.speaking(bool(self._sounding))
+
+    def _wait(self, waiting: Waiting, seq: int) -> None:
+        """Words are gone when a response is about to be awaited; those that were said before come no more.
+
+        A word that covered a wait is gone with it.
+        """
+        if waiting.stage == "trial" and waiting.what != "agent":
+            self._cleared = seq
+            self._drawn.clear()
+        if waiting.stage in ("attempt", "review") and self._drawn.shows("filler"):
+            self._drawn.clear()
+            self._stage.clear_agent("listening")
+        self._stage.wait(waiting)
+
+    def _hush(self) -> None:
+        if self._silence:
+            self._silence.cancel()
+        self._sounding.clear()
+        self._stage.speaking(False)
+        if self._voice:
+            self._voice.hush()

@@ -1,0 +1,119 @@
+"""The agent alone, large, for somebody who sits at a distance; on a screen of its own."""
+
+from typing import Any
+
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.screen import Screen
+from textual.widgets import Static
+
+from sar_tui.framework.clock import Clock
+from sar_tui.framework.gesture import Gesture
+from sar_tui.framework.language import Language
+from sar_tui.framework.messages import Action, Waiting
+from sar_tui.framework.theme import ENGLISH, Theme
+from sar_tui.link.peer import Connection
+from sar_tui.tui.language import app_language
+from sar_tui.widgets.agent import Agent
+
+_AWAITED = ("foreperiod", "storage", "response")
+"""What a trial waits for when nothing on the screen may move."""
+
+
+class AgentViewScreen(Screen[None]):
+    """The stage of `agent_view.AgentView`. It says nothing but what the agent says, and where the session is.
+
+    Args:
+        theme: worn until the session tells its own.
+        clock: of the agent's motion.
+    """
+
+    app: Any
+    AUTO_FOCUS = ""
+
+    def __init__(self, theme: Theme, clock: Clock) -> None:
+        super().__init__()
+        self.tr: Language = app_language(ENGLISH)
+        self._agent = Agent(theme, clock)
+        self._status = Static(id="status", markup=False)
+        self._connection = Connection("connecting")
+
+    def compose(self) -> ComposeResult:
+        with Vertical(id="stage"):
+            yield self._agent
+        yield self._status
+
+    def on_mount(self) -> None:
+        self._agent.look("sleeping")
+        self._tell()
+
+    # --- the stage ----------------------------------------------------------------------------------------------
+
+    def say(self, action: Action) -> None:
+        self._agent.say(action.text, action.face, action.valence, joins=action.joins)
+
+    def gesture(self, gesture: Gesture) -> None:
+        self._agent.gesture(gesture)
+
+    def gaze(self, where: str) -> None:
+        self._agent.gaze(where)
+
+    def cue(self, gaze: str, gesture: Gesture | None) -> None:
+        self._agent.cue(gaze, gesture)
+
+    def be_still(self) -> None:
+        self._agent.be_still()
+
+    def speaking(self, sounds: bool) -> None:
+        self._agent.speaking(sounds)
+
+    def voiceless(self, action: Action, why: str) -> None:
+        """The words stand here in any case."""
+
+    def wear(self, theme: Theme) -> None:
+        self._agent.wear(theme)
+        self.app.wear(theme)
+
+    def wait(self, waiting: Waiting) -> None:
+        """Hold still while a response is awaited, as the participant's own screen does."""
+        is_trial = waiting.stage == "trial"
+        if is_trial and waiting.what != "agent":
+            self._agent.clear("listening")
+        elif waiting.stage == "answer":
+            self._agent.look("thinking")
+        elif self._agent.face in ("thinking", "sleeping") and waiting.stage != "paused":
+            self._agent.look("listening")
+        if is_trial and waiting.what in _AWAITED:
+            self._agent.hold()
+        else:
+            self._agent.release()
+
+    def clear_agent(self, face: str) -> None:
+        self._agent.clear(face)
+
+    def connected(self, connection: Connection) -> None:
+        self._connection = connection
+        if connection.state != "connected":
+            self._agent.release()
+            self._agent.clear("sleeping")
+        elif self._agent.face == "sleeping":
+            self._agent.look("neutral")
+        self._tell()
+
+    def speak_language(self, code: str) -> None:
+        self.tr = app_language(code)
+        self._tell()
+
+    def _tell(self) -> None:
+        """Whether there is a session to be seen, in words that anybody may read."""
+        match self._connection.state:
+            case "connected":
+                told = ""
+            case "connecting":
+                why = self._connection.why
+                told = f"{self.tr('One moment…')}\n{why}" if why else self.tr("One moment…")
+            case "lost":
+                told = self.tr("Out of reach for the moment; it comes back by itself.")
+            case "away":
+                told = self.tr("It is over here. Thank you.")
+        self._status.update(told)

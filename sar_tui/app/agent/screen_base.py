@@ -1,0 +1,143 @@
+"""A screen with the agent on it: what it is asked to say and do is drawn there, and a voice that fails is told."""
+
+import dataclasses
+import functools
+from typing import Any
+
+from textual.app import ComposeResult
+from textual.screen import Screen
+from textual.widgets import Static
+
+from sar_tui.app.live import LiveSession
+from sar_tui.framework.gesture import Gesture
+from sar_tui.framework.language import Language
+from sar_tui.framework.messages import Action
+from sar_tui.framework.theme import Theme
+from sar_tui.tui.language import session_language
+from sar_tui.widgets.agent import Agent
+
+_SCREEN = "screen"
+
+
+class AgentScreen(Screen[None]):
+    """The base of the session's screen: the agent's stage (see `drawn_agent.AgentStage`).
+
+    The agent is there if the screen is one of the session's outputs; else only while its voice has failed, because its
+    words have to be read then.
+    """
+
+    app: Any
+
+    def __init__(self, live: LiveSession) -> None:
+        super().__init__()
+        self._live = live
+        self._is_voiceless = False
+        self._shows_voiceless = False
+
+    @functools.cached_property
+    def tr(self) -> Language:
+        """The language of the session."""
+        return session_language(self._live.run.session.task)
+
+    @property
+    def active_bindings(self) -> dict[str, Any]:
+        """What the footer and the help offer, in the session's language; the stop key where it stops something."""
+        others = [name for name in self._live.run.session.task.parameters.outputs if name != _SCREEN]
+        has_voice = any(name.partition(":")[0] in ("speech", "tones") for name in others)
+        robot = self.tr("Stop robot")
+        return {
+            key: active._replace(
+                binding=dataclasses.replace(
+                    active.binding,
+                    description=robot
+                    if active.binding.id == "stop" and not has_voice
+                    else self.tr(active.binding.description),
+                    show=active.binding.show and (bool(others) or active.binding.id != "stop"),
+                )
+            )
+            for key, active in super().active_bindings.items()
+        }
+
+    def compose_voice(self) -> ComposeResult:
+        """Where it is told that there is no voice."""
+        self._voice = Static("", id="voice", markup=False)
+        yield self._voice
+
+    def compose_agent(self) -> ComposeResult:
+        """The agent."""
+        session = self._live.run.session
+        self._shows_agent = _SCREEN in session.task.parameters.outputs
+        folder = self.app.catalogue.theme_folder(session.theme.name)
+        self.agent = Agent(session.theme, self._live.clock, self.app.picture, folder, id="agent")
+        self.agent.display = self._shows_agent
+        yield self.agent
+
+    # --- the stage: what the agent is asked to do ------------------------------------------------------------
+
+    def say(self, action: Action) -> None:
+        if action.text:
+            self.agent.note("")
+        self.agent.say(action.text, action.face, action.valence, joins=action.joins)
+
+    def gesture(self, gesture: Gesture) -> None:
+        self.agent.gesture(gesture)
+
+    def gaze(self, where: str) -> None:
+        self.agent.gaze(where)
+
+    def cue(self, gaze: str, gesture: Gesture | None) -> None:
+        self.agent.cue(gaze, gesture)
+
+    def be_still(self) -> None:
+        self.agent.be_still()
+
+    def speaking(self, sounds: bool) -> None:
+        if sounds:
+            self._is_voiceless = False
+            self._show_voice()
+        self.agent.speaking(sounds)
+
+    def voiceless(self, action: Action, why: str) -> None:
+        """The note is there once; that there is no voice stays at the top, until there is one again."""
+        was_voiceless, self._is_voiceless = self._is_voiceless, True
+        if self.agent.is_held:
+            return
+        if not self._shows_agent:
+            self.say(action)
+        if not (was_voiceless and self._shows_agent):
+            self.agent.note(self.tr("The voice is silent; please read."))
+        self._show_voice()
+
+    def wear(self, theme: Theme) -> None:
+        self.agent.wear(theme)
+
+    # --- between and in trials -------------------------------------------------------------------------------
+
+    def clear_agent(self, face: str) -> None:
+        """A trial is about to begin: nothing to read beside it."""
+        self.agent.clear(face)
+        self.agent.note("")
+        self.agent.display = self._shows_agent or self._shows_voiceless
+
+    def ask(self, words: str) -> None:
+        """The agent asks for something that has to be read, whether or not it is there otherwise."""
+        self.agent.display = True
+        self.agent.say(words, "listening")
+
+    def let_agent_move(self, moves: bool) -> None:
+        """The agent may move, or a response is awaited; what became of its voice meanwhile is shown after that."""
+        if moves:
+            self.agent.release()
+            self._show_voice()
+        else:
+            self.agent.hold()
+
+    def _show_voice(self) -> None:
+        if self.agent.is_held or self._shows_voiceless == self._is_voiceless:
+            return
+        self._shows_voiceless = self._is_voiceless
+        self._voice.update(self.tr("no voice") if self._is_voiceless else "")
+        if self._is_voiceless:
+            self.agent.display = True
+        elif not self._shows_agent:
+            self.clear_agent("neutral")

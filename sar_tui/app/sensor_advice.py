@@ -1,0 +1,197 @@
+"""What the sensor check says, and what to do: of the sensor, of how it lies on the hand, of a test reach."""
+
+import math
+from typing import Literal, NamedTuple
+
+from sar_tui.app.sensor_monitor import ReachTest, SensorWatch
+from sar_tui.framework.clock import SECOND
+from sar_tui.framework.language import Language
+from sar_tui.inputs.imu import Vector
+from sar_tui.motion.analysis import Finding
+from sar_tui.motion.bounds import Hand
+
+Mark = Literal["right", "wait", "wrong"]
+MARKS: dict[Mark, str] = {"right": "✓", "wait": "…", "wrong": "!"}
+
+LOOKING = 3 * SECOND
+"""A sensor that has not been found by then is said to be missing."""
+ENOUGH = 0.9
+"""The share of the samples that a sensor should send a second, and does."""
+FEW_LOST = 0.01
+LARGE_BIAS_RAD_S = 0.05
+"""Half of what the thesis' rule takes for movement."""
+
+_ENGLISH = Language()
+_G = 9.81
+_RESTING_G = 2.0
+_UPRIGHT = math.cos(math.radians(35))
+
+FLAGS = {
+    "reversed": "Wrong way out: the sensor is turned round, or it is not the {hand} hand.",
+    "gap": "Samples are missing in it: try another cable or port.",
+    "saturated": "It was faster than the sensor can measure: only its times are known.",
+    "no_rest": "The hand did not rest before it: keep it still for two seconds first.",
+    "error": "The sensor told of an error during it.",
+    "cut": "It had begun before, or was not over: rest before it and after it.",
+    "timed_out": "It took too long.",
+    "low_rate": "The sensor sends few samples a second: its times are less exact.",
+    "several": "There was more than one reach: this is the largest.",
+}
+"""What to beware of in a test reach, and what to do."""
+
+NO_REACH = "No reach out and back was seen. Is the sensor on the hand that reaches?"
+INVALID = {
+    "samples": "Too few samples came to see a reach.",
+    "gap": FLAGS["gap"],
+    "rate": "The sensor sends too few samples a second to see a reach.",
+}
+
+
+class Fact(NamedTuple):
+    """One line of what is known: whether it is as it should be, what it is about, and what it is."""
+
+    mark: Mark
+    title: str
+    text: str
+
+
+def facts(watch: SensorWatch, tr: Language = _ENGLISH) -> list[Fact]:
+    """What is known of the sensor, the most important first. Without a sensor that is all there is."""
+    found = [_sensor(watch, tr)]
+    if watch.attached and not watch.stalled:
+        found += [_samples(watch, tr), _rest(watch, tr), _placing(watch, tr)]
+        if watch.trouble:
+            found.append(Fact("wrong", tr("Trouble"), watch.trouble))
+    return found
+
+
+def worst(known: list[Fact]) -> Mark:
+    """What all of it comes to: wrong before waiting, waiting before right."""
+    marks = {fact.mark for fact in known}
+    return "wrong" if "wrong" in marks else "wait" if "wait" in marks else "right"
+
+
+def _sensor(watch: SensorWatch, tr: Language) -> Fact:
+    title = tr("Sensor")
+    if watch.attached and not watch.stalled:
+        info = watch.feed.info
+        if not info:
+            return Fact("right", title, tr("attached"))
+        serial = tr(", serial {number}", number=info.serial) if info.serial else ""
+        return Fact("right", title, f"{info.model}{serial}")
+    if watch.state == "none" and watch.waited < LOOKING:
+        return Fact("wait", title, tr("Looking for it …"))
+    why = {
+        "none": f"{tr('No sensor found.')} {watch.told or tr('Plug it in; it is found by itself.')}",
+        "attached": tr("It is attached, but sends nothing. Unplug it, and plug it in again."),
+        "unplugged": f"{tr('It was unplugged.')} {watch.told or tr('Plug it in again.')}",
+        "failed": watch.told,
+        "ended": f"{watch.told or tr('The recording is over.')} {tr('A session plays it from its beginning.')}",
+    }
+    return Fact("wrong", title, why[watch.state])
+
+
+def _samples(watch: SensorWatch, tr: Language) -> Fact:
+    feed, info, title = watch.feed, watch.feed.info, tr("Samples")
+    nominal = info.rate_hz if info else 0.0
+    text = tr("{count} a second", count=f"{feed.rate_hz:.0f}")
+    if nominal:
+        text = tr("{count} a second of {nominal}", count=f"{feed.rate_hz:.0f}", nominal=f"{nominal:.0f}")
+    lost = max(0, feed.lost - watch.unmeasured)
+    missing = [tr("{count} lost", count=lost)] if lost else []
+    missing += [tr("{count} left out", count=feed.dropped)] if feed.dropped else []
+    missing += [tr("{count} beyond its range", count=watch.saturated)] if watch.saturated else []
+    text += ", " + (", ".join(missing) or tr("none lost"))
+    if watch.too_slow:
+        return Fact("wrong", title, f"{text}. {tr('That is too few to see a reach.')}")
+    if lost + feed.dropped > FEW_LOST * max(1, feed.received):
+        return Fact("wrong", title, f"{text}. {tr('Try another cable or port.')}")
+    if feed.rate_hz >= ENOUGH * nominal:
+        return Fact("right", title, text)
+    settled = watch.waited > LOOKING
+    return Fact("wrong", title, f"{text}. {tr('It is too slow.')}") if settled else Fact("wait", title, text)
+
+
+def _rest(watch: SensorWatch, tr: Language) -> Fact:
+    title, bias = tr("At rest"), watch.bias
+    if watch.still_s is None:
+        return Fact("wait", title, tr("cannot be seen yet"))
+    if bias is None:
+        return Fact("wait", title, tr("moving") if watch.still_s == 0 else tr("still …"))
+    if math.hypot(*bias) > LARGE_BIAS_RAD_S:
+        return Fact("wrong", title, tr("still, but the bias is large: press Z"))
+    return Fact("right", title, tr("still"))
+
+
+def _placing(watch: SensorWatch, tr: Language) -> Fact:
+    return placing(watch.up, tr) if watch.rate else Fact("wait", tr("Placing"), tr("cannot be seen yet"))
+
+
+def placing(up: Vector | None, tr: Language = _ENGLISH) -> Fact:
+    """Whether z points up, as it should while the hand lies flat, palm down; from the acceleration at rest, m/s²."""
+    title = tr("Placing")
+    if up is None:
+        return Fact("wait", title, tr("cannot be seen: it measures no acceleration"))
+    size = math.hypot(*up)
+    if abs(size - _G) > _RESTING_G:
+        return Fact("wait", title, tr("moving"))
+    if up[2] > _UPRIGHT * size:
+        return Fact("right", title, tr("z points up, as it should"))
+    if up[2] < -_UPRIGHT * size:
+        return Fact("wrong", title, tr("turned over: z points down. Lay the hand flat, palm down."))
+    axis = max(range(3), key=lambda index: abs(up[index]))
+    way = tr("{axis} points up", axis="xyz"[axis]) if up[axis] > 0 else tr("{axis} points down", axis="xyz"[axis])
+    lean = tr("{way}, leaning", way=way) if axis == 2 else way
+    return Fact("wrong", title, f"{lean}. {tr('Lay the hand flat, palm down: z should point up.')}")
+
+
+def words_of(test: ReachTest, hand: Hand, tr: Language = _ENGLISH) -> list[tuple[Mark, str]]:
+    """What a test reach asks for, or what came of it: the numbers first, then what to beware of."""
+    match test.step:
+        case "rest":
+            return [("wait", tr("Rest the hand at the start, and keep it still …"))]
+        case "reach":
+            return [("wait", tr("Now reach out, come back, and rest."))]
+        case "lost":
+            return [("wrong", tr("There is no sensor to test. Plug it in, then press T."))]
+    return result_words(test.finding, hand, tr) if test.finding else []
+
+
+def result_words(found: Finding, hand: Hand, tr: Language = _ENGLISH) -> list[tuple[Mark, str]]:
+    """A reach that was looked for: its numbers, and what is wrong with it, one sentence each."""
+    if found.onset_ns is None:
+        return [("wrong", tr(INVALID.get(found.invalid, NO_REACH)))]
+    said: list[tuple[Mark, str]] = [("wrong", _flag(flag, hand, tr)) for flag in found.flags]
+    return [("wrong" if said else "right", _numbers(found, tr)), *said]
+
+
+def _flag(flag: str, hand: Hand, tr: Language) -> str:
+    if flag not in FLAGS:
+        return tr("It is marked: {flag}.", flag=flag.replace("_", " "))
+    return tr(FLAGS[flag], hand=tr("left") if hand == "left" else tr("right"))
+
+
+def _numbers(found: Finding, tr: Language) -> str:
+    """Reach time, its phases, and the peaks."""
+    fastest, returning = found.details.get("peak_extension_rad_s"), found.details.get("peak_return_rad_s")
+    peaks = tr("peaks not known")
+    if isinstance(fastest, float) and isinstance(returning, float):
+        peaks = tr("peaks {out} and {back} rad/s", out=signed(fastest, 1), back=signed(returning, 1))
+    return tr(
+        "Reach {time} s: out {out}, dwell {dwell}, back {back}; {peaks}.",
+        time=_second(found, "reach_time_ms"),
+        out=_second(found, "out_ms"),
+        dwell=_second(found, "dwell_ms"),
+        back=_second(found, "back_ms"),
+        peaks=peaks,
+    )
+
+
+def _second(found: Finding, name: str) -> str:
+    value = found.details.get(name)
+    return f"{value / 1000:.2f}" if isinstance(value, int | float) else "?"
+
+
+def signed(value: float, digits: int) -> str:
+    """A number with its sign, and never −0."""
+    return f"{round(value, digits) + 0.0:+.{digits}f}".replace("-", "−")

@@ -1,0 +1,1 @@
+"""Checks that a task or theme plug-in keeps its contract."""

@@ -1,0 +1,243 @@
+"""Tests a task folder against the contract, one named check after the other."""
+
+import math
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import msgspec
+
+from sar_tui.checks import task_translations
+from sar_tui.framework.bus import FAULT, Record
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.declaration import Field, ParameterError
+from sar_tui.framework.messages import Fault
+from sar_tui.framework.parameters import TaskParameters, build, fields
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.session import ReplayError, Session
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Metric, Situation
+from sar_tui.plugins import Catalogue, PluginError, load_task
+from sar_tui.runs.plan import Failed, Plan
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.person import PEOPLE, Person
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+
+ATTEMPTS = 10
+"""How many attempts each simulated participant makes."""
+THEME = "calm"
+SEED = 1
+
+
+class Check(msgspec.Struct, frozen=True):
+    """A check and what it found; no problem means that it holds."""
+
+    check: str
+    problem: str = ""
+
+    @property
+    def ok(self) -> bool:
+        return not self.problem
+
+
+class Simulated(msgspec.Struct, frozen=True):
+    """A simulated session: its row, its attempts and trials, and its messages."""
+
+    session: sessions.Row
+    attempts: list[sessions.Row]
+    trials: list[sessions.Row]
+    history: list[Record]
+
+
+def check(folder: Path) -> Iterator[Check]:
+    """Check a task folder. What cannot be checked because of an earlier problem is left out."""
+    try:
+        kind = load_task(folder)
+    except PluginError as error:
+        yield Check("can be loaded", str(error))
+        return
+    yield Check("can be loaded")
+    declared = Check("declares its title and metric", _asked(lambda: _declaration(kind)))
+    yield declared
+    described = Check("describes every parameter: title, help, bounds", _asked(lambda: _parameters(kind)))
+    yield described
+    try:
+        task = kind(build(kind.Parameters, {"attempts": ATTEMPTS}))
+    except Exception as error:
+        yield Check("can be set up with its defaults", _told(error))
+        return
+    yield Check("can be set up with its defaults")
+    yield Check("gives instructions, and a goal for each level", _asked(lambda: _words(task)))
+    yield Check("has each of its words in every language that it has", _asked(lambda: _translations(kind)))
+    yield Check(
+        "tells how it went without a number, in words", _asked(lambda: " ".join(task_translations.numbers(kind)))
+    )
+    prompts = Check("makes the same one-line prompts when asked twice", _asked(lambda: _prompts(kind, task)))
+    yield prompts
+    if declared.ok and prompts.ok:
+        yield from _sessions(kind, task.parameters)
+
+
+def _asked(question: Callable[[], str]) -> str:
+    """The problem a question finds; a task that raises is one."""
+    try:
+        return question()
+    except Exception as error:
+        return _told(error)
+
+
+def _told(error: Exception) -> str:
+    return str(error) if isinstance(error, ParameterError | Failed) else f"It raised {type(error).__name__}: {error}."
+
+
+# --- what it declares ----------------------------------------------------------------------------------------
+
+
+def _declaration(kind: type[Task]) -> str:
+    if not isinstance(kind.title, str) or not kind.title.strip():
+        return "Its title is empty."
+    if not isinstance(kind.metric, Metric):
+        return "Its metric is not a Metric."
+    if not kind.metric.name.isidentifier():
+        return f"Its metric's name is not a plain word such as reaction_time: {kind.metric.name!r}."
+    if kind.metric.better not in ("lower", "higher"):
+        return f"Its metric is better when lower or higher, not {kind.metric.better!r}."
+    return ""
+
+
+def _parameters(kind: type[Task]) -> str:
+    if not (isinstance(kind.Parameters, type) and issubclass(kind.Parameters, TaskParameters)):
+        return "Its Parameters are not a subclass of TaskParameters."
+    required = [field.name for field in msgspec.structs.fields(kind.Parameters) if field.required]
+    if required:
+        return f"These have no default: {', '.join(required)}."
+    problems = [problem for field in fields(kind.Parameters) if (problem := _lacks(field))]
+    return " ".join(problems)
+
+
+def _lacks(field: Field) -> str:
+    missing = [name for name, value in (("a title", field.title), ("help", field.help)) if not value.strip()]
+    if field.kind in ("int", "float") and (field.ge is None or field.le is None):
+        missing.append("bounds (ge and le)")
+    return f"{field.name} lacks {' and '.join(missing)}." if missing else ""
+
+
+# --- what it shows -------------------------------------------------------------------------------------------
+
+
+def _words(task: Task) -> str:
+    if not task.instructions().strip():
+        return "Its instructions are empty."
+    silent = [level for level in _levels(task) if not task.goal(level).strip()]
+    return f"The goal is empty at level {silent[0]}." if silent else ""
+
+
+def _translations(kind: type[Task]) -> str:
+    return " ".join(task_translations.problems(kind))
+
+
+def _levels(task: Task) -> range:
+    return range(1, min(task.levels, task.parameters.max_level) + 1)
+
+
+def _prompts(kind: type[Task], task: Task) -> str:
+    if task.levels < 1 or task.trials_per_attempt < 1:
+        return f"It has {task.levels} levels and {task.trials_per_attempt} trials in an attempt; each is at least 1."
+    again = kind(task.parameters)
+    for level in _levels(task):
+        for trial in range(1, min(task.trials_per_attempt, 5) + 1):
+            situation = Situation(1, trial, level, RandomStreams(SEED, 1, trial), RandomStreams(SEED))
+            prompt = task.stimulus(situation)
+            where = f"at level {level}, trial {trial}"
+            if not prompt.name:
+                return f"The stimulus has no name {where}."
+            if not prompt.text.strip() or not prompt.text.isprintable():
+                return f"The prompt's text is not one line of plain text {where}: {prompt.text!r}."
+            if prompt.choices < 1:
+                return f"The prompt is drawn from {prompt.choices} stimuli {where}."
+            if prompt != task.stimulus(situation) or prompt != again.stimulus(situation):
+                return f"The prompt is another one when asked again {where}. Draw from situation.chance alone."
+    return ""
+
+
+# --- what it does ---------------------------------------------------------------------------------------------
+
+
+def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
+    done: list[Simulated] = []
+    with tempfile.TemporaryDirectory(prefix="sar-tui-check-") as folder:
+        for person in PEOPLE.values():
+            name = f"runs a whole session with a{'n' if person.name[0] in 'aeiou' else ''} {person.name} participant"
+            try:
+                simulated = _simulate(kind, parameters, person, Path(folder))
+            except Exception as error:
+                yield Check(name, _told(error))
+                return
+            yield Check(name, _outcome(simulated, parameters))
+            done.append(simulated)
+    yield Check("keeps only the details that it declares", _details(kind, done))
+    yield Check("moves its level", _level_moves(kind, parameters, done))
+    yield Check("comes out the same when replayed, so that it can be resumed", _replay(kind, parameters, done))
+
+
+def _simulate(kind: type[Task], parameters: TaskParameters, person: Person, folder: Path) -> Simulated:
+    plan = Plan(kind, parameters, THEME, "CHECK", SEED, "simulated")
+    session = simulate(plan, person, folder, Catalogue())
+    database = connect(folder)
+    try:
+        return Simulated(
+            sessions.find(database, folder, session),
+            sessions.rows(database, "attempts", session),
+            sessions.rows(database, "trials", session),
+            list(sessions.history(database, session)),
+        )
+    finally:
+        database.conn.close()
+
+
+def _outcome(simulated: Simulated, parameters: TaskParameters) -> str:
+    for record in simulated.history:
+        if record.topic is FAULT and isinstance(fault := record.message, Fault):
+            return f"The node {fault.node} failed at {fault.topic} ({fault.error})."
+    expected = parameters.practice_attempts + parameters.attempts
+    found = len({attempt["attempt"] for attempt in simulated.attempts})
+    if simulated.session["status"] != "completed" or found != expected:
+        status = simulated.session["status"]
+        return f"The session is {status} after {found} of {expected} attempts."
+    scores = [attempt["metric"] for attempt in simulated.attempts]
+    if any(score is not None and not math.isfinite(score) for score in scores):
+        return "An attempt's metric is not a finite number."
+    if scores.count(None) > len(scores) / 2:
+        return (
+            f"{scores.count(None)} of {len(scores)} attempts have no metric: no trial of theirs was right and had a "
+            "value. Look at perceived, timed_out and rehearse."
+        )
+    return ""
+
+
+def _details(kind: type[Task], done: list[Simulated]) -> str:
+    declared = {field.name for field in msgspec.structs.fields(kind.Details)}
+    kept = {name for simulated in done for trial in simulated.trials for name in trial["details"]}
+    return f"Its Details do not declare {', '.join(sorted(kept - declared))}." if kept - declared else ""
+
+
+def _level_moves(kind: type[Task], parameters: TaskParameters, done: list[Simulated]) -> str:
+    if parameters.difficulty_policy == "fixed" or len(_levels(kind(parameters))) == 1:
+        return ""
+    seen = {attempt["level"] for simulated in done for attempt in simulated.attempts}
+    if len(seen) > 1:
+        return ""
+    return (
+        f"The level stays at {seen.pop()} for every participant. Is the goal ({parameters.threshold:g}) within reach?"
+    )
+
+
+def _replay(kind: type[Task], parameters: TaskParameters, done: list[Simulated]) -> str:
+    theme = Catalogue().theme(THEME)
+    for simulated in done:
+        try:
+            Session(kind(parameters), theme, VirtualClock(), SEED).replay(simulated.history)
+        except ReplayError as error:
+            return f"{error} Does the task keep state, or draw from elsewhere than situation.chance?"
+    return ""

@@ -1,0 +1,1 @@
+"""``sar-tui doctor``: a file for each group of checks."""

@@ -1,0 +1,77 @@
+"""What `sar-tui doctor` finds of motion sensors: the driver, a sensor, and whether one may use it."""
+
+import os
+import queue
+import sys
+import time
+from pathlib import Path
+
+from sar_tui.cli.doctor.check import Finding
+
+_SENSOR_S = 0.5
+"""How long a motion sensor is waited for; one that is plugged in tells of itself within 100 ms."""
+_UDEV = tuple(map(Path, ("/etc/udev/rules.d", "/run/udev/rules.d", "/usr/lib/udev/rules.d", "/lib/udev/rules.d")))
+_NO_SENSOR = "Only tasks that measure movement need one; `--imu simulated` tries them without."
+
+
+def sensor_driver() -> Finding:
+    """Whether a PhidgetSpatial could be used: the Python package, its native library, and what that needs."""
+    from sar_tui.drivers.phidget import new_channel
+    from sar_tui.inputs.phidget import NO_LIBRARY, NO_PACKAGE
+
+    try:
+        new_channel("Spatial")
+        from Phidget22.Phidget import Phidget
+
+        return Finding("Sensor driver", "ok", str(Phidget.getLibraryVersion()))
+    except ImportError:
+        problem = NO_PACKAGE
+    except OSError as error:
+        problem = NO_LIBRARY.format(error)
+    found, _, mend = problem.rpartition("; ")
+    return Finding("Sensor driver", "care", found, f"{_capital(mend)}. {_NO_SENSOR}")
+
+
+def motion_sensor() -> Finding:
+    """Whether there is a PhidgetSpatial on a USB port. None is no fault."""
+    from sar_tui.drivers.phidget import usb_denied
+    from sar_tui.inputs.imu import Status
+    from sar_tui.inputs.phidget import NO_PERMISSION, PhidgetSource
+
+    if usb_denied():
+        found, _, mend = NO_PERMISSION.partition(": ")
+        return Finding("Motion sensor", "bad", found, _capital(mend))
+    told: queue.SimpleQueue[Status] = queue.SimpleQueue()
+    source = PhidgetSource()
+    source.start(lambda sample: None, told.put)
+    try:
+        until = time.monotonic() + _SENSOR_S
+        while (left := until - time.monotonic()) > 0:
+            try:
+                status = told.get(timeout=left)
+            except queue.Empty:
+                break
+            if status.state == "attached" and (info := source.info):
+                found = f"{info.model}, serial {info.serial}, {info.rate_hz:g} samples a second"
+                return Finding("Motion sensor", "ok", found)
+            if status.state == "error":
+                return Finding("Motion sensor", "care", status.detail, _NO_SENSOR)
+    finally:
+        source.stop()
+    found = f"none plugged in, or another program uses it, such as the Phidget Control Panel. {_NO_SENSOR}"
+    if sys.platform != "linux":
+        return Finding("Motion sensor", "ok", f"{found} No permission is needed on this system.")
+    if os.geteuid() == 0 or _has_udev_rule():
+        return Finding("Motion sensor", "ok", found)
+    rule = NO_PERMISSION.partition(": ")[2].partition(", unplug")[0]
+    return Finding("Motion sensor", "ok", found, f"To be allowed to use one, {rule}.")
+
+
+def _has_udev_rule(folders: tuple[Path, ...] = _UDEV) -> bool:
+    """Whether this system has a rule for Phidgets."""
+    rules = (rule for folder in folders for rule in folder.glob("*.rules"))
+    return any("06c2" in rule.read_text(errors="replace").lower() for rule in rules if os.access(rule, os.R_OK))
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]

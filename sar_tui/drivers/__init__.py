@@ -1,0 +1,1 @@
+"""Device and protocol code that inputs and outputs share."""

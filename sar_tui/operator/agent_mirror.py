@@ -1,0 +1,94 @@
+"""The agent as the participant sees it: the session's own widget, following the mirror."""
+
+from textual.geometry import Size
+from textual.widget import Widget
+
+from sar_tui.framework.clock import SECOND, Clock
+from sar_tui.framework.theme import Theme
+from sar_tui.operator.session_state import Agent as Seen
+from sar_tui.operator.session_state import SessionState
+from sar_tui.operator.text_charts import folded
+from sar_tui.widgets.agent import Agent
+from sar_tui.widgets.robot import WIDTH
+
+_MARGINS = 3
+"""Columns beside the drawing, and beside its words."""
+_FRESH = 2 * SECOND
+"""A gesture that was asked for longer ago is over, or was never seen here."""
+
+
+class AgentMirror:
+    """Keeps an agent on the screen as the mirror tells it.
+
+    Args:
+        theme: is worn until the session's is known; the agent is not there before.
+        clock: of its motion.
+    """
+
+    def __init__(self, theme: Theme, clock: Clock) -> None:
+        self.widget = Agent(theme, clock, id="agent")
+        self.widget.display = False
+        self._theme: Theme | None = None
+        self._seen = Seen()
+        self._said: tuple[str, str] = ("", "")
+
+    def show(self, mirror: SessionState, now: int) -> None:
+        """Bring the agent up to what is known. ``now``: on the session's clock (ns)."""
+        if mirror.theme is None:
+            return
+        if mirror.theme is not self._theme:
+            self._theme = mirror.theme
+            self.widget.wear(mirror.theme)
+            self.widget.display = True
+        seen, before = mirror.agent, self._seen
+        self._seen = seen
+        self._say(seen, before)
+        if seen.still != before.still:
+            self.widget.be_still()
+        self._hold(mirror, before)
+        action = seen.moves
+        if action and action is not before.moves and now - action.decided < _FRESH:
+            if action.gesture in mirror.theme.gestures:
+                self.widget.gesture(mirror.theme.gestures[action.gesture])
+            if action.gaze:
+                self.widget.gaze(action.gaze)
+        current = mirror.standing.current if mirror.standing else None
+        self.widget.speaking(bool(mirror.acting and current and current.spoken and mirror.is_connected))
+
+    def _hold(self, mirror: SessionState, before: Seen) -> None:
+        """Stand still where the participant's does; and look to a side as it does, meanwhile."""
+        cue = mirror.agent.cue
+        if not mirror.is_quiet or (before.cue and before.cue is not cue):
+            self.widget.release()
+        if mirror.is_quiet:
+            self.widget.hold()
+        if cue and cue is not before.cue:
+            self.widget.cue(cue.gaze, mirror.theme.gestures.get(cue.gesture) if mirror.theme else None)
+
+    def _say(self, seen: Seen, before: Seen) -> None:
+        said = self._fitted(seen)
+        if said == self._said and seen.valence == before.valence:
+            if seen.face != before.face:
+                self.widget.look(seen.face)
+            return
+        self._said = said
+        words, more = said
+        if not words:
+            self.widget.clear(seen.face)
+            return
+        self.widget.say(words, seen.face, seen.valence)
+        if more:
+            self.widget.say(more, joins=True)
+
+    def _fitted(self, seen: Seen) -> tuple[str, str]:
+        """There is less room than the participant has: of words that joined others, the last are seen, if need be."""
+        around = self.widget.parent
+        room = around.content_size if isinstance(around, Widget) else Size(0, 0)
+        width = room.width - WIDTH - _MARGINS
+        if width <= 0 or not seen.words:  # nothing has been laid out yet
+            return seen.words, seen.more
+        more, most = folded(seen.more, width, len(seen.more)), max(2, room.height - 2)
+        if len(more) > most:
+            more = ["…", *more[1 - most :]]
+        words = folded(seen.words, width, room.height - (len(more) + 1 if more else 0))
+        return "\n".join(words), "\n".join(more)

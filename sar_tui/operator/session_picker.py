@@ -1,0 +1,109 @@
+"""From a session that can be joined to its panel: which session, and the link to it."""
+
+import asyncio
+import functools
+import getpass
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ClassVar
+
+from textual import on
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.screen import Screen
+from textual.widgets import Footer, OptionList, Static
+from textual.widgets.option_list import Option
+
+from sar_tui.framework.messages import Role
+from sar_tui.framework.theme import Theme
+from sar_tui.link.client import connect
+from sar_tui.link.discovery import JoinableSession, live_sessions
+from sar_tui.link.errors import LinkError
+from sar_tui.link.invitation import Invitation
+from sar_tui.operator.screen import PanelScreen
+
+LOOK_SECONDS = 1.0
+HOW_TO_START = "No session on this machine can be joined. Start one with: sar-tui run TASK -p CODE --operator"
+
+
+def own_name() -> str:
+    """What this user is called at a session, unless told otherwise: the login name, as far as it may be used."""
+    try:
+        name = getpass.getuser()
+    except (KeyError, OSError):  # a container's user without an entry
+        name = ""
+    return re.sub(r"[^A-Za-z0-9_-]", "", name).lstrip("_-")[:32] or "operator"
+
+
+def panel(where: JoinableSession | Invitation, name: str, role: Role, theme: Theme, folder: Path) -> PanelScreen:
+    """The panel of a session; made on the loop that runs it."""
+    join = functools.partial(connect, where, name, role, loop=asyncio.get_running_loop())
+    return PanelScreen(join, theme, folder)
+
+
+class ChooseScreen(Screen[JoinableSession | None]):
+    """The sessions that can be joined; looked for again and again.
+
+    Args:
+        waits: take the first that comes.
+        look: finds them.
+    """
+
+    CSS = """
+    ChooseScreen { align: center middle; }
+    ChooseScreen #box { width: 70; height: auto; max-height: 80%; border: round $accent; padding: 0 1; }
+    ChooseScreen #told { width: 70; height: auto; margin: 1 0; color: $text-muted; }
+    """
+    help_text = "The sessions on this machine that an operator can join.\n"
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "leave", "Back")]
+
+    app: Any
+
+    def __init__(self, *, waits: bool = False, look: Callable[[], list[JoinableSession]] = live_sessions) -> None:
+        super().__init__()
+        self._waits, self._look = waits, look
+        self._found: dict[str, JoinableSession] = {}
+
+    def compose(self) -> ComposeResult:
+        box = OptionList(id="box", markup=False)
+        box.border_title = "Sessions to join"
+        yield box
+        yield Static("", id="told", markup=False)
+        yield Footer()
+
+    def on_mount(self) -> None:
+        self.look_again()
+        self.set_interval(LOOK_SECONDS, self.look_again)
+
+    def look_again(self) -> None:
+        try:
+            found = {live.session: live for live in self._look()}
+        except LinkError as error:
+            self.query_one("#told", Static).update(str(error))
+            return
+        if self._waits and len(found) == 1 and not self._found and self.is_current:
+            self.dismiss(next(iter(found.values())))
+            return
+        if found != self._found or not found:
+            self._found = found
+            self._list()
+
+    def _list(self) -> None:
+        box = self.query_one("#box", OptionList)
+        chosen = box.highlighted or 0
+        box.clear_options()
+        box.add_options([Option(f"{live.session}   {live.task}", id=live.session) for live in self._found.values()])
+        if self._found:
+            box.highlighted = min(chosen, len(self._found) - 1)
+        box.display = bool(self._found)
+        self.query_one("#told", Static).update(
+            "Enter joins." if self._found else f"{HOW_TO_START}\n\nWaiting for one …"
+        )
+
+    @on(OptionList.OptionSelected, "#box")
+    def _selected(self, event: OptionList.OptionSelected) -> None:
+        self.dismiss(self._found[event.option.id or ""])
+
+    def action_leave(self) -> None:
+        self.dismiss(None)

@@ -1,0 +1,1 @@
+"""Percepts from sensors that several tasks share."""

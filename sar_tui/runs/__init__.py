@@ -1,0 +1,1 @@
+"""Running a session: its plan, its sensors, live and simulated."""

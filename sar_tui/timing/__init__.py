@@ -1,0 +1,1 @@
+"""Closed-loop timing measurement over a pseudo-terminal."""

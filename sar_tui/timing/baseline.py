@@ -1,0 +1,81 @@
+"""A reaction task with nothing around it: the terminal in raw mode, `os.write`, `os.read`. POSIX only.
+
+No program in Python at this terminal can time a key better: it is what sar-tui's own timing is held against.
+Run as ``python -m sar_tui.timing.baseline FILE``; each trial is a line of JSON in FILE.
+"""
+
+import argparse
+import json
+import os
+import sys
+import time
+from pathlib import Path
+
+from sar_tui.framework.random_streams import RandomStreams
+
+if sys.platform != "win32":
+    import termios
+    import tty
+
+
+class Sheet:
+    """What a bare program is to do, from its command line, and where it writes down what happened.
+
+    Attributes:
+        prompts: how many.
+    """
+
+    def __init__(self) -> None:
+        parser = argparse.ArgumentParser()
+        parser.add_argument("file", type=Path)
+        parser.add_argument("--prompts", type=int, default=20)
+        parser.add_argument("--seed", type=int, default=1)
+        parser.add_argument("--shortest-ms", type=float, default=500)
+        parser.add_argument("--longest-ms", type=float, default=1500)
+        given = parser.parse_args()
+        self.prompts: int = given.prompts
+        self._shortest: float = given.shortest_ms / 1000
+        self._longest: float = given.longest_ms / 1000
+        self._seed: int = given.seed
+        self._file = given.file.open("w")
+
+    def key(self, trial: int) -> str:
+        """The key that a trial (0, 1, …) asks for."""
+        return RandomStreams(self._seed, trial).choice("fj", "order")
+
+    def foreperiod(self, trial: int) -> float:
+        """How long to wait before its prompt, in s."""
+        share = RandomStreams(self._seed, trial).uniform("foreperiod")
+        return self._shortest + share * (self._longest - self._shortest)
+
+    def enter(self, trial: int, response: str, reaction_time_ms: float) -> None:
+        """Write a trial down."""
+        row = {"stimulus": self.key(trial), "response": response, "correct": response == self.key(trial)}
+        self._file.write(json.dumps(row | {"reaction_time_ms": reaction_time_ms}) + "\n")
+        self._file.flush()
+
+
+def main() -> None:
+    """Ask for Enter, and run the trials."""
+    sheet = Sheet()
+    before = termios.tcgetattr(0)
+    tty.setraw(0)
+    try:
+        os.write(1, b"\x1b[2JPress Enter to begin\r\n")
+        while os.read(0, 1) != b"\r":
+            pass
+        for trial in range(sheet.prompts):
+            os.write(1, b"\x1b[2J")
+            time.sleep(sheet.foreperiod(trial))
+            termios.tcflush(0, termios.TCIFLUSH)
+            os.write(1, f"Press: {sheet.key(trial)}\r\n".encode())
+            onset = time.monotonic_ns()
+            pressed = os.read(0, 16)
+            response = time.monotonic_ns()
+            sheet.enter(trial, pressed.decode(), (response - onset) / 1e6)
+    finally:
+        termios.tcsetattr(0, termios.TCSADRAIN, before)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,156 @@
+"""A participant by script, at a real terminal: reads the prompt's bytes, waits as planned, presses a key.
+
+What it did, by its own clock, is the truth against which recorded reaction times are held.
+"""
+
+import re
+import time
+from collections.abc import Callable
+
+import msgspec
+
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.timing.pty import Terminal
+
+Answer = Callable[[int, str], tuple[float, str]]
+"""How a prompt is answered: from its number (0, 1, …) and the key it asks for, to a delay in ms and a key."""
+
+SILENCE = 150 * MS
+"""A screen that asks for Enter gets it when nothing has been drawn for this long…"""
+INSISTENCE = 1 * SECOND
+"""…or when it asked this long ago, and something on it moves all the time."""
+SPIN = 1 * MS
+"""The last of a wait is not slept: the processor's clock is watched."""
+
+_PROMPT = re.compile(rb"Press: ([^\x00-\x20\x7f]+)(?=[\x00-\x20\x7f])")
+_ENTER = re.compile(rb"\bEnter\b")
+
+
+class Press(msgspec.Struct, frozen=True):
+    """One prompt answered.
+
+    Args:
+        expected: the key it asked for.
+        key: the key that was pressed.
+        onset: when its bytes had been read, in ns of ``time.monotonic_ns``.
+        response: when the key was about to be written, on the same clock.
+    """
+
+    expected: str
+    key: str
+    onset: int
+    response: int
+
+    @property
+    def reaction_time_ms(self) -> float:
+        """The true reaction time."""
+        return (self.response - self.onset) / MS
+
+
+class NoPrompt(TimeoutError):
+    """The program showed no prompt, nor did it ask for Enter, for too long."""
+
+
+def random_answers(seed: int, shortest_ms: float, longest_ms: float, slips: float = 0.0) -> Answer:
+    """Delays uniform between bounds; a share of ``slips`` is answered with a wrong key. The same for each seed."""
+
+    def answer(number: int, expected: str) -> tuple[float, str]:
+        streams = RandomStreams(seed, number)
+        delay = shortest_ms + streams.uniform("delay") * (longest_ms - shortest_ms)
+        if streams.uniform("slip") < slips:
+            return delay, streams.choice([key for key in "asdfjkl" if key != expected], "key")
+        return delay, expected
+
+    return answer
+
+
+class ScriptedParticipant:
+    """Answers ``Press: f`` and ``Press: left``, in plain text and one unbroken run, and presses Enter when asked to.
+
+    A prompt is taken as new if its line comes after the last answer, so that the same prompt twice is two.
+
+    Args:
+        terminal: where it sits.
+        answer: how it answers.
+        guard_ms: a prompt line this soon after an answer is the old one drawn again.
+
+    Attributes:
+        presses: the prompts answered so far.
+    """
+
+    def __init__(self, terminal: Terminal, answer: Answer, *, guard_ms: float = 40) -> None:
+        self.terminal = terminal
+        self.presses: list[Press] = []
+        self._answer = answer
+        self._guard = round(guard_ms * MS)
+        self._guarded_until = 0
+        self._prompts_from = 0
+        self._enter_from = 0
+        self._asked_at: int | None = None
+        self._due: tuple[int, int, str, str] | None = None  # when, onset, what was asked for, what to press
+
+    def run(self, prompts: int | None = None, *, until: int | None = None, patience_s: float = 20) -> list[Press]:
+        """Take part until so many prompts are answered in all, or a moment (ns) has come, or the program ends.
+
+        Raises:
+            NoPrompt: it was asked for nothing for ``patience_s`` seconds.
+        """
+        patience = round(patience_s * SECOND)
+        bored_at = time.monotonic_ns() + patience
+        while (prompts is None or len(self.presses) < prompts) and not self.terminal.ended:
+            now = time.monotonic_ns()
+            if until is not None and now >= until:
+                break
+            if now >= bored_at:
+                raise NoPrompt(f"No prompt has come, and no request for Enter, for {patience_s:g} s.")
+            if self._act(min(bored_at, until or bored_at)):
+                bored_at = time.monotonic_ns() + patience
+        return self.presses
+
+    def _act(self, until: int) -> bool:
+        """Do the next thing there is to do, or look at the screen for a while; True if a key was pressed."""
+        if self._due is not None:
+            return self._wait_and_press(*self._due, until)
+        enter_at = until
+        if self._asked_at is not None:
+            enter_at = min(self.terminal.read_at + SILENCE, self._asked_at + INSISTENCE)
+            if time.monotonic_ns() >= enter_at:
+                self.terminal.press("enter")
+                self._forget_enter()
+                return True
+        if self.terminal.read(min(enter_at, until)):
+            self._look()
+        return False
+
+    def _forget_enter(self) -> None:
+        self._enter_from, self._asked_at = len(self.terminal.output), None
+
+    def _look(self) -> None:
+        """Is there a prompt in what has come, or a request for Enter?"""
+        onset = self.terminal.read_at
+        prompt = _PROMPT.search(self.terminal.output, self._prompts_from)
+        if self._asked_at is None and _ENTER.search(self.terminal.output, self._enter_from):
+            self._asked_at = onset
+        if prompt is None:
+            return
+        self._prompts_from = prompt.end()
+        if onset >= self._guarded_until:
+            expected = prompt[1].decode()
+            delay, key = self._answer(len(self.presses), expected)
+            self._due = onset + round(delay * MS), onset, expected, key
+
+    def _wait_and_press(self, due: int, onset: int, expected: str, key: str, until: int) -> bool:
+        while time.monotonic_ns() < due - SPIN:
+            if time.monotonic_ns() >= until or self.terminal.ended:
+                return False
+            self.terminal.read(min(due - SPIN, until))
+        while time.monotonic_ns() < due:
+            pass
+        response = self.terminal.press(key)
+        self.presses.append(Press(expected=expected, key=key, onset=onset, response=response))
+        self._due = None
+        self._guarded_until = response + self._guard
+        self._prompts_from = len(self.terminal.output)
+        self._forget_enter()
+        return True

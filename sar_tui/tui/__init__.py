@@ -1,0 +1,1 @@
+"""What every Textual app of ours shares."""

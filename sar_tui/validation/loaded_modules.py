@@ -1,0 +1,74 @@
+"""Which modules a task's session loads: `python -m sar_tui.validation.loaded_modules TASK [FOLDER…]`, in a process of its own.
+
+Loaded is what a live session loads, but for the app; then a simulated participant does two attempts, so that what is
+only loaded on the way is seen too. What the simulation itself loads is left out. Prints JSON.
+"""
+
+import sys
+from pathlib import Path
+
+LONGEST_S = 3600
+"""Two attempts that are not over after so long will never be."""
+
+
+def main(name: str, folders: list[str]) -> None:
+    """Print ``{"modules": {name: file}, "package": the task's, "folder": the task's}``."""
+    from sar_tui.framework.clock import SECOND, VirtualClock
+    from sar_tui.framework.messages import Stored, TrialEnded
+    from sar_tui.framework.node import Node
+    from sar_tui.framework.parameters import build
+    from sar_tui.framework.session import Session
+    from sar_tui.framework.topics import STORED, TRIAL
+    from sar_tui.inputs.keyboard import Keyboard
+    from sar_tui.plugins import Catalogue, task_folder
+
+    catalogue = Catalogue(tuple(map(Path, folders)))
+    kind = catalogue.task(name)
+    task = kind(build(kind.Parameters, {"attempts": 2}))
+    clock = VirtualClock()
+    Keyboard()
+    if kind.sensed(task.parameters):
+        from sar_tui.inputs.feed import ImuFeed
+        from sar_tui.inputs.sensor import Imu
+        from sar_tui.inputs.sources import open_source
+
+        Imu(ImuFeed(open_source(getattr(task.parameters, "imu", "phidget")), clock.now))
+    live = set(sys.modules)
+
+    from sar_tui.simulation.participant import SimulatedParticipant
+    from sar_tui.simulation.person import PEOPLE
+
+    participant: list[Node] = [SimulatedParticipant(PEOPLE["average"], task, 0)]
+    if kind.sensed(task.parameters):
+        hand = open_source("simulated", clock=clock)
+        move = getattr(hand, "move", None)
+        participant = [SimulatedParticipant(PEOPLE["average"], task, 0, move), Imu(ImuFeed(hand, clock.now))]
+    simulation = set(sys.modules) - live
+
+    session = Session(task, catalogue.theme("calm"), clock, 0, participant)
+
+    def store(trial: TrialEnded) -> None:
+        session.bus.post(STORED, Stored(seat=trial.seat, attempt=trial.attempt, trial=trial.trial))
+
+    session.bus.subscribe(TRIAL, store)
+    session.begin()
+    while not (session.ended or session.broken) and clock.now() < LONGEST_S * SECOND and clock.step():
+        pass
+    if session.broken:
+        sys.exit(f"its session failed ({session.broken.error}, {session.broken.place})")
+    if not session.ended:
+        sys.exit("its session does not end")
+
+    import msgspec
+
+    files = {
+        module: str(file)
+        for module in sorted(set(sys.modules) - simulation)
+        if (file := getattr(sys.modules[module], "__file__", None))
+    }
+    package = kind.__module__.rpartition(".")[0] or kind.__module__
+    print(msgspec.json.encode({"modules": files, "package": package, "folder": str(task_folder(kind))}).decode())
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], sys.argv[2:])

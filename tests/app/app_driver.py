@@ -1,0 +1,251 @@
+"""A chair in front of the app: a person who presses keys and reads the screen, while time stands still."""
+
+import io
+import sqlite3
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, closing
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from rich.console import Console
+from textual.events import Callback, Key
+from textual.message import Message
+from textual.pilot import Pilot
+
+from sar_tui.app.app import SarTui
+from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.framework.messages import Prompt, StorageChanged, Waiting
+from sar_tui.framework.parameters import build
+from sar_tui.framework.session import Session
+from sar_tui.framework.task import Task
+from sar_tui.framework.topics import PROMPT, STORAGE, WAITING
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import Plan
+from sar_tui.store import participants
+from sar_tui.store.database import connect
+
+SHORT = {"attempts": 2, "prompts_per_attempt": 2}
+"""A session that a test need not sit through for long."""
+_NAMES = {"?": "question_mark", "-": "minus", "/": "slash", " ": "space"}
+_TYPED = {"space": " ", "enter": "\r", "tab": "\t"}
+_FRAMES = str.maketrans("│▌╭╮╰╯─", "       ")
+
+
+def plan(task: type[Task], participant: str = "P01", theme: str = "calm", **parameters: object) -> Plan:
+    """A session to go straight into: short, unless told otherwise."""
+    return Plan(task, build(task.Parameters, SHORT | parameters), theme, participant, seed=7)
+
+
+def known(data: Path, participant: str = "P01", theme: str = "calm", **parameters: object) -> None:
+    """A participant who is known already, with settings for the keyboard task."""
+    database = connect(data)
+    participants.add(database, participant)
+    kept = participants.Settings(SHORT | parameters, theme)
+    participants.save_settings(database, participant, "keyboard", kept)
+    database.conn.close()
+
+
+class AppDriver:
+    """What a person does and sees. Only they move the session's clock."""
+
+    def __init__(self, app: SarTui, clock: VirtualClock) -> None:
+        self.app = app
+        self.pilot: Pilot[int]
+        self.clock = clock
+        self._heard: Session | None = None
+        self._waiting: list[Waiting] = []
+        self._prompts: list[Prompt] = []
+        self._messages = 0
+
+    # --- what is done --------------------------------------------------------------------------------------
+
+    async def press(self, *keys: str) -> None:
+        """Press keys one after the other, all of them now. A key is a character, or called by its name."""
+        for key in keys:
+            await self.write(key)
+
+    async def write(self, *keys: str) -> None:
+        """Type characters into a form, where nothing need settle between them."""
+        for key in keys:
+            self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
+        await self.settle()
+
+    async def tell(self, event: Message) -> None:
+        """Let the terminal tell an event."""
+        self.app.post_message(event)
+        await self.settle()
+
+    async def settle(self) -> None:
+        """Let the app, and what the session owes at this moment, come to rest."""
+        await self._rest()
+        while self.clock.step(self.clock.now()):
+            self.clock.advance(0)
+            await self._rest()
+
+    def hear(self, message: Message) -> None:
+        """A message arrived at the app or at one of its widgets."""
+        self._messages += not isinstance(message, Callback)
+
+    async def _rest(self) -> None:
+        """Until no widget tells another anything more, and nothing waits for the next refresh."""
+        silent = 0
+        while self.app.is_running and silent < 2:
+            before = self._messages
+            await self.pilot.pause(0)
+            is_still = self._messages == before and not self.app.screen._callbacks
+            silent = silent + 1 if is_still else 0
+
+    async def wait(self, ms: float) -> None:
+        """Let time pass. A prompt that comes up in it is seen at once."""
+        until = self.clock.now() + round(ms * MS)
+        seen = len(self._prompts)
+        while self.clock.step(until):
+            if len(self._prompts) > seen:
+                seen = len(self._prompts)
+                await self.settle()
+        self.clock.advance(until - self.clock.now())
+        await self.settle()
+
+    async def resize(self, columns: int, rows: int) -> None:
+        """Give the window another size."""
+        await self.pilot.resize_terminal(columns, rows)
+        await self.settle()
+
+    # --- a session ------------------------------------------------------------------------------------------
+
+    @property
+    def session(self) -> Session:
+        assert self.app.live
+        session = self.app.live.run.session
+        if session is not self._heard:
+            self._heard = session
+            session.bus.subscribe(WAITING, self._waiting.append)
+            session.bus.subscribe(PROMPT, self._prompts.append)
+        return session
+
+    @property
+    def session_id(self) -> str:
+        assert self.app.live
+        return self.app.live.run.id
+
+    @property
+    def waiting(self) -> Waiting:
+        assert self.session
+        return self._waiting[-1]
+
+    async def to_first_prompt(self) -> Prompt:
+        """From the instructions to the first prompt."""
+        await self.press("enter")
+        return await self.begin()
+
+    async def begin(self) -> Prompt:
+        """Begin the attempt that is offered, and wait for its first prompt."""
+        await self.wait(300)
+        await self.press("enter")
+        return await self.to_prompt()
+
+    async def to_prompt(self) -> Prompt:
+        """Wait until the next prompt is on the screen."""
+        before = len(self._prompts) if self.session else 0
+        while len(self._prompts) == before:
+            assert self.clock.step(), f"no prompt will come; the session waits for {self.waiting}"
+        await self.settle()
+        return self._prompts[-1]
+
+    async def answer(self, prompt: Prompt, after_ms: float = 400) -> None:
+        """Press the right key."""
+        await self.wait(after_ms)
+        await self.press(prompt.expected)
+
+    async def do_attempt(self, first: Prompt) -> None:
+        """Answer every prompt of an attempt."""
+        prompt = first
+        for _ in range(self.session.task.trials_per_attempt - 1):
+            await self.answer(prompt)
+            prompt = await self.to_prompt()
+        await self.answer(prompt)
+
+    async def do_session(self) -> None:
+        """From the instructions to the summary."""
+        await self.do_attempt(await self.to_first_prompt())
+        while self.waiting.stage == "attempt":
+            await self.do_attempt(await self.begin())
+        await self.see_the_summary()
+
+    async def see_the_summary(self) -> None:
+        """From the last answer to the summary, and look at it for a moment."""
+        assert self.waiting.stage == "review", f"the session waits for {self.waiting}"
+        await self.wait(300)
+        await self.press("enter")
+        await self.wait(300)
+
+    async def disk(self, working: bool) -> None:
+        """The disk refuses to write, or no longer does."""
+        self.session.bus.post(STORAGE, StorageChanged(working=working, reason="" if working else "The disk is full."))
+        await self.settle()
+
+    # --- what is seen ------------------------------------------------------------------------------------------
+
+    @property
+    def screen_name(self) -> str:
+        return type(self.app.screen).__name__
+
+    @property
+    def rows(self) -> list[str]:
+        """The lines of text on the screen, as `App.export_screenshot` composes them."""
+        width, height = self.app.size
+        console = Console(width=width, height=height, file=io.StringIO(), record=True, legacy_windows=False)
+        composed = self.app.screen._compositor.render_update(full=True, screen_stack=self.app._background_screens)
+        console.print(composed)
+        return [row.rstrip() for row in console.export_text().splitlines()]
+
+    @property
+    def text(self) -> str:
+        return "\n".join(self.rows)
+
+    @property
+    def said(self) -> str:
+        """What stands beside the agent's face."""
+        words = self.app.screen.query_one("#agent > .words").region
+        return " ".join(" ".join(row[words.x :] for row in self.rows[words.y : words.bottom]).split())
+
+    def sees(self, words: str) -> bool:
+        """Whether the words are on the screen, wherever its lines break."""
+        return words in " ".join(self.text.translate(_FRAMES).split())
+
+    # --- what is kept ------------------------------------------------------------------------------------------
+
+    def stored(self, query: str, *values: object) -> list[tuple[Any, ...]]:
+        """What the database holds."""
+        if self.app.live and not self.app.live.is_closed:
+            self.app.live.run.recorder.write()
+        return stored(self.app.folder, query, *values)
+
+    def messages(self, topic: str) -> list[dict[str, Any]]:
+        """The recorded messages of a topic."""
+        found = self.stored("SELECT message FROM events WHERE topic=? ORDER BY rowid", topic)
+        return [msgspec.json.decode(text) for (text,) in found]
+
+
+def stored(data: Path, query: str, *values: object) -> list[tuple[Any, ...]]:
+    """What the database holds."""
+    with closing(sqlite3.connect(data / "sar-tui.db")) as database:
+        return database.execute(query, values).fetchall()
+
+
+@asynccontextmanager
+async def sit_down(
+    data: Path,
+    catalogue: Catalogue,
+    begin: Plan | str | None = None,
+    size: tuple[int, int] = (80, 24),
+    link: Any = None,
+) -> AsyncIterator[AppDriver]:
+    """Open the app in front of a person, and close it when they get up."""
+    app = SarTui(data, catalogue, begin, clock=(clock := VirtualClock(10 * SECOND)), link=link)
+    driver = AppDriver(app, clock)
+    async with app.run_test(size=size, notifications=True, message_hook=driver.hear) as driver.pilot:
+        await driver.settle()
+        yield driver
+    app.close_session()

@@ -1,0 +1,202 @@
+"""Given a task with words in another language, when it is checked, then what they lack is told, text by text."""
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from sar_tui.checks.task_translations import remarks_in, texts_in
+from tests.program import Call
+
+CHECK = "has each of its words in every language that it has"
+TASK = """
+from sar_tui.framework.task import Metric, Quality, Result, Stimulus, Task
+
+_AGAIN = {"gap": "Once more.", "slow": ("Wait.", "Rest.")}
+
+
+class Arrows(Task):
+    name = "arrows"
+    title = "Arrows"
+    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+
+    def instructions(self):
+        return self.tr("Press the {count} arrows.", count=4)
+
+    def stimulus(self, situation):
+        key = situation.streams.choice(("left", "right"), "order")
+        return Stimulus(name=key, expected=key, text=self.tr("Press: {key}", key=key), choices=2)
+
+    def perceived(self, trial, percept):
+        right = percept.key == trial.stimulus.expected
+        remark = self.tr(_AGAIN["gap"])
+        return Result(correct=right, response=percept.key, response_at=percept.at, value=1.0, remark=remark)
+"""
+WORDS = {
+    "Arrows": "Flechas",
+    "reaction time (ms)": "tiempo de reacción (ms)",
+    "faster": "más rápido",
+    "slower": "más lento",
+    "Press the {count} arrows.": "Pulse las {count} flechas.",
+    "Press: {key}": "Pulse: {key}",
+    "Once more.": "Una vez más.",
+    "Wait.": "Espere.",
+    "Rest.": "Descanse.",
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A task that asks for its texts in every way there is."""
+    folder = tmp_path / "mine" / "arrows"
+    folder.mkdir(parents=True)
+    (folder / "task.py").write_text(TASK)
+    return folder
+
+
+def translate(folder: Path, words: dict[str, str]) -> None:
+    lines = (f'"{english}" = {own}' for english, own in words.items())
+    (folder / "words.es.toml").write_text("\n".join(lines), encoding="utf-8")
+
+
+def problem(call: Call, folder: Path) -> str:
+    checks = call("tasks", "check", folder, "--json").json["checks"]
+    return str(next(row["problem"] for row in checks if row["check"] == CHECK))
+
+
+def quoted(words: dict[str, str]) -> dict[str, str]:
+    return {english: f'"{own}"' for english, own in words.items()}
+
+
+def test_a_task_in_english_alone_lacks_nothing(call: Call, folder: Path) -> None:
+    assert problem(call, folder) == ""
+
+
+def test_a_task_with_all_of_its_words_passes_and_need_not_repeat_the_frameworks(call: Call, folder: Path) -> None:
+    translate(folder, quoted(WORDS))
+    assert problem(call, folder) == ""
+
+
+@pytest.mark.parametrize("text", WORDS)
+def test_each_text_that_is_not_translated_is_told(call: Call, folder: Path, text: str) -> None:
+    translate(folder, quoted({english: own for english, own in WORDS.items() if english != text}))
+    assert problem(call, folder) == f"words.es.toml has no translation of {text!r}."
+
+
+@pytest.mark.parametrize(
+    ("own", "told"),
+    [
+        ('"Pulse: {tecla}"', "lacks {key}."),
+        ('"Pulse: {key} {tecla}"', "has {tecla}, which the English has not."),
+        ('"Pulse: {key"', "has broken slots (expected '}' before end of string)."),
+    ],
+)
+def test_slots_that_are_not_those_of_the_english_are_told(call: Call, folder: Path, own: str, told: str) -> None:
+    translate(folder, {**quoted(WORDS), "Press: {key}": own})
+    assert problem(call, folder) == f"The translation of 'Press: {{key}}' in words.es.toml {told}"
+    assert call("tasks", "check", folder).code == 1
+
+
+def test_a_translation_that_is_no_text_is_told(call: Call, folder: Path) -> None:
+    translate(folder, {**quoted(WORDS), "Arrows": "5"})
+    assert problem(call, folder) == "The translation of 'Arrows' in words.es.toml is not a text."
+
+
+def test_a_file_that_is_no_toml_is_told(call: Call, folder: Path) -> None:
+    (folder / "words.es.toml").write_text("Pulse = = {")
+    assert problem(call, folder).startswith("words.es.toml cannot be read: ")
+
+
+def test_a_participant_reads_english_where_the_words_are_broken(call: Call, folder: Path, tmp_path: Path) -> None:
+    translate(folder, {**quoted(WORDS), "Press: {key}": '"Pulse: {tecla}"'})
+    settings = ("--set", "language=es", "--attempts", 1, "--tasks", folder.parent)
+    assert call("simulate", "arrows", "--user", "competent", *settings).code == 0
+    with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
+        read = "".join(message for (message,) in database.execute("SELECT message FROM events"))
+    assert '"text":"Press: ' in read
+    assert "Pulse: " not in read
+    assert "intento 1 de 1" in read
+
+
+# --- numbers ---------------------------------------------------------------------------------------------------------
+
+NUMBERS = "tells how it went without a number, in words"
+
+
+def numbers(call: Call, folder: Path) -> str:
+    checks = call("tasks", "check", folder, "--json").json["checks"]
+    return str(next(row["problem"] for row in checks if row["check"] == NUMBERS))
+
+
+def test_a_task_that_tells_how_it_went_in_words_alone_passes(call: Call, folder: Path) -> None:
+    (folder / "task.py").write_text(TASK.replace("Once more.", "That slipped."))
+    assert numbers(call, folder) == ""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('improved="faster"', 'improved="twice as fast"', "twice as fast"),
+        ('worsened="slower"', 'worsened="half as fast"', "half as fast"),
+        ('"gap": "Once more."', '"gap": "Do 2 more."', "Do 2 more."),
+        ("class A", 'MARK = Mark("m", "f7", "M", False, "One was missed.")\n\nclass A', "One was missed."),
+        ("class A", 'SWAY = Quality("s", "lower", "twice as steady", "well", 1.0)\n\nclass A', "twice as steady"),
+        ("class A", 'SWAY = Quality("s", "lower", "steadier", "in one go", 1.0)\n\nclass A', "in one go"),
+    ],
+)
+def test_a_number_in_what_is_said_of_how_it_went_is_told(
+    call: Call, folder: Path, old: str, new: str, told: str
+) -> None:
+    source = TASK.replace("Once more.", "That slipped.") if old != '"gap": "Once more."' else TASK
+    source = source.replace("import Metric, ", "import Mark, Metric, ").replace(old, new)
+    declared = "    marks = (MARK,)\n" if "MARK" in source else "    qualities = (SWAY,)\n" if "SWAY" in source else ""
+    source = source.replace('    title = "Arrows"\n', f'    title = "Arrows"\n{declared}')
+    (folder / "task.py").write_text(source)
+    assert numbers(call, folder) == f"{told!r} holds a number (en); feedback in words has none."
+    assert call("tasks", "check", folder).code == 1
+
+
+def test_a_number_in_a_translation_of_it_is_told_with_its_language(call: Call, folder: Path) -> None:
+    (folder / "task.py").write_text(TASK.replace("Once more.", "That slipped."))
+    translate(folder, quoted({**WORDS, "That slipped.": "Se soltaron dos."}))
+    assert numbers(call, folder) == "'Se soltaron dos.' holds a number (es); feedback in words has none."
+
+
+@pytest.mark.parametrize(
+    ("source", "texts"),
+    [
+        ('Result(correct=False, remark=self.tr("a"))', {"a"}),
+        ('Result(correct=False, remark=tr("a" if x else "b"))\ntr("c")', {"a", "b"}),
+        ('A = {"k": "a"}\nwhy = tr(A[x])\nAgain("k", why)', {"a"}),
+        ('Again(reason="k", words=self.tr("a"))', {"a"}),
+        ('task.Again("k", "a")', {"a"}),
+        ('Other("k", tr("a"))', set()),
+    ],
+)
+def test_a_remark_is_found_however_it_is_made(source: str, texts: set[str]) -> None:
+    assert remarks_in(source) == texts
+
+
+# --- where the texts are found -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("source", "texts"),
+    [
+        ('self.tr("a")', {"a"}),
+        ('tr("a" "b")', {"ab"}),
+        ('tr("a" if x else "b")', {"a", "b"}),
+        ('A = "a"\ntr(A)', {"a"}),
+        ('A: dict[str, str] = {"k": "a"}\ntr(A[x])', {"a"}),
+        ('A = {"k": "a"}\ntr(A.get(x, "b"))', {"a", "b"}),
+        ('A = {"k": ("a", "b")}\nfirst, last = A[x]\ntr(first)', {"a", "b"}),
+        ('A = ("a", "b")\n[tr(each) for each in A]', {"a", "b"}),
+        ('A = ("a", "b")\nfor each in A:\n    tr(each)', {"a", "b"}),
+        ("f\"{tr('a')} b\"", {"a"}),
+        ("a = a\ntr(a)", set()),
+        ('tr(x.title)\ntr()\nother("a")\ntr("")', set()),
+    ],
+)
+def test_a_text_is_found_however_it_is_handed_over(source: str, texts: set[str]) -> None:
+    assert texts_in(source) == texts

@@ -1,0 +1,307 @@
+"""``sar-tui doctor``: what works here, and what does not."""
+
+import json
+import sys
+from collections import namedtuple
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.cli.doctor import sensors
+from sar_tui.drivers import phidget as phidget_driver
+from sar_tui.inputs import phidget
+from sar_tui.inputs.imu import Info, Sample, Status
+from tests.program import Call, Called
+
+
+def finding(called: Called, name: str) -> dict[str, Any]:
+    return next(row for row in called.json["checks"] if row["name"] == name)
+
+
+class Plugged:
+    """In place of a PhidgetSpatial: tells at once what it has to tell."""
+
+    told: tuple[Status, ...] = ()
+    info: Info | None = None
+    stopped = 0
+
+    def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
+        for status in self.told:
+            on_status(status)
+
+    def stop(self) -> None:
+        type(self).stopped += 1
+
+
+@pytest.fixture(autouse=True)
+def plugged(monkeypatch: pytest.MonkeyPatch) -> type[Plugged]:
+    """No sensor is plugged in, and none is waited for; a test may change that."""
+
+    class Socket(Plugged):
+        pass
+
+    monkeypatch.setattr(phidget, "PhidgetSource", Socket)
+    monkeypatch.setattr(phidget_driver, "new_channel", lambda _kind: None)
+    monkeypatch.setattr(phidget_driver, "usb_denied", lambda: False)
+    monkeypatch.setattr(phidget_driver, "plugged_in", lambda: False)
+    monkeypatch.setattr(sensors, "_SENSOR_S", 0.001)
+    return Socket
+
+
+@pytest.fixture(autouse=True)
+def known_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setenv("LINES", "30")
+
+
+def test_nothing_wrong_is_0(call: Call) -> None:
+    called = call("doctor")
+    assert (called.code, called.err) == (0, "")
+    assert "✗" not in called.out
+    for name in ("Python", "Terminal", "Clock", "Onset stamps", "Priority", "Data", "Disk space", "Tasks", "Themes"):
+        assert name in called.out
+
+
+def test_json_has_a_row_a_finding(call: Call) -> None:
+    rows = call("doctor", "--json").json["checks"]
+    assert all(set(row) == {"name", "state", "found", "mend"} for row in rows)
+    assert {row["state"] for row in rows} <= {"ok", "care", "bad"}
+
+
+def test_the_data_folder_is_made_and_named(call: Call, tmp_path: Path) -> None:
+    data = finding(call("doctor", "--json"), "Data")
+    assert data["state"] == "ok"
+    assert str(tmp_path / "data") in data["found"]
+
+
+def test_a_broken_database_is_1_and_says_how_to_mend_it(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "sar-tui.db").write_text("no database at all")
+    called = call("doctor")
+    assert called.code == 1
+    assert "✗ Data" in called.out
+    assert "→ Choose another folder" in called.out
+    assert finding(call("doctor", "--json"), "Data")["state"] == "bad"
+
+
+def test_a_task_that_does_not_load_is_1(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "mine" / "broken").mkdir(parents=True)
+    (tmp_path / "mine" / "broken" / "task.py").write_text("this is no Python")
+    called = call("doctor", "--tasks", tmp_path / "mine")
+    assert called.code == 1
+    assert "✗ Tasks" in called.out
+
+
+def test_a_tasks_folder_that_is_not_there_is_a_finding(call: Call) -> None:
+    called = call("doctor", "--tasks", "/no/such", "--json")
+    assert called.code == 1
+    assert finding(called, "Tasks")["state"] == "bad"
+    assert finding(called, "Themes")["state"] == "ok"
+
+
+def test_ssh_and_multiplexers_are_noticed(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SSH_CONNECTION", "10.0.0.1 22")
+    monkeypatch.setenv("TMUX", "/tmp/tmux")
+    found = finding(call("doctor", "--json"), "Connection")
+    assert found["state"] == "care"
+    assert "SSH and tmux" in found["found"]
+
+
+def test_a_small_terminal_is_noticed(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    assert finding(call("doctor", "--json"), "Terminal size")["state"] == "care"
+
+
+def test_a_dumb_terminal_is_1(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "dumb")
+    assert call("doctor").code == 1
+
+
+def test_redirected_output_is_no_fault(call: Call) -> None:
+    called = call("doctor", "--json")
+    assert finding(called, "Terminal")["state"] == "care"
+    assert called.code == 0
+
+
+def test_no_color_is_fine(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert finding(call("doctor", "--json"), "Colours")["state"] == "ok"
+
+
+@pytest.mark.parametrize(("free", "state"), [(10, "bad"), (100, "care"), (10_000, "ok")])
+def test_a_full_disk_is_noticed(call: Call, monkeypatch: pytest.MonkeyPatch, free: int, state: str) -> None:
+    usage = namedtuple("usage", "total used free")
+    monkeypatch.setattr("shutil.disk_usage", lambda _: usage(10**12, 0, free * 1_000_000))
+    called = call("doctor", "--json")
+    assert finding(called, "Disk space")["state"] == state
+    assert called.code == (1 if state == "bad" else 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "state", "says"),
+    [
+        (None, "care", "sar-tui timing"),
+        ("{", "care", "sar-tui timing"),
+        (json.dumps({"verdict": "fit"}), "care", "sar-tui timing"),
+        ("fit", "ok", ""),
+        ("not fit", "care", "says why"),
+    ],
+    ids=["none", "broken", "incomplete", "fit", "not fit"],
+)
+def test_measured_timing_is_told(call: Call, tmp_path: Path, text: str | None, state: str, says: str) -> None:
+    if text is not None:
+        (tmp_path / "data").mkdir()
+        figures = {"measured_at": "2026-01-02T03:04", "median_ms": 0.3, "robust_sd_ms": 0.1, "p99_ms": 0.9}
+        whole = json.dumps({**figures, "verdict": text}) if "fit" in text and "{" not in text else text
+        (tmp_path / "data" / "timing.json").write_text(whole)
+    found = finding(call("doctor", "--json"), "Measured timing")
+    assert found["state"] == state
+    assert says in found["mend"]
+
+
+def test_a_look_that_fails_is_a_finding_too(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    def break_down(_: str) -> None:
+        raise ZeroDivisionError("no clock")
+
+    monkeypatch.setattr("time.get_clock_info", break_down)
+    called = call("doctor", "--json")
+    assert called.code == 1
+    assert "ZeroDivisionError" in finding(called, "Clock")["found"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the driver of POSIX systems")
+def test_a_textual_without_the_file_we_watch_is_noticed(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    from textual.drivers.linux_driver import LinuxDriver
+
+    monkeypatch.setattr(LinuxDriver, "__init__", lambda self: None)
+    assert finding(call("doctor", "--json"), "Onset stamps")["state"] == "care"
+
+
+def test_no_motion_sensor_is_no_fault(call: Call, plugged: type[Plugged]) -> None:
+    plugged.told = (Status(state="detached", at=0, detail="Waiting"),)
+    called = call("doctor", "--json")
+    found = finding(called, "Motion sensor")
+    assert (called.code, found["state"], plugged.stopped) == (0, "ok", 1)
+    assert found["found"].startswith("none plugged in")
+
+
+def test_a_motion_sensor_is_named(call: Call, plugged: type[Plugged]) -> None:
+    plugged.info = Info(source="USB", model="PhidgetSpatial 3/3/3 (1044_1B)", serial="629001", rate_hz=250.0)
+    plugged.told = (Status(state="detached", at=0), Status(state="attached", at=1))
+    found = finding(call("doctor", "--json"), "Motion sensor")
+    assert (found["state"], plugged.stopped) == ("ok", 1)
+    assert found["found"] == "PhidgetSpatial 3/3/3 (1044_1B), serial 629001, 250 samples a second"
+
+
+def test_a_motion_sensor_of_no_use_is_told_of(call: Call, plugged: type[Plugged]) -> None:
+    plugged.told = (Status(state="error", at=0, detail="It has no gyroscope."),)
+    called = call("doctor", "--json")
+    found = finding(called, "Motion sensor")
+    assert (called.code, found["state"], found["found"]) == (0, "care", "It has no gyroscope.")
+
+
+def test_a_motion_sensor_that_may_not_be_used_is_1_and_says_what_to_write_where(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(phidget_driver, "usb_denied", lambda: True)
+    called = call("doctor", "--json")
+    found = finding(called, "Motion sensor")
+    assert (called.code, found["state"]) == (1, "bad")
+    assert 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"' in found["mend"]
+    assert "/etc/udev/rules.d/70-phidget.rules" in found["mend"]
+
+
+@pytest.mark.parametrize(
+    ("system", "rule", "says"),
+    [("linux", False, "To be allowed to use one, write the line"), ("linux", True, ""), ("win32", False, "")],
+)
+def test_who_has_no_sensor_yet_is_told_what_one_needs(
+    call: Call, monkeypatch: pytest.MonkeyPatch, system: str, rule: bool, says: str
+) -> None:
+    monkeypatch.setattr(sensors.os, "geteuid", lambda: 1000)
+    monkeypatch.setattr(sensors, "_has_udev_rule", lambda: rule)
+    if system != "linux":
+        monkeypatch.setattr(sensors.sys, "platform", system)
+    found = sensors.motion_sensor()
+    assert (found.state, bool(found.mend)) == ("ok", bool(says))
+    assert found.mend.startswith(says)
+    assert ("No permission is needed" in found.found) == (system == "win32")
+
+
+def test_a_udev_rule_is_known_by_its_vendor(tmp_path: Path) -> None:
+    (tmp_path / "50-other.rules").write_text('ATTRS{idVendor}=="1234"')
+    assert not sensors._has_udev_rule((tmp_path, tmp_path / "none"))
+    (tmp_path / "99-lab.rules").write_text('SUBSYSTEM=="usb", ATTRS{idVendor}=="06C2", MODE="0666"')
+    assert sensors._has_udev_rule((tmp_path,))
+
+
+@pytest.mark.parametrize(
+    ("error", "found", "mend"),
+    [
+        (ImportError("Phidget22"), "The Python package Phidget22 is missing", "Install it with: pip install phidget22"),
+        (OSError("libusb-1.0.so.0: none"), "libusb-1.0.so.0: none", "pip install phidget22 libusb-package"),
+    ],
+    ids=["package", "library"],
+)
+def test_a_missing_driver_is_told_with_its_cure(
+    call: Call, monkeypatch: pytest.MonkeyPatch, error: Exception, found: str, mend: str
+) -> None:
+    def fail(_kind: str) -> None:
+        raise error
+
+    monkeypatch.setattr(phidget_driver, "new_channel", fail)
+    called = call("doctor", "--json")
+    row = finding(called, "Sensor driver")
+    assert (called.code, row["state"]) == (0, "care")
+    assert found in row["found"]
+    assert mend in row["mend"]
+
+
+# --- outputs ---------------------------------------------------------------------------------------------------------
+
+
+class Plugin:
+    """An entry point."""
+
+    name, value = "lamp", "lamp:Lamp"
+
+    def __init__(self, error: Exception | None = None) -> None:
+        self.error = error
+
+    def load(self) -> object:
+        if self.error:
+            raise self.error
+        return object
+
+
+@pytest.fixture
+def plugged_in(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Installs an output of that kind."""
+
+    def install(plugin: Plugin) -> None:
+        monkeypatch.setattr("importlib.metadata.entry_points", lambda group: [plugin])
+        monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [plugin])
+
+    return install
+
+
+def test_outputs_are_listed(call: Call) -> None:
+    row = finding(call("doctor", "--json"), "Outputs")
+    assert (row["state"], row["mend"]) == ("ok", "")
+    assert {"ros", "screen", "servo", "speech", "tones"} <= set(row["found"].split(", "))
+
+
+def test_a_plugged_in_output_is_among_them(call: Call, plugged_in: Callable[[Plugin], None]) -> None:
+    plugged_in(Plugin())
+    assert "lamp" in finding(call("doctor", "--json"), "Outputs")["found"].split(", ")
+
+
+def test_a_plugged_in_output_that_does_not_load_is_1_and_told(call: Call, plugged_in: Callable[[Plugin], None]) -> None:
+    plugged_in(Plugin(ImportError("no lamp here")))
+    called = call("doctor", "--json")
+    row = finding(called, "Outputs")
+    assert (called.code, row["state"]) == (1, "bad")
+    assert row["found"] == "The output lamp (lamp:Lamp) cannot be loaded: ImportError: no lamp here."
+    assert row["mend"] == "Install its package again, or remove it."

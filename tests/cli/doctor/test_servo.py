@@ -1,0 +1,95 @@
+"""Given a controller that is there, missing or faulty, when the doctor looks for it, then it is told in a line."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.cli.doctor import servo
+from sar_tui.cli.doctor.servo import servo_controller
+from sar_tui.drivers import phidget
+from sar_tui.framework.clock import VirtualClock
+from tests.outputs.servo_fixtures import UNSUPPORTED, FakeServo
+
+
+@pytest.fixture
+def motor(monkeypatch: pytest.MonkeyPatch) -> FakeServo:
+    """The one that the doctor finds."""
+    motor = FakeServo(VirtualClock())
+    monkeypatch.setattr(servo, "_SERVO_S", 0.001)
+    monkeypatch.setattr(phidget, "new_channel", lambda _kind: motor)
+    monkeypatch.setattr(phidget, "plugged_in", lambda: None)
+    monkeypatch.setattr(phidget, "usb_denied", lambda: False)
+    return motor
+
+
+def test_a_controller_with_a_failsafe_is_well(motor: FakeServo) -> None:
+    motor.during["open"] = motor.plug_in
+    finding = servo_controller()
+    assert finding.state == "ok"
+    assert finding.found.startswith("16x RC Servo Phidget (RCC1000_0), serial 620001, lets go of its motors 1000 ms")
+    assert motor.told("setEngaged") == []
+    assert motor.told("close") == [None]
+
+
+def test_a_controller_without_one_is_told_with_what_that_means(motor: FakeServo) -> None:
+    motor.during["open"] = motor.plug_in
+    motor.failing["enableFailsafe"] = UNSUPPORTED
+    finding = servo_controller()
+    assert finding.state == "care"
+    assert "has no failsafe" in finding.found
+    assert "limp" in finding.mend
+
+
+def test_none_is_no_fault(motor: FakeServo) -> None:
+    finding = servo_controller()
+    assert (finding.state, finding.mend) == ("ok", "")
+    assert finding.found.startswith("none plugged in, or another program uses it.")
+    assert motor.told("close") == [None]
+
+
+def test_where_the_system_lists_no_phidget_none_is_waited_for(
+    motor: FakeServo, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(phidget, "plugged_in", lambda: False)
+    assert servo_controller().state == "ok"
+    assert motor.calls == []
+
+
+@pytest.mark.parametrize(("vendor", "found"), [("06c2", True), ("046d", False)])
+def test_what_is_plugged_in_is_known_by_its_vendor(tmp_path: Path, vendor: str, found: bool) -> None:
+    assert phidget.plugged_in(tmp_path) is False
+    device = tmp_path / "1-2"
+    device.mkdir()
+    (device / "idVendor").write_text(f"{vendor}\n")
+    assert phidget.plugged_in(tmp_path) is found
+    assert phidget.plugged_in(tmp_path / "none") is None
+
+
+def test_one_that_may_not_be_used_points_to_where_that_is_mended(
+    motor: FakeServo, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(phidget, "usb_denied", lambda: True)
+    finding = servo_controller()
+    assert (finding.state, finding.mend) == ("care", "See: Motion sensor.")
+    assert motor.calls == []
+
+
+def test_a_driver_that_does_not_load_points_to_where_that_is_mended(
+    motor: FakeServo, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(_kind: str) -> Any:
+        raise OSError("libusb-1.0.so.0: cannot open shared object file")
+
+    monkeypatch.setattr(phidget, "new_channel", fail)
+    finding = servo_controller()
+    assert finding.state == "care"
+    assert "libusb-1.0.so.0" in finding.found
+    assert "Sensor driver" in finding.mend
+
+
+def test_a_controller_that_another_program_uses_says_so(motor: FakeServo) -> None:
+    motor.during["open"] = lambda: motor.err(2, "Channel is in use.")
+    finding = servo_controller()
+    assert finding.state == "ok"
+    assert "Close the other program" in finding.found

@@ -1,0 +1,311 @@
+"""Given a rosbridge server that comes and goes, when there is a connection to it, then it is kept, quietly."""
+
+import logging
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from sar_tui.drivers import rosbridge
+from sar_tui.drivers.rosbridge import NO_PACKAGE, Address, AddressError, Bridge, parse
+from tests.fake_rosbridge import RosBridge, ros_bridge, wait_until
+
+STRING = "std_msgs/String"
+
+
+class Caller:
+    """A program that publishes to one topic and hears another."""
+
+    def __init__(self, port: int) -> None:
+        self.heard: list[Any] = []
+        self.changes: list[bool] = []
+        self.bridge = Bridge(
+            Address("127.0.0.1", port, "", {}),
+            {"/out": STRING},
+            {"/in": (STRING, self.heard.append)},
+            lambda: self.changes.append(self.bridge.is_connected),
+        )
+        self.bridge.open()
+
+    def say(self, text: str) -> bool:
+        return self.bridge.publish("/out", {"data": text})
+
+    def wait_until_connected(self, server: RosBridge) -> None:
+        wait_until(lambda: self.bridge.is_connected and server.has_subscriber("/in"), "it is connected")
+
+    def wait_until_away(self) -> None:
+        wait_until(lambda: not self.bridge.is_connected, "the loss is noticed")
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Connections are tried again soon, so that a test need not wait."""
+    monkeypatch.setattr(rosbridge, "FIRST_RETRY_S", 0.02)
+    monkeypatch.setattr(rosbridge, "LONGEST_RETRY_S", 0.05)
+
+
+@pytest.fixture
+def call(impatient: None) -> Iterator[Callable[[int], Caller]]:
+    """Opens connections, and closes them at the end."""
+    callers: list[Caller] = []
+
+    def call(port: int) -> Caller:
+        callers.append(Caller(port))
+        return callers[-1]
+
+    yield call
+    for caller in callers:
+        caller.bridge.close()
+
+
+@pytest.fixture
+def server() -> Iterator[RosBridge]:
+    with ros_bridge("silent") as server:
+        yield server
+
+
+def free_port() -> int:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        return int(taken.getsockname()[1])
+
+
+def test_it_advertises_and_subscribes_before_it_publishes(server: RosBridge, call: Callable[[int], Caller]) -> None:
+    caller = call(server.port)
+    caller.wait_until_connected(server)
+    assert caller.say("hello")
+    wait_until(lambda: server.data("/out") == ["hello"])
+    assert [(said["op"], said["topic"]) for said in server.received] == [
+        ("advertise", "/out"),
+        ("subscribe", "/in"),
+        ("publish", "/out"),
+    ]
+    server.publish("/in", {"data": "hello yourself"})
+    wait_until(lambda: caller.heard == [{"data": "hello yourself"}])
+
+
+def test_it_can_be_opened_and_closed_again_and_again_in_one_program_with_the_server_started_anew_in_between(
+    server: RosBridge, call: Callable[[int], Caller]
+) -> None:
+    for session in ("first", "second", "third"):
+        caller = call(server.port)
+        caller.wait_until_connected(server)
+        caller.say(session)
+        caller.bridge.close()
+        wait_until(lambda name=session: server.data("/out")[-1:] == [name])
+        server.leave()
+        server.arrive()
+    assert server.data("/out") == ["first", "second", "third"]
+
+
+def test_two_at_a_time_do_not_disturb_each_other(server: RosBridge, call: Callable[[int], Caller]) -> None:
+    one, other = call(server.port), call(server.port)
+    one.wait_until_connected(server)
+    other.wait_until_connected(server)
+    one.bridge.close()
+    server.publish("/in", {"data": "still there?"})
+    wait_until(lambda: other.heard == [{"data": "still there?"}])
+    assert one.heard == []
+
+
+def test_nothing_piles_up_while_the_server_is_away_and_all_works_when_it_is_back(
+    server: RosBridge, call: Callable[[int], Caller]
+) -> None:
+    caller = call(server.port)
+    caller.wait_until_connected(server)
+    server.leave()
+    caller.wait_until_away()
+    assert [caller.say(f"lost {n}") for n in range(100)] == [False] * 100
+    server.arrive()
+    caller.wait_until_connected(server)
+    assert caller.say("back")
+    wait_until(lambda: bool(server.data("/out")))
+    assert server.data("/out") == ["back"]
+    assert server.ops("advertise") == ["/out", "/out"]
+    assert server.ops("subscribe") == ["/in", "/in"]
+    server.publish("/in", {"data": "once"})
+    server.publish("/in", {"data": "twice"})
+    wait_until(lambda: len(caller.heard) >= 2)
+    assert caller.heard == [{"data": "once"}, {"data": "twice"}]
+    assert caller.changes == [True, False, True]
+
+
+def test_a_server_that_starts_later_is_found(impatient: None, call: Callable[[int], Caller]) -> None:
+    server = RosBridge()
+    server.port = free_port()
+    caller = call(server.port)
+    try:
+        assert not caller.say("into the void")
+        server.arrive()
+        caller.wait_until_connected(server)
+        assert caller.changes == [True]
+    finally:
+        server.close()
+
+
+def test_a_server_that_hangs_is_given_up_and_taken_up_again(
+    server: RosBridge, call: Callable[[int], Caller], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rosbridge, "PING_S", 0.1)
+    caller = call(server.port)
+    caller.wait_until_connected(server)
+    server.freeze()
+    caller.wait_until_away()
+    server.thaw()
+    caller.wait_until_connected(server)
+
+
+def test_closing_ends_the_attempts_to_find_a_server(
+    call: Callable[[int], Caller], caplog: pytest.LogCaptureFixture
+) -> None:
+    with caplog.at_level(logging.DEBUG, "roslibpy"):
+        caller = call(free_port())
+        wait_until(lambda: "Will retry" in caplog.text)
+        caller.bridge.close()
+        wait_until(lambda: "giving up" in caplog.text)
+    assert caller.changes == []
+
+
+def test_a_connection_that_comes_about_after_closing_is_let_go(
+    server: RosBridge, call: Callable[[int], Caller], caplog: pytest.LogCaptureFixture
+) -> None:
+    server.freeze()
+    with caplog.at_level(logging.DEBUG, "roslibpy"):
+        caller = call(server.port)
+        wait_until(lambda: "Connecting to" in caplog.text)
+    caller.bridge.close()
+    server.thaw()
+    wait_until(lambda: server.connections == 1 and not server.has_clients())
+    assert caller.changes == []
+    assert server.received == []
+
+
+def test_a_server_of_something_else_is_no_connection_and_no_error(call: Callable[[int], Caller]) -> None:
+    attempts: list[bytes] = []
+
+    def refuse(listener: socket.socket) -> None:
+        while len(attempts) < 3:
+            client, _ = listener.accept()
+            with client:
+                attempts.append(client.recv(4096))
+                client.sendall(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n")
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        threading.Thread(target=refuse, args=(listener,), daemon=True).start()
+        caller = call(listener.getsockname()[1])
+        wait_until(lambda: len(attempts) == 3)
+    assert caller.changes == []
+
+
+@pytest.mark.parametrize(
+    "nonsense",
+    [
+        "not json",
+        "[]",
+        '{"no": "op"}',
+        '{"op": "status", "level": "error", "msg": "no such topic"}',
+        '{"op": "publish", "topic": "ready", "msg": {}}',
+        '{"op": "publish", "topic": "close", "msg": {}}',
+        '{"op": "publish", "topic": "error", "msg": {}}',
+        '{"op": "service_response", "id": "never asked"}',
+        '{"op": "call_service", "service": "/in", "args": []}',
+    ],
+)
+def test_nonsense_from_the_server_does_no_harm(server: RosBridge, call: Callable[[int], Caller], nonsense: str) -> None:
+    caller = call(server.port)
+    wait_until(lambda: server.has_subscriber("/in"))
+    server.send(nonsense)
+    server.publish("/in", {"data": "sense"})
+    wait_until(lambda: {"data": "sense"} in caller.heard)
+    assert caller.changes == [True]
+    assert caller.say("me too")
+
+
+def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "roslibpy", None)
+    monkeypatch.setitem(sys.modules, "roslibpy.comm", None)
+    caller = Caller(9090)
+    wait_until(lambda: caller.changes == [False])
+    assert caller.bridge.problem == NO_PACKAGE
+    caller.bridge.close()
+
+
+def test_where_another_transport_is_in_use_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(transport: str) -> None:
+        raise RuntimeError(f"Cannot activate the {transport!r} transport")
+
+    monkeypatch.setattr("roslibpy.comm.select_factory", refuse)
+    caller = Caller(9090)
+    wait_until(lambda: caller.changes == [False])
+    assert caller.bridge.problem == "The connection to ROS cannot be made: Cannot activate the 'asyncio' transport"
+    caller.bridge.close()
+
+
+PROGRAM = """
+import sys, time
+from sar_tui.drivers.rosbridge import Address, Bridge
+heard, lost = [], []
+bridge = Bridge(Address("127.0.0.1", int(sys.argv[1]), "", {}), {"/out": "std_msgs/String"},
+                {"/in": ("std_msgs/String", heard.append)}, lambda: lost.append(not bridge.is_connected))
+bridge.open()
+while not heard:
+    time.sleep(0.005)
+bridge.publish("/out", {"data": "farewell"})
+if sys.argv[2] == "politely":
+    bridge.close()
+    Bridge(Address("127.0.0.1", 9, "", {}), {}, {}, print).open()
+print("end")
+"""
+
+
+@pytest.mark.parametrize("manners", ["politely", "abruptly"])
+def test_a_program_says_nothing_on_the_terminal_of_a_connection_and_ends_whatever_its_state(
+    server: RosBridge, manners: str
+) -> None:
+    program = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, str(server.port), manners],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    wait_until(lambda: server.has_subscriber("/in"))
+    server.send("nonsense")
+    server.leave()
+    server.arrive()
+    wait_until(lambda: server.has_subscriber("/in"))
+    server.publish("/in", {"data": "now"})
+    assert program.communicate(timeout=30) == ("end\n", "")
+    assert program.returncode == 0
+    if manners == "politely":
+        assert server.data("/out") == ["farewell"]
+
+
+def test_it_loads_nothing_heavy_until_it_is_opened() -> None:
+    program = "import sys, sar_tui.drivers.rosbridge, sar_tui.outputs.ros, sar_tui.inputs.ros; print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert not {"roslibpy", "autobahn", "twisted", "txaio"} & set(run.stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("ros://robot", Address("robot", 9090, "", {})),
+        ("//192.0.2.7:9091/imu/data?rate=100", Address("192.0.2.7", 9091, "/imu/data", {"rate": "100"})),
+        (" ros://[::1]:80?a=/x&b=y ", Address("::1", 80, "", {"a": "/x", "b": "y"})),
+    ],
+)
+def test_an_address_is_understood(text: str, expected: Address) -> None:
+    assert parse(text, "ros://HOST") == expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "robot", "http://robot", "ros://", "ros://robot:99999", "ros://me:secret@robot", "ros://robot?a", "ros://a b"],
+)
+def test_an_address_that_is_none_is_refused_with_an_example(text: str) -> None:
+    with pytest.raises(AddressError, match="Say ros://HOST"):
+        parse(text, "ros://HOST")

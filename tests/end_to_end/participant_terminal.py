@@ -1,0 +1,71 @@
+"""A seat in front of the real program: a pseudo-terminal, eyes that read its screen, and the database afterwards."""
+
+import json
+import sqlite3
+import sys
+import time
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pyte
+
+from sar_tui.timing.pty import Terminal
+
+QUICK = {"quiet_ms": 40, "foreperiod_min_ms": 60, "foreperiod_max_ms": 120, "min_rt_ms": 50}
+"""Parameters with which a test need not wait for long."""
+
+
+def command(*words: str) -> list[str]:
+    return [sys.executable, "-m", "sar_tui", *words]
+
+
+def run_command(data: Path, participant: str = "P01", **parameters: object) -> list[str]:
+    settings = [f"--set={name}={value}" for name, value in (QUICK | parameters).items()]
+    return command("run", "keyboard", "-p", participant, "--data", str(data), "--seed", "7", *settings)
+
+
+def see_the_summary(terminal: Terminal) -> None:
+    """From the last answer to the summary."""
+    terminal.wait_for("Press Enter to see how it went.")
+    terminal.settle()
+    terminal.press("enter")
+    terminal.wait_for("Press Enter to finish.")
+    terminal.settle()
+
+
+def see_the_agent_still(terminal: Terminal, data: Path, seconds: float = 30) -> None:
+    """Wait until the agent has waved, and looks on."""
+    deadline = time.monotonic() + seconds
+    acting: list[bool] = []
+    while not acting or acting[-1]:
+        assert time.monotonic() < deadline, "the agent goes on and on"
+        terminal.settle(silence_ms=50)
+        told = rows(data, "SELECT message FROM events WHERE topic='arbiter/acting' ORDER BY seq")
+        acting = [json.loads(message)["acting"] for (message,) in told]
+
+
+class Eyes:
+    """Reads a terminal's screen as a person would."""
+
+    def __init__(self, terminal: Terminal, columns: int = 80, rows: int = 24) -> None:
+        self._terminal = terminal
+        self._screen = pyte.Screen(columns, rows)
+        self._stream = pyte.ByteStream(self._screen)
+        self._seen = 0
+
+    def text(self) -> str:
+        """What stands on the screen now."""
+        self._stream.feed(bytes(self._terminal.output[self._seen :]))
+        self._seen = len(self._terminal.output)
+        return "\n".join(line.rstrip() for line in self._screen.display)
+
+
+def rows(data: Path, query: str, *values: object) -> list[tuple[Any, ...]]:
+    with closing(sqlite3.connect(data / "sar-tui.db")) as database:
+        return database.execute(query, values).fetchall()
+
+
+def only_session(data: Path) -> str:
+    ((session,),) = rows(data, "SELECT id FROM sessions")
+    return str(session)

@@ -1,0 +1,144 @@
+"""Memory and action center, told of attempts one after the other; and a theme that spells out what it is asked for."""
+
+import re
+from typing import Any, NamedTuple
+
+import msgspec
+
+from sar_tui.framework.bus import Bus, Topic
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.messages import AttemptEnded, Feedback, Message, Proposal, SessionStarted
+from sar_tui.framework.node import Node, on
+from sar_tui.framework.nodes.action_center import ActionCenter
+from sar_tui.framework.nodes.memory import Memory
+from sar_tui.framework.parameters import build
+from sar_tui.framework.phrase_keys import SITUATIONS
+from sar_tui.framework.policies import feedback
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import ATTEMPT_ENDED, FEEDBACK, PROPOSED, SESSION
+from sar_tui.framework.trial_types import Score
+
+
+class Done(Message, frozen=True, kw_only=True):
+    """An attempt, as if a task had just ended it. ``sums_up``: how many attempts the answer is about."""
+
+    attempt: int
+    level: int
+    metric: float | None
+    correct: int = 20
+    trials: int = 20
+    practice: bool = False
+    qualities: dict[str, float] = {}
+    remark: str = ""
+    sums_up: int = 1
+    reached: int = 0
+
+
+DONE = Topic("test/done", Done, origin="input")
+
+
+class Judge(Node):
+    """Stands in for the event handler: attempt first, feedback after it."""
+
+    name = "judge"
+    emits = (ATTEMPT_ENDED, FEEDBACK)
+
+    def __init__(self, task: Task) -> None:
+        super().__init__()
+        self.task = task
+
+    @on(DONE)
+    def done(self, done: Done) -> None:
+        accuracy = done.correct / done.trials
+        score = Score(done.metric, accuracy, done.correct, done.trials)
+        target = self.task.target(done.level)
+        verdict = feedback.judge(score, self.task.metric, target, 0.0 if done.sums_up > 1 else 0.8)
+        judged = feedback.Judged(score, target, verdict.outcome)
+        choice = feedback.choose(feedback.History(since=1), judged, self.task.parameters, self.task.feedback_on)
+        choice = msgspec.structs.replace(choice, attempts=done.sums_up)
+        facts: dict[str, Any] = {
+            "attempt": done.attempt,
+            "level": done.level,
+            "metric": done.metric,
+            "accuracy": accuracy,
+            "correct": done.correct,
+            "trials": done.trials,
+            "qualities": done.qualities,
+            "choice": choice,
+            "goal": target.threshold,
+        }
+        self.emit(
+            ATTEMPT_ENDED,
+            AttemptEnded(
+                **facts,
+                practice=done.practice,
+                metric_unit=self.task.metric.unit,
+                outcome=verdict.outcome,
+                feedback=verdict.valence,
+                started=0,
+                ended=0,
+            ),
+        )
+        told = Feedback(
+            **facts, valence=verdict.valence, reason=verdict.reason, remark=done.remark, reached=done.reached
+        )
+        self.emit(FEEDBACK, told)
+
+
+class Agent:
+    """Memory and action center, told of attempts one after the other.
+
+    Args:
+        task, theme, seed: whose words are said, and which of them.
+        form: of the answers.
+        best: of earlier sessions, by level.
+        parameters: of the task.
+    """
+
+    def __init__(
+        self,
+        task: type[Task],
+        theme: Theme,
+        form: str = "quantitative",
+        seed: int = 1,
+        best: dict[str, float] | None = None,
+        **parameters: object,
+    ) -> None:
+        self.task = task(build(task.Parameters, {"feedback_form": form, "language": theme.language, **parameters}))
+        self.bus = Bus(VirtualClock())
+        self.count = 0
+        self.said: list[Proposal] = []
+        for node in (Memory(), Judge(self.task), ActionCenter(self.task, theme, seed)):
+            node.attach(self.bus)
+        self.bus.publish(SESSION, SessionStarted(run=1, task=task.name, theme=theme.name, seed=seed, best=best or {}))
+        self.bus.subscribe(PROPOSED, self.said.append)
+
+    def hears_of(self, metric: float | None, level: int = 1, **told: Any) -> str:
+        """Tell it of an attempt; returns its answer. What is told besides: the fields of `Done`, and qualities."""
+        self.count += 1
+        known = {name: told.pop(name) for name in list(told) if name in Done.__struct_fields__}
+        self.bus.publish(DONE, Done(attempt=self.count, level=level, metric=metric, qualities=told, **known))
+        return self.said[-1].text
+
+
+class Spelled(NamedTuple):
+    """A situation that was put into words, and what its slots were filled with."""
+
+    situation: str
+    slots: dict[str, str]
+
+
+def spelling(theme: Theme) -> Theme:
+    """The theme with one wording for each situation, which names it and all its slots: read them with ``spelled``."""
+    phrases = {
+        situation: ("".join((f"<{situation}", *(f";{slot}={{{slot}}}" for slot in sorted(slots)), ">")),)
+        for situation, slots in SITUATIONS.items()
+    }
+    return msgspec.structs.replace(theme, phrases=phrases)
+
+
+def spelled(said: str) -> list[Spelled]:
+    """What was said in words of a ``spelling`` theme."""
+    parts = [found.split(";") for found in re.findall(r"<([^<>]*)>", said)]
+    return [Spelled(name, dict(slot.split("=", 1) for slot in slots)) for name, *slots in parts]

@@ -1,0 +1,396 @@
+"""Given an attempt and what memory holds, when it is answered, then form, number and direction are right."""
+
+from typing import Any
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from sar_tui.framework.number_words import holds_number
+from sar_tui.framework.parameters import TaskParameters, build
+from sar_tui.framework.phrase_keys import QUALITATIVE, QUANTITATIVE
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.trial_types import Metric
+from sar_tui.plugins import Catalogue
+from tests.framework.nodes.agent_driver import Agent, Spelled, spelled, spelling
+from tests.lifting_task import Lift
+
+CATALOGUE = Catalogue()
+VOICES = [
+    CATALOGUE.theme(name, language) for name in CATALOGUE.theme_names() for language in CATALOGUE.theme(name).languages
+]
+FORMS = ("qualitative", "quantitative", "both")
+REFERENCES = ("last attempt", "best attempt", "session's mean", "goal")
+CONTENTS = ("results", "performance", "both")
+REMARK = "Please wait for the signal before you lift."
+
+
+class Reps(Lift):
+    """The same, counted: more is better, and a fraction of one counts."""
+
+    name = "reps"
+    metric = Metric("reps", "reps", "higher", improved="more", worsened="fewer", decimals=1)
+
+
+LIFTS = st.fixed_dictionaries(
+    {
+        "metric": st.one_of(st.none(), st.floats(150, 3000), st.sampled_from([990.0, 1000.0, 1010.0])),
+        "level": st.integers(1, 3),
+        "correct": st.integers(10, 20),
+        "remark": st.sampled_from(["", REMARK]),
+        "sums_up": st.sampled_from([1, 1, 1, 4]),
+        "reached": st.integers(0, 4),
+        "practice": st.booleans(),
+    },
+    optional={"sway": st.floats(0, 50), "grip": st.floats(0, 99)},
+)
+SESSIONS = st.lists(LIFTS, min_size=1, max_size=12)
+
+
+def lift(**told: object) -> dict[str, Any]:
+    """An attempt that reached its goal."""
+    return {"metric": 900.0, "level": 1, "correct": 20, **told}
+
+
+# --- the form -------------------------------------------------------------------------------------------------
+
+
+@given(
+    SESSIONS,
+    st.sampled_from(VOICES),
+    st.sampled_from(REFERENCES),
+    st.sampled_from(CONTENTS),
+    st.sampled_from([{}, {"1": 700.0, "2": 400.0}]),
+    st.integers(0, 1000),
+)
+def test_in_words_there_is_never_a_number_and_in_figures_always_one(
+    attempts: list[dict[str, Any]],
+    theme: Theme,
+    reference: str,
+    about: str,
+    best: dict[str, float],
+    seed: int,
+) -> None:
+    agents = {
+        form: Agent(Lift, theme, form, seed, best, about=about, feedback_compared_with=reference) for form in FORMS
+    }
+    for attempt in attempts:
+        said = {form: agent.hears_of(**attempt) for form, agent in agents.items()}
+        assert not holds_number(said["qualitative"], theme.language), said["qualitative"]
+        assert any(character.isdigit() for character in said["quantitative"]), said["quantitative"]
+        assert any(character.isdigit() for character in said["both"]), said["both"]
+        assert all(text and "{" not in text for text in said.values())
+
+
+@example([lift(sway=0.0), lift(sway=40.0)], "last attempt", "both").via("nothing before, of which no share can be told")
+@given(SESSIONS, st.sampled_from(REFERENCES), st.sampled_from(CONTENTS))
+def test_each_form_says_what_is_its_own_and_both_says_first_words_then_figures(
+    attempts: list[dict[str, Any]], reference: str, about: str
+) -> None:
+    theme = spelling(VOICES[0])
+    agents = {form: Agent(Lift, theme, form, about=about, feedback_compared_with=reference) for form in FORMS}
+    for attempt in attempts:
+        said = {form: [part.situation for part in spelled(agent.hears_of(**attempt))] for form, agent in agents.items()}
+        assert set(said["qualitative"]) <= set(QUALITATIVE)
+        first, *more = said["quantitative"]
+        assert first in QUANTITATIVE
+        assert set(more) <= {*QUANTITATIVE, *said["qualitative"]}, "words, where a change has no share to be told"
+        assert said["both"][-len(said["quantitative"]) :] == said["quantitative"]
+        assert set(said["both"]) <= {*said["qualitative"], *said["quantitative"]}
+
+
+# --- the right number, in the right direction -----------------------------------------------------------------
+
+
+def figures(
+    task: type[Task],
+    attempts: list[tuple[float, int]],
+    reference: str,
+    best: dict[str, float] | None = None,
+    **parameters: object,
+) -> list[Spelled]:
+    """The figures given of each attempt, told of one after the other."""
+    agent = Agent(task, spelling(VOICES[0]), "quantitative", 1, best, feedback_compared_with=reference, **parameters)
+    return [spelled(agent.hears_of(metric, level))[0] for metric, level in attempts]
+
+
+RESULTS = st.lists(st.tuples(st.floats(1, 3000), st.integers(1, 2)), min_size=1, max_size=12)
+
+
+def _told_apart(metric: Metric, value: float, against: float) -> float:
+    """The difference of two results as they are shown."""
+    return abs(round(value, metric.decimals) - round(against, metric.decimals))
+
+
+@pytest.mark.parametrize("task", [Lift, Reps])
+@pytest.mark.parametrize("reference", REFERENCES)
+@given(attempts=RESULTS, best=st.dictionaries(st.sampled_from(["1", "2"]), st.floats(1, 3000)))
+def test_an_attempt_is_compared_with_what_was_asked_for_at_its_level(
+    task: type[Task], reference: str, attempts: list[tuple[float, int]], best: dict[str, float]
+) -> None:
+    words = dict(zip(REFERENCES, ("last time", "your best", "your average today", "the goal"), strict=True))
+    metric = task.metric
+    goals = {1: 1000.0, 2: 1100.0}
+    before: dict[int, list[float]] = {1: [], 2: []}
+    levels = [0, *(level for _, level in attempts)]
+    told = figures(task, attempts, reference, best)
+    for (value, level), last, (situation, slots) in zip(attempts, levels, told, strict=False):
+        words["last attempt"] = "last time" if level == last else "last time at this level"
+        known = before[level]
+        with_earlier = [*known, *([best[str(level)]] if str(level) in best else [])]
+        against = {
+            "last attempt": known[-1] if known else None,
+            "best attempt": (min if metric.better == "lower" else max)(with_earlier, default=None),
+            "session's mean": sum(known) / len(known) if known else None,
+            "goal": goals[level],
+        }[reference]
+        if against is None:
+            assert situation.endswith("_first")
+            assert (slots["value"], slots["goal"]) == (metric.show(value), metric.show(goals[level]))
+        elif metric.show(apart := _told_apart(metric, value, against)) == metric.show(0.0):
+            assert situation.endswith("_same")
+            assert slots["reference"] == words[reference]
+        else:
+            better = value < against if task is Lift else value > against
+            assert situation.endswith("_improved" if better else "_worsened")
+            assert slots["difference"] == metric.show(apart)
+            assert slots["change"] == (metric.improved if better else metric.worsened)
+            assert (slots["reference"], slots["value"]) == (words[reference], metric.show(value))
+        known.append(value)
+
+
+@pytest.mark.parametrize("reference", ["last attempt", "session's mean"])
+def test_the_best_of_earlier_sessions_is_nothing_but_a_best(reference: str) -> None:
+    ((situation, _),) = figures(Lift, [(800.0, 1)], reference, {"1": 500.0})
+    assert situation == "positive_first"
+
+
+def test_a_new_best_is_told_as_what_it_beats() -> None:
+    first, second, third = figures(Lift, [(520.0, 1), (480.0, 1), (470.0, 1)], "best attempt", {"1": 500.0})
+    assert (first.situation, first.slots["difference"]) == ("positive_worsened", "20 ms")
+    assert (second.situation, second.slots["difference"]) == ("positive_improved", "20 ms")
+    assert (third.situation, third.slots["difference"]) == ("positive_improved", "10 ms")
+
+
+def test_practice_is_compared_with_nothing_but_the_goal() -> None:
+    agent = Agent(Lift, spelling(VOICES[0]))
+    agent.hears_of(600, practice=True)
+    assert spelled(agent.hears_of(700))[0].situation == "positive_first"
+
+
+def test_an_attempt_without_a_result_is_passed_over() -> None:
+    agent = Agent(Lift, spelling(VOICES[0]))
+    agent.hears_of(800)
+    agent.hears_of(None)
+    assert spelled(agent.hears_of(700))[0].slots["difference"] == "100 ms"
+
+
+def test_figures_are_written_as_the_language_writes_them() -> None:
+    theme = spelling(CATALOGUE.theme("calm", "es"))
+    (told,) = spelled(Agent(Reps, theme).hears_of(1234.5))
+    assert told.slots["value"] == "1234,5 reps"
+
+
+# --- where there is nothing to compare ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")])
+def test_an_attempt_without_a_result_to_speak_of_gives_what_was_right(
+    metric: float | None, correct: int, situation: str
+) -> None:
+    agent = Agent(Lift, spelling(VOICES[0]), "both", about="both")
+    agent.hears_of(800, sway=1.0)
+    words, told = spelled(agent.hears_of(metric, correct=correct, sway=9.0))
+    assert words == (situation, {})
+    assert told == (f"{situation}_figures", {"correct": str(correct), "trials": "20"})
+
+
+@pytest.mark.parametrize(("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")])
+def test_what_the_task_has_to_say_of_it_takes_the_place_of_the_words_not_of_the_figures(
+    metric: float | None, correct: int, situation: str
+) -> None:
+    said = {
+        form: Agent(Lift, spelling(VOICES[0]), form).hears_of(metric, correct=correct, remark=REMARK) for form in FORMS
+    }
+    assert said["qualitative"] == REMARK
+    assert [part.situation for part in spelled(said["quantitative"])] == [f"{situation}_figures"]
+    assert said["both"] == f"{REMARK} {said['quantitative']}"
+
+
+def test_a_remark_on_an_attempt_that_has_a_result_is_left_out() -> None:
+    assert REMARK not in Agent(Lift, VOICES[0], "both").hears_of(500, remark=REMARK)
+
+
+# --- a summary ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("metric", "valence"), [(500.0, "positive"), (1005.0, "neutral"), (1500.0, "negative")])
+def test_a_summary_tells_how_many_reached_the_goal_and_the_means(metric: float, valence: str) -> None:
+    agent = Agent(Lift, spelling(VOICES[0]), "both", about="both")
+    agent.hears_of(400, sway=3.0)
+    words, told = spelled(agent.hears_of(metric, sums_up=5, reached=3, sway=9.0))
+    assert words.situation == f"summary_{valence}"
+    assert told == (
+        "summary_figures",
+        {"reached": "3", "attempts": "5", "value": f"{metric:.0f} ms", "goal": "1000 ms"},
+    )
+
+
+def test_a_summary_of_attempts_none_of_which_could_be_timed_gives_counts_alone() -> None:
+    agent = Agent(Lift, spelling(VOICES[0]), "both")
+    words, told = spelled(agent.hears_of(None, sums_up=5, reached=0))
+    assert words.situation == "summary_negative"
+    assert told == ("summary_empty_figures", {"reached": "0", "attempts": "5"})
+
+
+# --- knowledge of performance: how it was done ----------------------------------------------------------------
+
+
+def how(agent: Agent, **attempt: Any) -> Spelled:
+    """What is said of how the attempt was done; it comes last."""
+    return spelled(agent.hears_of(**{"metric": 900.0, **attempt}))[-1]
+
+
+def watcher(form: str = "qualitative", about: str = "performance") -> Agent:
+    """An agent that answers how a weight was lifted: its sway matters in steps of 2, its grip in steps of 5."""
+    return Agent(Lift, spelling(VOICES[0]), form, about=about)
+
+
+STEADY, FIRM = "with a steady arm", "with a firm grip"
+
+
+def test_the_first_time_the_agent_says_what_to_heed() -> None:
+    assert how(watcher(), sway=10.0, grip=50.0) in [("performance_first", {"aim": aim}) for aim in (STEADY, FIRM)]
+
+
+@pytest.mark.parametrize(
+    ("sway", "grip", "situation", "words"),
+    [
+        (8.0, 50.0, "performance_improved", "steadier"),
+        (8.1, 50.0, "performance_same", ""),
+        (10.0, 55.0, "performance_improved", "firmer"),
+        (12.0, 55.0, "performance_improved", "firmer"),
+        (7.0, 56.0, "performance_improved", "steadier"),
+        (7.0, 60.0, "performance_improved", "firmer"),
+        (12.0, 50.0, "performance_worsened", STEADY),
+        (10.0, 45.0, "performance_worsened", FIRM),
+        (12.0, 40.0, "performance_worsened", FIRM),
+        (11.9, 45.1, "performance_same", ""),
+        (10.0, 50.0, "performance_same", ""),
+    ],
+)
+def test_what_got_better_most_is_told_else_what_got_worse_most(
+    sway: float, grip: float, situation: str, words: str
+) -> None:
+    agent = watcher()
+    agent.hears_of(900, sway=10.0, grip=50.0)
+    told = how(agent, sway=sway, grip=grip)
+    assert told.situation == situation
+    assert told.slots["reference"] == "last time"
+    assert told.slots.get("change", told.slots.get("aim")) in ({words} if words else {STEADY, FIRM})
+
+
+@pytest.mark.parametrize(
+    ("sway", "grip", "percent"),
+    [(8.0, 50.0, "20 %"), (10.0, 60.0, "20 %"), (15.0, 50.0, "50 %"), (10.0, 25.0, "50 %"), (10.0, 50.0, "0 %")],
+)
+def test_in_figures_how_much_better_or_worse_is_told_in_percent(sway: float, grip: float, percent: str) -> None:
+    agent = watcher("quantitative")
+    agent.hears_of(900, sway=10.0, grip=50.0)
+    told = how(agent, sway=sway, grip=grip)
+    assert told.situation.endswith("_figures")
+    assert told.slots["percent"] == percent
+
+
+@pytest.mark.parametrize(
+    ("sway", "grip", "valence"), [(7.0, 50.0, "positive"), (15.0, 50.0, "negative"), (10.0, 50.0, "neutral")]
+)
+def test_the_face_goes_with_how_it_was_done_where_that_is_what_is_told(sway: float, grip: float, valence: str) -> None:
+    """However fast it was: no cheer stands beside words about what to heed."""
+    agent = watcher(about="performance")
+    agent.hears_of(900, sway=10.0, grip=50.0)
+    for metric in (850, 1090):
+        agent.hears_of(metric, sway=sway, grip=grip)
+        assert agent.said[-1].valence == valence
+        agent.hears_of(900, sway=10.0, grip=50.0)
+
+
+def test_a_change_of_which_no_share_can_be_made_sense_of_is_told_with_the_result() -> None:
+    agent = watcher("quantitative", about="performance")
+    agent.hears_of(900, sway=10.0, grip=50.0)
+    agent.hears_of(900, sway=40.0, grip=50.0)
+    assert "percent" not in agent.said[-1].text
+    assert "900" in agent.said[-1].text
+
+
+def test_only_attempts_alike_are_compared_in_how_they_were_done() -> None:
+    """A slower movement has more of everything: that is no worsening."""
+    agent = watcher()
+    agent.hears_of(900, sway=10.0)
+    assert how(agent, metric=1200, sway=20.0).situation == "performance_first"
+    assert how(agent, metric=950, sway=7.0).slots["change"] == "steadier"
+
+
+def test_how_it_was_done_is_compared_with_the_last_time_at_that_level() -> None:
+    agent = watcher()
+    agent.hears_of(900, sway=10.0)
+    assert how(agent, level=2, sway=30.0).situation == "performance_first"
+    assert how(agent, sway=7.0).situation == "performance_improved"
+    reference = "last time at this level"
+    assert how(agent, level=2, sway=40.0) == ("performance_worsened", {"aim": STEADY, "reference": reference})
+
+
+def test_how_practice_was_done_is_not_compared_with() -> None:
+    agent = watcher()
+    agent.hears_of(900, practice=True, sway=30.0)
+    assert how(agent, sway=10.0).situation == "performance_first"
+
+
+def test_only_what_was_measured_both_times_is_compared() -> None:
+    agent = watcher()
+    agent.hears_of(900, sway=10.0)
+    assert how(agent, sway=10.5, grip=99.0).situation == "performance_same"
+    assert how(agent, grip=50.0).slots["aim"] == FIRM
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_where_nothing_of_how_was_measured_the_result_is_told(form: str) -> None:
+    assert watcher(form).hears_of(900) == watcher(form, about="results").hears_of(900)
+
+
+@pytest.mark.parametrize(
+    ("form", "about", "situations"),
+    [
+        ("qualitative", "results", ["positive"]),
+        ("qualitative", "performance", ["performance_first"]),
+        ("qualitative", "both", ["positive", "performance_first"]),
+        ("quantitative", "results", ["positive_first"]),
+        ("quantitative", "performance", ["performance_first_figures"]),
+        ("quantitative", "both", ["positive_first", "performance_first"]),
+        ("both", "results", ["positive", "positive_first"]),
+        ("both", "performance", ["performance_first_figures"]),
+        ("both", "both", ["positive", "positive_first", "performance_first"]),
+    ],
+)
+def test_what_is_told_is_what_the_task_asks_for(form: str, about: str, situations: list[str]) -> None:
+    said = spelled(watcher(form, about).hears_of(800, sway=1.0))
+    assert [part.situation for part in said] == situations
+
+
+def test_the_parameters_decide_the_form(keyboard: type[Task]) -> None:
+    assert TaskParameters().feedback_form == "both"
+    assert len(spelled(Agent(keyboard, spelling(VOICES[0]), "both").hears_of(700))) == 2
+
+
+# --- what tasks have to say -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("language", ["en", "es"])
+@pytest.mark.parametrize("name", CATALOGUE.task_names())
+def test_what_a_task_adds_to_words_holds_no_number(name: str, language: str) -> None:
+    kind = CATALOGUE.task(name)
+    task = kind(build(kind.Parameters, {"language": language}))
+    changes = [quality.improved for quality in task.qualities] + [task.metric.improved, task.metric.worsened]
+    added = [*changes, *(quality.aim for quality in task.qualities), *(mark.remark for mark in task.marks)]
+    assert [text for text in map(task.tr, added) if holds_number(text, language)] == []

@@ -1,0 +1,129 @@
+"""Given a theme that is edited in mid-session, when the session goes on, or is gone on with, then it speaks by it."""
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.theme import Manner, Theme
+from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, THEME, TRIAL, WAITING
+from sar_tui.outputs.node import OutputNode
+from sar_tui.plugins import Catalogue
+from tests.loop_driver import LoopDriver
+from tests.outputs.fake_outputs import Puppet
+
+CALM = Catalogue().theme("calm")
+KEYBOARD = Catalogue().task("keyboard")
+SET_UP = {"attempts": 4, "prompts_per_attempt": 1, "feedback_form": "qualitative", "difficulty_policy": "fixed"}
+ROUNDS = {"attempt {number} of {total}": "round {number} of {total}"}
+
+
+def edited(theme: Theme, word: str, **more: object) -> Theme:
+    """The theme with one wording for each situation."""
+    return msgspec.structs.replace(theme, phrases=dict.fromkeys(theme.phrases, (f"{word}.",)), **more)
+
+
+def said(driver: LoopDriver) -> list[str]:
+    return [action.text for action in driver.all(ACTION) if action.kind == "feedback"]
+
+
+def sit(theme: Theme = CALM, history: LoopDriver | None = None, **more: object) -> LoopDriver:
+    records = history.records if history else None
+    return LoopDriver(KEYBOARD, theme, history=records, **{**SET_UP, **more})  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def driver() -> LoopDriver:
+    """After the first of four attempts."""
+    driver = sit()
+    driver.enter()
+    driver.attempt()
+    return driver
+
+
+def test_what_is_said_from_then_on_is_said_in_its_words_and_manner(driver: LoopDriver) -> None:
+    driver.session.wear(edited(CALM, "Splendid", manners={"positive_strong": Manner("neutral", "shake", "up", "end")}))
+    driver.attempt()
+    first, second = said(driver)
+    assert first in CALM.phrases["positive_strong"]
+    assert second == "Splendid."
+    action = driver.all(ACTION)[-1]
+    assert (action.face, action.gesture, action.gaze, action.tone) == ("neutral", "shake", "up", "end")
+
+
+def test_every_output_wears_it_too() -> None:
+    puppet = Puppet()
+    driver = LoopDriver(KEYBOARD, CALM, extra=[OutputNode(puppet, "puppet", CALM)], **SET_UP)
+    driver.session.wear(edited(CALM, "Splendid", name="edited"))
+    assert [what[1] for what in puppet.asked if what[0] == "wear"] == ["calm", "calm", "edited"]
+
+
+def test_the_tasks_own_words_are_the_themes_where_it_has_some(driver: LoopDriver) -> None:
+    assert driver.waiting.attempt_name == "attempt 2 of 4"
+    driver.session.wear(edited(CALM, "Splendid", texts=ROUNDS))
+    driver.attempt()
+    assert driver.waiting.attempt_name == "round 3 of 4"
+    driver.session.wear(CALM)
+    driver.attempt()
+    assert driver.waiting.attempt_name == "attempt 4 of 4"
+
+
+def test_a_session_that_wore_several_themes_is_gone_on_with_in_whatever_it_wears_now(driver: LoopDriver) -> None:
+    driver.session.wear(edited(CALM, "Splendid", texts=ROUNDS))
+    driver.attempt()
+    driver.session.wear(edited(CALM, "Great"))
+    driver.attempt()
+    resumed = sit(edited(CALM, "Bravo", name="calm"), driver)
+    assert resumed.waiting.reason == "interrupted"
+    resumed.press("enter")
+    resumed.wait(300)
+    resumed.attempt()
+    assert [*said(driver)[1:], *said(resumed)] == ["Splendid.", "Great.", "Bravo."]
+    assert [attempt.attempt for attempt in resumed.all(ATTEMPT_ENDED)] == [4]
+
+
+def test_a_themes_own_texts_may_have_changed_since_the_session_was_cut_off() -> None:
+    driver = sit(edited(CALM, "Splendid", texts=ROUNDS))
+    driver.enter()
+    assert driver.waiting.attempt_name == "round 1 of 4"
+    resumed = sit(edited(CALM, "Splendid", texts={name: f"next {text}" for name, text in ROUNDS.items()}), driver)
+    resumed.press("enter")
+    assert resumed.waiting.attempt_name == "next round 1 of 4"
+
+
+def test_a_theme_is_in_the_record_as_it_was_worn(driver: LoopDriver) -> None:
+    worn = edited(CALM, "Splendid", texts=ROUNDS)
+    driver.session.wear(worn)
+    for record in driver.records:
+        if record.topic is THEME:
+            text = msgspec.json.encode(record.message)
+            assert msgspec.json.decode(text, type=THEME.type) == record.message
+    assert [message.theme for message in driver.all(THEME)] == [CALM, worn]
+
+
+@given(st.lists(st.sampled_from(["attempt", "wear", "wait", "cut"]), max_size=12))
+def test_whenever_it_is_edited_and_cut_off_every_answer_is_in_the_words_of_its_time(steps: list[str]) -> None:
+    driver, worn, count, expected = sit(attempts=13), CALM, 0, []
+    driver.enter()
+    for step in steps:
+        match step:
+            case "attempt":
+                driver.attempt()
+                expected.append(worn)
+            case "wear":
+                count += 1
+                worn = edited(CALM, f"{'x' * count}", texts=ROUNDS if count % 2 else {})
+                driver.session.wear(worn)
+            case "wait":
+                driver.wait(700)
+            case "cut":
+                before = driver.records
+                driver = sit(worn, driver, attempts=13)
+                driver.press("enter")
+                driver.wait(300)
+                driver.records[:0] = before
+    heard = said(driver)
+    assert len(heard) == len(expected) == len(driver.all(TRIAL))
+    for words, theme in zip(heard, expected, strict=True):
+        assert words in theme.phrases["positive_strong"]
+    assert driver.all(WAITING)[-1].stage == "attempt"

@@ -1,0 +1,109 @@
+"""Given a course that two take, when attempts are scored, amended and asked about, then each has their own answer."""
+
+from typing import Any
+
+import pytest
+
+from sar_tui.framework.attempts import Attempts, Scored
+from sar_tui.framework.parameters import build
+from sar_tui.framework.policies.feedback import Judgement, judge_race
+from sar_tui.framework.trial_types import Result, Score
+from tests.lifting_task import Lift
+
+
+class Together(Lift):
+    """Two lift, each on their own."""
+
+    seats = ("A", "B")
+
+
+def attempts(**parameters: Any) -> Attempts:
+    return Attempts(Together(build(Together.Parameters, {"attempts": 4, "lifts": 1, **parameters})), seed=1)
+
+
+def lift(value: float, correct: bool = True) -> Result:
+    return Result(correct=correct, response="lift", value=value)
+
+
+def attempt(under_way: Attempts, *results: dict[str, Result]) -> Scored:
+    under_way.begin(now=1000)
+    under_way.results.extend(results)
+    scored = under_way.score(now=2000)
+    under_way.advance()
+    return scored
+
+
+def each(scored: Scored) -> dict[str, tuple[Any, ...]]:
+    return {one.ended.seat: (one.ended.metric, one.ended.outcome, one.ended.feedback) for one in scored.each}
+
+
+@pytest.mark.parametrize(("a", "b", "level"), [(500, 600, 2), (500, 1200, 1), (1200, 500, 1), (1200, 1300, 1)])
+def test_each_has_their_own_result_and_the_level_rises_when_both_reach_the_goal(a: float, b: float, level: int) -> None:
+    under_way = attempts()
+    scored = attempt(under_way, {"A": lift(a), "B": lift(b)})
+    assert [one.ended.metric for one in scored.each] == [a, b]
+    assert [one.ended.outcome for one in scored.each] == ["success" if v < 1000 else "failure" for v in (a, b)]
+    assert [one.feedback.seat for one in scored.each] == ["A", "B"]
+    assert under_way.level == level
+
+
+def test_the_level_falls_when_one_misses_the_goal() -> None:
+    under_way = attempts(start_level=3)
+    assert attempt(under_way, {"A": lift(500), "B": lift(5000)}).level is not None
+    assert under_way.level == 2
+
+
+def test_who_had_no_prompt_in_an_attempt_has_no_row_of_it() -> None:
+    under_way = attempts(lifts=2)
+    scored = attempt(under_way, {"B": lift(500)}, {"B": lift(700)})
+    assert each(scored) == {"B": (600, "success", "positive")}
+    assert under_way.level == 2
+
+
+def test_schedules_count_for_each_apart() -> None:
+    under_way = attempts(feedback_schedule="bandwidth", feedback_tolerance=10.0, max_level=1)
+    scored = attempt(under_way, {"A": lift(950), "B": lift(400)})
+    assert [one.is_answered for one in scored.each] == [False, True]
+
+
+def test_an_answer_that_is_asked_for_is_given_to_both_and_once() -> None:
+    under_way = attempts(feedback_schedule="request")
+    scored = attempt(under_way, {"A": lift(500), "B": lift(1500)})
+    assert [one.is_answered for one in scored.each] == [False, False]
+    asked = under_way.ask(now=3000)
+    assert asked is not None
+    assert {seat: told[2] for seat, told in each(asked).items()} == {"A": "positive", "B": "negative"}
+    assert under_way.unanswered is None
+    assert under_way.ask(now=4000) is None
+
+
+def test_amended_each_keeps_what_was_said_of_them_and_the_level_is_set_anew() -> None:
+    under_way = attempts()
+    attempt(under_way, {"A": lift(500), "B": lift(500)})
+    assert under_way.level == 2
+    again = under_way.amend({"A": lift(500), "B": lift(500, correct=False)})
+    assert again is not None
+    assert each(again) == {"A": (500, "success", "positive"), "B": (None, "failure", "positive")}
+    assert again.level is not None
+    assert (again.level.reason, under_way.level) == ("mark", 1)
+
+
+REACHED, MISSED = Judgement("success", "positive", "goal"), Judgement("failure", "negative", "missed")
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "told"),
+    [
+        (3, 1, (("success", "positive", "won"), ("failure", "negative", "lost"))),
+        (1, 3, (("success", "negative", "lost"), ("failure", "positive", "won"))),
+        (2, 2, (("success", "neutral", "drawn"), ("failure", "neutral", "drawn"))),
+        (0, 0, (("success", "positive", "goal"), ("failure", "negative", "missed"))),
+        (None, None, (("success", "positive", "goal"), ("failure", "negative", "missed"))),
+    ],
+)
+def test_a_race_is_answered_by_who_won_and_the_outcome_stands(
+    a: int | None, b: int | None, told: tuple[tuple[str, str, str], ...]
+) -> None:
+    scores = {"A": Score(500, 1.0, 4, 4, a), "B": Score(1500, 1.0, 4, 4, b)}
+    judged = judge_race(scores, {"A": REACHED, "B": MISSED})
+    assert tuple((one.outcome, one.valence, one.reason) for one in judged.values()) == told

@@ -1,0 +1,70 @@
+"""Given what an operator makes of a proposal, when it is edited, then only what they changed is another."""
+
+from typing import Any
+
+import pytest
+
+from sar_tui.framework.clock import SECOND
+from sar_tui.framework.messages import Action, Decision, PendingApproval, Proposal
+from sar_tui.framework.pending_approvals import PendingApprovals, accepted, edited
+from sar_tui.framework.theme import Theme
+
+PRAISE = Proposal(
+    id="a1",
+    kind="feedback",
+    text="Well done.",
+    spoken="Well done.",
+    face="happy",
+    gesture="nod",
+    tone="success",
+    valence="positive",
+    degree="strong",
+)
+
+
+def edit(theme: Theme, proposal: Proposal = PRAISE, **changes: Any) -> Action:
+    decision = Decision(action="a1", verdict="edit", actor="operator.ana", **changes)
+    return edited(accepted(proposal), decision, theme, at=7)
+
+
+def offer(name: str, deadline: int | None) -> PendingApproval:
+    return PendingApproval(proposal=Proposal(id=name, kind="feedback", text=name), mode="veto", deadline=deadline)
+
+
+def test_another_valence_brings_its_face_gesture_and_tone_and_is_of_no_degree(calm: Theme) -> None:
+    action = edit(calm, valence="negative")
+    assert (action.face, action.gesture, action.tone, action.degree) == ("encouraging", "lean_in", "", "clear")
+    assert (action.text, action.decision, action.actor, action.decided) == ("Well done.", "edited", "operator.ana", 7)
+
+
+def test_another_valence_brings_no_gesture_where_that_is_ruled_on_apart(calm: Theme) -> None:
+    still = Proposal(id="a1", kind="feedback", text="Well done.", valence="positive")
+    assert edit(calm, still, valence="negative").gesture == ""
+
+
+def test_other_words_are_spoken_as_the_theme_speaks_them(calm: Theme) -> None:
+    action = edit(calm, text="412 ms.")
+    assert (action.text, action.spoken) == ("412 ms.", "412 milliseconds.")
+    assert (action.face, action.degree) == ("happy", "strong")
+
+
+def test_a_gesture_that_is_named_goes_before_the_valences(calm: Theme) -> None:
+    assert edit(calm, valence="negative", gesture="wave").gesture == "wave"
+    assert edit(calm, gesture="").gesture == ""
+
+
+@pytest.mark.parametrize("same", [{"text": "Well done."}, {"valence": "positive"}, {"gesture": "nod"}])
+def test_what_is_given_as_it_was_is_no_change(calm: Theme, same: dict[str, str]) -> None:
+    action = edit(calm, **same)
+    assert (action.decision, action.degree, action.actor) == ("accepted", "strong", "operator.ana")
+
+
+def test_the_first_deadline_is_the_next_and_what_has_none_waits_on() -> None:
+    offers = PendingApprovals()
+    for name, deadline in (("late", 3 * SECOND), ("soon", SECOND), ("never", None)):
+        offers.add(offer(name, deadline))
+    assert offers.next_deadline == SECOND
+    assert [due.proposal.id for due in offers.take_due(SECOND)] == ["soon"]
+    assert [due.proposal.id for due in offers.take_due(10 * SECOND)] == ["late"]
+    assert offers.next_deadline is None
+    assert [waiting.proposal.id for waiting in offers.waiting] == ["never"]

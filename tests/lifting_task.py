@@ -1,0 +1,139 @@
+"""A task that the participant starts: press space, lift a weight, put it down. A key stands for each, no sensor needed.
+
+``k`` takes the weight off the table, ``u`` puts it back, ``d`` drops it, ``?`` is a lift of which nothing can be said.
+"""
+
+from typing import Annotated, Any, Literal
+
+from sar_tui.framework.clock import MS
+from sar_tui.framework.declaration import meta
+from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import (
+    Again,
+    Details,
+    Mark,
+    Metric,
+    Quality,
+    Result,
+    Situation,
+    Stimulus,
+    Target,
+    Trial,
+)
+from tests.loop_driver import LoopDriver
+
+SLIPPED = "The weight slipped. Please lift it once more."
+
+
+class LiftParameters(TaskParameters, frozen=True, kw_only=True):
+    """How often a weight is lifted, and whether on a signal."""
+
+    lifts: Annotated[int, meta("Lifts", ge=1, le=50)] = 2
+    signal: Annotated[bool, meta("Signal")] = False
+    by_itself: Annotated[bool, meta("Lifts follow each other by themselves")] = False
+    about: Annotated[Literal["results", "performance", "both"], meta("What is answered")] = "results"
+
+
+class LiftDetails(Details, frozen=True):
+    """What is kept of a lift."""
+
+    sway: float | None = None
+    grip: float | None = None
+    mark: str | None = None
+
+
+class Lift(Task):
+    """The metric is the time from table to table; a level is a weight, each with a goal of its own."""
+
+    name = "lift"
+    title = "Lift"
+    metric = Metric("lift_time", "ms", "lower", improved="faster", worsened="slower")
+    Parameters = LiftParameters
+    Details = LiftDetails
+    qualities = (
+        Quality("sway", "lower", "steadier", "with a steady arm", 2.0),
+        Quality("grip", "higher", "firmer", "with a firm grip", 5.0),
+    )
+    marks = (Mark("caught", "f7", "Caught", counts=False), Mark("leaned", "f8", "Leaned", counts=True))
+    parameters: LiftParameters
+
+    @property
+    def trials_per_attempt(self) -> int:
+        return self.parameters.lifts
+
+    @property
+    def start_key(self) -> str:
+        return "" if self.parameters.by_itself else "space"
+
+    @property
+    def has_foreperiod(self) -> bool:
+        return self.parameters.signal
+
+    @property
+    def feedback_on(self) -> Literal["results", "performance", "both"]:
+        return self.parameters.about
+
+    def target(self, level: int) -> Target:
+        return Target(self.parameters.threshold + 100.0 * (level - 1), 10.0)
+
+    def instructions(self) -> str:
+        return "Press Space, and lift."
+
+    def notice(self, level: int, before: int) -> str:
+        return f"Weight {level} after {before}"
+
+    def start(self, level: int) -> str:
+        return f"Weight {level}. Stand still."
+
+    def stimulus(self, situation: Situation) -> Stimulus:
+        name = f"{situation.level} kg"
+        return Stimulus(name, "u", f"Lift: {name}", signals=self.parameters.signal)
+
+    def perceived(self, trial: Trial, percept: Any) -> Result | Again | None:
+        taken = next((earlier.at for earlier in trial.percepts if earlier.key == "k"), None)
+        match percept.key:
+            case "u" if taken is not None:
+                time_ms = (percept.at - taken) / MS
+                details = {"sway": time_ms / 100, "grip": 50.0}
+                return Result(
+                    correct=True,
+                    response="lift",
+                    onset_at=taken,
+                    response_at=percept.at,
+                    value=time_ms,
+                    details=details,
+                )
+            case "d":
+                return Result(correct=False, response="drop", response_at=percept.at)
+            case "?":
+                return Again("slipped", SLIPPED)
+            case _:
+                return None
+
+
+class SensedLift(Lift):
+    """The same with a sensor on the arm."""
+
+    sensors = ("imu",)
+
+
+class LiftDriver(LoopDriver):
+    """Somebody who lifts weights, at the moment a test says."""
+
+    def begin_lifts(self) -> None:
+        """From the instructions to where the first lift can be started."""
+        self.enter()
+        self.press("enter")
+        self.wait(300)
+
+    def lift(self, time_ms: float = 400, end: str = "u") -> None:
+        """Start a lift when that can be done, and do it."""
+        assert self.waiting.what == "start", self.waiting
+        self.press("space")
+        self.to_prompt()
+        self.wait(200)
+        self.press("k")
+        self.wait(time_ms)
+        self.press(end)
+        self.wait(300)

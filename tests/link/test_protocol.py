@@ -1,0 +1,108 @@
+"""What crosses the link comes out as it went in, or is refused."""
+
+import io
+from typing import Any
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.bus import Record
+from sar_tui.framework.messages import Message
+from sar_tui.framework.topics import ALL, DECISION, KEY, NOTE_ADDED, OPERATOR, REMARK, TRIAL
+from sar_tui.link import protocol
+from sar_tui.link.protocol import ProtocolError
+
+NOTE = m.NoteAdded(text="The left hand tires.\nSince trial 4.", at=5)
+
+
+def raw(message: object) -> msgspec.Raw:
+    """As it comes in an act."""
+    return msgspec.Raw(protocol.encode(message))
+
+
+def test_an_act_comes_out_as_it_went_in() -> None:
+    assert protocol.act(NOTE_ADDED.name, raw(NOTE)) == NOTE
+
+
+def test_a_frame_keeps_its_number_its_time_and_its_topic() -> None:
+    record = Record(7, 123_456_789_012, NOTE_ADDED, NOTE)
+    crossed = protocol.decode(protocol.encode(protocol.Batch(1, protocol.framed([record]))), protocol.Told)
+    assert [tuple(frame) for frame in protocol.frames(crossed.frames, ALL)] == [tuple(record)]
+
+
+def test_a_frame_of_a_topic_that_is_not_known_or_not_as_it_should_be_is_left_out() -> None:
+    frames = [(1, 1, "another/version", raw(NOTE)), (2, 2, TRIAL.name, raw(NOTE)), (3, 3, NOTE_ADDED.name, raw(NOTE))]
+    assert [frame.seq for frame in protocol.frames(frames, ALL)] == [3]
+
+
+@pytest.mark.parametrize(
+    ("topic", "message", "why"),
+    [
+        (KEY.name, m.KeyPressed(key="f", at=1), "not among what an operator may send"),
+        ("no/topic", NOTE, "not among what an operator may send"),
+        (DECISION.name, NOTE, "cannot be read"),
+        (NOTE_ADDED.name, {"text": 5}, "cannot be read"),
+        (NOTE_ADDED.name, m.NoteAdded(text="x" * 4001), "longer than 4000 characters"),
+        (REMARK.name, m.Remark(text="x" * 1001), "longer than 1000 characters"),
+        (REMARK.name, m.Remark(text="red \x1b[31m"), "control characters"),
+        (REMARK.name, m.Remark(text="one line\nand another"), "control characters"),
+        (REMARK.name, m.Remark(text="turned \u202e round"), "control characters"),
+        (NOTE_ADDED.name, m.NoteAdded(text="bell \a"), "control characters"),
+        (NOTE_ADDED.name, m.NoteAdded(actor="\0"), "control characters"),
+        (OPERATOR.name, m.Operator(command="pause", reason="sensor"), "no reason for a pause"),
+    ],
+)
+def test_an_act_that_is_not_as_it_should_be_is_refused_in_words(topic: str, message: Message, why: str) -> None:
+    with pytest.raises(ProtocolError, match=why):
+        protocol.act(topic, raw(message))
+
+
+@pytest.mark.parametrize("text", ["¿Qué tal? Très bien, größer: 好", "👍🏽 👩‍🔬"])
+def test_words_of_any_language_are_well(text: str) -> None:
+    assert protocol.act(REMARK.name, raw(m.Remark(text=text))) == m.Remark(text=text)
+
+
+@given(st.binary(max_size=300))
+def test_whatever_bytes_come_they_are_read_or_refused(data: bytes) -> None:
+    for kind in (protocol.Act, protocol.Hello, protocol.Told):
+        try:
+            protocol.decode(data, kind)
+        except ProtocolError:
+            continue
+
+
+@given(
+    st.sampled_from(sorted(protocol.ACTS)), st.recursive(st.none() | st.integers() | st.text(), st.lists, max_leaves=5)
+)
+def test_whatever_an_act_holds_it_is_its_own_type_or_refused(topic: str, content: Any) -> None:
+    try:
+        data = msgspec.Raw(protocol.encode(content))
+    except OverflowError:
+        return
+    try:
+        assert type(protocol.act(topic, data)) is protocol.ACTS[topic].type
+    except ProtocolError:
+        return
+
+
+def test_a_deeply_nested_message_is_refused() -> None:
+    with pytest.raises(ProtocolError):
+        protocol.decode(b"\x91" * 19_000 + b"\xc0", protocol.Act)
+
+
+def test_frames_on_a_pipe_are_read_one_by_one_until_its_end() -> None:
+    parts = [protocol.Beat(), protocol.Came("operator.anna"), protocol.Opened("no")]
+    pipe = io.BytesIO(b"".join(map(protocol.pack, parts)))
+    assert [protocol.read(pipe, protocol.News) for _ in range(4)] == [*parts, None]
+
+
+def test_a_pipe_that_ends_within_a_frame_has_ended() -> None:
+    assert protocol.read(io.BytesIO(protocol.pack(protocol.Came("operator.anna"))[:-1]), protocol.News) is None
+
+
+def test_a_frame_of_an_impossible_length_is_refused_unread() -> None:
+    with pytest.raises(ProtocolError, match="too long"):
+        protocol.read(io.BytesIO(b"\xff\xff\xff\xff"), protocol.News)

@@ -1,0 +1,101 @@
+"""A host with guests for the tests of the link: its authority, and real zenoh sessions over loopback TLS."""
+
+import socket
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import NamedTuple
+
+import zenoh
+
+from sar_tui.link.authority import Authority
+from sar_tui.link.invitation import Invitation
+from sar_tui.link.settings import Endpoint, Guest, Keys, config, host_settings, network_settings
+
+NOW = datetime.now(UTC)
+LONG_AGO = NOW - timedelta(days=40)
+
+
+def free_port() -> int:
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        return int(found.getsockname()[1])
+
+
+def eventually(true: Callable[[], object], seconds: float = 10) -> bool:
+    """Whether it becomes true before the deadline."""
+    deadline = time.monotonic() + seconds
+    while not true():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.005)
+    return True
+
+
+class House(NamedTuple):
+    """An authority that listens at one port, and who was invited to it."""
+
+    authority: Authority
+    where: Endpoint
+    anna: Invitation
+    ben: Invitation
+    eve: Invitation
+    gone: Invitation
+    late: Invitation
+
+    @property
+    def keys(self) -> Keys:
+        return Keys(self.authority.link)
+
+
+def house(data: Path) -> House:
+    """Anna and Ben operate, Eve observes; Gone was revoked, Late's time is over."""
+    where = Endpoint("127.0.0.1", free_port())
+    authority = Authority.made(data)
+    made = House(
+        authority,
+        where,
+        authority.invite(Guest("anna", "operator"), [where], 30),
+        authority.invite(Guest("ben", "operator"), [where], 30),
+        authority.invite(Guest("eve", "observer"), [where], 30),
+        authority.invite(Guest("gone", "operator"), [where], 30),
+        authority.invite(Guest("late", "operator"), [where], 30, LONG_AGO),
+    )
+    authority.revoke("gone")
+    return made
+
+
+class FakeBroker:
+    """A host's zenoh session: everything that it hears, as ``(key, payload)``; what it is asked; who comes and goes."""
+
+    def __init__(self, session: zenoh.Session, keys: Keys) -> None:
+        self.session = session
+        self.heard: list[tuple[str, bytes]] = []
+        self.asked: list[str] = []
+        self.there: list[str] = []
+        self._held = (
+            session.declare_subscriber("**", lambda s: self.heard.append((str(s.key_expr), bytes(s.payload)))),
+            session.declare_queryable("**", lambda q: self.asked.append(str(q.key_expr))),
+            session.liveliness().declare_subscriber(keys.hello("*"), lambda s: self.there.append(str(s.key_expr))),
+        )
+
+
+@contextmanager
+def hosting(at: House) -> Iterator[FakeBroker]:
+    """The host, as a session with ``--listen`` would be one."""
+    files = at.authority.host_files([at.where])
+    settings = host_settings(at.authority.link, listen=[at.where], files=files, guests=at.authority.guests())
+    with zenoh.open(config(settings)) as session:
+        yield FakeBroker(session, at.keys)
+
+
+@contextmanager
+def visiting(*invitations: Invitation) -> Iterator[list[zenoh.Session]]:
+    """Sessions of guests. Raises zenoh.ZError: one was not let in."""
+    with ExitStack() as stack:
+        yield [
+            stack.enter_context(zenoh.open(config(network_settings(invited.where[0], invited.credentials))))
+            for invited in invitations
+        ]

@@ -1,0 +1,188 @@
+"""A participant who does what a test says, at the nanosecond it says, on a virtual clock."""
+
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.bus import Record, Topic
+from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.framework.node import Node, on
+from sar_tui.framework.parameters import build
+from sar_tui.framework.session import Session
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import FOCUS, KEY, OPERATOR, PASTE, PROMPT, SHOWN, STORAGE, STORED, TRIAL, WAITING
+
+M = TypeVar("M", bound=m.Message)
+
+SHOWING = 4 * MS
+"""From a prompt's publication to its onset."""
+
+
+class Screen(Node):
+    """Shows prompts after a moment, and stands in for the disk, unless told not to."""
+
+    name = "screen"
+    emits = (SHOWN, STORED)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.shows = True
+        self.stores = True
+        self.source: Any = "flush"
+        self.prompt: m.Prompt | None = None
+        self.onset: int | None = None
+        self.waiting: m.Waiting | None = None
+
+    @on(WAITING)
+    def now_waiting(self, waiting: m.Waiting) -> None:
+        self.waiting = waiting
+        if waiting.what != "response":
+            self.onset = None
+
+    @on(PROMPT)
+    def prompted(self, prompt: m.Prompt) -> None:
+        self.prompt = prompt
+        if self.shows:
+            self.bus.clock.call_at(self.now + SHOWING, lambda: self.show(prompt))
+
+    def show(self, prompt: m.Prompt, at: int | None = None) -> None:
+        onset = self.bus.clock.now() if at is None else at
+        if prompt is self.prompt and self.waiting is not None and self.waiting.what == "response":
+            self.onset = onset
+        self.emit(
+            SHOWN,
+            m.Shown(
+                attempt=prompt.attempt,
+                trial=prompt.trial,
+                presentation=prompt.presentation,
+                at=onset,
+                source=self.source,
+            ),
+        )
+
+    @on(TRIAL)
+    def ended(self, trial: m.TrialEnded) -> None:
+        if self.stores:
+            self.store(trial.attempt, trial.trial)
+
+    def store(self, attempt: int, trial: int) -> None:
+        self.emit(STORED, m.Stored(attempt=attempt, trial=trial))
+
+
+class LoopDriver:
+    """A session with a screen and a keyboard in front of it, driven by a test.
+
+    Args:
+        task: the class of the task.
+        theme: of the agent.
+        seed: of the session.
+        history: what was recorded of it before; it is then resumed.
+        parameters: of the task.
+    """
+
+    def __init__(
+        self,
+        task: type[Task],
+        theme: Theme,
+        *,
+        seed: int = 1,
+        history: Iterable[Record] | None = None,
+        extra: Iterable[Node] = (),
+        begin: bool = True,
+        **parameters: object,
+    ) -> None:
+        self.clock = VirtualClock(10 * SECOND)
+        self.screen = Screen()
+        built = task(build(task.Parameters, parameters))
+        self.session = Session(built, theme, self.clock, seed, [self.screen, *extra])
+        self.records: list[Record] = []
+        if history is not None:
+            self.session.replay(history)
+        self.session.bus.tap(self.records.extend)
+        if begin:
+            self.session.begin(1 if history is None else 2)
+
+    # --- what a participant does ---------------------------------------------------------------------------
+
+    def press(self, key: str, at: int | None = None, lag: int = 0) -> None:
+        """Press a key now, or have one handled now that was stamped at ``at``."""
+        stamp = self.clock.now() if at is None else at
+        self.session.bus.publish(KEY, m.KeyPressed(key=key, at=stamp, loop_lag=lag))
+
+    def hold(self, key: str, ms: int, every_ms: int = 30) -> None:
+        """Hold a key down: a stream of ordinary keys."""
+        for _ in range(0, ms, every_ms):
+            self.press(key)
+            self.wait(every_ms)
+
+    def paste(self, length: int = 5) -> None:
+        self.session.bus.publish(PASTE, m.Pasted(length=length, at=self.clock.now()))
+
+    def focus(self, focused: bool) -> None:
+        self.session.bus.publish(FOCUS, m.FocusChanged(focused=focused, at=self.clock.now()))
+
+    def operate(self, command: Any, reason: str = "", value: int | None = None) -> None:
+        self.session.bus.publish(OPERATOR, m.Operator(command=command, reason=reason, value=value))
+
+    def disk(self, working: bool) -> None:
+        self.session.bus.publish(STORAGE, m.StorageChanged(working=working, reason="" if working else "full"))
+
+    # --- time ---------------------------------------------------------------------------------------------------
+
+    def wait(self, ms: float) -> None:
+        self.clock.advance(round(ms * MS))
+
+    def until(self, is_so: Callable[[], object]) -> None:
+        """Let time jump from callback to callback until something is so."""
+        while not is_so():
+            if not self.clock.step():
+                raise AssertionError(f"nothing is due any more; the session waits for {self.screen.waiting}")
+
+    def to_prompt(self) -> m.Prompt:
+        """Go on to the moment at which the next prompt is on the screen."""
+        self.until(lambda: self.screen.onset is not None)
+        assert self.screen.prompt is not None
+        return self.screen.prompt
+
+    # --- whole steps --------------------------------------------------------------------------------------------
+
+    def start(self) -> m.Prompt:
+        """From the instructions to the first prompt."""
+        self.enter()
+        return self.begin_attempt()
+
+    def enter(self) -> None:
+        self.press("enter")
+        self.wait(300)
+
+    def begin_attempt(self) -> m.Prompt:
+        self.press("enter")
+        return self.to_prompt()
+
+    def answer(self, after_ms: float = 400, key: str | None = None) -> m.TrialEnded:
+        """See the next prompt, and answer it: rightly, unless a key is given."""
+        prompt = self.to_prompt()
+        self.wait(after_ms)
+        self.press(prompt.expected if key is None else key)
+        return self.last(TRIAL)
+
+    def attempt(self, after_ms: float = 400, wrong: int = 0) -> None:
+        """Do a whole attempt, from its Enter to its end."""
+        self.press("enter")
+        assert self.screen.waiting is not None
+        for trial in range(self.screen.waiting.trials):
+            self.answer(after_ms, key="#" if trial < wrong else None)
+        self.wait(1000)
+
+    # --- what was said ------------------------------------------------------------------------------------------
+
+    def all(self, topic: Topic[M]) -> list[M]:
+        return [record.message for record in self.records if record.topic is topic]
+
+    def last(self, topic: Topic[M]) -> M:
+        return self.all(topic)[-1]
+
+    @property
+    def waiting(self) -> m.Waiting:
+        return self.last(WAITING)

@@ -1,0 +1,100 @@
+"""Given the thesis' rule, when it is put to a recording, then it finds what the thesis found, and fails as it must."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sar_tui.motion.bounds import Bounds
+from sar_tui.motion.fixed_threshold import ThesisParameters, find
+from sar_tui.motion.samples import Recording
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, simulate, table_4_1_recording
+
+REACH = ReachShape(out_s=0.6, back_s=0.5, peak_out=2.0, peak_back=-2.4)
+
+
+def turning(*stretches: tuple[float, float]) -> Recording:
+    """Stretches of (duration in s, rate about z in rad/s), at 100 Hz."""
+    z = np.concatenate([np.full(round(seconds * 100), float(rate)) for seconds, rate in stretches])
+    return Recording(np.arange(len(z)) / 100, np.column_stack((z * 0, z * 0, z)))
+
+
+def times(reaches: tuple[Bounds, ...]) -> list[tuple[float, float]]:
+    return [(round(reach.onset_s, 6), round(reach.end_s, 6)) for reach in reaches]
+
+
+def test_a_reach_begins_above_the_threshold_and_ends_where_its_quiet_begins() -> None:
+    found = find(turning((1, 0.1), (0.5, 0.11), (1, 0.1)))
+    assert times(found.reaches) == [(1.0, 1.5)]
+    assert found.reaches[0].flags == ()
+
+
+def test_a_quiet_of_just_800_ms_ends_a_reach_and_a_shorter_one_does_not() -> None:
+    assert times(find(turning((1, 0), (1, 1), (0.8, 0), (1, -1), (1, 0))).reaches) == [(1.0, 2.0), (2.8, 3.8)]
+    assert times(find(turning((1, 0), (1, 1), (0.79, 0), (1, -1), (1, 0))).reaches) == [(1.0, 3.79)]
+
+
+def test_both_numbers_can_be_set() -> None:
+    parameters = ThesisParameters(threshold_rad_s=0.5, still_ms=200)
+    found = find(turning((1, 0.4), (1, 1), (0.3, 0.4), (1, 1), (1, 0)), parameters)
+    assert times(found.reaches) == [(1.0, 2.0), (2.3, 3.3)]
+
+
+def test_a_reach_that_the_recording_cuts_off_is_endless() -> None:
+    found = find(turning((1, 0), (1, 1), (0.5, 0)))
+    assert times(found.reaches) == [(1.0, 2.49)]
+    assert found.reaches[0].flags == ("endless",)
+
+
+def test_movement_from_the_first_to_the_last_sample_is_one_endless_reach() -> None:
+    assert times(find(turning((2, 1.0))).reaches) == [(0.0, 1.99)]
+
+
+def test_stillness_and_nothing_are_no_reach() -> None:
+    assert find(turning((2, 0.0))).reaches == ()
+    assert find(Recording(np.empty(0), np.empty((0, 3)))).reaches == ()
+
+
+def test_it_turns_where_the_rate_changes_sign() -> None:
+    (reach,) = find(turning((1, 0), (1, 1), (0.2, 0), (0.5, -2), (1, 0))).reaches
+    assert reach.arrival_s == pytest.approx(1.99)
+    assert reach.departure_s == pytest.approx(2.2)
+
+
+def test_a_left_hand_reaches_the_other_way() -> None:
+    (left,) = find(turning((1, 0), (1, -1), (0.5, 2), (1, 0)), hand="left").reaches
+    (right,) = find(turning((1, 0), (1, -1), (0.5, 2), (1, 0))).reaches
+    assert left.axis == (0, 0, -1)
+    assert left.flags == ()
+    assert right.axis == (0, 0, -1)
+    assert right.flags == ("reversed",)
+
+
+def test_samples_that_are_no_number_are_left_out() -> None:
+    recording = turning((1, 0), (1, 1), (1, 0))
+    recording.rate[150] = np.nan
+    assert times(find(recording).reaches) == [(1.0, 2.0)]
+
+
+def test_it_finds_the_table_s_eight_each_up_to_130_ms_short() -> None:
+    found = find(table_4_1_recording().recording).reaches
+    assert len(found) == 8
+    for reach, row in zip(found, TABLE_4_1, strict=True):
+        assert -0.13 < reach.end_s - reach.onset_s - row.reach_time_s < 0
+
+
+@pytest.mark.parametrize(
+    "profile",
+    [PROFILES["biased"], PROFILES["tremor"], Profile(noise_rad_s=math.radians(5))],
+    ids=["bias", "tremor", "noise"],
+)
+def test_bias_tremor_or_noise_make_it_endless(profile: Profile) -> None:
+    assert find(simulate([REACH], profile).recording).reaches[-1].flags[0] == "endless"
+
+
+def test_a_pause_splits_and_a_twitch_adds() -> None:
+    pause = ReachShape(out_s=0.6, back_s=0.5, dwell_s=1.0)
+    twitch = ReachShape(out_s=0.6, back_s=0.5, twitch=True, seed=1)
+    assert len(find(simulate([pause]).recording).reaches) == 2
+    assert len(find(simulate([twitch]).recording).reaches) == 2

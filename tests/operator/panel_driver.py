@@ -1,0 +1,340 @@
+"""A booth for an operator: the panel in front of them, a session they cannot touch, time that stands still."""
+
+import io
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from rich.console import Console
+from textual.events import Callback, Key, Timer
+from textual.message import Message as TextualMessage
+from textual.pilot import Pilot
+
+from sar_tui.framework import messages as m
+from sar_tui.framework import topics as t
+from sar_tui.framework.bus import Topic
+from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.framework.messages import Message, Role
+from sar_tui.framework.theme import Theme
+from sar_tui.link.peer import Connection, Frame, Hear, Heard, MarkKey, Trace, Welcome
+from sar_tui.operator.app import WizardApp
+from sar_tui.operator.screen import PanelScreen
+from sar_tui.plugins import Catalogue
+
+START = 1000 * SECOND
+ANNA = "operator.anna"
+_NAMES = {"!": "exclamation_mark"}
+_TYPED = {"space": " ", "plus": "+", "minus": "-", "equals_sign": "="}
+MODES: dict[m.ControlledKind, m.Mode] = {
+    "feedback": "approve",
+    "encouragement": "autonomous",
+    "instruction": "autonomous",
+    "gesture": "autonomous",
+    "difficulty": "veto",
+}
+
+
+class FakePeer:
+    """A link that keeps what is sent."""
+
+    def __init__(self, hear: Hear, role: Role = "operator") -> None:
+        self.name, self.role = f"{role}.anna", role
+        self.hear = hear
+        self.clock = VirtualClock(START)
+        self.sent: list[tuple[str, Any]] = []
+        self.batons = 0
+        self.is_closed = False
+
+    def send(self, topic: Topic[Any], message: Message) -> None:
+        self.sent.append((topic.name, message))
+
+    def take_baton(self) -> None:
+        self.batons += 1
+
+    def now(self) -> int:
+        return self.clock.now()
+
+    def close(self) -> None:
+        self.is_closed = True
+
+
+def welcome(role: Role = "operator", **other: Any) -> Welcome:
+    told: dict[str, Any] = {
+        "link": "abcd",
+        "session": "s1",
+        "task": "keyboard",
+        "title": "Keyboard reaction",
+        "participants": {"A": "P01"},
+        "name": f"{role}.anna",
+        "role": role,
+        "unit": "ms",
+        "decimals": 0,
+        "levels": 10,
+        "attempts": 20,
+        "trials": 20,
+        "parameters": {"min_level": 1, "max_level": 10, "operator_lost": "autonomous", "operator_difficulty": "veto"},
+    }
+    return Welcome(**told | other)
+
+
+def frame(topic: Topic[Any], message: Message, at: int = START, seq: int = 1) -> Frame:
+    return Frame(seq, at, topic, message)
+
+
+def proposal(id: str = "p1", **other: Any) -> m.Proposal:
+    told: dict[str, Any] = {
+        "id": id,
+        "kind": "feedback",
+        "text": "Well done. You were 22 ms faster than in the last attempt; keep on like this.",
+        "spoken": "Well done.",
+        "face": "happy",
+        "gesture": "nod",
+        "valence": "positive",
+        "degree": "clear",
+        "attempt": 3,
+    }
+    return m.Proposal(**told | other)
+
+
+def offer(id: str = "p1", ms: int | None = 4000, level: int | None = None, **other: Any) -> m.PendingApproval:
+    deadline = None if ms is None else START + ms * MS
+    kind: dict[str, Any] = {"kind": "difficulty", "text": "", "valence": None} if level is not None else {}
+    return m.PendingApproval(
+        proposal=proposal(id, **kind | other), mode="approve", deadline=deadline, otherwise="act", level=level
+    )
+
+
+def action(id: str, **other: Any) -> m.Action:
+    told = {name: getattr(proposal(id), name) for name in m.Proposal.__struct_fields__}
+    return m.Action(**told | {"decision": "accepted", "actor": "agent", "decided": START} | other)
+
+
+def standing(*offers: m.PendingApproval, **other: Any) -> m.ArbiterState:
+    return m.ArbiterState(**{"modes": MODES, "operated": True, "offers": offers} | other)
+
+
+def trial(number: int, stimulus: str, ms: float | None, *, correct: bool = True, seat: str = "A") -> m.TrialEnded:
+    timing = m.Timing("flush", 0.2, 0.1, 0, 1, 900.0, ())
+    return m.TrialEnded(
+        seat=seat,
+        attempt=3,
+        trial=number,
+        stimulus=stimulus,
+        response=None if ms is None else stimulus if correct else "j",
+        correct=correct and ms is not None,
+        onset=START,
+        response_at=None if ms is None else START + round(ms * MS),
+        reaction_time_ms=ms,
+        value=ms if correct else None,
+        timing=timing,
+        details={},
+    )
+
+
+def attempt(seat: str = "A", **other: Any) -> m.AttemptEnded:
+    told: dict[str, Any] = {
+        "seat": seat,
+        "attempt": 2,
+        "practice": False,
+        "level": 4,
+        "metric": 498.2,
+        "metric_unit": "ms",
+        "accuracy": 0.95,
+        "correct": 19,
+        "trials": 20,
+        "goal": 520.0,
+        "outcome": "success",
+        "feedback": "positive",
+        "started": START,
+        "ended": START,
+    }
+    return m.AttemptEnded(**told | other)
+
+
+def waiting(what: Any = "response", stage: Any = "trial", **other: Any) -> m.Waiting:
+    told: dict[str, Any] = {
+        "what": what,
+        "stage": stage,
+        "attempt": 3,
+        "trial": 5,
+        "level": 4,
+        "attempt_name": "attempt 3 of 20",
+        "trials": 20,
+    }
+    return m.Waiting(**told | other)
+
+
+def prompt(text: str = "Press: f") -> m.Prompt:
+    return m.Prompt(
+        attempt=3,
+        trial=5,
+        presentation=1,
+        level=4,
+        stimulus="f",
+        expected="f",
+        text=text,
+        glyph="f",
+        choices=4,
+        timeout=3 * SECOND,
+    )
+
+
+def cue(side: Any = "left") -> m.CueGiven:
+    return m.CueGiven(attempt=3, trial=5, presentation=1, side=side, gaze=side)
+
+
+def presence(state: Any = "baton", actor: str = ANNA, **peers: Role) -> m.OperatorChanged:
+    """Somebody came, went or took the baton; unless it is ``actor`` who took it, Anna holds it."""
+    there = {f"{role}.{name}": role for name, role in peers.items()}
+    holder = actor if state == "baton" else ANNA
+    return m.OperatorChanged(actor=actor, state=state, operated=True, holder=holder, peers={ANNA: "operator", **there})
+
+
+def begun(theme: Theme) -> list[Frame]:
+    """A session that is on its way."""
+    return [
+        frame(t.THEME, m.ThemeApplied(theme=theme)),
+        frame(t.PRESENCE, presence()),
+        frame(t.LEVEL, m.LevelChanged(previous=3, level=4, reason="success")),
+        frame(t.ATTEMPT_ENDED, attempt()),
+        frame(t.ACTION, action("a1", text="Welcome back. Good to see you again.", valence=None, decided=0)),
+        frame(t.WAITING, waiting("enter", "attempt")),
+        frame(t.ACTING, m.AgentActing(acting=False)),
+        frame(t.ARBITER_STATE, standing()),
+        *(
+            frame(t.TRIAL, trial(number, stimulus, ms, correct=correct))
+            for number, (stimulus, ms, correct) in enumerate(
+                (("f", 512, True), ("j", 430, True), ("f", 377, False), ("d", None, False), ("k", 455, True)), 1
+            )
+        ),
+    ]
+
+
+class PanelDriver:
+    """What an operator sees and does."""
+
+    def __init__(self, app: WizardApp, peer: Callable[[], FakePeer], theme: Theme) -> None:
+        self.app = app
+        self.pilot: Pilot[int]
+        self._peer = peer
+        self._theme = theme
+        self._noticed = 0
+
+    def notice(self, message: TextualMessage) -> None:
+        """A message arrived at the app or at one of its widgets."""
+        self._noticed += not isinstance(message, (Callback, Timer))
+
+    async def rest(self) -> None:
+        """Until no widget tells another anything more."""
+        silent = 0
+        while self.app.is_running and silent < 2:
+            before = self._noticed
+            await self.pilot.pause(0)
+            silent = silent + 1 if self._noticed == before else 0
+
+    @property
+    def peer(self) -> FakePeer:
+        return self._peer()
+
+    @property
+    def panel(self) -> PanelScreen:
+        assert isinstance(self.app.screen, PanelScreen)
+        return self.app.screen
+
+    async def hear(self, *heard: Heard) -> None:
+        """The link brings something, and it is drawn."""
+        for each in heard:
+            self.panel.hear(each)
+        self.panel.draw()
+        await self.rest()
+
+    async def tell(self, topic: Topic[Any], message: Message) -> None:
+        await self.hear([frame(topic, message, self.peer.now())])
+
+    async def join(self, role: Role = "operator", **other: Any) -> None:
+        """A session on its way is joined."""
+        await self.hear(Connection("connected"), welcome(role, **other), begun(self._theme))
+
+    async def offer(self, *offers: m.PendingApproval) -> None:
+        """Proposals come, are painted, and have been read."""
+        await self.tell(t.ARBITER_STATE, standing(*offers))
+        await self.pass_by(500)
+
+    async def pass_by(self, ms: int) -> None:
+        """Time passes for the session."""
+        self.peer.clock.advance(ms * MS)
+        self.panel.draw()
+        await self.rest()
+
+    async def press(self, *keys: str) -> None:
+        for key in keys:
+            self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
+            await self.rest()
+        if isinstance(self.app.screen, PanelScreen):
+            self.panel.draw()
+            await self.rest()
+
+    async def burst(self, *keys: str) -> None:
+        """Keys that are read all at once, as over a slow line."""
+        for key in keys:
+            self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
+        await self.rest()
+        self.panel.draw()
+        await self.rest()
+
+    def acts(self, topic: Topic[Any]) -> list[Any]:
+        """What was sent on a topic, without its stamp."""
+        return [msgspec.structs.replace(message, at=0) for name, message in self.peer.sent if name == topic.name]
+
+    @property
+    def rows(self) -> list[str]:
+        width, height = self.app.size
+        console = Console(width=width, height=height, file=io.StringIO(), record=True, legacy_windows=False)
+        console.print(self.app.screen._compositor.render_update(full=True, screen_stack=self.app._background_screens))
+        return [row.rstrip() for row in console.export_text().splitlines()]
+
+    @property
+    def text(self) -> str:
+        return "\n".join(self.rows)
+
+
+class _App(WizardApp):
+    """Joins a link that is none."""
+
+    role: Role = "operator"
+    peer: FakePeer
+
+    def make_panel(self, where: Any) -> PanelScreen:
+        def connect(hear: Hear) -> FakePeer:
+            self.peer = FakePeer(hear, self.role)
+            return self.peer
+
+        return PanelScreen(connect, self._theme, self._folder, VirtualClock(START))
+
+
+@asynccontextmanager
+async def sit_down(
+    catalogue: Catalogue,
+    folder: Path,
+    theme: str = "calm",
+    size: tuple[int, int] = (80, 24),
+    role: Role = "operator",
+    *,
+    joins: bool = True,
+) -> AsyncIterator[PanelDriver]:
+    """Open the panel in front of an operator; unless told otherwise they have joined a session on its way."""
+    worn = catalogue.theme(theme)
+    app = _App(worn, folder, "anna", role, where=object())  # type: ignore[arg-type]
+    app.role = role
+    driver = PanelDriver(app, lambda: app.peer, worn)
+    async with app.run_test(size=size, message_hook=driver.notice) as driver.pilot:
+        await driver.rest()
+        if joins:
+            await driver.join(role)
+        yield driver
+
+
+TRACE = Trace("A", START, 50.0, tuple(abs(((n * 7) % 40) / 10 - 2) for n in range(200)))
+MARKS = (MarkKey("missed", "Marker missed"), MarkKey("assisted", "Assisted"))

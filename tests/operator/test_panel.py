@@ -1,0 +1,576 @@
+"""The panel in front of an operator: what each key sends, and what is seen of it."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+from msgspec.structs import replace
+from textual.events import Key, Paste
+from textual.widgets import Static
+
+from sar_tui.framework import messages as m
+from sar_tui.framework import topics as t
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.messages import Role
+from sar_tui.link.peer import Connection
+from sar_tui.operator.own_file import FILE
+from sar_tui.plugins import Catalogue
+from sar_tui.widgets.agent import Agent
+from tests.operator import panel_driver as b
+from tests.operator.panel_driver import ANNA, PanelDriver
+
+
+@asynccontextmanager
+async def panel(catalogue: Catalogue, folder: Path, role: Role = "operator") -> AsyncIterator[PanelDriver]:
+    async with b.sit_down(catalogue, folder, role=role, size=(100, 30)) as driver:
+        yield driver
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return tmp_path
+
+
+# --- proposals -----------------------------------------------------------------------------------------------------
+
+
+async def test_one_key_decides_stamped_with_its_time_and_a_proposal_is_told_seen_once(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        for number, key in enumerate(("enter", "x", "delete", "plus", "equals_sign", "minus")):
+            await driver.offer(b.offer(f"p{number}"))
+            await driver.press(key)
+        assert driver.acts(t.DECISION) == [
+            m.Decision(action="p0", verdict="accept", actor=ANNA),
+            m.Decision(action="p1", verdict="veto", actor=ANNA),
+            m.Decision(action="p2", verdict="veto", actor=ANNA),
+            m.Decision(action="p3", verdict="edit", valence="positive", actor=ANNA),
+            m.Decision(action="p4", verdict="edit", valence="neutral", actor=ANNA),
+            m.Decision(action="p5", verdict="edit", valence="negative", actor=ANNA),
+        ]
+        at = [message.at for name, message in driver.peer.sent if name == t.DECISION.name][-1]
+        assert driver.peer.now() - 5 * SECOND < at <= driver.peer.now()
+        assert [seen.action for seen in driver.acts(t.PROPOSAL_SEEN)] == ["p0", "p1", "p2", "p3", "p4", "p5"]
+
+
+async def test_words_are_edited_in_place_unchanged_they_are_an_approval_and_escape_leaves_them(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.offer(b.offer("p1", text="Well done"))
+        await driver.press("e", "!", "enter")
+        await driver.offer(b.offer("p2"))
+        await driver.press("e", "enter")
+        await driver.offer(b.offer("p3"))
+        await driver.press("e", "x", "escape")
+        assert len(driver.acts(t.DECISION)) == 2
+        await driver.press("x")
+        assert driver.acts(t.DECISION) == [
+            m.Decision(action="p1", verdict="edit", text="Well done!", actor=ANNA),
+            m.Decision(action="p2", verdict="accept", actor=ANNA),
+            m.Decision(action="p3", verdict="veto", actor=ANNA),
+        ]
+
+
+async def test_what_is_typed_is_never_taken_for_keys_and_an_edit_that_is_too_late_can_be_said(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.press("e", "s", "r", "space", "u", "enter")
+        assert driver.acts(t.OPERATOR) == []
+        assert driver.acts(t.REMARK) == [m.Remark(text="sr u", source="free text", actor=ANNA)]
+        await driver.offer(b.offer(text="Well done"))
+        await driver.press("e", "!")
+        await driver.offer()
+        await driver.press("enter")
+        assert driver.acts(t.DECISION) == []
+        assert "Too late: it was decided." in driver.text
+        await driver.press("enter")
+        assert driver.acts(t.REMARK)[1:] == [m.Remark(text="Well done!", source="free text", actor=ANNA)]
+
+
+async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name_and_neither_has_a_valence(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        gesture = b.offer("g1", kind="gesture", text="", spoken="", gesture="nod")
+        await driver.offer(b.offer("d1", level=5, text="Level 4 → 5"), gesture)
+        assert "Level 4 → 5, from the next attempt on" in driver.text
+        assert "positive" not in driver.text
+        await driver.press("plus", "e", "backspace", "x", "enter")
+        assert driver.acts(t.DECISION) == []
+        assert "A level is a number" in driver.text
+        await driver.press("backspace", "3", "enter")
+        await driver.pass_by(500)
+        await driver.press("e", *["backspace"] * 3, *"bow", "enter")
+        assert "The theme has no gesture 'bow'" in driver.text
+        await driver.press(*["backspace"] * 3, *"lean", "space", *"in", "enter")
+        assert driver.acts(t.DECISION) == [
+            m.Decision(action="d1", verdict="edit", level=3, actor=ANNA),
+            m.Decision(action="g1", verdict="edit", gesture="lean_in", actor=ANNA),
+        ]
+
+
+async def test_what_stands_there_stays_until_it_is_decided_or_gone_and_then_no_key_is_for_the_next_at_once(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        first, second = b.offer("p1", 4000), b.offer("p2", 4000, text="Second")
+        await driver.offer(first, second)
+        assert "1 of 2" in driver.text
+        urgent = b.offer("p3", 1500, text="Urgent")
+        await driver.offer(urgent, first, second)
+        assert "2 of 3" in driver.text
+        assert "Behind it: 0 s feedback “Urgent”" in driver.text
+        await driver.press("right")
+        assert "┃ “Second”" in driver.text
+        await driver.press("left")
+        await driver.offer(second, urgent)  # the first is gone while it stands there
+        await driver.press("right", "enter")
+        assert driver.acts(t.DECISION) == []
+        assert "Too soon" in driver.text
+        await driver.pass_by(500)
+        await driver.press("enter")
+        assert [decision.action for decision in driver.acts(t.DECISION)] == ["p2"]
+
+
+async def test_one_that_was_decided_makes_room_for_the_next_and_is_not_decided_twice(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.offer(b.offer("p1"), b.offer("p2", text="Second"))
+        await driver.press("enter")
+        assert "“Second”" in driver.text
+        await driver.pass_by(500)
+        await driver.press("x", "x")
+        assert [(each.action, each.verdict) for each in driver.acts(t.DECISION)] == [("p1", "accept"), ("p2", "veto")]
+        assert "Vetoed feedback …" in driver.text
+        await driver.tell(t.REFUSED, m.ActRefused(actor=ANNA, what=t.DECISION.name, why="Too many at once."))
+        await driver.press("x")
+        await driver.pass_by(4000)  # and this one never arrived
+        await driver.press("enter")
+        assert [each.verdict for each in driver.acts(t.DECISION)] == ["accept", "veto", "veto", "accept"]
+
+
+async def test_the_time_that_is_left_runs_down_for_each_and_what_happens_then_is_told(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.tell(t.ARBITER_STATE, b.standing(b.offer(ms=4000), b.offer("p2", ms=4000)))
+        assert "acts by itself in 4.0 s" in driver.text
+        full = driver.text.count("█")
+        await driver.pass_by(2000)
+        assert "acts by itself in 2.0 s" in driver.text
+        left = driver.text.count("█")
+        assert left < full
+        await driver.press("right")
+        assert driver.text.count("█") == left  # it has been running all the time
+        await driver.tell(t.ARBITER_STATE, b.standing(replace(b.offer("p3"), otherwise="drop")))
+        assert "is dropped in 2.0 s" in driver.text
+        await driver.tell(t.ARBITER_STATE, b.standing(b.offer("p4", ms=None)))
+        assert "waits for you, until the next attempt begins" in driver.text
+
+
+# --- the session ---------------------------------------------------------------------------------------------------
+
+
+async def test_one_key_steers_the_session_two_steps_up_are_two_levels_and_the_highest_is_the_end(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.press("u", "u")
+        assert [act.value for act in driver.acts(t.OPERATOR)] == [5, 6]
+        await driver.tell(t.OPERATOR, replace(driver.peer.sent[0][1]))
+        await driver.tell(t.OPERATOR, replace(driver.peer.sent[1][1]))
+        await driver.tell(t.LEVEL, m.LevelChanged(previous=6, level=10, reason="success"))
+        await driver.press("u")
+        assert len(driver.acts(t.OPERATOR)) == 2
+        assert "Level 10 is the highest there is." in driver.text
+        await driver.join()
+        driver.peer.sent.clear()
+        await driver.press("f2", "space")
+        await driver.tell(t.WAITING, b.waiting())
+        await driver.press("s", "r", "u")
+        await driver.join()
+        await driver.press("d")
+        assert driver.acts(t.OPERATOR) == [
+            m.Operator(command="stop", actor=ANNA),
+            m.Operator(command="pause", actor=ANNA),
+            m.Operator(command="skip", actor=ANNA),
+            m.Operator(command="repeat", actor=ANNA),
+            m.Operator(command="level", value=5, actor=ANNA),
+            m.Operator(command="level", value=4, actor=ANNA),
+        ]
+
+
+async def test_the_key_for_a_pause_ends_one_that_for_the_level_lets_it_go_again_and_that_for_the_end_asks_once(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.tell(t.OPERATOR, m.Operator(command="pause", actor="operator.ben"))
+        await driver.tell(t.WAITING, b.waiting("resume", "paused"))
+        assert "ben paused" in driver.text
+        await driver.press("space", "end")
+        assert "End the session? End again ends it" in driver.text
+        await driver.press("escape", "end")
+        assert [act.command for act in driver.acts(t.OPERATOR)] == ["resume"]
+        await driver.press("end")
+        assert [act.command for act in driver.acts(t.OPERATOR)] == ["resume", "end"]
+        await driver.press("h")
+        held = b.standing(modes={**b.MODES, "difficulty": "manual"})
+        await driver.tell(t.ARBITER_STATE, held)
+        assert "manual: difficulty" in driver.text
+        await driver.press("h")
+        assert driver.acts(t.MODE) == [
+            m.ModeChanged(kind="difficulty", mode="manual", actor=ANNA),
+            m.ModeChanged(kind="difficulty", mode="veto", actor=ANNA),
+        ]
+
+
+async def test_a_pause_of_the_participants_is_told_loudly_and_ended_by_a_second_key_alone(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        for reason, told in (("", "P01 paused"), ("pain", "P01 paused: in pain"), ("tired", "P01 paused: tired")):
+            await driver.join()
+            driver.peer.sent.clear()
+            await driver.tell(t.OPERATOR, m.Operator(command="pause", reason=reason))
+            await driver.tell(t.WAITING, b.waiting("resume", "paused", reason=reason))
+            assert driver.text.count(told) == 2, "where they do, and in the log"
+            await driver.press("space")
+            assert f"{told}. Space again, within 3 s, lets it go on." in driver.text
+            await driver.press("space")  # a key that bounces
+            await driver.pass_by(3200)
+            await driver.press("space")
+            assert driver.acts(t.OPERATOR) == []
+            await driver.pass_by(1000)
+            await driver.press("space")
+            assert [act.command for act in driver.acts(t.OPERATOR)] == ["resume"]
+            assert "Space again" not in driver.text
+
+
+async def test_the_pause_of_one_in_pain_is_theirs_also_for_whoever_comes_later(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.tell(t.WAITING, b.waiting("resume", "paused", reason="pain"))
+        assert "Paused: in pain" in driver.text
+        await driver.press("space")
+        assert driver.acts(t.OPERATOR) == []
+
+
+async def test_keys_that_come_in_one_burst_are_each_for_what_the_one_before_opened(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.burst("n", *"hurx", "backspace", "t", "enter", "t", *"Hi", "enter", "n", *"so", "enter", "h")
+        assert [note.text for note in driver.acts(t.NOTE_ADDED)] == ["hurt", "so"]
+        assert [remark.text for remark in driver.acts(t.REMARK)] == ["Hi"]
+        assert [each.mode for each in driver.acts(t.MODE)] == ["manual"]
+        await driver.offer(b.offer(text="Well done"))
+        await driver.burst("e", "!", "enter", "u")
+        assert [each.text for each in driver.acts(t.DECISION)] == ["Well done!"]
+        assert [act.command for act in driver.acts(t.OPERATOR)] == ["level"]
+        driver.app.post_message(Key("n", "n"))
+        driver.app.post_message(Paste("pasted\nlines"))
+        await driver.burst("enter")
+        assert [note.text for note in driver.acts(t.NOTE_ADDED)][2:] == ["pasted"]
+
+
+async def test_an_edit_whose_time_runs_out_says_so_where_it_is_typed_and_never_stands_under_the_next(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.offer(b.offer("p1", 2000, text="Well done"))
+        await driver.press("e", "!")
+        assert "Enter sends, Esc leaves" in driver.text
+        await driver.pass_by(2000)
+        await driver.tell(t.ARBITER_STATE, b.standing(b.offer("p2", 9000, text="The next")))
+        assert "Its time is over: Well done!" in driver.text
+        assert "FEEDBACK · its time is over" in driver.text
+        assert "Enter twice says your words all the same" in driver.text
+        assert "Behind it: 6 s feedback “The next”" in driver.text
+        assert "┃ “The next”" not in driver.text
+        await driver.press("enter")
+        assert driver.acts(t.DECISION) == []
+        await driver.press("escape")
+        assert "┃ “The next”" in driver.text
+        assert "Its time is over" not in driver.text
+
+
+async def test_behind_the_list_of_keys_and_in_a_window_that_is_too_small_only_the_stop_key_acts(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.press("f1", "space", "u", "h", "1", "t", "x", "f2")
+        assert [name for name, _ in driver.peer.sent] == [t.OPERATOR.name]
+        await driver.press("escape")
+        await driver.pilot.resize_terminal(60, 16)
+        await driver.rest()
+        assert "This window is too small: it has 60 by 16 characters" in driver.text
+        await driver.press("space", "f2")
+        assert [act.command for act in driver.acts(t.OPERATOR)] == ["stop", "stop"]
+        await driver.pilot.resize_terminal(80, 24)
+        await driver.rest()
+        assert "too small" not in driver.text
+
+
+async def test_words_that_have_to_wait_are_told_so_and_slots_that_are_typed_are_filled(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.burst("t", *"{participant} :{", "enter")
+        assert [remark.text for remark in driver.acts(t.REMARK)] == ["P01 :{"]
+        await driver.tell(t.WAITING, b.waiting("response"))
+        await driver.press("1")
+        assert "After the response: said “" in driver.text
+        await driver.burst("t", *"{result}", "enter")
+        assert [remark.text for remark in driver.acts(t.REMARK)][2:] == ["498 ms"]
+        await driver.hear(b.welcome())
+        await driver.burst("t", *"{result}", "enter")
+        assert "{result} is not known yet. Nothing was sent." in driver.text
+        assert len(driver.acts(t.REMARK)) == 3
+
+
+async def test_a_prompt_is_neither_skipped_nor_repeated_while_there_is_none(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.press("s", "r")
+        assert driver.acts(t.OPERATOR) == []
+        assert "No prompt is up. Nothing was sent." in driver.text
+
+
+async def test_what_is_approved_and_has_still_to_come_is_counted_down(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as driver:
+        due = b.action("a9", text="Well done", due=b.START + 1900 * MS)
+        await driver.tell(t.ARBITER_STATE, b.standing(queued=(due,)))
+        assert "goes out in 1.9 s" in driver.text
+        await driver.pass_by(1000)
+        assert "goes out in 0.9 s" in driver.text
+
+
+async def test_when_the_session_is_done_the_panel_says_so_and_one_key_leaves_it(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.tell(t.SESSION_ENDED, m.SessionEnded(status="completed"))
+        await driver.hear(Connection("away", "The session is over."))
+        assert "The session is done. q leaves. For the report: sar-tui report wizard last" in driver.text
+        assert "no connection" not in driver.text
+        await driver.press("q")
+        assert driver.peer.is_closed
+
+
+# --- the palette, words, notes --------------------------------------------------------------------------------------
+
+
+async def test_a_number_does_what_stands_beside_it_on_each_page_tab_turns_it_and_escape_goes_back(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.join(marks=b.MARKS)
+        await driver.tell(t.ARBITER_STATE, b.standing(queued=(b.action("a9", text="Next."),)))
+        await driver.press("1", "g", "4", "m", "2", "o", "5", "c", "1", "9")
+        phrase, gesture = driver.acts(t.REMARK)
+        assert (phrase.text, phrase.source) == (catalogue.theme("calm").phrases["encouragement"][0], "phrase")
+        assert gesture == m.Remark(gesture="wave", source="gesture", actor=ANNA)
+        assert driver.acts(t.OPERATOR) == [m.Operator(command="mark", reason="assisted", actor=ANNA)]
+        assert driver.acts(t.MODE) == [m.ModeChanged(kind="difficulty", mode="approve", actor=ANNA)]
+        assert driver.acts(t.DECISION) == [m.Decision(action="a9", verdict="veto", actor=ANNA)]
+        await driver.press("escape")
+        assert "Encourage 1/10" in driver.text
+        await driver.press("tab")
+        assert "Praise 2/10" in driver.text
+        await driver.press("shift+tab", "shift+tab")
+        assert "Queue: a number cancels 10/10" in driver.text
+        await driver.press("escape")
+        assert "Encourage 1/10" in driver.text
+
+
+async def test_own_words_a_note_and_an_event_are_sent_each_as_what_it_is_a_note_of_when_it_was_begun(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.press("t", *"Hi", "enter", "n")
+        await driver.pass_by(20_000)
+        await driver.press(*"tired", "enter", "f5")
+        assert driver.acts(t.REMARK) == [m.Remark(text="Hi", source="free text", actor=ANNA)]
+        assert driver.acts(t.NOTE_ADDED) == [
+            m.NoteAdded(text="tired", actor=ANNA),
+            m.NoteAdded(label="distracted", actor=ANNA),
+        ]
+        note = next(message for name, message in driver.peer.sent if name == t.NOTE_ADDED.name)
+        assert note.at <= driver.peer.now() - 20 * SECOND
+
+
+async def test_with_two_participants_words_go_to_the_one_that_is_chosen_and_each_proposal_says_whom_it_is_for(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.join(participants={"A": "P01", "B": "P02"}, called={"A": "Left", "B": "Right"})
+        assert "Encourage 1/10 · to P01 (a)" in driver.text
+        await driver.press("a", "1", "t", *"Hi")
+        assert "Say to P02: Hi" in driver.text
+        await driver.press("enter")
+        assert "Encourage 1/10 · to P02 (a)" in driver.text
+        assert "Said to P02 “Hi”" in driver.text
+        phrase, own = driver.acts(t.REMARK)
+        assert (phrase.seat, own.seat, own.text) == ("B", "B", "Right: Hi")
+        assert phrase.text.startswith("Right: ")
+        await driver.offer(b.offer("p1", seat="B"))
+        assert "FEEDBACK to P02 · positive" in driver.text
+        await driver.offer(b.offer("p3", seat="B", text="Right: Well done"))
+        await driver.press("e")
+        assert "Instead: Well done" in driver.text
+        await driver.press("!", "enter")
+        assert [decision.text for decision in driver.acts(t.DECISION)] == ["Right: Well done!"]
+        await driver.offer(b.offer("l1", level=5))
+        assert "DIFFICULTY · clear" in driver.text
+
+
+async def test_keys_and_phrases_of_the_operators_own_file_are_used(catalogue: Catalogue, folder: Path) -> None:
+    (folder / FILE).write_text('phrases = ["Go on, {participant}."]\n[keys]\napprove = "y"\n')
+    async with panel(catalogue, folder) as driver:
+        await driver.offer(b.offer())
+        assert " y  approve" in driver.text
+        await driver.press("enter")
+        assert driver.acts(t.DECISION) == []
+        await driver.press("y", "1")
+        assert [decision.verdict for decision in driver.acts(t.DECISION)] == ["accept"]
+        assert [remark.text for remark in driver.acts(t.REMARK)] == ["Go on, P01."]
+
+
+async def test_a_file_that_is_wrong_is_told_in_the_log_and_the_usual_keys_work(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    (folder / FILE).write_text("[keys]\nstpo = 'y'\n")
+    async with panel(catalogue, folder) as driver:
+        assert "is left out" in driver.text
+        await driver.press("f2")
+        assert [act.command for act in driver.acts(t.OPERATOR)] == ["stop"]
+
+
+# --- who is there, and the link ------------------------------------------------------------------------------------
+
+
+async def test_an_act_stands_in_the_log_with_what_became_of_it(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.tell(t.WAITING, b.waiting())
+        await driver.press("s")
+        assert "Skipped the prompt …" in driver.text
+        sent = driver.peer.sent[-1][1]
+        await driver.hear([b.frame(t.OPERATOR, sent, sent.at + 14 * MS)])
+        assert "Skipped the prompt · link 14 ms" in driver.text
+        await driver.press("r")
+        refused = m.ActRefused(actor=ANNA, what=t.OPERATOR.name, why="Another operator holds the baton.")
+        await driver.tell(t.REFUSED, refused)
+        assert "Repeated the prompt: refused" in driver.text
+        assert "Refused: an act. Another operator holds the baton." in driver.text
+        await driver.pass_by(100)
+        await driver.press("space")
+        await driver.pass_by(5000)
+        assert "Paused: the session has not confirmed it" in driver.text
+
+
+async def test_an_observer_sees_the_same_and_no_key_of_theirs_acts(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder, "observer") as driver:
+        await driver.offer(b.offer())
+        assert "Well done." in driver.text
+        assert "you watch" in driver.text
+        assert "approve " not in driver.text.replace("· approve", "")
+        assert "You watch." in driver.text
+        await driver.press(
+            "enter", "x", "e", "plus", "f2", "space", "s", "u", "h", "1", "t", "n", "f5", "b", "end", "end"
+        )
+        assert driver.peer.sent == []
+        assert driver.peer.batons == 0
+        assert "Encourage" not in driver.text
+        await driver.press("f1")
+        assert "All keys" in driver.text
+        assert "Skip this prompt" not in driver.text
+
+
+async def test_without_the_baton_nothing_is_sent_until_it_is_taken(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.tell(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator", cara="observer"))
+        assert "ben steers" in driver.text
+        assert "cara watches" in driver.text
+        assert "Nothing waits for ben." in driver.text
+        await driver.offer(b.offer())
+        assert "ben decides; b takes the baton." in driver.text
+        await driver.tell(t.WAITING, b.waiting())
+        await driver.press("s", "t")
+        assert driver.acts(t.OPERATOR) == []
+        assert "ben has the baton; b takes it. Nothing was sent." in driver.text
+        await driver.press("b")
+        assert driver.peer.batons == 1
+        await driver.tell(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
+        await driver.press("s")
+        assert [act.command for act in driver.acts(t.OPERATOR)] == ["skip"]
+
+
+async def test_a_lost_link_is_told_with_what_goes_on_and_comes_back(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.offer(b.offer())
+        await driver.hear(Connection("lost", "Nothing is heard from the session."))
+        assert "connection lost" in driver.text
+        assert "goes on by itself" in driver.text
+        await driver.press("enter", "s")
+        assert driver.acts(t.DECISION) == driver.acts(t.OPERATOR) == []
+        assert "There is no connection. Nothing was sent." in driver.text
+        await driver.join()
+        await driver.tell(t.WAITING, b.waiting())
+        await driver.press("s")
+        assert "you steer" in driver.text
+        assert [act.command for act in driver.acts(t.OPERATOR)] == ["skip"]
+
+
+async def test_what_the_participant_sees_of_the_agent_is_seen(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.tell(t.ACTION, b.action("a2", text="Look at that!"))
+        assert "Look at that!" in driver.text
+        assert driver.text.count("◠") == 2
+        await driver.tell(t.ACTION, b.action("a3", text="And then " + "on " * 60 + "to the end.", joins=True))
+        assert "to the end." in driver.text
+        assert "…" in "".join(row[:46] for row in driver.rows[2:9]), "what there is no room for is told"
+        await driver.hear(b.TRACE)
+        assert "rad/s" in driver.text
+        await driver.tell(t.WAITING, b.waiting("foreperiod"))
+        assert "to the end." not in driver.text
+        ahead = driver.panel.query_one(Agent).query_one(".robot", Static).render()
+        await driver.tell(t.CUE, b.cue())
+        aside = driver.panel.query_one(Agent).query_one(".robot", Static).render()
+        assert str(aside) != str(ahead)
+        await driver.tell(t.WAITING, b.waiting("response"))
+        assert str(driver.panel.query_one(Agent).query_one(".robot", Static).render()) == str(aside)
+        await driver.tell(t.WAITING, b.waiting("quiet"))
+        assert str(driver.panel.query_one(Agent).query_one(".robot", Static).render()) == str(ahead)
+
+
+async def test_at_80_by_24_all_keys_are_listed_the_stop_key_works_anywhere_and_those_behind_are_told(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with b.sit_down(catalogue, folder) as driver:
+        await driver.press("t", "a", "f2", "escape", "f1")
+        for words in ("Approve", "Hold the level", "Event: something else", "Take the baton", "All keys", "Close what"):
+            assert words in driver.text
+        await driver.press("f2", "f1")
+        assert [act.command for act in driver.acts(t.OPERATOR)] == ["stop", "stop"]
+        assert "Take the baton" not in driver.text
+        wave = b.offer("p2", kind="gesture", text="", spoken="", gesture="wave")
+        await driver.offer(b.offer("p1"), wave)
+        assert "Behind it: 4 s gesture [wave]" in driver.text
+
+
+async def test_why_there_is_no_connection_is_told_and_the_panel_is_left_when_asked_twice(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with b.sit_down(catalogue, folder, joins=False) as driver:
+        await driver.hear(Connection("connecting", "The other side does not know this invitation."))
+        assert "There is no connection yet: The other side does not know this invitation." in driver.text
+        await driver.press("q")
+        assert "Leave the panel? q again leaves it" in driver.text
+        assert not driver.peer.is_closed
+        await driver.press("q")
+        assert driver.peer.is_closed

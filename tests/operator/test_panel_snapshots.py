@@ -1,0 +1,85 @@
+"""The panel as it stands in every theme, and at 80 by 24 and at 100 by 30, as plain text.
+
+They are kept in ``snapshots/``. ``SAR_TUI_UPDATE_SNAPSHOTS=1`` draws them anew; then look at what has changed.
+"""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework import messages as m
+from sar_tui.framework import topics as t
+from sar_tui.link.peer import Connection
+from sar_tui.plugins import Catalogue
+from tests.operator import panel_driver as b
+from tests.operator.panel_driver import PanelDriver
+
+FOLDER = Path(__file__).parent / "snapshots"
+SMALL, LARGE = (80, 24), (100, 30)
+KINDS = (("calm", SMALL), ("calm", LARGE), ("high-contrast", SMALL), ("playful", LARGE))
+VIEWS = ("joining", "prompt", "proposals", "editing", "modes", "two-participants", "lost", "keys")
+
+
+class Album:
+    """Compares views with their snapshots, and tells in the end which have changed."""
+
+    def __init__(self, theme: str, size: tuple[int, int]) -> None:
+        self._kind = f"{theme}.{size[0]}x{size[1]}"
+        self.taken: list[str] = []
+        self.changed: dict[str, str] = {}
+
+    def take(self, name: str, driver: PanelDriver) -> None:
+        self.taken.append(name)
+        path = FOLDER / f"{name}.{self._kind}.txt"
+        seen = driver.text.rstrip("\n") + "\n"
+        if os.environ.get("SAR_TUI_UPDATE_SNAPSHOTS"):
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(seen, encoding="utf-8")
+        elif not path.exists() or path.read_text(encoding="utf-8") != seen:
+            self.changed[name] = seen
+
+    def check(self) -> None:
+        for name, seen in self.changed.items():
+            print(f"--- {name} is now:\n{seen}")
+        assert not self.changed, f"{', '.join(self.changed)}: SAR_TUI_UPDATE_SNAPSHOTS=1 keeps them as they are now"
+
+
+@pytest.mark.parametrize(("theme", "size"), KINDS, ids=[f"{theme}-{w}x{h}" for theme, (w, h) in KINDS])
+async def test_the_panel_looks_as_it_did(
+    theme: str, size: tuple[int, int], tmp_path: Path, catalogue: Catalogue
+) -> None:
+    album = Album(theme, size)
+    async with b.sit_down(catalogue, tmp_path, theme, size, joins=False) as driver:
+        album.take("joining", driver)
+        await driver.join()
+        attached = m.SensorChanged(state="attached", at=b.START)
+        await driver.hear(
+            [b.frame(t.SENSOR, attached), b.frame(t.PROMPT, b.prompt()), b.frame(t.WAITING, b.waiting())], b.TRACE
+        )
+        album.take("prompt", driver)
+        await driver.tell(t.WAITING, b.waiting("answer", "answer"))
+        wave = b.offer("p2", ms=6000, kind="gesture", text="", spoken="", gesture="wave", valence=None)
+        await driver.offer(b.offer(), wave)
+        album.take("proposals", driver)
+        await driver.press("e", "!")
+        album.take("editing", driver)
+        await driver.press("escape", "o")
+        album.take("modes", driver)
+        await driver.hear(Connection("lost", "The connection broke."))
+        album.take("lost", driver)
+        await driver.press("f1")
+        album.take("keys", driver)
+        await driver.press("f1", "escape")
+        await driver.join(participants={"A": "P01", "B": "P02"})
+        others = [b.frame(t.TRIAL, b.trial(n, "k", 380 + 40 * n, correct=n != 3, seat="B")) for n in range(1, 6)]
+        watcher = b.presence("joined", "observer.cara", ben="operator", cara="observer")
+        await driver.hear([*others, b.frame(t.PRESENCE, watcher)])
+        album.take("two-participants", driver)
+    assert set(album.taken) == set(VIEWS)
+    album.check()
+
+
+def test_there_is_no_snapshot_of_a_view_that_is_gone() -> None:
+    names = {f"{view}.{theme}.{w}x{h}.txt" for view in VIEWS for theme, (w, h) in KINDS}
+    assert {path.name for path in FOLDER.iterdir()} == names

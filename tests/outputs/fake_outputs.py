@@ -1,0 +1,103 @@
+"""Small outputs for tests: one that does as it is told to, and one that takes a while and then is done."""
+
+from collections.abc import Callable
+
+from sar_tui.framework.clock import MS, Clock, Handle
+from sar_tui.framework.messages import ActionPart
+from sar_tui.framework.theme import Theme
+from sar_tui.outputs.output import Output, Report
+
+EVERYTHING: frozenset[ActionPart] = frozenset({"say", "show", "gesture", "gaze", "tone"})
+
+
+class Puppet(Output):
+    """Notes what it is asked for, and reports only what a test has it tell.
+
+    Args:
+        name, can: as those of any output.
+        breaks: methods that raise.
+    """
+
+    def __init__(
+        self, name: str = "puppet", can: frozenset[ActionPart] = EVERYTHING, breaks: tuple[str, ...] = ()
+    ) -> None:
+        self.name = name
+        self.can = can
+        self.asked: list[tuple[str, ...]] = []
+        self._breaks = breaks
+
+    def wear(self, theme: Theme) -> None:
+        super().wear(theme)
+        self._note("wear", theme.name)
+
+    def say(self, action: str, text: str) -> None:
+        self._note("say", action, text)
+
+    def show(self, action: str, text: str, face: str) -> None:
+        self._note("show", action, text, face)
+
+    def gesture(self, action: str, name: str) -> None:
+        self._note("gesture", action, name)
+
+    def gaze(self, action: str, where: str) -> None:
+        self._note("gaze", action, where)
+
+    def tone(self, action: str, name: str) -> None:
+        self._note("tone", action, name)
+
+    def stop(self, action: str = "") -> None:
+        self._note("stop", action)
+
+    def close(self) -> None:
+        self._note("close")
+
+    def _note(self, *what: str) -> None:
+        self.asked.append(what)
+        if what[0] in self._breaks:
+            raise RuntimeError(f"no {what[0]} today")
+
+
+class Speaker(Output):
+    """Says anything in as long as it is told to take, one utterance after the other, and is still at once."""
+
+    name = "speech"
+    can = frozenset({"say"})
+
+    def __init__(self, takes_ms: float = 1000) -> None:
+        self.takes_ms = takes_ms
+        self.said: list[tuple[int, str]] = []
+        self._queue: list[tuple[str, str]] = []
+        self._done: Handle | None = None
+
+    def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
+        super().open(theme, clock, tell)
+        self._queue.clear()
+        self._done = None
+
+    def say(self, action: str, text: str) -> None:
+        self._queue.append((action, text))
+        if len(self._queue) == 1:
+            self._begin()
+
+    def stop(self, action: str = "") -> None:
+        gone = [entry for entry in self._queue if action in ("", entry[0])]
+        if self._queue and self._queue[0] in gone and self._done:
+            self._done.cancel()
+        was = self._queue[0] if self._queue else None
+        self._queue = [entry for entry in self._queue if entry not in gone]
+        for name, _ in gone:
+            self.tell(name, "say", "aborted")
+        if self._queue and self._queue[0] != was:
+            self._begin()
+
+    def _begin(self) -> None:
+        action, text = self._queue[0]
+        self.said.append((self.clock.now(), text))
+        self.tell(action, "say", "started")
+        self._done = self.clock.call_at(self.clock.now() + round(self.takes_ms * MS), self._end)
+
+    def _end(self) -> None:
+        action, _ = self._queue.pop(0)
+        self.tell(action, "say", "done")
+        if self._queue:
+            self._begin()

@@ -1,0 +1,57 @@
+"""The agent on a screen that only remembers what was drawn on it, to put it under the contract: `screen_rig`."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from sar_tui.app.agent.output import DrawnAgent
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.gesture import Gesture
+from sar_tui.framework.messages import Action
+from sar_tui.framework.theme import Theme
+from tests.outputs.contract import Rig
+
+
+class PanelLayout:
+    """A stage for an agent."""
+
+    def __init__(self) -> None:
+        self.drawn: list[object] = []
+
+    def say(self, action: Action) -> None:
+        self.drawn.append(action.text)
+
+    def gesture(self, gesture: Gesture) -> None:
+        self.drawn.append(gesture)
+
+    def gaze(self, where: str) -> None:
+        self.drawn.append(where)
+
+    def be_still(self) -> None:
+        self.drawn.append("still")
+
+    def speaking(self, sounds: bool) -> None:
+        self.drawn.append(sounds)
+
+    def voiceless(self, action: Action, why: str) -> None:
+        self.drawn.append(why)
+
+    def wear(self, theme: Theme) -> None:
+        self.drawn.append(theme.name)
+
+
+class _Announced(DrawnAgent):
+    """Announces each action by itself, as the screen's node does before it hands one over."""
+
+    def show(self, action: str, text: str, face: str) -> None:
+        self.action = Action(id=action, kind="feedback", text=text, face=face, decision="accepted", actor="agent")
+        super().show(action, text, face)
+
+
+@contextmanager
+def screen_rig() -> Iterator[Rig]:
+    """The drawn agent, in virtual time."""
+    rig = Rig(_Announced(PanelLayout()), VirtualClock(), ("gesture",))
+    try:
+        yield rig
+    finally:
+        rig.output.close()

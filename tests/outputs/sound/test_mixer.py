@@ -1,0 +1,318 @@
+"""Given a voice that may fail in every way, when something is asked of it, then each deed ends, and the next works."""
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework.theme import Theme
+from sar_tui.outputs.sound.mixer import Sound, check_sound, examine
+from sar_tui.outputs.sound.protocol import SoundError
+from tests.needs_speech import needs_speech
+from tests.outputs.voice_fixtures import (
+    ENGINE,
+    LONG,
+    NOBODY,
+    is_alive,
+    listening,
+    pids,
+    program_with,
+    real_program,
+    until,
+)
+
+pytestmark = needs_speech
+
+LACKING = """
+def init():
+    raise RuntimeError("This means you probably do not have eSpeak or eSpeak-ng installed!")
+"""
+CRASHES = f"{ENGINE}\ndef speak(engine):\n    os._exit(3) if 'crash' in engine.text else beep(engine)"
+HANGS = f"{ENGINE}\ndef speak(engine):\n    time.sleep(120) if 'hang' in engine.text else beep(engine)"
+HANGS_IN_C = f"""{ENGINE}
+import ctypes
+def speak(engine):
+    if 'hang' in engine.text:
+        ctypes.PyDLL(None).sleep(120)  # without letting any other thread of the process run
+    beep(engine)
+"""
+WRITES_RUBBISH = f"{ENGINE}\ndef speak(engine): open(engine.path, 'wb').write(b'RIFF' + bytes([4, 0, 0, 0]) + b'what')"
+
+
+# --- what is killed, stands still, hangs or crashes ----------------------------------------------------------
+
+
+def test_a_voice_killed_in_mid_utterance_fails_it_and_the_next_is_spoken(calm: Theme, tmp_path: Path) -> None:
+    file = tmp_path / "pids"
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
+        ear.speech.say("a1", LONG)
+        ear.wait("a1", "started")
+        os.kill(pids(file)[0], signal.SIGKILL)
+        assert ear.wait("a1").detail == "The voice stopped working in the middle of it."
+        ear.speech.say("a2", "Well done.")
+        assert ear.wait("a2").state == "done"
+        assert ear.states("a1") == ["started", "failed"]
+        assert len(pids(file)) == 2
+
+
+def test_a_voice_that_stands_still_is_killed_when_it_is_to_stop(calm: Theme, tmp_path: Path) -> None:
+    file = tmp_path / "pids"
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
+        ear.speech.say("a1", LONG)
+        ear.wait("a1", "started")
+        os.kill(pids(file)[0], signal.SIGSTOP)
+        ear.speech.stop()
+        assert ear.wait("a1").state == "aborted"
+        assert not is_alive(pids(file)[0])
+        ear.speech.say("a2", "Well done.")
+        assert ear.wait("a2").state == "done"
+
+
+@pytest.mark.parametrize("engine", [HANGS, HANGS_IN_C], ids=["it sleeps", "it holds every thread"])
+def test_an_engine_that_hangs_is_aborted_by_a_stop(calm: Theme, engine: str) -> None:
+    with listening(Sound(backends=NOBODY, program=program_with(engine)), calm) as ear:
+        ear.tones.tone("go", "go")
+        ear.wait("go")
+        ear.speech.say("a1", "Please hang.")
+        ear.speech.stop()
+        assert ear.wait("a1").state == "aborted"
+        ear.speech.say("a2", "Well done.")
+        assert ear.wait("a2").state == "done"
+
+
+def test_an_engine_that_hangs_is_killed_after_a_while_and_the_next_is_spoken(calm: Theme) -> None:
+    with listening(Sound(backends=NOBODY, program=program_with(HANGS), patience_s=1.0), calm) as ear:
+        ear.speech.say("a1", "Please hang.")
+        ear.speech.say("a2", "Well done.")
+        assert ear.wait("a1").detail == "The voice did not begin within 1 s and was ended."
+        assert ear.wait("a2").state == "done"
+        assert ear.states("a1") == ["failed"]
+
+
+def test_a_voice_that_never_comes_to_an_end_is_killed(
+    calm: Theme, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.outputs.sound.supervisor._OVERTIME_S", 0.2)
+    file = tmp_path / "pids"
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
+        ear.tones.tone("a1", "success")
+        ear.wait("a1", "started")
+        os.kill(pids(file)[0], signal.SIGSTOP)
+        assert ear.wait("a1").detail == "The voice did not come to an end and was ended."
+        assert not is_alive(pids(file)[0])
+
+
+def test_an_engine_that_crashes_fails_what_it_was_to_say_and_the_rest_is_spoken(calm: Theme) -> None:
+    with listening(Sound(backends=NOBODY, program=program_with(CRASHES)), calm) as ear:
+        for action, text in (("a1", "Now crash."), ("a2", "Well done."), ("a3", "Now crash."), ("a4", "Well done.")):
+            ear.speech.say(action, text)
+        assert ear.wait("a4").state == "done"
+        assert ear.wait("a1").detail == ear.wait("a3").detail == "The voice stopped working before it began."
+        assert ear.states("a2") == ["started", "done"]
+
+
+def test_a_voice_that_dies_while_idle_costs_nothing(calm: Theme, tmp_path: Path) -> None:
+    file = tmp_path / "pids"
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
+        ear.tones.tone("a1", "go")
+        ear.wait("a1")
+        os.kill(pids(file)[0], signal.SIGKILL)
+        until(lambda: not is_alive(pids(file)[0]))
+        ear.tones.tone("a2", "go")
+        assert ear.wait("a2").state == "done"
+
+
+@pytest.mark.parametrize("program", [["/no/such/program"], [sys.executable, "-c", "print('no reply')"]])
+def test_a_program_that_is_no_voice_fails_each_deed(calm: Theme, program: list[str]) -> None:
+    with listening(Sound(backends=NOBODY, program=program), calm) as ear:
+        ear.speech.say("a1", "Well done.")
+        assert ear.wait("a1").state == "failed"
+        assert ear.wait("a1").detail.startswith("The voice ")
+
+
+# --- what is missing -----------------------------------------------------------------------------------------
+
+
+def test_without_an_engine_it_says_what_to_install_and_tones_sound(calm: Theme) -> None:
+    with listening(Sound(backends=NOBODY, program=program_with(LACKING)), calm) as ear:
+        ear.speech.say("a1", "Well done.")
+        ear.tones.tone("a2", "go")
+        assert ear.wait("a1").state == "failed"
+        assert ear.wait("a2").state == "done"
+
+
+def test_without_a_sound_card_each_deed_fails_with_the_reason(calm: Theme) -> None:
+    with listening(Sound(backends=("WASAPI",)), calm) as ear:
+        ear.speech.say("a1", "Well done.")
+        ear.tones.tone("a2", "go")
+        for action in ("a1", "a2"):
+            assert "There is no sound card that can be used" in ear.wait(action, "failed").detail
+
+
+def test_after_three_failures_in_a_row_speech_stays_off_and_says_why(calm: Theme) -> None:
+    with listening(Sound(backends=NOBODY, program=program_with(WRITES_RUBBISH)), calm) as ear:
+        for index in range(5):
+            ear.speech.say(f"a{index}", "Well done.")
+        ear.tones.tone("go", "go")
+        reason = ear.wait("a2").detail
+        off = f"Speech is off for the rest of this session, for it failed three times in a row: {reason}"
+        assert reason.startswith("The speech engine gave no sound that can be read")
+        assert [ear.wait(action).detail for action in ("a3", "a4")] == [off, off]
+        assert ear.wait("go").state == "done"
+
+
+def test_a_success_between_failures_keeps_speech_on(calm: Theme) -> None:
+    with listening(Sound(backends=NOBODY, program=program_with(CRASHES)), calm) as ear:
+        for index, text in enumerate(["crash", "crash", "fine by me", "crash", "crash", "fine by me"]):
+            ear.speech.say(f"a{index}", text)
+        assert ear.wait("a5").state == "done"
+
+
+def test_texts_that_cannot_be_read_do_not_put_speech_off(calm: Theme) -> None:
+    with listening(Sound(backends=NOBODY), calm) as ear:
+        for index in range(4):
+            ear.speech.say(f"a{index}", "做得好")
+        ear.speech.say("a4", "Good.")
+        assert ear.wait("a4").state == "done"
+        assert {ear.wait(f"a{index}").state for index in range(4)} == {"failed"}
+
+
+# --- stop and close ------------------------------------------------------------------------------------------
+
+
+def test_stop_aborts_a_queue_of_three(calm: Theme) -> None:
+    with listening(Sound(backends=NOBODY), calm) as ear:
+        for action in ("a1", "a2", "a3"):
+            ear.speech.say(action, LONG)
+        ear.wait("a1", "started")
+        ear.speech.stop()
+        for action in ("a1", "a2", "a3"):
+            assert ear.wait(action).state == "aborted"
+        assert ear.states("a1") == ["started", "aborted"]
+        assert ear.states("a2") == ear.states("a3") == ["aborted"]
+
+
+def test_stop_of_speech_leaves_the_tones(calm: Theme) -> None:
+    with listening(Sound(backends=NOBODY), calm) as ear:
+        ear.speech.say("a1", LONG)
+        ear.tones.tone("a1-tone", "success")
+        ear.wait("a1", "started")
+        ear.speech.stop()
+        assert ear.wait("a1").state == "aborted"
+        assert ear.wait("a1-tone").state == "done"
+
+
+def test_a_voice_that_stops_as_told_is_used_again(calm: Theme, tmp_path: Path) -> None:
+    file = tmp_path / "pids"
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
+        for action in ("a1", "a2", "a3"):
+            ear.speech.say(action, LONG)
+            ear.wait(action, "started")
+            ear.speech.stop()
+            ear.wait(action, "aborted")
+        assert len(pids(file)) == 1
+
+
+def test_close_ends_the_process_and_the_threads_and_nothing_is_told_afterwards(calm: Theme, tmp_path: Path) -> None:
+    file = tmp_path / "pids"
+    before = set(threading.enumerate())
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
+        ear.speech.say("a1", LONG)
+        ear.speech.say("a2", LONG)
+        ear.wait("a1", "started")
+        ear.close()
+        told = list(ear.reports)
+        assert set(threading.enumerate()) <= before
+        assert not is_alive(pids(file)[0])
+        ear.speech.say("a3", "Well done.")
+        ear.speech.stop()
+        ear.close()
+        assert ear.reports == told
+        assert ear.states("a1") == ["started"]
+
+
+def test_speech_may_leave_while_tones_stay(calm: Theme) -> None:
+    with listening(Sound(backends=NOBODY), calm) as ear:
+        ear.speech.say("a1", LONG)
+        ear.wait("a1", "started")
+        ear.speech.close()
+        ear.tones.tone("a2", "go")
+        assert ear.wait("a2").state == "done"
+        assert ear.states("a1") == ["started"]
+
+
+# --- where sound goes ----------------------------------------------------------------------------------------
+
+
+def test_sound_may_go_to_the_card_or_to_a_folder_that_may_not_exist_yet(tmp_path: Path) -> None:
+    check_sound("sound")
+    check_sound(f"file:{tmp_path}")
+    check_sound(f"file:{tmp_path / 'not' / 'yet'}")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("where", "says"),
+    [
+        ("loud", "Sound cannot go to 'loud': say sound, or file:FOLDER"),
+        ("file:", "Sound cannot go to 'file:'"),
+        ("", "Sound cannot go to ''"),
+        ("file:{}/taken", "is a file: name a folder"),
+        ("file:{}/taken/below", "is a file: name a folder"),
+        ("file:a\0b", "is no folder for sound files"),
+        (f"file:/{'x' * 300}", "cannot be a folder for sound files"),
+    ],
+)
+def test_where_sound_cannot_go_is_told_in_words(tmp_path: Path, where: str, says: str) -> None:
+    (tmp_path / "taken").write_text("a file")
+    with pytest.raises(SoundError, match=says):
+        check_sound(where.format(tmp_path))
+
+
+def test_a_folder_that_may_not_be_written_to_is_told_in_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    with pytest.raises(SoundError, match="may not be written to"):
+        check_sound(f"file:{tmp_path}")
+
+
+# --- what there is -------------------------------------------------------------------------------------------
+
+
+def test_it_finds_the_voices_and_the_card() -> None:
+    found = examine(backends=NOBODY)
+    assert any(voice.speaks("en") for voice in found.voices)
+    assert any(voice.speaks("es") for voice in found.voices)
+    assert (found.no_voices, found.card, found.no_card) == ("", "Null", "")
+
+
+def test_it_finds_that_there_is_no_engine_and_no_card() -> None:
+    found = examine(program_with(LACKING), ("WASAPI",))
+    assert found.voices == ()
+    assert found.no_voices
+    assert "There is no sound card" in found.no_card
+
+
+@pytest.mark.parametrize(
+    ("program", "says"),
+    [
+        ([sys.executable, "-c", "import time; time.sleep(30)"], "gave no answer within"),
+        ([sys.executable, "-c", "print('{}')"], "stopped working"),
+        (["/no/such/program"], "cannot be started"),
+    ],
+)
+def test_a_voice_that_cannot_be_examined_is_told_in_words(program: list[str], says: str) -> None:
+    with pytest.raises(SoundError, match=says):
+        examine(program, patience_s=1.0 if "sleep" in program[-1] else 20.0)
+
+
+def test_nothing_is_left_of_an_examination(tmp_path: Path) -> None:
+    file = tmp_path / "pids"
+    before: Callable[[], int] = threading.active_count
+    threads = before()
+    examine(real_program(file), NOBODY)
+    assert before() == threads
+    assert not is_alive(pids(file)[0])

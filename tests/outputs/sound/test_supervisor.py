@@ -1,0 +1,44 @@
+"""Given news that nobody can take, when a deed is over, then the voice goes on all the same."""
+
+import asyncio
+import threading
+
+import pytest
+
+from sar_tui.framework.clock import LiveClock
+from sar_tui.framework.theme import Note
+from sar_tui.outputs.sound.protocol import Setup, Tone
+from sar_tui.outputs.sound.supervisor import Ask, News, Supervisor
+from tests.outputs.voice_fixtures import DEADLINE_S, NOBODY
+
+BEEP = (Note(880, 20),)
+
+
+def test_the_next_is_sounded_though_the_news_of_the_last_was_refused() -> None:
+    told: list[News] = []
+    over = threading.Event()
+
+    def refuse(news: News) -> None:
+        told.append(news)
+        if news.ask.action == "a2" and news.state == "done":
+            over.set()
+        raise RuntimeError("the loop has gone")
+
+    keeper = Supervisor(Setup(backends=NOBODY), refuse)
+    keeper.ask(Ask("tone", "a1", Tone(1, "a1", BEEP)))
+    keeper.ask(Ask("tone", "a2", Tone(2, "a2", BEEP)))
+    heard_of_the_second = over.wait(DEADLINE_S)
+    keeper.close()
+    assert heard_of_the_second
+    assert [(news.ask.action, news.state) for news in told] == [
+        (action, state) for action in ("a1", "a2") for state in ("started", "done")
+    ]
+
+
+def test_a_callback_for_a_loop_that_closes_just_then_is_nobodys(monkeypatch: pytest.MonkeyPatch) -> None:
+    loop = asyncio.new_event_loop()
+    loop.close()
+    monkeypatch.setattr(loop, "is_closed", lambda: False)  # as it was a moment ago
+    called: list[str] = []
+    LiveClock(loop).call_soon(lambda: called.append("soon"))
+    assert called == []

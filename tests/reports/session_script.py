@@ -1,0 +1,55 @@
+"""A session's messages written by hand, as a play is: who does what, and when."""
+
+from typing import Any
+
+from sar_tui.framework import messages as m
+from sar_tui.reports.record import Told
+
+WHO = "operator.anna"
+
+
+class Script(list[Told]):
+    """Messages of a session, each said at a time in ms; begins with run 1 at 0."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.run = 0
+        self.begin(1, 0)
+
+    def begin(self, run: int, ms: float) -> "Script":
+        self.run = run
+        return self.say(ms, m.SessionStarted(run=run, task="keyboard", theme="calm", seed=1))
+
+    def say(self, ms: float, *messages: m.Message) -> "Script":
+        """All of one cascade."""
+        self.extend(Told(self.run, round(ms * 1e6), message) for message in messages)
+        return self
+
+    def join(self, ms: float, who: str = WHO, state: Any = "joined", *, operated: bool = True) -> "Script":
+        return self.say(ms, m.OperatorChanged(actor=who, state=state, operated=operated))
+
+
+def proposal(id: str, kind: Any = "feedback", text: str = "Well done.", **parts: Any) -> m.Proposal:
+    return m.Proposal(id=id, kind=kind, text=text, **parts)
+
+
+def offer(proposed: m.Proposal, mode: Any = "approve", level: int | None = None) -> m.PendingApproval:
+    return m.PendingApproval(proposal=proposed, mode=mode, level=level)
+
+
+def action(proposed: m.Proposal, decision: Any = "accepted", ground: Any = "operator", **changes: Any) -> m.Action:
+    """What becomes of a proposal that is done."""
+    said = {name: getattr(proposed, name) for name in proposed.__struct_fields__} | changes
+    return m.Action(**said, decision=decision, actor=WHO if ground == "operator" else "agent", ground=ground)
+
+
+def decision(id: str, verdict: Any = "accept", ms: float = 0, **parts: Any) -> m.Decision:
+    return m.Decision(action=id, verdict=verdict, actor=WHO, at=round(ms * 1e6), **parts)
+
+
+def seen(id: str, ms: float, who: str = WHO) -> m.ProposalSeen:
+    return m.ProposalSeen(action=id, actor=who, at=round(ms * 1e6))
+
+
+def ruled(id: str, level: int, decision: Any, ground: Any) -> m.LevelDecided:
+    return m.LevelDecided(id=id, level=level, decision=decision, actor="somebody", ground=ground, at=0)

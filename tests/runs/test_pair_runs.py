@@ -1,0 +1,188 @@
+"""Given a session of two in the database, when it is broken off and gone on with, then both are kept as one."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.parameters import build
+from sar_tui.framework.session import Session
+from sar_tui.framework.topics import PROPOSED, SESSION
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.run import Run, resume, start
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import locks, sessions
+from sar_tui.store.database import StoreError, connect
+from tests.runs.test_runs import play, undisturbed
+
+CATALOGUE = Catalogue()
+KIND = CATALOGUE.task("pairs")
+SHORT = {"attempts": 2, "prompts_per_attempt": 3}
+POLICIES = ("alternate", "race", "cooperative", "joint attention")
+
+
+def plan(mode: Any = "live", left: str = "P01", right: str = "P02", **parameters: object) -> Plan:
+    return Plan(KIND, build(KIND.Parameters, SHORT | parameters), "calm", left, 4, mode, right)
+
+
+def sit_down(task: Any, theme: Any) -> list[Any]:
+    return [SimulatedParticipant(PEOPLE["average"], task, 4), SimulatedPartner(PEOPLE["poor"], task, 4)]
+
+
+def rows(data: Path, table: Any, session: str, *columns: str) -> list[tuple[Any, ...]]:
+    database = connect(data)
+    try:
+        return [tuple(row[column] for column in columns) for row in sessions.rows(database, table, session)]
+    finally:
+        database.conn.close()
+
+
+TRIALS = ("attempt", "trial", "seat", "stimulus", "response", "correct", "details")
+ATTEMPTS = ("attempt", "seat", "level", "accuracy", "outcome", "feedback")
+
+
+def whole(data: Path, **parameters: object) -> str:
+    clock = VirtualClock()
+    run = start(plan(**parameters), data, CATALOGUE, clock, sit_down)
+    play(run, clock)
+    return run.id
+
+
+# --- who takes part ------------------------------------------------------------------------------------------------
+
+
+def test_both_seats_are_kept_and_the_session_is_found_from_either(data: Path) -> None:
+    session = whole(data)
+    assert sorted(rows(data, "seats", session, "seat", "participant")) == [("A", "P01"), ("B", "P02")]
+    database = connect(data)
+    for code in ("P01", "P02"):
+        (row,) = sessions.listing(database, data, participant=code)
+        assert (row["id"], row["participant"], row["partner"], row["attempts"]) == (session, "P01", "P02", 2)
+        assert sessions.who(row) == "P01, P02"
+    assert sessions.listing(database, data, participant="P03") == []
+    database.conn.close()
+
+
+def test_neither_of_two_can_be_in_another_live_session_meanwhile(data: Path) -> None:
+    run = start(plan(), data, CATALOGUE, VirtualClock(), sit_down)
+    for left, right in (("P01", "P03"), ("P03", "P02")):
+        with pytest.raises(StoreError, match=r"The participant P0[12] is in a live session already"):
+            start(plan(left=left, right=right), data, CATALOGUE, VirtualClock(), sit_down)
+    assert not locks.is_held(data, "participant", "P03")
+    run.close()
+    assert not any(locks.is_held(data, "participant", code) for code in ("P01", "P02"))
+
+
+@pytest.mark.parametrize(
+    ("task", "left", "right", "why"),
+    [
+        ("pairs", "P01", "", "The task pairs is for two: name the participant on the left, and then the one"),
+        ("pairs", "P01", "p01", "P01 cannot sit at both seats: name two participants."),
+        ("keyboard", "P01", "P02", "The task keyboard is for one: name one participant only."),
+    ],
+)
+def test_as_many_are_named_as_there_are_seats(data: Path, task: str, left: str, right: str, why: str) -> None:
+    kind = CATALOGUE.task(task)
+    refused = Plan(kind, build(kind.Parameters, {}), "calm", left, 4, "live", right)
+    with pytest.raises(StoreError, match=why) as raised:
+        start(refused, data, CATALOGUE, VirtualClock(), sit_down)
+    assert raised.value.bad_input
+    assert not data.exists()
+
+
+def test_each_has_the_best_of_their_own_whatever_the_seat(data: Path) -> None:
+    whole(data, start_level=1, max_level=1)
+    clock = VirtualClock()
+    other_way = plan(left="P02", right="P01", start_level=1, max_level=1)
+    run = start(other_way, data, CATALOGUE, clock, sit_down)
+    told = run.session.best["1"], run.session.others_best["B"]["1"]
+    before = connect(data)
+    best = "SELECT min(metric) FROM attempts JOIN seats USING (session, seat) WHERE participant=? AND accuracy >= 0.8"
+    kept = tuple(before.execute(best, (code,)).fetchone()[0] for code in ("P02", "P01"))
+    before.conn.close()
+    run.close()
+    assert told == kept
+    assert told[0] != told[1]
+
+
+@pytest.mark.parametrize(("address", "names"), [("code", {"A": "P01", "B": "P02"}), ("seat", {})])
+def test_codes_are_told_to_the_session_only_where_the_agent_calls_them_so(
+    data: Path, address: str, names: dict[str, str]
+) -> None:
+    session = simulate(plan("simulated", address=address), PEOPLE["average"], data, CATALOGUE)
+    database = connect(data)
+    history = list(sessions.history(database, session))
+    database.conn.close()
+    (started,) = [record.message for record in history if record.topic is SESSION]
+    assert started.names == names
+    said = [r.message for r in history if r.topic is PROPOSED and r.message.kind == "feedback"]
+    wanted = names or {"A": "Left", "B": "Right"}
+    assert {(one.seat, one.text.partition(": ")[0]) for one in said} == set(wanted.items())
+
+
+def test_a_simulated_task_for_two_has_a_partner_even_if_none_is_named(data: Path) -> None:
+    session = simulate(plan("simulated", "SIM", ""), PEOPLE["average"], data, CATALOGUE)
+    assert sorted(rows(data, "seats", session, "participant")) == [("SIM",), ("SIM-B",)]
+
+
+def test_a_session_of_one_has_no_partner(data: Path) -> None:
+    session = undisturbed(data)
+    database = connect(data)
+    row = sessions.find(database, data, session)
+    database.conn.close()
+    assert (row["partner"], sessions.who(row)) == (None, "P01")
+
+
+# --- broken off, and gone on with ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("policy", POLICIES)
+@settings(max_examples=6)
+@given(steps=st.lists(st.integers(0, 30), min_size=1, max_size=3))
+def test_killed_in_mid_trial_and_gone_on_with_each_trial_of_both_is_there_once(
+    policy: str, steps: list[int], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    data = tmp_path_factory.mktemp("data") / "data"
+    clock = VirtualClock()
+    run: Run = start(plan(policy=policy), data, CATALOGUE, clock, sit_down)
+    session = run.id
+    for count in steps:
+        play(run, clock, count)
+        database = connect(data)
+        row = sessions.find(database, data, session)
+        database.conn.close()
+        if row["status"] != "interrupted":
+            break
+        assert (row["participant"], row["partner"]) == ("P01", "P02")
+        clock = VirtualClock()
+        run = resume(session, data, CATALOGUE, clock, sit_down)
+        assert all(locks.is_held(data, "participant", code) for code in ("P01", "P02"))
+    else:
+        play(run, clock)
+    numbers = rows(data, "trials", session, "attempt", "trial", "seat")
+    assert len(numbers) == len(set(numbers))
+    shown = {number[:2] for number in numbers}
+    assert shown == {(attempt, trial) for attempt in (1, 2) for trial in (1, 2, 3)}
+    assert len(numbers) == (6 if policy in ("alternate", "joint attention") else 12)
+    assert len(rows(data, "attempts", session, *ATTEMPTS)) == 4
+    asked = rows(data, "trials", session, "attempt", "trial", "seat", "stimulus")
+    other = data.parent / "whole"
+    assert asked == rows(other, "trials", whole(other, policy=policy), "attempt", "trial", "seat", "stimulus")
+
+
+@pytest.mark.parametrize("policy", POLICIES)
+def test_a_session_of_two_comes_out_the_same_when_replayed(data: Path, policy: str) -> None:
+    session = whole(data, policy=policy, address="code")
+    database = connect(data)
+    history = list(sessions.history(database, session))
+    database.conn.close()
+    parameters = build(KIND.Parameters, SHORT | {"policy": policy, "address": "code"})
+    replayed = Session(KIND(parameters), CATALOGUE.theme("calm"), VirtualClock(), 4)
+    replayed.replay(history)
+    assert replayed.ended

@@ -1,0 +1,182 @@
+"""Given a session in the database, when the program ends in its middle, then a later run brings it to its end."""
+
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.framework.parameters import build
+from sar_tui.framework.topics import SESSION, WAITING
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import Plan
+from sar_tui.runs.run import Run, resume, start
+from sar_tui.simulation.participant import SimulatedParticipant
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import StoreError, connect
+
+CATALOGUE = Catalogue()
+KEYBOARD = CATALOGUE.task("keyboard")
+PARAMETERS = build(KEYBOARD.Parameters, {"attempts": 3, "prompts_per_attempt": 4, "start_level": 5})
+PLAN = Plan(KEYBOARD, PARAMETERS, "calm", "P01", 4, "live")
+
+
+def sit_down(task: Any, theme: Any) -> list[SimulatedParticipant]:
+    return [SimulatedParticipant(PEOPLE["average"], task, PLAN.seed)]
+
+
+def play(run: Run, clock: VirtualClock, steps: int | None = None) -> None:
+    """So many steps of a run, or all of them; and then its end, orderly or not quite."""
+    run.begin()
+    while not run.session.ended and (steps is None or steps > 0):
+        assert clock.step()
+        steps = None if steps is None else steps - 1
+    assert run.session.broken is None
+    run.recorder.write()
+    run.close()
+
+
+def table(data: Path, name: Any, session: str, *columns: str) -> list[tuple[Any, ...]]:
+    return [tuple(row[column] for column in columns) for row in sessions.rows(connect(data), name, session)]
+
+
+TRIALS = ("attempt", "trial", "stimulus", "response", "correct")
+ATTEMPTS = ("attempt", "level", "accuracy", "outcome", "feedback")
+
+
+def undisturbed(data: Path) -> str:
+    clock = VirtualClock()
+    run = start(PLAN, data, CATALOGUE, clock, sit_down)
+    play(run, clock)
+    return run.id
+
+
+@settings(max_examples=25)
+@given(st.lists(st.integers(0, 40), min_size=1, max_size=4))
+def test_a_session_resumed_however_often_has_every_trial_once_as_it_would_have_been(cuts: list[int]) -> None:
+    data = Path(tempfile.mkdtemp())
+    try:
+        whole = undisturbed(data)
+        clock = VirtualClock()
+        run = start(PLAN, data, CATALOGUE, clock, sit_down)
+        play(run, clock, cuts[0])
+        for number, steps in enumerate([*cuts[1:], None], 2):
+            if run.session.ended:
+                break
+            assert sessions.find(connect(data), data, run.id)["status"] == "interrupted"
+            clock = VirtualClock(number * 1000 * SECOND)
+            run = resume(run.id, data, CATALOGUE, clock, sit_down)
+            assert run.number == number
+            play(run, clock, steps)
+        assert sessions.find(connect(data), data, run.id)["status"] == "completed"
+        assert table(data, "trials", run.id, *TRIALS) == table(data, "trials", whole, *TRIALS)
+        assert table(data, "attempts", run.id, *ATTEMPTS) == table(data, "attempts", whole, *ATTEMPTS)
+        trials = sessions.rows(connect(data), "trials", run.id)
+        assert [trial["run"] for trial in trials] == sorted(trial["run"] for trial in trials)
+        assert len(sessions.rows(connect(data), "runs", run.id)) == run.number
+        seqs = [record.seq for record in sessions.history(connect(data), run.id)]
+        assert seqs == list(range(1, len(seqs) + 1))
+    finally:
+        shutil.rmtree(data)
+
+
+def test_each_run_says_on_what_it_was_made(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY", "ZELLIJ"):
+        monkeypatch.delenv(name, raising=False)
+    clock = VirtualClock()
+    run = start(PLAN, data, CATALOGUE, clock, sit_down)
+    play(run, clock, 5)
+    monkeypatch.setenv("SSH_TTY", "/dev/pts/0")
+    clock = VirtualClock(1000 * SECOND)
+    play(resume(run.id, data, CATALOGUE, clock, sit_down), clock, 5)
+    session = sessions.find(connect(data), data, run.id)
+    driver, ssh = sessions.rows(connect(data), "runs", run.id)
+    assert (driver["software"], driver["machine"]) == (session["software"], session["machine"])
+    assert (driver["machine"]["flags"], ssh["machine"]["flags"]) == ([], ["ssh"])
+    assert ssh["software"] == driver["software"]
+
+
+def test_what_has_ended_cannot_be_gone_on_with(data: Path) -> None:
+    session = undisturbed(data)
+    with pytest.raises(StoreError, match="is completed; only a live one that was interrupted") as caught:
+        resume(session, data, CATALOGUE, VirtualClock(), sit_down)
+    assert caught.value.bad_input
+
+
+# --- what was achieved before ----------------------------------------------------------------------------------
+
+
+def told_best(data: Path, run: Run) -> dict[str, float]:
+    """The best results that a run was told of at its beginning."""
+    history = sessions.history(connect(data), run.id)
+    (best,) = [r.message.best for r in history if r.topic is SESSION and r.message.run == run.number]
+    return dict(best)
+
+
+def best_of(data: Path, *names: str) -> dict[str, float]:
+    best: dict[str, float] = {}
+    for name in names:
+        for row in sessions.rows(connect(data), "attempts", name):
+            if row["metric"] is not None and row["accuracy"] >= 0.8:
+                level = str(row["level"])
+                best[level] = min(best.get(level, row["metric"]), row["metric"])
+    return best
+
+
+def played(data: Path, seed: int, steps: int | None = None, **changed: Any) -> Run:
+    clock = VirtualClock()
+    plan = msgspec.structs.replace(PLAN, seed=seed, **changed)
+    run = start(plan, data, CATALOGUE, clock, lambda task, theme: [SimulatedParticipant(PEOPLE["average"], task, seed)])
+    play(run, clock, steps)
+    return run
+
+
+def test_a_session_is_told_the_best_of_the_participants_earlier_ones_by_level(data: Path) -> None:
+    first, second = played(data, 1), played(data, 2)
+    played(data, 3, participant="P02")
+    third = played(data, 4)
+    assert told_best(data, first) == {}
+    assert told_best(data, second) == best_of(data, first.id)
+    assert told_best(data, third) == best_of(data, first.id, second.id) != {}
+
+
+def test_a_simulated_session_neither_makes_a_best_nor_is_told_one(data: Path) -> None:
+    played(data, 1, mode="simulated")
+    live = played(data, 2)
+    simulated = played(data, 3, mode="simulated")
+    assert told_best(data, live) == told_best(data, simulated) == {}
+
+
+def test_a_session_that_is_gone_on_with_is_not_told_its_own_best_as_an_earlier_one(data: Path) -> None:
+    first = played(data, 1)
+    cut = played(data, 2, steps=40)
+    assert best_of(data, cut.id), "it had a result of its own"
+    clock = VirtualClock(1000 * SECOND)
+    again = resume(cut.id, data, CATALOGUE, clock, sit_down)
+    play(again, clock)
+    assert told_best(data, again) == told_best(data, cut) == best_of(data, first.id)
+
+
+def test_a_theme_edited_between_two_runs_is_spoken_in_the_second_and_the_first_is_replayed(
+    data: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "themes" / "mine"
+    shutil.copytree(CATALOGUE.theme_folder("calm"), folder)
+    words = folder / "words.en.toml"
+    words.write_text('"attempt {number} of {total}" = "round {number} of {total}"')
+    catalogue = Catalogue(themes=(tmp_path / "themes",))
+    clock = VirtualClock()
+    run = start(msgspec.structs.replace(PLAN, theme="mine"), data, catalogue, clock, sit_down)
+    play(run, clock, 12)
+    words.write_text('"attempt {number} of {total}" = "turn {number} of {total}"')
+    clock = VirtualClock(1000 * SECOND)
+    again = resume(run.id, data, catalogue, clock, sit_down)
+    play(again, clock)
+    names = [r.message.attempt_name for r in sessions.history(connect(data), run.id) if r.topic is WAITING]
+    assert (names[0], names[-1]) == ("round 1 of 3", "turn 3 of 3")

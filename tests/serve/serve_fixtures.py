@@ -1,0 +1,113 @@
+"""A server of tiny apps, on a free port of this machine; and what a browser's terminal does, without a browser."""
+
+import asyncio
+import json
+import sys
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+import aiohttp
+import pyte
+from aiohttp import web
+
+from sar_tui.serve.address import Address
+from sar_tui.serve.guard import Guard
+from sar_tui.serve.running import listen
+from sar_tui.serve.server import Kind, Server
+
+TOKEN = "a-token-that-is-long-enough-for-a-test"
+SECONDS = 30.0
+
+
+class Served(NamedTuple):
+    """A running server."""
+
+    port: int
+    log: list[str]
+    slept: list[float]
+    diary: Path
+    http: aiohttp.ClientSession
+
+    @property
+    def origin(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    @property
+    def cookie(self) -> dict[str, str]:
+        """The header of a browser that has shown the token."""
+        address = Address("127.0.0.1", self.port)
+        return {"Cookie": f"sar-tui-{self.port}={Guard(address, TOKEN).cookie}"}
+
+    @property
+    def allowed(self) -> dict[str, str]:
+        """The headers of a page of this server."""
+        return {**self.cookie, "Origin": self.origin}
+
+    async def written(self, line: str) -> str:
+        """Wait until an app has written a line that begins so; the last such line."""
+        async with asyncio.timeout(SECONDS):
+            while True:
+                lines = self.diary.read_text().splitlines() if self.diary.exists() else []
+                if found := [each for each in lines if each.startswith(line)]:
+                    return found[-1]
+                await asyncio.sleep(0.02)
+
+
+@asynccontextmanager
+async def serving(diary: Path, kind: Kind = "observer", program: Sequence[str] = ()) -> AsyncIterator[Served]:
+    """Serve tiny apps, or another program."""
+    taken = listen("127.0.0.1", 0)
+    port = taken.getsockname()[1]
+    log: list[str] = []
+    slept: list[float] = []
+
+    async def sleep(seconds: float) -> None:
+        slept.append(seconds)
+
+    tiny = [sys.executable, "-m", "tests.serve.counter_app", str(diary)]
+    server = Server(kind, program or tiny, Address("127.0.0.1", port), TOKEN, log.append, sleep)
+    runner = web.AppRunner(server.app(), access_log=None, shutdown_timeout=1)
+    await runner.setup()
+    try:
+        await web.SockSite(runner, taken).start()
+        async with aiohttp.ClientSession(cookie_jar=aiohttp.DummyCookieJar()) as http:
+            yield Served(port, log, slept, diary, http)
+    finally:
+        await runner.cleanup()
+
+
+class Eyes:
+    """What stands in a browser's terminal, by the bytes that came for it."""
+
+    def __init__(self, columns: int = 80, rows: int = 24) -> None:
+        self._screen = pyte.Screen(columns, rows)
+        self._stream = pyte.ByteStream(self._screen)
+
+    def feed(self, data: bytes) -> None:
+        self._stream.feed(data)
+
+    @property
+    def text(self) -> str:
+        return "\n".join(line.rstrip() for line in self._screen.display)
+
+
+async def read_until(socket: aiohttp.ClientWebSocketResponse, eyes: Eyes, words: str) -> None:
+    """Read a view until words stand on it."""
+    async with asyncio.timeout(SECONDS):
+        while words not in eyes.text:
+            message = await socket.receive()
+            assert message.type is aiohttp.WSMsgType.BINARY, f"{message} came while the screen was: {eyes.text}"
+            eyes.feed(message.data)
+
+
+async def press(socket: aiohttp.ClientWebSocketResponse, keys: str) -> None:
+    await socket.send_str(json.dumps(["stdin", keys]))
+
+
+async def logged(served: Served, line: str) -> None:
+    """Wait until the server has said so."""
+    async with asyncio.timeout(SECONDS):
+        while line not in served.log:
+            await asyncio.sleep(0.02)

@@ -1,0 +1,74 @@
+"""Two people at one table, a sensor on a hand of each: who reached when, and what is kept of it."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.clock import MS
+from sar_tui.framework.node import Node
+from sar_tui.framework.topics import SENSOR, TRIAL
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.sensor import Imu
+from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import PROFILES, SimulatedHand
+from sar_tui.plugins import Catalogue
+from tests.tasks.pairs.pairs_driver import SHORT, PairsDriver
+
+REACH = ReachShape(out_s=0.5, back_s=0.5, peak_out=1.5, peak_back=-1.5)
+"""A reach of one second."""
+SLOW = ReachShape(out_s=1.0, back_s=1.0, peak_out=1.0, peak_back=-1.0)
+TWITCH = ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0)
+"""The hand goes nowhere."""
+Reach = tuple[str, float] | tuple[str, float, ReachShape]
+"""Whose it is, how long after the prompt (ms), and of what shape."""
+
+
+class PairsReachingDriver(PairsDriver):
+    """A session of reaches of two: two attempts of two prompts, unless told otherwise."""
+
+    def __init__(self, policy: str, **parameters: Any) -> None:
+        catalogue = Catalogue()
+        super().__init__(
+            catalogue.task("pairs"),
+            catalogue.theme("calm"),
+            extra=self._sensing(),
+            **(SHORT | {"policy": policy, "respond_with": "reaches"} | parameters),
+        )
+
+    def _sensing(self) -> Iterator[Node]:
+        """The sensors, made when the clock is there."""
+        self.hands: dict[str, SimulatedSource] = {}
+        for number, seat in enumerate("AB"):
+            hand = SimulatedHand(PROFILES["steady"], 100.0, seed=number)
+            self.hands[seat] = SimulatedSource(hand, self.clock)
+            yield Imu(ImuFeed(self.hands[seat], self.clock.now), seat)
+
+    def sit_down(self) -> m.Prompt:
+        """From the instructions to the first prompt, the hands at rest."""
+        self.wait(1500)
+        return self.start()
+
+    def to_prompt(self) -> m.Prompt:
+        """A sensor never stops, so that something is always due: at most for half a minute."""
+        until = self.clock.now() + 30_000 * MS
+        while self.screen.onset is None:
+            assert self.clock.step(until), f"the session waits for {self.screen.waiting}"
+        assert self.screen.prompt is not None
+        return self.screen.prompt
+
+    def reach(self, *reaches: Reach) -> dict[str, m.TrialEnded]:
+        """See the next prompt, and let hands move so long after it. The rows that come of it, by seat."""
+        self.to_prompt()
+        onset, known = self.clock.now(), len(self.all(TRIAL))
+        for seat, after_ms, *shape in reaches:
+            self.hands[seat].move(onset + round(after_ms * MS), shape[0] if shape else REACH)
+        until = onset + 30_000 * MS
+        while len(self.all(TRIAL)) == known:
+            assert self.clock.step(until), f"the session waits for {self.screen.waiting}"
+        return self.by_seat(self.all(TRIAL)[known:])
+
+    def sensor(self, seat: str, state: m.SensorState, detail: str = "") -> None:
+        """Something happens to the sensor of a seat."""
+        told = m.SensorChanged(seat=seat, state=state, at=self.clock.now(), detail=detail, rate_hz=100.0)
+        self.session.bus.publish(SENSOR, told)

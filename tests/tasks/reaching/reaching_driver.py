@@ -1,0 +1,146 @@
+"""A table with markers on it, a hand with a sensor, and somebody who reaches when a test says, on a virtual clock."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from sar_tui.framework.bus import Record
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.messages import ImuBlock, ReachPerceived, TrialEnded
+from sar_tui.framework.node import Node
+from sar_tui.framework.topics import IMU, REACH, TRIAL
+from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.sensor import Imu
+from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.motion.samples import Samples, unpack
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import PROFILES, Profile, SimulatedHand
+from sar_tui.plugins import Catalogue
+from tests.loop_driver import LoopDriver
+
+REACH_OUT = ReachShape(out_s=0.5, back_s=0.5, peak_out=1.5, peak_back=-1.5)
+"""A reach of one second."""
+FLICK = ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0)
+"""A twitch of the wrist: the hand goes nowhere."""
+PATIENCE_MS = 60_000
+
+
+class ReachingDriver(LoopDriver):
+    """A session of reaches: two attempts of one each, unless told otherwise.
+
+    Args:
+        sensor: a profile of the hand and its sensor, or its name.
+        history: what was recorded before; the session is then resumed.
+        rate_hz: samples a second.
+    """
+
+    def __init__(
+        self,
+        *,
+        sensor: str | Profile = "drifting",
+        history: Iterable[Record] | None = None,
+        seed: int = 1,
+        rate_hz: float = 250.0,
+        extra: Iterable[Node] = (),
+        **parameters: Any,
+    ) -> None:
+        catalogue = Catalogue()
+        profile = PROFILES[sensor] if isinstance(sensor, str) else sensor
+        super().__init__(
+            catalogue.task("reaching"),
+            catalogue.theme("calm"),
+            seed=seed,
+            history=history,
+            extra=self._sensing(profile, rate_hz, extra),
+            **{"attempts": 2, **parameters},
+        )
+
+    def _sensing(self, profile: Profile, rate_hz: float, extra: Iterable[Node]) -> Iterator[Node]:
+        """The sensor, made when the clock is there."""
+        self.hand = SimulatedSource(SimulatedHand(profile, rate_hz, seed=3), self.clock)
+        self.feed = ImuFeed(self.hand, self.clock.now)
+        yield Imu(self.feed)
+        yield from extra
+
+    # --- what is done ---------------------------------------------------------------------------------------
+
+    def sit_down(self, rest_ms: float = 3000) -> None:
+        """From the instructions to where the first reach can be started, the hand at rest."""
+        self.wait(100)
+        self.enter()
+        self.begin()
+        self.wait(rest_ms)
+
+    def begin(self) -> None:
+        """Begin the attempt that is offered."""
+        assert (self.waiting.what, self.waiting.stage) == ("enter", "attempt"), self.waiting
+        self.press("enter")
+        self.wait(300)
+
+    def move(self, after_ms: float = 0, shape: ReachShape = REACH_OUT) -> None:
+        """Have the hand make a movement so much later; before now, if negative, and then it was made."""
+        self.hand.move(self.clock.now() + round(after_ms * MS), shape)
+
+    def start(self) -> None:
+        """Press space where that starts a reach, and see the prompt."""
+        assert self.waiting.what == "start", self.waiting
+        self.press("space")
+        self.to_prompt()
+
+    def reach(self, shape: ReachShape = REACH_OUT) -> TrialEnded:
+        """A whole reach: space, out and back, space."""
+        self.start()
+        self.move(300, shape)
+        self.wait(300 + shape.duration_s * 1000 + 400)
+        self.press("space")
+        return self.to_row()
+
+    def to_row(self, ms: float = PATIENCE_MS) -> TrialEnded:
+        """Go on until the trial in hand is a row."""
+        before = len(self.all(TRIAL))
+        self._until(lambda: len(self.all(TRIAL)) > before, ms)
+        return self.last(TRIAL)
+
+    def to_start(self, ms: float = PATIENCE_MS) -> None:
+        """Go on until a reach can be started."""
+        self._until(lambda: self.waiting.what == "start", ms)
+
+    def _until(self, is_so: Any, ms: float) -> None:
+        """A sensor never stops, so that something is always due."""
+        until = self.clock.now() + round(ms * MS)
+        while not is_so():
+            assert self.clock.step(until), f"{ms:g} ms have passed; the session waits for {self.waiting}"
+
+    # --- what is there ----------------------------------------------------------------------------------------
+
+    @property
+    def percept(self) -> ReachPerceived:
+        return self.last(REACH)
+
+    @property
+    def samples(self) -> Samples:
+        """All that the sensor has sent, as it was on the bus."""
+        blocks = [unpack(record.message.samples) for record in self.records if isinstance(record.message, ImuBlock)]
+        return np.concatenate(blocks)
+
+
+def ms(stamp: int) -> float:
+    return stamp / MS
+
+
+def merged(records: Iterable[Record]) -> list[Record]:
+    """The same records with sensor blocks joined where nothing lies between them, as the database keeps them."""
+    found: list[Record] = []
+    for record in records:
+        last = found[-1] if found else None
+        if record.topic is IMU and last and last.topic is IMU and last.seq == record.seq:
+            assert isinstance(record.message, ImuBlock)
+            assert isinstance(last.message, ImuBlock)
+            found[-1] = record._replace(message=ImuBlock(samples=last.message.samples + record.message.samples))
+        else:
+            found.append(record)
+    return found
+
+
+__all__ = ["FLICK", "REACH_OUT", "SECOND", "ReachingDriver", "merged", "ms"]

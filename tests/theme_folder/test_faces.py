@@ -1,0 +1,44 @@
+"""Given a drawn face, when it is to be worn, then it fits its place on any terminal."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.cells import cell_len
+
+from sar_tui.theme_folder.faces import drawing_problems, fitted
+
+CAT = " /\\_/\\ \n( o o )\n( = = )\n \\___/ "
+
+
+def test_a_face_that_fits_has_no_problems() -> None:
+    assert drawing_problems("happy", CAT, 2) == []
+
+
+@pytest.mark.parametrize(
+    ("face", "problem"),
+    [
+        (f"{CAT}\nx", "The face happy is larger than 11 columns and 4 lines."),
+        ("\n".join(["x" * 12] * 4), "The face happy is larger than 11 columns and 4 lines."),
+        ("o o\n===", "The face happy has no line 2, counted from 0, for its mouth (mouth_line)."),
+        ("o o\no o\n😀", r"The face happy is drawn with what does not fill one column: '\U0001f600'."),
+        ("o o\no o\n中", r"The face happy is drawn with what does not fill one column: '\u4e2d'."),
+        ("o o\no o\ne\u0301", r"The face happy is drawn with what does not fill one column: '\u0301'."),
+        ("o o\no\to\n===", r"The face happy is drawn with what does not fill one column: '\t'."),
+    ],
+)
+def test_a_face_that_does_not_fit_is_told(face: str, problem: str) -> None:
+    assert drawing_problems("happy", face, 2) == [problem]
+
+
+def test_faces_of_different_size_are_filled_up_so_that_nothing_jumps() -> None:
+    assert fitted({"happy": "o o\n =", "sleeping": "- - z\n  -\n..."}) == {
+        "happy": "o o  \n =   \n     ",
+        "sleeping": "- - z\n  -  \n...  ",
+    }
+    assert fitted({}) == {}
+
+
+@given(st.characters(exclude_characters="\n"))
+def test_what_may_be_drawn_fills_one_column(character: str) -> None:
+    if not drawing_problems("happy", f".\n.\n.{character}", 2):
+        assert cell_len(character) == 1

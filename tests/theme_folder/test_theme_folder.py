@@ -1,0 +1,542 @@
+"""Given a theme's folder, whatever is wrong in it, when it is read, then the agent is whole and the fault told."""
+
+import json
+import shutil
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from sar_tui.framework.gesture import GESTURES
+from sar_tui.framework.phrase_keys import SITUATIONS, VOCABULARY
+from sar_tui.framework.theme import FACES, MANNERS, Manner, Theme, ThemeError, Voice
+from sar_tui.plugins import Catalogue, PluginError, load_theme
+from sar_tui.theme_folder import files, languages, may_have_images, read, read_theme
+
+Change = Callable[[str, str, str], None]
+
+
+@pytest.fixture
+def mine(tmp_path: Path, catalogue: Catalogue) -> Path:
+    """A copy of the playful theme, to be broken."""
+    folder = tmp_path / "mine"
+    shutil.copytree(catalogue.theme_folder("playful"), folder)
+    return folder
+
+
+@pytest.fixture
+def change(mine: Path) -> Change:
+    """``change("theme.toml", old, new)`` breaks the copy."""
+
+    def changed(name: str, old: str, new: str) -> None:
+        text = (mine / name).read_text(encoding="utf-8")
+        assert old in text
+        (mine / name).write_text(text.replace(old, new, 1), encoding="utf-8")
+
+    return changed
+
+
+def without(folder: Path, situation: str, language: str) -> None:
+    """Take a situation out of the phrases of a language."""
+    file = folder / f"phrases.{language}.toml"
+    text = file.read_text(encoding="utf-8")
+    before, rest = text.split(f"\n{situation} = [", 1)
+    file.write_text(before + rest.split("\n]", 1)[1], encoding="utf-8")
+    assert situation not in tomllib.loads(file.read_text(encoding="utf-8"))
+
+
+def as_toml(value: object) -> str:
+    """A value as TOML writes it on a line."""
+    match value:
+        case dict():
+            return f"{{{', '.join(f'{as_toml(key)} = {as_toml(inner)}' for key, inner in value.items())}}}"
+        case list():
+            return f"[{', '.join(map(as_toml, value))}]"
+        case float():
+            return repr(value)
+    return json.dumps(value, ensure_ascii=False)
+
+
+def worn(folder: Path, language: str = "en") -> Theme:
+    """The theme as a session wears it: filled up from calm."""
+    theme = load_theme(folder, language)
+    assert all(theme.phrases[situation] for situation in SITUATIONS)
+    assert all(theme.faces[face] for face in FACES)
+    assert all(not theme.gestures[gesture].problems(gesture) for gesture in GESTURES)
+    assert all(theme.vocabulary[name] for name in VOCABULARY)
+    return theme
+
+
+def test_a_whole_theme_needs_no_repair(mine: Path) -> None:
+    theme = worn(mine)
+    assert theme.repairs == ()
+    assert (theme.name, theme.title, theme.language, theme.languages) == ("mine", "Playful", "en", ("en", "es"))
+    assert {path.name for path in files(mine)} >= {"phrases.en.toml", "phrases.es.toml", "theme.toml"}
+
+
+# --- phrases ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_missing_phrase_is_the_default_themes(mine: Path, calm: Theme) -> None:
+    without(mine, "goodbye", "en")
+    theme = worn(mine)
+    assert theme.phrases["goodbye"] == calm.phrases["goodbye"]
+    assert theme.repairs == ("There is no wording for goodbye (en).",)
+
+
+def test_a_phrase_missing_in_spanish_alone_is_english(mine: Path, catalogue: Catalogue) -> None:
+    without(mine, "rest", "es")
+    theme = worn(mine, "es")
+    assert theme.phrases["rest"] == catalogue.theme("playful").phrases["rest"]
+    assert theme.phrases["greeting"] == catalogue.theme("playful", "es").phrases["greeting"]
+    assert theme.repairs == ("There is no wording for rest (es); the English is said.",)
+    assert read(mine, "es").english == ("rest",)
+    assert worn(mine, "en").repairs == ()
+
+
+def test_a_phrase_missing_in_both_languages_is_the_default_themes_in_spanish(mine: Path, catalogue: Catalogue) -> None:
+    without(mine, "rest", "es")
+    without(mine, "rest", "en")
+    assert worn(mine, "es").phrases["rest"] == catalogue.theme("calm", "es").phrases["rest"]
+
+
+def test_an_english_phrase_that_stands_in_is_held_against_english_numbers(mine: Path, change: Change) -> None:
+    without(mine, "goodbye", "es")
+    change("phrases.en.toml", "We are done! I liked", "Par for the course! I liked")
+    assert any("Par for" in wording for wording in worn(mine, "es").phrases["goodbye"])
+
+
+def test_a_bad_wording_is_left_out_and_the_others_are_said(mine: Path, change: Change) -> None:
+    change("phrases.en.toml", '"Hi there! Let us play together."', '"Hi {name}!", "We play twice."')
+    theme = worn(mine)
+    assert len(theme.phrases["greeting"]) == 2
+    assert theme.repairs == (
+        "A wording for greeting (en) uses the slot {name}, which it does not have.",
+        "A wording for greeting (en) holds a number: 'We play twice.'.",
+    )
+
+
+@pytest.mark.parametrize("value", ['"Hello!"', "3", "[1, 2]", "{ a = 1 }"])
+def test_wordings_that_are_no_list_of_texts_are_the_default_themes(mine: Path, calm: Theme, value: str) -> None:
+    without(mine, "goodbye", "en")
+    file = mine / "phrases.en.toml"
+    file.write_text(f"goodbye = {value}\n" + file.read_text(encoding="utf-8"), encoding="utf-8")
+    theme = worn(mine)
+    assert theme.phrases["goodbye"] == calm.phrases["goodbye"]
+    assert theme.repairs[0] == "The wordings for goodbye (en) have to be a list of texts."
+
+
+def test_an_unknown_situation_is_named(mine: Path, change: Change) -> None:
+    change("phrases.en.toml", "\ngoodbye = [", "\nfarewell = ['Bye.']\ngoodbye = [")
+    assert worn(mine).repairs == ("farewell is not a situation (en).",)
+
+
+def test_words_of_the_vocabulary_fall_back_too(mine: Path, change: Change, calm: Theme) -> None:
+    change("phrases.es.toml", 'goal = "la meta"\n', "")
+    assert worn(mine, "es").vocabulary["goal"] == "the goal"
+    assert worn(mine, "es").repairs == ("The vocabulary lacks goal (es).",)
+    change("phrases.en.toml", 'goal = "the goal"', 'goal = " "\nrecord = "the record"\nlast = 3')
+    theme = worn(mine)
+    assert theme.vocabulary["goal"] == calm.vocabulary["goal"]
+    assert theme.repairs == (
+        "goal in vocabulary (en) has to be a text.",
+        "last in vocabulary (en) has to be a text.",
+        "record is not a word of the vocabulary (en).",
+    )
+
+
+def test_the_vocabulary_holds_no_number_for_it_fills_wordings_in_words(mine: Path, change: Change) -> None:
+    change("phrases.es.toml", "tu promedio de hoy", "tu media de hoy")
+    theme = worn(mine, "es")
+    assert theme.repairs == ("session_mean in vocabulary (es) holds a number.",)
+    assert theme.vocabulary["session_mean"] == worn(mine).vocabulary["session_mean"]
+
+
+def test_a_number_in_the_english_vocabulary_is_left_out_for_the_default_themes_word(
+    mine: Path, change: Change, calm: Theme
+) -> None:
+    change("phrases.en.toml", 'goal = "the goal"', 'goal = "half the goal"')
+    assert worn(mine).vocabulary["goal"] == calm.vocabulary["goal"]
+
+
+@pytest.mark.parametrize(
+    ("unit", "told"),
+    [
+        ('"" = "things"', "A unit in units (en) has an empty name."),
+        ('" " = "things"', "A unit in units (en) has an empty name."),
+        ('kg = "a | b | c"', "kg in units (en) has to be one text, or two: singular | plural."),
+        ('kg = "kilogram |"', "kg in units (en) has to be one text, or two: singular | plural."),
+    ],
+)
+def test_a_unit_that_cannot_be_spoken_is_left_out(mine: Path, change: Change, unit: str, told: str) -> None:
+    change("phrases.en.toml", "[units]\n", f"[units]\n{unit}\n")
+    theme = worn(mine)
+    assert theme.repairs == (told,)
+    assert theme.spoken("412 ms, and 3 more; 2 kg") == "412 milliseconds, and 3 more; 2 kg"
+
+
+def test_a_table_of_words_that_is_none_is_told(mine: Path, change: Change) -> None:
+    change("phrases.en.toml", "[units]\n", "[other]\n")
+    change("phrases.en.toml", "\ngoodbye = [", "\nunits = 'none'\ngoodbye = [")
+    theme = worn(mine)
+    assert theme.units["ms"] == "millisecond | milliseconds"
+    assert set(theme.repairs) == {"units (en) has to be a table.", "other is not a situation (en)."}
+
+
+# --- languages -------------------------------------------------------------------------------------------------------
+
+
+def test_of_a_language_that_there_is_not_the_theme_speaks_english(mine: Path) -> None:
+    theme = worn(mine, "fr")
+    assert theme.language == "en"
+    assert theme.phrases == worn(mine).phrases
+    assert theme.repairs == ("There is no phrases.fr.toml; the agent speaks English.",)
+
+
+def test_a_language_of_a_country_is_that_of_the_language_unless_it_has_its_own(mine: Path, change: Change) -> None:
+    assert worn(mine, "es-mx").phrases == worn(mine, "es").phrases
+    assert worn(mine, "es-mx").language == "es-mx"
+    assert worn(mine, "en-gb").repairs == ()
+    (mine / "phrases.es-mx.toml").write_text('greeting = ["¡Qué onda!"]', encoding="utf-8")
+    assert worn(mine, "es-mx").phrases["greeting"] == ("¡Qué onda!",)
+    assert languages(mine) == ("en", "es", "es-mx")
+
+
+def test_a_theme_without_english_is_told_and_filled_up(mine: Path) -> None:
+    (mine / "phrases.en.toml").unlink()
+    theme = worn(mine, "es")
+    assert theme.language == "es"
+    assert theme.repairs == ("There is no phrases.en.toml, which every theme has.",)
+    with pytest.raises(PluginError, match=r"^The theme mine cannot be read: There is no phrases\.en\.toml\.$"):
+        load_theme(mine)
+
+
+def test_a_theme_may_word_the_screens_in_its_own_way(mine: Path) -> None:
+    (mine / "words.es.toml").write_text('"Press Enter" = "Pulsa Intro"\nodd = 3\n', encoding="utf-8")
+    (mine / "words.es-mx.toml").write_text('"Press Enter" = "Oprime Enter"\n', encoding="utf-8")
+    assert worn(mine, "es").texts == {"Press Enter": "Pulsa Intro"}
+    assert worn(mine, "es-mx").texts == {"Press Enter": "Oprime Enter"}
+    assert worn(mine).texts == {}
+    assert worn(mine, "es").repairs == ("The wording of 'odd' in words.es.toml is not a text.",)
+
+
+def test_words_for_the_screens_with_other_slots_than_their_english_are_left_out(mine: Path) -> None:
+    (mine / "words.en.toml").write_text('"level {level}" = "step {step}"\n"Help" = "What is this?"\n', encoding="utf-8")
+    theme = worn(mine)
+    assert theme.texts == {"Help": "What is this?"}
+    assert theme.repairs == ("The wording of 'level {level}' in words.en.toml lacks {level}.",)
+
+
+# --- theme.toml ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("value", ['"red"', '"#12345"', "3", '""', "[]"])
+def test_a_colour_that_is_none_is_the_default_themes_if_it_can_be_read_there(
+    mine: Path, change: Change, value: str
+) -> None:
+    change("theme.toml", 'accent = "#a33b00"', f"accent = {value}")
+    theme = worn(mine)
+    assert theme.repairs[0].startswith("accent is not a colour like #a0b1c2: ")
+    assert min(theme.colors.contrasts().values()) >= 4.5
+
+
+def test_a_missing_and_an_unknown_colour_are_told(mine: Path, change: Change, calm: Theme) -> None:
+    change("theme.toml", "background = ", "backdrop = ")
+    theme = worn(mine)
+    assert theme.colors.background == calm.colors.background
+    assert theme.repairs[0].startswith("backdrop is not a colour of a theme; these are: background, surface, text")
+    assert theme.repairs[1] == "background is not a colour like #a0b1c2: nothing."
+
+
+def test_text_too_faint_to_read_is_black_or_white_and_told_with_its_contrast(mine: Path, change: Change) -> None:
+    change("theme.toml", 'muted = "#6b5138"', 'muted = "#d0c0a0"')
+    theme = worn(mine)
+    assert theme.colors.muted == "#000000"
+    assert theme.repairs == (
+        "muted on background has a contrast of 1.63, less than 4.5.",
+        "muted on surface has a contrast of 1.49, less than 4.5.",
+    )
+
+
+@given(st.lists(st.from_regex("#[0-9a-f]{6}", fullmatch=True), min_size=8, max_size=8))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=30, deadline=None)
+def test_whatever_the_colours_text_can_be_read_on_its_background(mine: Path, calm: Theme, values: list[str]) -> None:
+    colors = dict(zip(msgspec.structs.asdict(calm.colors), values, strict=True))
+    colors["surface"] = colors["background"]
+    (mine / "theme.toml").write_text(f"colors = {as_toml(colors)}", encoding="utf-8")
+    assert min(worn(mine).colors.contrasts().values()) >= 4.5
+
+
+def test_a_missing_and_an_unknown_face_are_told(mine: Path, change: Change, calm: Theme) -> None:
+    change("theme.toml", "sleeping = '''", "asleep = '''")
+    theme = worn(mine)
+    assert theme.faces["sleeping"] == calm.faces["sleeping"]
+    assert theme.repairs[0].startswith("asleep is not an expression; these are: neutral, listening")
+    assert theme.repairs[1] == "There is no face for sleeping."
+
+
+@pytest.mark.parametrize("drawing", ["(o_o)", "'''\nx\n'''", "'''\n😀\n😀\n😀\n'''", "'''\n123456789012\n.\n.\n'''"])
+def test_a_face_that_does_not_fit_is_the_default_themes(mine: Path, change: Change, calm: Theme, drawing: str) -> None:
+    text = (mine / "theme.toml").read_text(encoding="utf-8")
+    cat = text[text.index("sleeping = '''") : text.index("'''", text.index("sleeping = '''") + 15) + 3]
+    change("theme.toml", cat, f"sleeping = {drawing}" if drawing[0] == "'" else f'sleeping = "{drawing}"')
+    theme = worn(mine)
+    assert theme.faces["sleeping"] == calm.faces["sleeping"]
+    assert "face sleeping" in theme.repairs[0]
+
+
+def test_spaces_that_an_editor_took_off_the_ends_of_lines_do_no_harm(mine: Path) -> None:
+    whole = worn(mine).faces
+    lines = (mine / "theme.toml").read_text(encoding="utf-8").split("\n")
+    (mine / "theme.toml").write_text("\n".join(map(str.rstrip, lines)), encoding="utf-8")
+    assert worn(mine).faces == whole
+    assert worn(mine).repairs == ()
+
+
+def test_faces_of_different_height_are_told(mine: Path, change: Change) -> None:
+    change("theme.toml", "│  = ‿ =  │\n ╰───────╯ \n", "│  = ‿ =  │\n")
+    assert worn(mine).repairs == ("The faces have 3 and 4 lines; all have to have the same number.",)
+    assert {face.count("\n") for face in worn(mine).faces.values()} == {3}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "repair"),
+    [
+        ("nod = 0.9", "nod = 1.9", "In nod at 200 ms nod is 1.9; it has to lie between -1 and 1."),
+        ("nod = 0.9", "nod = nan", "In nod at 200 ms nod is nan; it has to lie between -1 and 1."),
+        ("nod = 0.9", "tail = 0.9", "gestures.nod in theme.toml cannot be used: Object contains unknown field `tail`"),
+        ("{ at_ms = 1000 }", "{ at_ms = 1000, turn = 0.5 }", "The gesture nod has to end at rest"),
+        ("{ at_ms = 1000 }", "{ at_ms = 20000 }", "The gesture nod takes 20000 ms; at most 10000 are allowed."),
+        ("at_ms = 450", "at_ms = 150", "The keyframes of nod have to come one after the other, none before 0 ms."),
+        ("nod = [\n", "nod = 'yes'\nbow = [\n", "gestures.nod in theme.toml cannot be used: Expected `array`"),
+        ("nod = [\n", "nod = []\nbow = [\n", "The gesture nod has no keyframes."),
+        ("nod = [\n", "bow = [\n", "There is no gesture nod."),
+    ],
+)  # fmt: skip
+def test_a_gesture_that_cannot_be_made_is_the_default_themes(
+    mine: Path, change: Change, calm: Theme, old: str, new: str, repair: str
+) -> None:
+    change("theme.toml", old, new)
+    theme = worn(mine)
+    assert theme.gestures["nod"] == calm.gestures["nod"]
+    assert [told for told in theme.repairs if told.startswith(repair)] == list(theme.repairs) != []
+
+
+def test_a_theme_may_have_gestures_of_its_own(mine: Path, change: Change) -> None:
+    change("theme.toml", "[gestures]\n", "[gestures]\nbow = [{ at_ms = 300, nod = 1 }, { at_ms = 600 }]\n")
+    change("theme.toml", "[manner.positive]\n", '[manner.goodbye]\ngesture = "bow"\n[manner.positive]\n')
+    theme = worn(mine)
+    assert theme.manner("goodbye") == Manner("happy", "bow")
+    assert theme.repairs == ()
+
+
+@pytest.mark.parametrize(
+    ("manner", "repair"),
+    [
+        ('gesture = "jump"', "The manner of positive has the gesture jump, which there is not."),
+        ('face = "angry"', "The manner of positive has the face angry, which there is not."),
+        ('gaze = "away"', "The manner of positive has the gaze away, which there is not."),
+        ('tone = "boo"', "The manner of positive has the tone boo, which there is not."),
+        ("gesture = 3", "manner.positive in theme.toml cannot be used: Expected `str`, got `int`"),
+        ('smell = "nice"', "manner.positive in theme.toml cannot be used: Object contains unknown field `smell`"),
+    ],
+)
+def test_a_manner_that_there_is_not_goes_as_usual(mine: Path, change: Change, manner: str, repair: str) -> None:
+    change("theme.toml", '[manner.positive]\ngesture = "cheer"', f"[manner.positive]\n{manner}")
+    theme = worn(mine)
+    assert theme.manner("positive") == MANNERS["positive"]
+    assert [told.startswith(repair) for told in theme.repairs] == [True]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "repair"),
+    [
+        ("[manner.positive]", "[manner.triumph]", "triumph has no manner; these have: greeting"),
+        ("[voice]\nrate = 160", "[voice]\nrate = 20", "voice in theme.toml cannot be used: Expected `int` >= 80"),
+        ("hz = 784, ms = 80", "hz = 784, ms = 80000", "tones.go in theme.toml cannot be used: Expected `int` <= 1000"),
+        ("go = [{ hz = 784, ms = 80 }, { hz = 1047, ms = 120 }]", "go = []", "tones.go in theme.toml cannot be used"),
+        ("\ngo = [", "\nboo = [", "boo is not a tone; these are: go, success, end."),
+        ("dark = false", "dark = 'no'", "dark in theme.toml cannot be used: Expected `bool`"),
+        ("dark = false", "dark = false\nloud = true", "theme.toml has no use for loud."),
+        ("dark = false\n", "", "theme.toml does not say its dark."),
+        ("minimum_contrast = 4.5", "minimum_contrast = nan", "minimum_contrast in theme.toml cannot be used"),
+        ("minimum_contrast = 4.5", "minimum_contrast = 22", "minimum_contrast in theme.toml cannot be used"),
+        ("minimum_contrast = 4.5", "minimum_contrast = true", "minimum_contrast in theme.toml cannot be used"),
+        ("title = ", "label = ", "theme.toml has no use for label."),
+        ("mouth_line = 2", "mouth_line = 'two'", "mouth_line in theme.toml cannot be used: Expected `int`"),
+    ],
+)  # fmt: skip
+def test_anything_else_that_is_wrong_is_told_and_does_no_harm(
+    mine: Path, change: Change, old: str, new: str, repair: str
+) -> None:
+    change("theme.toml", old, new)
+    theme = worn(mine)
+    assert theme.repairs[0].startswith(repair)
+    assert theme.notes("go")
+    assert theme.title
+
+
+def test_a_voice_that_cannot_be_is_the_usual_one(mine: Path, change: Change) -> None:
+    change("theme.toml", "rate = 160", "rate = 'fast'")
+    assert worn(mine).voice == Voice()
+    change("theme.toml", "[voice]\nrate = 'fast'", "[other]")
+    change("theme.toml", "dark = false", "dark = false\nvoice = 160")
+    assert worn(mine).voice == Voice()
+    assert "voice in theme.toml cannot be used: Expected `object`, got `int`." in worn(mine).repairs
+
+
+def test_a_table_that_is_none_is_told(mine: Path, calm: Theme) -> None:
+    tables = ("colors", "faces", "gestures", "manner", "tones", "images")
+    (mine / "theme.toml").write_text("".join(f"{table} = 3\n" for table in tables), encoding="utf-8")
+    theme = worn(mine)
+    assert (theme.colors, theme.faces, theme.gestures) == (calm.colors, calm.faces, calm.gestures)
+    assert {f"{table} in theme.toml has to be a table." for table in tables} < set(theme.repairs)
+
+
+def test_images_have_to_lie_in_the_folder(mine: Path, change: Change) -> None:
+    (mine / "happy.png").write_bytes(b"\x89PNG")
+    (mine.parent / "outside.png").write_bytes(b"\x89PNG")
+    images = (
+        'happy = "happy.png"\nneutral = "none.png"\nspeaking = "../outside.png"\nangry = "happy.png"\nsleeping = 3\n'
+    )
+    change("theme.toml", "[tones]", f"[images]\n{images}[tones]")
+    theme = worn(mine)
+    assert theme.images == {"happy": "happy.png"}
+    assert theme.repairs[:3] == (
+        "There is no image none.png for neutral.",
+        "The image ../outside.png for speaking has to lie in the theme's folder.",
+        f"images.angry is not an expression; these are: {', '.join(FACES)}.",
+    )
+    assert theme.repairs[3:] == ("There is no image 3 for sleeping.",)
+
+
+@pytest.mark.parametrize("name", ["a\\u0000b.png", "a" * 300 + ".png", "a/" * 3000])
+def test_an_image_that_no_file_can_be_called_is_left_out_and_told_in_a_short_sentence(
+    mine: Path, change: Change, name: str
+) -> None:
+    change("theme.toml", "[tones]", f'[images]\nhappy = "{name}"\n[tones]')
+    theme = worn(mine)
+    assert theme.images == {}
+    (told,) = theme.repairs
+    assert told.startswith("There is no image a")
+    assert told.isprintable()
+    assert len(told) < 100
+
+
+def test_a_ring_of_links_is_no_image(mine: Path, change: Change) -> None:
+    (mine / "happy.png").symlink_to(mine / "happy.png")
+    change("theme.toml", "[tones]", '[images]\nhappy = "happy.png"\n[tones]')
+    assert worn(mine).repairs == ("There is no image happy.png for happy.",)
+
+
+@pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte"), OverflowError("too large")])
+def test_whatever_goes_wrong_in_reading_a_theme_is_one_sentence(
+    mine: Path, monkeypatch: pytest.MonkeyPatch, fault: Exception
+) -> None:
+    def fail(*_: object) -> None:
+        raise fault
+
+    monkeypatch.setattr("sar_tui.theme_folder.read_look", fail)
+    with pytest.raises(PluginError, match=rf"^The theme mine cannot be read: {type(fault).__name__}: {fault}\.$"):
+        load_theme(mine)
+
+
+@pytest.mark.parametrize("asked", ["1", "4.49", "-3", "-inf", "-1" + "0" * 400])
+def test_no_theme_may_be_content_with_text_that_is_hard_to_read(mine: Path, change: Change, asked: str) -> None:
+    change("theme.toml", 'muted = "#6b5138"', 'muted = "#d0c0a0"')
+    change("theme.toml", "minimum_contrast = 4.5", f"minimum_contrast = {asked}")
+    theme = worn(mine)
+    assert theme.minimum_contrast == 4.5
+    assert min(theme.colors.contrasts().values()) >= 4.5
+    assert theme.repairs[0].startswith(f"minimum_contrast is {asked[:3]}")
+    assert theme.repairs[0].endswith("; it has to be at least 4.5, below which text is hard to read.")
+
+
+def test_whether_a_theme_may_have_images_is_known_without_reading_it(mine: Path, change: Change) -> None:
+    assert not may_have_images(mine)
+    change("theme.toml", "[tones]", '[images]\nhappy = "happy.png"\n[tones]')
+    assert may_have_images(mine)
+    (mine / "theme.toml").unlink()
+    assert not may_have_images(mine)
+
+
+def test_an_empty_theme_is_the_default_one_under_its_own_name(tmp_path: Path, calm: Theme) -> None:
+    folder = tmp_path / "bare"
+    folder.mkdir()
+    for name in ("theme.toml", "phrases.en.toml"):
+        (folder / name).touch()
+    theme = worn(folder)
+    assert (theme.name, theme.title) == ("bare", "bare")
+    assert theme.phrases == calm.phrases
+    assert theme.faces == calm.faces
+    assert len(theme.repairs) > len(SITUATIONS)
+
+
+# --- files that cannot be read ---------------------------------------------------------------------------------------
+
+
+def test_an_empty_folder_is_no_theme(tmp_path: Path) -> None:
+    with pytest.raises(ThemeError, match=r"^There is no theme\.toml\.$"):
+        read_theme(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["theme.toml", "phrases.en.toml"])
+def test_a_file_that_is_no_toml_is_told_with_the_place(mine: Path, name: str) -> None:
+    (mine / name).write_text('title = "Mine"\ngreeting = [\n', encoding="utf-8")
+    with pytest.raises(PluginError) as caught:
+        load_theme(mine)
+    assert str(caught.value).startswith(f"The theme mine cannot be read: {name} is not TOML: ")
+    (mine / name).write_text("a = " + "[" * 5000, encoding="utf-8")
+    with pytest.raises(PluginError, match="is not TOML"):
+        load_theme(mine)
+
+
+def test_letters_in_another_encoding_are_told_with_the_line(mine: Path) -> None:
+    (mine / "phrases.es.toml").write_bytes('greeting = [\n"¡Hola!"]\n'.encode("latin-1"))
+    with pytest.raises(PluginError) as caught:
+        load_theme(mine, "es")
+    assert str(caught.value).endswith("phrases.es.toml is not UTF-8 text from line 2 on; save it as UTF-8.")
+    assert worn(mine, "en").repairs == ()
+
+
+def test_a_mark_that_some_editors_put_before_the_text_does_no_harm(mine: Path) -> None:
+    for file in files(mine):
+        file.write_bytes(b"\xef\xbb\xbf" + file.read_bytes().replace(b"\n", b"\r\n"))
+    assert worn(mine).repairs == ()
+    assert worn(mine).faces == load_theme(mine, "es").faces
+
+
+def test_a_folder_where_a_file_should_be_is_told(mine: Path) -> None:
+    (mine / "theme.toml").unlink()
+    (mine / "theme.toml").mkdir()
+    with pytest.raises(PluginError, match=r"theme\.toml cannot be read: Is a directory\."):
+        load_theme(mine)
+
+
+JUNK = st.recursive(
+    st.booleans() | st.integers(-5, 5000) | st.floats() | st.text("aé1{} ", max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text("ab_", min_size=1), inner, max_size=3),
+    max_leaves=5,
+)
+
+
+@given(data=st.data())
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60, deadline=None)
+def test_whatever_stands_in_its_files_a_theme_that_can_be_read_is_whole(
+    mine: Path, catalogue: Catalogue, data: st.DataObject
+) -> None:
+    for name in ("theme.toml", "phrases.en.toml"):
+        table = tomllib.loads((catalogue.theme_folder("playful") / name).read_text(encoding="utf-8"))
+        for key in data.draw(st.lists(st.sampled_from(sorted(table)), max_size=3)):
+            inside = table[key]
+            if isinstance(inside, dict) and data.draw(st.booleans()):
+                inside[data.draw(st.sampled_from(sorted(inside)))] = data.draw(JUNK)
+            else:
+                table[key] = data.draw(JUNK)
+        text = "".join(f"{as_toml(key)} = {as_toml(value)}\n" for key, value in table.items())
+        (mine / name).write_text(text, encoding="utf-8")
+    worn(mine)

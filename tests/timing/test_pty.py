@@ -1,0 +1,225 @@
+"""A program at a real pseudo-terminal, and a scripted participant in front of it."""
+
+import json
+import os
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from sar_tui.timing.closed_loop import BARE, Block, run_block
+from sar_tui.timing.pty import Terminal, encode, together, visible
+from sar_tui.timing.scripted_participant import NoPrompt, ScriptedParticipant, random_answers
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals on Windows")
+
+
+def python(program: str) -> list[str]:
+    return [sys.executable, "-c", program]
+
+
+@pytest.fixture
+def bare(tmp_path: Path) -> Iterator[Terminal]:
+    """The bare loop, with twelve prompts."""
+    orders = ["--prompts", "12", "--shortest-ms", "50", "--longest-ms", "60"]
+    with Terminal([sys.executable, "-m", "sar_tui.timing.baseline", str(tmp_path / "trials"), *orders]) as terminal:
+        yield terminal
+
+
+def rows(folder: Path) -> list[dict[str, object]]:
+    return [json.loads(line) for line in (folder / "trials").read_text().splitlines()]
+
+
+# --- the terminal ------------------------------------------------------------------------------------------
+
+
+def test_a_program_sees_a_terminal_of_the_size_asked_for_and_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TMUX", "somewhere")
+    monkeypatch.setenv("SSH_CONNECTION", "far away")
+    monkeypatch.setenv("COLUMNS", "3")
+    report = "import os, shutil; print(os.isatty(0), *shutil.get_terminal_size(), os.environ['TERM'],"
+    report += " os.environ['OWN'], sorted({'TMUX', 'SSH_CONNECTION'} & set(os.environ)), 'over')"
+    with Terminal(python(report), columns=100, rows=30, environment={"OWN": "thing"}) as terminal:
+        assert terminal.wait() == 0
+    assert "True 100 30 xterm-256color thing [] over" in terminal.output.decode()
+
+
+def test_keys_reach_the_program_as_a_terminal_sends_them() -> None:
+    program = "import tty, os; tty.setraw(0); print('ready'); print('got', os.read(0, 3).hex(), 'end'); "
+    with Terminal(python(program)) as terminal:
+        terminal.wait_for("ready")
+        terminal.press("left")
+        terminal.wait_for("got 1b5b44 end")
+
+
+@pytest.mark.parametrize(("key", "sent"), [("f", b"f"), ("é", "é".encode()), ("enter", b"\r"), ("ctrl+q", b"\x11")])
+def test_a_key_is_encoded(key: str, sent: bytes) -> None:
+    assert encode(key) == sent
+
+
+def test_a_key_that_does_not_exist_is_refused() -> None:
+    with pytest.raises(ValueError, match="no key any"):
+        encode("any")
+
+
+def test_control_c_interrupts_as_in_any_terminal() -> None:
+    with Terminal(python("print('ready', flush=True); import time; time.sleep(60)")) as terminal:
+        terminal.wait_for("ready")
+        terminal.press("ctrl+c")
+        assert terminal.wait() in (1, -signal.SIGINT)
+    assert "KeyboardInterrupt" in terminal.output.decode()
+
+
+def test_a_killed_program_leaves_what_it_had_written() -> None:
+    with Terminal(python("print('so far', flush=True); import time; time.sleep(60)")) as terminal:
+        terminal.wait_for("so far")
+        terminal.kill()
+        assert terminal.wait() == -signal.SIGKILL
+    assert b"so far" in terminal.output
+
+
+def test_a_terminal_that_is_taken_away_hangs_up() -> None:
+    with Terminal(python("print('ready', flush=True); import time; time.sleep(60)")) as terminal:
+        terminal.wait_for("ready")
+        terminal.hang_up()
+        assert terminal.process.wait(10) == -signal.SIGHUP
+
+
+def test_a_program_still_running_is_killed_at_the_end() -> None:
+    with Terminal(python("print('ready', flush=True); import time; time.sleep(60)")) as terminal:
+        terminal.wait_for("ready")
+    assert terminal.process.returncode == -signal.SIGKILL
+    with pytest.raises(ProcessLookupError):
+        os.kill(terminal.process.pid, 0)
+
+
+def test_of_programs_that_are_together_none_stands_still_because_another_is_looked_at() -> None:
+    talks = "print('x' * 200_000, 'that is all', flush=True)"
+    with Terminal(python("print('begun'); input(); print('over')")) as one, Terminal(python(talks)) as other:
+        together(one, other)
+        one.wait_for("begun")
+        until = time.monotonic() + 20
+        while not other.ended and time.monotonic() < until:
+            one.read(time.monotonic_ns() + 10_000_000)
+        assert b"that is all" in other.output
+        one.press("enter")
+        one.wait_for("over")
+        assert b"that is all" not in one.output
+
+
+def test_what_does_not_come_is_told_with_what_came() -> None:
+    with Terminal(python("print('something else')")) as terminal, pytest.raises(TimeoutError, match="something else"):
+        terminal.wait_for("the thing")
+
+
+def test_a_program_that_does_not_exist_is_an_error_at_once() -> None:
+    with pytest.raises(FileNotFoundError):
+        Terminal(["no-such-program-anywhere"])
+
+
+@pytest.mark.parametrize(
+    ("output", "seen"),
+    [
+        (b"\x1b[?1049h\x1b[?2026$p\x1b[>1u\x1b[2J  \r\n", ""),
+        (b"\x1b[38;2;1;2;3mReady\x1b[0m  ", "Ready"),
+        (b"\x1b]0;title\x07\x1b(B", ""),
+        (b"\x1b[38;2;", ""),
+    ],
+)
+def test_only_text_is_visible(output: bytes, seen: str) -> None:
+    assert visible(output) == seen
+
+
+# --- the participant -----------------------------------------------------------------------------------------
+
+
+def test_every_press_is_a_row_right_or_wrong_as_pressed(bare: Terminal, tmp_path: Path) -> None:
+    presses = ScriptedParticipant(bare, random_answers(7, 1, 30, slips=0.4)).run(12)
+    assert bare.wait() == 0
+    recorded = rows(tmp_path)
+    assert [row["stimulus"] for row in recorded] == [press.expected for press in presses]
+    assert [row["response"] for row in recorded] == [press.key for press in presses]
+    assert [row["correct"] for row in recorded] == [press.key == press.expected for press in presses]
+    assert {row["correct"] for row in recorded} == {True, False}
+    stimuli = [press.expected for press in presses]
+    assert any(first == second for first, second in pairwise(stimuli)), "the same twice in a row"
+
+
+def test_a_press_comes_no_sooner_than_planned(bare: Terminal) -> None:
+    participant = ScriptedParticipant(bare, random_answers(3, 5, 40))
+    for press in participant.run(4):
+        assert press.reaction_time_ms >= 5
+    delays = [random_answers(3, 5, 40)(number, "f")[0] for number in range(4)]
+    assert all(press.reaction_time_ms >= delay for press, delay in zip(participant.presses, delays, strict=True))
+
+
+def test_a_participant_can_stop_and_go_on(bare: Terminal, tmp_path: Path) -> None:
+    participant = ScriptedParticipant(bare, random_answers(1, 1, 2))
+    assert len(participant.run(3)) == 3
+    assert len(participant.run(12)) == 12
+    assert bare.wait() == 0
+    assert len(rows(tmp_path)) == 12
+
+
+def test_a_participant_stops_at_the_moment_given_even_before_a_prompt_is_answered(bare: Terminal) -> None:
+    participant = ScriptedParticipant(bare, random_answers(1, 60_000, 60_000))
+    bare.wait_for("Enter")
+    assert participant.run(until=time.monotonic_ns() + 500_000_000) == []
+    assert not bare.ended
+
+
+def test_a_participant_leaves_when_the_program_is_killed(bare: Terminal) -> None:
+    def answer(number: int, expected: str) -> tuple[float, str]:
+        if number == 2:
+            bare.kill()
+        return 5, expected
+
+    assert len(ScriptedParticipant(bare, answer).run(12)) == 2
+
+
+def test_a_word_is_a_key_too() -> None:
+    program = "import tty, os; tty.setraw(0); print('Press: left \\r'); print('got', os.read(0, 3).hex(), 'end')"
+    with Terminal(python(program)) as terminal:
+        (press,) = ScriptedParticipant(terminal, random_answers(1, 1, 2)).run(1)
+        terminal.wait_for("got 1b5b44 end")
+    assert press.key == press.expected == "left"
+
+
+def test_enter_is_pressed_even_where_something_moves_all_the_time() -> None:
+    program = (
+        "import select, tty; tty.setraw(0); print('Press Enter\\r')\n"
+        "while not select.select([0], [], [], 0.05)[0]: print('.', end='', flush=True)\n"
+        "print('Press: f \\r')\n"
+    )
+    with Terminal(python(program)) as terminal:
+        assert len(ScriptedParticipant(terminal, random_answers(1, 1, 2)).run(1)) == 1
+
+
+def test_a_program_that_asks_for_nothing_is_reported() -> None:
+    with Terminal(python("import time; time.sleep(60)")) as terminal, pytest.raises(NoPrompt, match=r"for 0\.3 s"):
+        ScriptedParticipant(terminal, random_answers(1, 1, 2)).run(1, patience_s=0.3)
+
+
+def test_the_closed_loop_joins_each_recorded_trial_with_its_truth(tmp_path: Path) -> None:
+    trials = run_block(BARE, Block(prompts=6, seed=2), tmp_path)
+    assert len(trials) == 6
+    assert not list(tmp_path.iterdir()), "nothing is left behind"
+
+
+def test_what_goes_on_beside_a_program_begins_before_the_first_prompt_and_ends_with_it(tmp_path: Path) -> None:
+    told: list[str] = []
+
+    @contextmanager
+    def beside(folder: Path, terminal: Terminal) -> Iterator[None]:
+        told.append("begins" if folder.is_dir() and b"Press:" not in terminal.output else "late")
+        yield
+        told.append("ends" if folder.is_dir() and terminal.process.poll() == 0 else "early")
+
+    run_block(msgspec.structs.replace(BARE, beside=beside), Block(prompts=2, seed=2), tmp_path)
+    assert told == ["begins", "ends"]
