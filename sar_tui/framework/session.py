@@ -12,6 +12,7 @@ from sar_tui.framework.nodes.arbiter import Arbiter
 from sar_tui.framework.nodes.event_handler import EventHandler
 from sar_tui.framework.nodes.memory import Memory
 from sar_tui.framework.nodes.perception import Perception
+from sar_tui.framework.replay_comparison import is_same
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTING, SESSION, SESSION_ENDED, THEME
@@ -100,7 +101,7 @@ class Session:
         """Derive again what was recorded, so that the nodes stand where they stood. Before ``begin``.
 
         The inputs are fed in their order, the clock set to each; what the nodes derive is compared with what
-        was recorded. Faults of inputs and outputs do not come out again, for these are not attached yet. Then the
+        was recorded, except for wording. Faults of inputs and outputs do not come out again, for these are not attached yet. Then the
         session's own clock is put back, and its messages are counted on from the last.
 
         Raises:
@@ -125,7 +126,7 @@ class Session:
         recorded = [record for record in recorded if not record.topic.stream]
         expected = [record for record in recorded if not self._is_fault_of_extra(record)]
         for was, now in zip(expected, derived, strict=False):
-            if (was.topic, was.message) != (now.topic, now.message):
+            if was.topic is not now.topic or not is_same(was.message, now.message):
                 raise ReplayError(
                     f"Message {was.seq} ({was.topic.name}) does not come out as it was recorded: "
                     "the task, the theme or the program has changed since."

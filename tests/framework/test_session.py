@@ -224,6 +224,17 @@ def test_a_derived_message_that_was_changed_is_noticed(data: st.DataObject) -> N
         replay(records)
 
 
+def test_a_corrected_sentence_does_not_stop_a_replay() -> None:
+    records = list(whole().records)
+    for place, record in enumerate(records):
+        changed = {"text", "notice", "attempt_name"} & set(record.message.__struct_fields__)
+        if record.topic.origin == "derived" and changed:
+            reworded = dict.fromkeys(changed, "As an earlier version said it.")
+            records[place] = record._replace(message=msgspec.structs.replace(record.message, **reworded))
+    assert records != whole().records
+    replay(records)
+
+
 @given(st.data())
 def test_a_message_that_was_taken_out_or_put_in_twice_is_noticed(data: st.DataObject) -> None:
     records = list(whole().records)
