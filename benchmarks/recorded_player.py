@@ -1,7 +1,7 @@
 """The voice, as the program starts it, with a witness of its player: when it was given its last sample, and stopped.
 
-Used as ``python -m benchmarks.recorded_player FILE`` in place of ``sar_tui.outputs.sound.voice``: each time the player stops, a
-line with both (ns) is added to the file.
+Used as ``python -m benchmarks.recorded_player FILE`` in place of ``sar_tui.outputs.sound.voice``: each time the player
+stops, a line with both (ns) is added to the file.
 """
 
 import sys

@@ -1,7 +1,7 @@
 """sar-tui's reaching task with a sensor that is driven: Phidget22's own channel, called back from a thread.
 
-Used as ``python -m benchmarks.sensor_app RATE_HZ SECONDS DATA_FOLDER RESULT_FILE`` in a terminal. The seconds begin when
-an attempt has.
+Used as ``python -m benchmarks.sensor_app RATE_HZ SECONDS DATA_FOLDER RESULT_FILE`` in a terminal. The seconds begin
+when an attempt has.
 """
 
 import json

@@ -1,6 +1,7 @@
 """An operator's panel that nobody sits at: in a terminal of its own, which is read all the time, until the input ends.
 
-Used as ``python -m benchmarks.unattended_panel SESSION DATA``, in a process apart so that reading it disturbs no measurement.
+Used as ``python -m benchmarks.unattended_panel SESSION DATA``, in a process of its own so that reading the terminal
+disturbs no measurement.
 """
 
 import select

@@ -101,8 +101,8 @@ class Session:
         """Derive again what was recorded, so that the nodes stand where they stood. Before ``begin``.
 
         The inputs are fed in their order, the clock set to each; what the nodes derive is compared with what
-        was recorded, except for wording. Faults of inputs and outputs do not come out again, for these are not attached yet. Then the
-        session's own clock is put back, and its messages are counted on from the last.
+        was recorded, except for wording. Faults of inputs and outputs do not come out again, for these are not
+        attached yet. Then the session's own clock is put back, and its messages are counted on from the last.
 
         Raises:
             ReplayError: they differ.

@@ -15,7 +15,8 @@ SENT: tuple[Topic[Any], ...] = (
     # how they do; keys and percepts stay here, for a trial tells what came of them
     t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.FEEDBACK,
     # what the agent would say, says and has said
-    t.PROPOSED, t.PENDING_APPROVAL, t.ARBITER_STATE, t.FILLER_DUE, t.LEVEL_DECIDED, t.MISSED, t.ACTION, t.DROPPED, t.HALT, t.ACTING,
+    t.PROPOSED, t.PENDING_APPROVAL, t.ARBITER_STATE, t.FILLER_DUE, t.LEVEL_DECIDED, t.MISSED,
+    t.ACTION, t.DROPPED, t.HALT, t.ACTING,
     t.OUTPUT, t.REPORT, t.STOPPED,
     # what operators did, so that each sees what came of it, and what the others do
     t.OPERATOR, t.DECISION, t.REMARK, t.MODE, t.PROPOSAL_SEEN, t.NOTE_ADDED, t.PRESENCE, t.REFUSED,
@@ -28,7 +29,8 @@ _LATEST: tuple[Topic[Any], ...] = (
 )  # fmt: skip
 """Of these a late peer is told the last, of each seat and output."""
 _HISTORY: tuple[Topic[Any], ...] = (
-    t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.PROPOSED, t.PENDING_APPROVAL, t.ACTION, t.DROPPED, t.LEVEL_DECIDED, t.NOTE_ADDED,
+    t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.PROPOSED, t.PENDING_APPROVAL, t.ACTION, t.DROPPED, t.LEVEL_DECIDED,
+    t.NOTE_ADDED,
 )  # fmt: skip
 """Of each of these a late peer is told the last few."""
 _REMEMBERED = 40

@@ -1,4 +1,4 @@
-"""Which modules a task's session loads: `python -m sar_tui.validation.loaded_modules TASK [FOLDER…]`, in a process of its own.
+"""The modules that a task's session loads: ``python -m sar_tui.validation.loaded_modules TASK [FOLDER…]``.
 
 Loaded is what a live session loads, but for the app; then a simulated participant does two attempts, so that what is
 only loaded on the way is seen too. What the simulation itself loads is left out. Prints JSON.

@@ -290,8 +290,10 @@ async def test_a_session_that_was_left_and_is_resumed_is_joined_again_by_its_pan
 
 def test_when_the_program_is_killed_the_links_process_ends_with_it(tmp_path: Path) -> None:
     program = (
-        "import sys, time; from sar_tui.link.broker_process import BrokerProcess; from sar_tui.link.settings import host_settings;"
-        "from sar_tui.link.protocol import Setup; host = BrokerProcess(Setup(host_settings('link'), 'link', 10**9)); host.open();"
+        "import sys, time; from sar_tui.link.broker_process import BrokerProcess;"
+        "from sar_tui.link.settings import host_settings;"
+        "from sar_tui.link.protocol import Setup;"
+        "host = BrokerProcess(Setup(host_settings('link'), 'link', 10**9)); host.open();"
         "print(host.pid, flush=True); time.sleep(60)"
     )
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as parent:
