@@ -66,10 +66,10 @@ class LiveSession:
         else:
             self.run = resume(what, self._folder, self._catalogue, self.clock, self._nodes)
         if self._link and self._peers:
-            from sar_tui.link.about import about
+            from sar_tui.link.peer import session_welcome
 
             task = self.run.session.task
-            self._peers.about = about(task, self.run.id, self._link.link, self.run.participants)
+            self._peers.welcome = session_welcome(task, self.run.id, self._link.link, self.run.participants)
 
     def _nodes(self, task: Task, theme: Theme) -> list[Node]:
         """Keyboard, screen and the agent's other outputs; the motion sensors that the task needs; the link."""

@@ -44,7 +44,7 @@ class Admission:
         patience: how long (ns) a peer may be silent.
         tell: hands news to the program.
         answer: sends a peer an answer.
-        host: whose clock it is, see `same_host.clock_id`.
+        host: whose clock it is, see `remote_clock.clock_id`.
 
     Attributes:
         number: of the last batch that was sent to everybody.

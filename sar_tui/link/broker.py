@@ -13,7 +13,7 @@ from sar_tui.framework.clock import MS, host_now
 from sar_tui.link import protocol
 from sar_tui.link.admission import Admission
 from sar_tui.link.protocol import News, Order, ProtocolError, Publish, Reply, Samples, Setup, Told
-from sar_tui.link.same_host import clock_id
+from sar_tui.link.remote_clock import clock_id
 from sar_tui.link.settings import Keys, config
 
 if TYPE_CHECKING:

@@ -173,7 +173,7 @@ class _Client:
             self._number = None
             self._turn(Connection("connecting", pong.refusal))
             return
-        self._clock.learn(pong)
+        self._clock.update(pong)
         if self._number is not None and pong.number > self._number:
             self._number = None  # something did not come through: the next sign of life asks for it
 

@@ -37,10 +37,10 @@ class LinkNode(Node):
         channel: the process.
 
     Attributes:
-        about: what the session is, to be set before it begins; each peer is told its own name and role with it.
+        welcome: what the session is, to be set before it begins; each peer is told its own name and role with it.
     """
 
-    about: Welcome
+    welcome: Welcome
 
     name = "link"
     emits: ClassVar[tuple[Topic[Any], ...]] = (
@@ -143,7 +143,7 @@ class LinkNode(Node):
         except ProtocolError as error:
             self._refuse(acted.name, acted.topic, str(error))
             return
-        if self.about.participants and act.seat not in self.about.participants:
+        if self.welcome.participants and act.seat not in self.welcome.participants:
             self._refuse(acted.name, acted.topic, _NO_SEAT)
             return
         now = self.bus.clock.now()
@@ -215,7 +215,7 @@ class LinkNode(Node):
             self._to_greet |= dict.fromkeys(self._baton.peers)
         story = self._feed.story() if self._to_greet else []
         for name in list(self._to_greet):
-            welcome = msgspec.structs.replace(self.about, name=name, role=role_of(name) or "observer")
+            welcome = msgspec.structs.replace(self.welcome, name=name, role=role_of(name) or "observer")
             if self._channel.send(ToOne(name, self._number, welcome, story)):
                 del self._to_greet[name]
         if self._to_greet:

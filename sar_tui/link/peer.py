@@ -1,12 +1,15 @@
 """What crosses the link, and what a panel needs of it: whoever watches or steers a session from another program."""
 
 from collections.abc import Callable
-from typing import Any, Literal, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeVar
 
 import msgspec
 
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.messages import Message, Role
+
+if TYPE_CHECKING:
+    from sar_tui.framework.task import Task
 
 M = TypeVar("M", bound=Message)
 
@@ -50,6 +53,36 @@ class Welcome(msgspec.Struct, frozen=True):
     marks: tuple[MarkKey, ...] = ()
     called: dict[str, str] = {}
     parameters: dict[str, Any] = {}
+
+
+def session_welcome(task: "Task", session: str, link: str, participants: dict[str, str]) -> Welcome:
+    """Return the welcome of a session, with ``name`` and ``role`` still to be filled in for each peer.
+
+    Args:
+        task: with its parameters.
+        session: the session's id.
+        link: the id of its link.
+        participants: their codes, by seat.
+    """
+    parameters = task.parameters
+    called = participants if task.address == "code" else {seat: task.seat_name(seat) for seat in participants}
+    return Welcome(
+        link=link,
+        session=session,
+        task=task.name,
+        title=task.title,
+        participants=participants,
+        name="",
+        role="observer",
+        unit=task.metric.unit,
+        decimals=task.metric.decimals,
+        levels=task.levels,
+        attempts=parameters.practice_attempts + parameters.attempts,
+        trials=task.trials_per_attempt,
+        marks=tuple(MarkKey(mark.name, mark.title) for mark in task.marks),
+        called=called if len(participants) > 1 else {},
+        parameters=msgspec.to_builtins(parameters),
+    )
 
 
 class Trace(msgspec.Struct, frozen=True):

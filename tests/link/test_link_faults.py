@@ -98,7 +98,7 @@ class Sitting:
         self.log: list[Record] = []
         self.bus.tap(self.log.extend)
         self.node = LinkNode(host)
-        self.node.about = msgspec.structs.replace(ABOUT, link=live.link, session=live.session)
+        self.node.welcome = msgspec.structs.replace(ABOUT, link=live.link, session=live.session)
         self.node.attach(self.bus)
         self.bus.publish(SESSION, STARTED)
         self.panels: list[Panel] = []
@@ -276,7 +276,7 @@ async def test_a_session_that_was_left_and_is_resumed_is_joined_again_by_its_pan
     live = sitting.live
     host = BrokerProcess(protocol.Setup(host_settings(live.link, socket=live.socket), live.link, LOST_MS * MS))
     resumed = LinkNode(host)
-    resumed.about = sitting.node.about
+    resumed.welcome = sitting.node.welcome
     try:
         host.open()
         resumed.attach(sitting.bus)

@@ -97,7 +97,7 @@ class Bench:
         self.bus = Bus(self.clock)
         self.channel = Channel()
         self.node = LinkNode(self.channel)
-        self.node.about = ABOUT
+        self.node.welcome = ABOUT
         self.says = Says()
         self.says.attach(self.bus)
         self.node.attach(self.bus)
@@ -276,7 +276,7 @@ def test_what_a_resumed_session_stood_at_is_in_the_greeting_but_not_who_was_ther
     bus.publish(PRESENCE, m.OperatorChanged(actor=BEN, state="joined", operated=True))
     channel = Channel()
     node = LinkNode(channel)
-    node.about = ABOUT
+    node.welcome = ABOUT
     node.attach(bus)
     channel.hear(Came(ANNA))
     channel.hear(Wants(ANNA))

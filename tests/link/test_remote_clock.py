@@ -20,7 +20,7 @@ def ping(clock: RemoteClock, watch: Watch, there: int, back: int, host: str = "t
     """A ping that takes so long (ns) to get there, and back."""
     sent = watch.now
     watch.now += there + back
-    clock.learn(Pong(sent, sent + there + AHEAD, host, 0, "1"))
+    clock.update(Pong(sent, sent + there + AHEAD, host, 0, "1"))
 
 
 def test_on_the_same_host_it_is_the_same_clock_whatever_pings_say() -> None:
@@ -44,5 +44,5 @@ def test_when_the_sessions_machine_was_started_anew_old_pings_do_not_count() -> 
     ping(clock, watch, 1, 1)
     sent = watch.now
     watch.now += 10 * MS
-    clock.learn(Pong(sent, 7, "there, anew", 0, "1"))
+    clock.update(Pong(sent, 7, "there, anew", 0, "1"))
     assert abs(clock.now() - 7) <= 10 * MS
