@@ -1,6 +1,13 @@
-"""Where a session stands, and what it waits for there (see `messages.Waiting`)."""
+"""Phases of a session, and the `messages.Waiting` that each publishes."""
 
 from enum import Enum, auto
+
+from sar_tui.framework.attempts import Attempts
+from sar_tui.framework.messages import Waiting
+from sar_tui.framework.task import Task
+
+ASK_KEY = "tab"
+"""Key with which a participant asks for feedback on the last attempt, where it is given on request."""
 
 
 class Phase(Enum):
@@ -46,3 +53,34 @@ WAITS: dict[Phase, tuple[str, str]] = {
     Phase.ENDED: ("nothing", "ended"),
     Phase.BROKEN: ("nothing", "broken"),
 }
+
+
+def waiting_message(
+    phase: Phase, attempts: Attempts, task: Task, *, notice: str, reason: str, detail: str, seat: str = "A"
+) -> Waiting:
+    """Return the message that a session publishes when it enters ``phase``.
+
+    Args:
+        phase: the phase that is entered.
+        attempts: gives the attempt, the trial, and the level.
+        task: gives the texts.
+        notice: shown to the participant first.
+        reason, detail, seat: as in `messages.Waiting`.
+    """
+    what, stage = (PAUSES.get(reason, "resume"), "paused") if phase is Phase.PAUSED else WAITS[phase]
+    goal = "" if stage == "trial" else task.goal(attempts.level)
+    return Waiting(
+        seat=seat,
+        what=what,  # type: ignore[arg-type]
+        stage=stage,  # type: ignore[arg-type]
+        attempt=attempts.attempt,
+        trial=attempts.trial,
+        level=attempts.level,
+        attempt_name=attempts.name,
+        trials=task.trials_per_attempt,
+        goal=task.start(attempts.level) if phase is Phase.START else goal,
+        notice=notice,
+        reason=reason,
+        detail=detail,
+        ask=ASK_KEY if phase in (Phase.READY, Phase.REVIEW) and attempts.unanswered else "",
+    )

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from sar_tui.framework.messages import KeyPressed
 from sar_tui.framework.parameters import build
+from sar_tui.framework.session_phase import ASK_KEY
 from sar_tui.framework.task import Task
-from sar_tui.framework.waiting import ASK_KEY
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
 from sar_tui.runs.simulate import simulate

@@ -9,8 +9,8 @@ import pytest
 
 from sar_tui.framework.parameters import build
 from sar_tui.framework.policies.feedback import RAREST
+from sar_tui.framework.session_phase import ASK_KEY
 from sar_tui.framework.topics import ALL, ATTEMPT_ENDED, FEEDBACK, KEY, PROPOSED
-from sar_tui.framework.waiting import ASK_KEY
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
 from sar_tui.runs.simulate import simulate

@@ -10,7 +10,16 @@ from sar_tui.framework.bus import FAULT
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.nodes.trials import Trials
-from sar_tui.framework.session_phase import ENTER_GOES_ON, IN_TRIAL, MARKABLE, OVER, PAUSES, Phase
+from sar_tui.framework.session_phase import (
+    ASK_KEY,
+    ENTER_GOES_ON,
+    IN_TRIAL,
+    MARKABLE,
+    OVER,
+    PAUSES,
+    Phase,
+    waiting_message,
+)
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import (
     ATTEMPT_ENDED,
@@ -35,7 +44,6 @@ from sar_tui.framework.topics import (
     WAITING,
 )
 from sar_tui.framework.trial_types import Mark, Result, Results
-from sar_tui.framework.waiting import ASK_KEY, waiting
 
 
 class EventHandler(Trials):
@@ -365,7 +373,7 @@ class EventHandler(Trials):
         notice = self._notice_for(phase)
         detail = self._blockers.says(why)
         seat = self._blockers.lacking if why == "sensor" else self._turn
-        told = waiting(phase, self._attempts, self.task, notice=notice, reason=why, detail=detail, seat=seat)
+        told = waiting_message(phase, self._attempts, self.task, notice=notice, reason=why, detail=detail, seat=seat)
         self.emit(WAITING, told)
 
     @property
