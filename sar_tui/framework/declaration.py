@@ -1,18 +1,25 @@
 """Declares parameters: their titles, units, bounds and help; reads and shows their values."""
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, Literal
 
 import msgspec
 from msgspec import Meta, inspect
 
 _LONG = 60
+"""Letters of a value that an error message quotes."""
 
 
-"""Letters of a value that a problem quotes."""
-
-
-def meta(title: str, unit: str = "", help: str = "", takes: str = "", group: str = "", **bounds: Any) -> Meta:
+def meta(
+    title: str,
+    unit: str = "",
+    help: str = "",
+    takes: str = "",
+    group: str = "",
+    renamed: Mapping[str, str] = MappingProxyType({}),
+    **bounds: Any,
+) -> Meta:
     """Describe a parameter for the people who set it.
 
     Args:
@@ -22,9 +29,12 @@ def meta(title: str, unit: str = "", help: str = "", takes: str = "", group: str
         takes: of a text, what it may be, in words: "a code of small letters, such as en".
         group: the heading on the settings form under which it stands; a task's own need none, and one that is common
             to every task keeps its heading where a task declares it anew.
+        renamed: former spellings of a choice, each with its present one: ``{"thesis": "consecutive"}``. Stored
+            settings and `--set` may still use them; ``current_values`` translates.
         bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``.
     """
-    return Meta(title=title, description=help or None, extra={"unit": unit, "takes": takes, "group": group}, **bounds)
+    extra = {"unit": unit, "takes": takes, "group": group, "renamed": dict(renamed)}
+    return Meta(title=title, description=help or None, extra=extra, **bounds)
 
 
 class ParameterError(ValueError):
@@ -52,6 +62,7 @@ class Field(msgspec.Struct, frozen=True):
     least: int | None = None
     most: int | None = None
     group: str = ""
+    renamed: dict[str, str] = {}
 
     @property
     def bounds(self) -> str:
@@ -93,8 +104,10 @@ class Field(msgspec.Struct, frozen=True):
 
 
 def declared_field(field: inspect.Field) -> Field:
+    """Return what a field of a msgspec struct declares."""
     kind = field.type
     title, help, unit, takes, group = field.name.replace("_", " ").capitalize(), "", "", "", ""
+    renamed: dict[str, str] = {}
     while isinstance(kind, inspect.Metadata):
         schema = kind.extra_json_schema or {}
         title = schema.get("title", title)
@@ -102,8 +115,10 @@ def declared_field(field: inspect.Field) -> Field:
         unit = (kind.extra or {}).get("unit", unit)
         takes = (kind.extra or {}).get("takes", takes)
         group = (kind.extra or {}).get("group", group)
+        renamed = (kind.extra or {}).get("renamed", renamed)
         kind = kind.type
     declared: dict[str, Any] = {"name": field.name, "title": title, "unit": unit, "help": help, "group": group}
+    declared["renamed"] = renamed
     declared["default"] = field.default_factory() if field.default is msgspec.NODEFAULT else field.default
     match kind:
         case inspect.IntType(ge=ge, le=le):

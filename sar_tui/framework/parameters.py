@@ -93,13 +93,14 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
         ),
     ] = 10
     difficulty_policy: Annotated[
-        Literal["thesis", "fixed"],
+        Literal["consecutive", "fixed"],
         meta(
             "Difficulty",
-            help="thesis: one level up or down after successes or failures in a row. fixed: stays.",
+            help="consecutive: one level up or down after successes or failures in a row. fixed: stays.",
             group="Difficulty",
+            renamed={"thesis": "consecutive"},
         ),
-    ] = "thesis"
+    ] = "consecutive"
     feedback_schedule: Annotated[
         Literal["every", "faded", "bandwidth", "summary", "request", "none"],
         meta(
@@ -288,18 +289,34 @@ class TaskParameters(msgspec.Struct, frozen=True, kw_only=True):
 
 def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
     """The declared parameters of a task, the task's own first, then those common to all."""
-    groups = {name: field.group for name, field in _declared(TaskParameters).items()}
-    found = (
-        msgspec.structs.replace(field, group=field.group or groups.get(name, ""))
+    common = _declared(TaskParameters)
+    found = [
+        msgspec.structs.replace(
+            field, group=field.group or common[name].group, renamed=field.renamed or common[name].renamed
+        )
+        if name in common
+        else field
         for name, field in _declared(parameters).items()
-    )
-    return tuple(sorted(found, key=lambda field: field.name in groups))
+    ]
+    return tuple(sorted(found, key=lambda field: field.name in common))
 
 
 def _declared(parameters: type[TaskParameters]) -> dict[str, Field]:
     info = inspect.type_info(parameters)
     assert isinstance(info, inspect.StructType)
     return {field.name: declared_field(field) for field in info.fields}
+
+
+def current_values(parameters: type[TaskParameters], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values with former spellings of choices replaced by the present ones (``renamed`` of ``meta``).
+
+    Call it on values from a database or a file before showing or comparing them; ``build`` does it itself.
+    """
+    renamed = {field.name: field.renamed for field in fields(parameters) if field.renamed}
+    return {
+        name: renamed[name].get(value, value) if name in renamed and isinstance(value, str) else value
+        for name, value in values.items()
+    }
 
 
 def build(parameters: type[P], values: Mapping[str, object]) -> P:
@@ -312,7 +329,7 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
     types = {field.name: field.type for field in msgspec.structs.fields(parameters)}
     problems: dict[str, str] = {}
     good: dict[str, Any] = {}
-    for name, value in values.items():
+    for name, value in current_values(parameters, values).items():
         if name not in declared:
             near = difflib.get_close_matches(name, declared, 1)
             problems[name] = f"There is no parameter {name}." + (f" Did you mean {near[0]}?" if near else "")

@@ -7,7 +7,7 @@ from typing import Any, get_args
 import msgspec
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.parameters import TaskParameters, current_values
 from sar_tui.reports.agreement import Agreement, agreement
 from sar_tui.reports.deviations import Deviation, deviations
 from sar_tui.reports.distribution import Distribution, distribution
@@ -97,7 +97,7 @@ def report(session: str, parameters: Mapping[str, Any], told: Sequence[Told]) ->
         parameters: of its task, as stored; those of versions that had no operator may be missing.
         told: its messages.
     """
-    settings = msgspec.convert(dict(parameters), TaskParameters)
+    settings = msgspec.convert(current_values(TaskParameters, parameters), TaskParameters)
     operators = people(told, "operator")
     proposed = cases(told, settings)
     there = presence(told)

@@ -13,7 +13,7 @@ import sqlite_utils
 
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import host_now
-from sar_tui.framework.parameters import TaskParameters, fields
+from sar_tui.framework.parameters import TaskParameters, current_values, fields
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ALL, PRESENCE
 from sar_tui.store import imu
@@ -89,7 +89,8 @@ def best(db: sqlite_utils.Database, participant: str, task: Task, *, but: str = 
     is left out, and so is what was too inaccurate.
     """
     metric = task.metric
-    own = {field.name for field in fields(type(task.parameters))} - {field.name for field in fields(TaskParameters)}
+    kind = type(task.parameters)
+    own = {field.name for field in fields(kind)} - {field.name for field in fields(TaskParameters)}
     set_here = msgspec.json.decode(msgspec.json.encode(task.parameters))
     here = {name: value for name, value in set_here.items() if name in own}
     live = db.query(
@@ -97,11 +98,11 @@ def best(db: sqlite_utils.Database, participant: str, task: Task, *, but: str = 
         " WHERE participant=? AND task=? AND mode='live' AND sessions.id<>?",
         (participant, task.name, but),
     )
-    alike = [
-        row["id"]
-        for row in live
-        if {name: value for name, value in msgspec.json.decode(row["parameters"]).items() if name in own} == here
-    ]
+
+    def stored(row: dict[str, Any]) -> dict[str, Any]:
+        return current_values(kind, msgspec.json.decode(row["parameters"]))
+
+    alike = [row["id"] for row in live if {name: value for name, value in stored(row).items() if name in own} == here]
     best_of = "min" if metric.better == "lower" else "max"
     rows = db.execute(
         f"SELECT level, {best_of}(metric) FROM attempts JOIN sessions ON sessions.id = attempts.session"

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.declaration import Field, ParameterError, meta, read, show
-from sar_tui.framework.parameters import TaskParameters, build, changed, fields
+from sar_tui.framework.parameters import TaskParameters, build, changed, current_values, fields
 
 
 class Parameters(TaskParameters, frozen=True, kw_only=True):
@@ -16,7 +16,7 @@ class Parameters(TaskParameters, frozen=True, kw_only=True):
 
     reach: Annotated[float, meta("Reach", "cm", "How far.", ge=0, le=100)] = 30.5
     repetitions: Annotated[int, meta("Repetitions", ge=1, le=12)] = 3
-    hand: Annotated[Literal["left", "right"], meta("Hand")] = "right"
+    hand: Annotated[Literal["left", "right"], meta("Hand", renamed={"sinister": "left"})] = "right"
     mirrored: Annotated[bool, meta("Mirrored")] = False
     words: Annotated[tuple[str, ...], meta("Words")] = ("one", "two")
     nickname: Annotated[str, meta("Nickname", max_length=70)] = "x"
@@ -57,7 +57,9 @@ ONE_OF_THE_TASKS = st.sampled_from(["reach", "repetitions", "hand", "mirrored", 
 
 def test_a_declared_field_knows_all_that_a_form_needs() -> None:
     assert FIELDS["reach"] == Field("reach", "Reach", "cm", "How far.", 30.5, "float", 0, 100)
-    assert FIELDS["hand"] == Field("hand", "Hand", "", "", "right", "choice", choices=("right", "left"))
+    assert FIELDS["hand"] == Field(
+        "hand", "Hand", "", "", "right", "choice", choices=("right", "left"), renamed={"sinister": "left"}
+    )
     assert FIELDS["undescribed"] == Field("undescribed", "Undescribed", "", "", 4, "int")
     assert [FIELDS[name].kind for name in ("mirrored", "words", "nickname")] == ["bool", "list", "text"]
 
@@ -170,3 +172,19 @@ def test_only_what_differs_from_the_defaults_is_kept_and_brings_the_rest_back(da
     kept = changed(built)
     assert set(kept) == ({name} if value != FIELDS[name].default else set())
     assert build(Parameters, kept) == built
+
+
+def test_a_former_spelling_of_a_choice_is_read_as_the_present_one() -> None:
+    assert build(Parameters, {"hand": "sinister", "difficulty_policy": "thesis"}) == build(Parameters, {"hand": "left"})
+    assert current_values(Parameters, {"hand": "sinister", "unknown": "x", "reach": 2.0}) == {
+        "hand": "left",
+        "unknown": "x",
+        "reach": 2.0,
+    }
+
+
+def test_a_redeclared_common_parameter_keeps_its_former_spellings() -> None:
+    class Redeclared(TaskParameters, frozen=True, kw_only=True):
+        difficulty_policy: Annotated[Literal["consecutive", "fixed"], meta("Steps")] = "fixed"
+
+    assert build(Redeclared, {"difficulty_policy": "thesis"}).difficulty_policy == "consecutive"

@@ -19,7 +19,7 @@ from sar_tui.runs.run import Run, resume, start
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
-from sar_tui.store.database import StoreError, connect
+from sar_tui.store.database import StoreError, connect, transaction
 
 CATALOGUE = Catalogue()
 KEYBOARD = CATALOGUE.task("keyboard")
@@ -107,6 +107,18 @@ def test_what_has_ended_cannot_be_gone_on_with(data: Path) -> None:
     with pytest.raises(StoreError, match="is completed; only a live one that was interrupted") as caught:
         resume(session, data, CATALOGUE, VirtualClock(), sit_down)
     assert caught.value.bad_input
+
+
+def test_a_session_stored_with_former_spellings_resumes(data: Path) -> None:
+    whole = undisturbed(data)
+    clock = VirtualClock()
+    run = start(PLAN, data, CATALOGUE, clock, sit_down)
+    play(run, clock, 20)
+    with transaction(connect(data)) as connection:
+        connection.execute("UPDATE sessions SET parameters = json_set(parameters, '$.difficulty_policy', 'thesis')")
+    clock = VirtualClock(1000 * SECOND)
+    play(resume(run.id, data, CATALOGUE, clock, sit_down), clock)
+    assert table(data, "trials", run.id, *TRIALS) == table(data, "trials", whole, *TRIALS)
 
 
 # --- what was achieved before ----------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from textual.widgets import Button, Footer, Static
 
 from sar_tui.framework.declaration import ParameterError, show
 from sar_tui.framework.parameter_groups import grouped
-from sar_tui.framework.parameters import build, changed
+from sar_tui.framework.parameters import build, changed, current_values
 from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
 from sar_tui.runs.plan import check_outputs
@@ -63,8 +63,9 @@ class SettingsScreen(Screen[None]):
         self._theme = kept.theme
         yield Static(f"Settings of {self._participant} for {self._motor_task.title}", id="top", markup=False)
         with _Form(id="form"):
+            values = current_values(self._motor_task.Parameters, kept.parameters)
             for heading, fields in grouped(self._motor_task.Parameters).items():
-                made = [ParameterField(field, kept.parameters.get(field.name, field.default)) for field in fields]
+                made = [ParameterField(field, values.get(field.name, field.default)) for field in fields]
                 self._fields += made
                 self._groups.append(FieldGroup(heading or self._motor_task.title, made, folded=heading in _FOLDED))
             yield from self._groups
