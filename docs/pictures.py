@@ -12,10 +12,10 @@ from sar_tui.app.app import SarTui
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import Role
 from sar_tui.framework.parameters import build
-from sar_tui.link.channel import Ended, Hear, Sending, ToAll, ToOne
+from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing, OutgoingBatch, OutgoingSnapshot
 from sar_tui.link.discovery import JoinableSession
-from sar_tui.link.peer import Connection, Frame, Heard
-from sar_tui.link.protocol import Came, News, Wants
+from sar_tui.link.peer import Connection, Frame, PeerEvent
+from sar_tui.link.protocol import BrokerEvent, PeerJoined, SnapshotRequested
 from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
@@ -136,28 +136,28 @@ class _Channel:
     """In the place of the link's process: what it would send is kept."""
 
     link = "picture"
-    hear: Hear
+    hear: BrokerListener
 
     def __init__(self) -> None:
-        self.sent: list[Sending] = []
+        self.sent: list[Outgoing] = []
 
-    def listen(self, hear: Hear) -> None:
+    def listen(self, hear: BrokerListener) -> None:
         self.hear = hear
 
-    def send(self, what: Sending) -> bool:
+    def send(self, what: Outgoing) -> bool:
         self.sent.append(what)
         return True
 
     def check(self) -> None:
         pass
 
-    def heard(self) -> list[Heard]:
+    def heard(self) -> list[PeerEvent]:
         """What a panel would have been told."""
-        told: list[Heard] = [Connection("connected")]
+        told: list[PeerEvent] = [Connection("connected")]
         for what in self.sent:
-            if isinstance(what, ToOne):
+            if isinstance(what, OutgoingSnapshot):
                 told.append(what.welcome)
-            if isinstance(what, ToOne | ToAll):
+            if isinstance(what, OutgoingSnapshot | OutgoingBatch):
                 told.append([Frame(each.seq, each.at, each.topic, each.message) for each in what.records])
         return told
 
@@ -174,7 +174,7 @@ class _Peer:
     def send(self, topic: Any, message: Any) -> None:
         pass
 
-    def take_baton(self) -> None:
+    def take_control(self) -> None:
         pass
 
     def close(self) -> None:
@@ -192,7 +192,7 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
     app = SarTui(data, catalogue, plan, clock, link=channel)  # type: ignore[arg-type]
     async with app.run_test(size=(80, 24)) as pilot:
         await _settle(pilot, clock)
-        news: tuple[News | Ended, ...] = (Came(_Peer.name), Wants(_Peer.name))
+        news: tuple[BrokerEvent | BrokerEnded, ...] = (PeerJoined(_Peer.name), SnapshotRequested(_Peer.name))
         for each in news:
             channel.hear(each)
         for key in ("enter", "enter"):

@@ -13,7 +13,7 @@ from sar_tui.cli.session_choice import Joined, Link
 if TYPE_CHECKING:
     import asyncio
 
-    from sar_tui.link.peer import Hear, Peer
+    from sar_tui.link.peer import Peer, PeerListener
 
 _NAME = "agent"
 """What the view is called in the session's log, with a number of its own, so that there can be several."""
@@ -39,7 +39,7 @@ def follow_agent(
     from sar_tui.link.client import connect
     from sar_tui.plugins import DEFAULT_THEME
 
-    def join(hear: "Hear", loop: "asyncio.AbstractEventLoop") -> "Peer":
+    def join(hear: "PeerListener", loop: "asyncio.AbstractEventLoop") -> "Peer":
         return connect(where, f"{_NAME}-{os.getpid()}", "observer", hear, loop)
 
     app = AgentApp(catalogue.theme(DEFAULT_THEME), join)

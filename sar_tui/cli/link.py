@@ -56,7 +56,7 @@ def invite(
     from sar_tui.framework.messages import Role
     from sar_tui.link.authority import Authority
     from sar_tui.link.invitation import file_name, write
-    from sar_tui.link.settings import Guest, endpoint
+    from sar_tui.link.settings import Guest, parse_endpoint
 
     known = get_args(Role)
     if role not in known:
@@ -67,8 +67,8 @@ def invite(
         raise Refused(f"{path} is there already, and is left as it is. Give another name with --to.")
     if not path.resolve().parent.is_dir():
         raise Refused(f"{path} cannot be made: there is no folder {path.parent}.")
-    where = [endpoint(text) for text in host]
-    authority = Authority.made(Home.of(context, data, tasks).folder)
+    where = [parse_endpoint(text) for text in host]
+    authority = Authority.open_or_create(Home.of(context, data, tasks).folder)
     invitation = authority.invite(guest, where, days)
     try:
         write(invitation, path)
@@ -102,7 +102,7 @@ def list_invitations(context: typer.Context, as_json: AsJson = False, data: Data
     from sar_tui.link.authority import Authority
 
     folder = Home.of(context, data, tasks).folder
-    invitations = Authority.opened(folder).invitations if Authority.exists(folder) else ()
+    invitations = Authority.open(folder).invitations if Authority.exists(folder) else ()
     now = datetime.now(UTC)
     rows: list[dict[str, Any]] = [
         {
@@ -143,7 +143,7 @@ def revoke(
     """Take an invitation back: it opens no session that begins from now on."""
     from sar_tui.link.authority import Authority
 
-    revoked = Authority.opened(Home.of(context, data, tasks).folder).revoke(name)
+    revoked = Authority.open(Home.of(context, data, tasks).folder).revoke(name)
     if as_json:
         print_json({"name": revoked.name, "role": revoked.role, "revoked": revoked.revoked})
         return
@@ -167,14 +167,14 @@ def check(
     """
     from sar_tui.link.errors import LinkError
     from sar_tui.link.invitation import read
-    from sar_tui.link.probe import knock
+    from sar_tui.link.probe import probe
     from sar_tui.link.settings import network_settings
 
     invitation = read(file)
     tries: list[dict[str, str]] = []
     for where in invitation.where:
         try:
-            knock(network_settings(where, invitation.credentials), invitation.link)
+            probe(network_settings(where, invitation.credentials), invitation.link)
         except LinkError as error:
             tries.append({"endpoint": str(where), "error": str(error)})
         else:

@@ -134,16 +134,16 @@ def _link(
         yield None
         return
     from sar_tui.link.errors import LinkError
-    from sar_tui.link.server import Listening, opened
+    from sar_tui.link.server import ListenOptions, open_link
     from sar_tui.runs.plan import Failed
 
     try:
-        listening = Listening.read(operator=operator, listen=listen)
+        listening = ListenOptions.parse(operator=operator, listen=listen)
     except LinkError as error:
         raise Refused(str(error)) from error
     with ExitStack() as stack:
         try:
-            host = stack.enter_context(opened(home.folder, session, task, listening, lost_ms))
+            host = stack.enter_context(open_link(home.folder, session, task, listening, lost_ms))
         except LinkError as error:
             raise Failed(str(error)) from error
         yield host

@@ -19,7 +19,7 @@ import msgspec
 from sar_tui.framework.messages import Role
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.invitation import NAME, Invitation
-from sar_tui.link.settings import Credentials, Endpoint, Guest, HostFiles, endpoint
+from sar_tui.link.settings import Credentials, Endpoint, Guest, TlsFiles, parse_endpoint
 
 if TYPE_CHECKING:
     from sar_tui.link import certificates
@@ -34,7 +34,7 @@ _PATIENCE_SECONDS = 5
 _ALWAYS = ("localhost", "127.0.0.1", "::1")
 
 
-class Issued(msgspec.Struct, frozen=True, kw_only=True):
+class IssuedInvitation(msgspec.Struct, frozen=True, kw_only=True):
     """An invitation that was given out; ``fingerprint``: SHA-256 of its certificate. Times are UTC."""
 
     name: str
@@ -58,7 +58,7 @@ class Issued(msgspec.Struct, frozen=True, kw_only=True):
 
 class _Register(msgspec.Struct, frozen=True):
     link: str
-    invitations: tuple[Issued, ...] = ()
+    invitations: tuple[IssuedInvitation, ...] = ()
 
 
 class Authority:
@@ -76,7 +76,7 @@ class Authority:
         return cls(data / FOLDER)._register.is_file()
 
     @classmethod
-    def opened(cls, data: Path) -> "Authority":
+    def open(cls, data: Path) -> "Authority":
         """The authority that there is. Raises LinkError: there is none, or it cannot be read."""
         if not cls.exists(data):
             raise LinkError(
@@ -88,7 +88,7 @@ class Authority:
         return authority
 
     @classmethod
-    def made(cls, data: Path) -> "Authority":
+    def open_or_create(cls, data: Path) -> "Authority":
         """The authority, made if there is none yet. Raises LinkError: it cannot be written or read."""
         authority = cls(data / FOLDER)
         with authority._alone():
@@ -103,7 +103,7 @@ class Authority:
         return self._load().link
 
     @property
-    def invitations(self) -> tuple[Issued, ...]:
+    def invitations(self) -> tuple[IssuedInvitation, ...]:
         """All that were given out, oldest first."""
         return self._load().invitations
 
@@ -146,7 +146,7 @@ class Authority:
                     raise LinkError(_taken(other, at))
             own = self._own()
             made = certificates.guest(own, str(guest), at, expires)
-            issued = Issued(
+            issued = IssuedInvitation(
                 name=guest.name,
                 role=guest.role,
                 endpoints=tuple(str(end) for end in where),
@@ -164,7 +164,7 @@ class Authority:
             credentials=Credentials(own.certificate, made.certificate, made.key),
         )
 
-    def revoke(self, name: str, now: datetime | None = None) -> Issued:
+    def revoke(self, name: str, now: datetime | None = None) -> IssuedInvitation:
         """Let somebody in no longer, from the next session on. Raises LinkError: nobody of that name could come."""
         at = (now or datetime.now(UTC)).replace(microsecond=0)
         with self._alone():
@@ -190,7 +190,7 @@ class Authority:
                     break
             self._save(_Register(register.link, tuple(kept)))
 
-    def host_files(self, listen: Iterable[Endpoint], now: datetime | None = None) -> HostFiles:
+    def host_files(self, listen: Iterable[Endpoint], now: datetime | None = None) -> TlsFiles:
         """A host's certificate for the names that it is invited to and listens under, made anew where need be.
 
         Raises LinkError: it cannot be written.
@@ -199,8 +199,8 @@ class Authority:
         from sar_tui.link import certificates
 
         at = (now or datetime.now(UTC)).replace(microsecond=0)
-        files = HostFiles(self._certificate, self._folder / "host.pem", self._folder / "host.key")
-        invited = (endpoint(text).host for issued in self.invitations for text in issued.endpoints)
+        files = TlsFiles(self._certificate, self._folder / "host.pem", self._folder / "host.key")
+        invited = (parse_endpoint(text).host for issued in self.invitations for text in issued.endpoints)
         names = list(dict.fromkeys([*_ALWAYS, *invited, *(end.host for end in listen)]))
         with self._alone():
             own = self._own()
@@ -289,7 +289,7 @@ class Authority:
         )
 
 
-def _taken(other: Issued, at: datetime) -> str:
+def _taken(other: IssuedInvitation, at: datetime) -> str:
     if other.state(at) == "revoked":
         return (
             f"The name {other.name} was revoked, and stays taken until {other.expires:%Y-%m-%d}: the invitation that "

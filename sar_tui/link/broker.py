@@ -12,9 +12,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from sar_tui.framework.clock import MS, host_now
 from sar_tui.link import protocol
 from sar_tui.link.admission import Admission
-from sar_tui.link.protocol import News, Order, ProtocolError, Publish, Reply, Samples, Setup, Told
+from sar_tui.link.protocol import (
+    BrokerCommand,
+    BrokerEvent,
+    ProtocolError,
+    Publish,
+    SendTo,
+    SensorSamples,
+    SessionMessage,
+    Setup,
+)
 from sar_tui.link.remote_clock import clock_id
-from sar_tui.link.settings import Keys, config
+from sar_tui.link.settings import LinkKeys, config
 
 if TYPE_CHECKING:
     import zenoh
@@ -44,16 +53,16 @@ class Broker:
     def __init__(self, setup: Setup, up: int) -> None:
         self._up = up
         self._up_lock = threading.Lock()
-        self._keys = Keys(setup.link)
+        self._keys = LinkKeys(setup.link)
         self._outbox: queue.Queue[_Parcel | None] = queue.Queue(_MOST_WAITING)
         self._desk = Admission(setup.patience, self.tell, self._answer, clock_id())
         self._glimpse: Downsampler | None = None
         self._glimpse_lock = threading.Lock()
         self._sender = threading.Thread(target=self._send, name="link sender", daemon=True)
 
-    def tell(self, news: News) -> None:
+    def tell(self, news: BrokerEvent) -> None:
         """Tell the program; if it is no longer there, the end of the orders tells so."""
-        data = protocol.pack(news)
+        data = protocol.pack_frame(news)
         with self._up_lock, contextlib.suppress(OSError):
             while data:
                 data = data[os.write(self._up, data) :]
@@ -82,7 +91,9 @@ class Broker:
             now = host_now()
             name = str(sample.key_expr).rpartition("/")[2]
             length = len(sample.payload)
-            payload = sample.payload.to_bytes() if length <= protocol.MOST_ACT else bytes(protocol.MOST_ACT + 1)
+            payload = (
+                sample.payload.to_bytes() if length <= protocol.MAX_ACT_BYTES else bytes(protocol.MAX_ACT_BYTES + 1)
+            )
             receive(name, payload, now)
 
         return take
@@ -91,14 +102,14 @@ class Broker:
         if "DELETE" in str(sample.kind):
             self._desk.gone(str(sample.key_expr).rpartition("/")[2])
 
-    def order(self, order: Order) -> None:
+    def order(self, order: BrokerCommand) -> None:
         """Do what the program says."""
         match order:
             case Publish():
                 self._outbox.put(_Parcel(self._keys.out, order.payload, order.number))
-            case Reply():
+            case SendTo():
                 self._outbox.put(_Parcel(self._keys.back(order.name), order.payload))
-            case Samples():
+            case SensorSamples():
                 from sar_tui.link.downsample import Downsampler
 
                 with self._glimpse_lock:
@@ -115,7 +126,7 @@ class Broker:
         closing.start()
         closing.join(_GOODBYE_S)
 
-    def _answer(self, name: str, told: Told) -> None:
+    def _answer(self, name: str, told: SessionMessage) -> None:
         with contextlib.suppress(queue.Full):
             self._outbox.put_nowait(_Parcel(self._keys.back(name), protocol.encode(told)))
 
@@ -135,7 +146,7 @@ class Broker:
                 self._put_traces(zenoh, now)
             if now - beat >= _BEAT:
                 beat = now
-                self.tell(protocol.Beat())
+                self.tell(protocol.Heartbeat())
 
     def _put(self, zenoh: Any, key: str, payload: bytes, number: int = 0) -> None:
         """Never wait for a peer that does not listen: it sees by the number that it missed something, and asks."""
@@ -149,7 +160,7 @@ class Broker:
             with self._glimpse_lock:
                 traces = self._glimpse.due(now)
             if traces:
-                self._put(zenoh, self._keys.out, protocol.encode(protocol.Traces(traces)))
+                self._put(zenoh, self._keys.out, protocol.encode(protocol.MotionTraces(traces)))
 
 
 def _read_log(log: int, guests: tuple[str, ...], desk: Admission) -> None:
@@ -184,16 +195,16 @@ def main() -> None:
     up = os.dup(1)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what a library prints is not for the program
     with contextlib.suppress(ProtocolError, OSError):
-        setup = protocol.read(orders, Order)
+        setup = protocol.read_frame(orders, BrokerCommand)
         if isinstance(setup, Setup):
             broker = Broker(setup, up)
             try:
                 broker.open(setup)
             except Exception as error:
-                broker.tell(protocol.Opened(str(error) or type(error).__name__))
+                broker.tell(protocol.BrokerStarted(str(error) or type(error).__name__))
             else:
-                broker.tell(protocol.Opened())
-                while (order := protocol.read(orders, Order)) is not None:
+                broker.tell(protocol.BrokerStarted())
+                while (order := protocol.read_frame(orders, BrokerCommand)) is not None:
                     broker.order(order)
                 broker.close()
     os._exit(0)  # a thread of Zenoh's that hangs must not keep it alive

@@ -12,9 +12,9 @@ from typing import IO
 from sar_tui.drivers import child_process
 from sar_tui.framework.clock import SECOND
 from sar_tui.link import protocol
-from sar_tui.link.channel import Ended, Hear, Sending
+from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing
 from sar_tui.link.errors import LinkError
-from sar_tui.link.protocol import Beat, News, Opened, Order, ProtocolError, Setup
+from sar_tui.link.protocol import BrokerCommand, BrokerEvent, BrokerStarted, Heartbeat, ProtocolError, Setup
 
 PROGRAM = child_process.python("sar_tui.link.broker")
 _MOST_WAITING = 200
@@ -35,14 +35,16 @@ _GIVEN_UP = "The link's process ended time and again: there is no link for the r
 class _Child:
     """One process, with a thread that writes to it and one that hears it. ``heard`` gets None when it has ended."""
 
-    def __init__(self, setup: Setup, heard: "Callable[[_Child, News | None], object]", program: Sequence[str]) -> None:
+    def __init__(
+        self, setup: Setup, heard: "Callable[[_Child, BrokerEvent | None], object]", program: Sequence[str]
+    ) -> None:
         self._process: subprocess.Popen[bytes] = child_process.start(program)
         assert self._process.stdin
         assert self._process.stdout
         self._orders: IO[bytes] = self._process.stdin
         self._news: IO[bytes] = self._process.stdout
         self._heard = heard
-        self._outbox: queue.Queue[Sending | Order | None] = queue.Queue(_MOST_WAITING)
+        self._outbox: queue.Queue[Outgoing | BrokerCommand | None] = queue.Queue(_MOST_WAITING)
         self._outbox.put(setup)
         self.pid = self._process.pid
         self._threads = [
@@ -52,7 +54,7 @@ class _Child:
         for thread in self._threads:
             thread.start()
 
-    def send(self, what: "Sending | Order | None") -> bool:
+    def send(self, what: "Outgoing | BrokerCommand | None") -> bool:
         """Queue it for the writing thread; None for the end. False where there is no room."""
         try:
             self._outbox.put_nowait(what)
@@ -72,13 +74,13 @@ class _Child:
     def _write(self) -> None:
         with contextlib.suppress(OSError), self._orders:
             while (what := self._outbox.get()) is not None:
-                data = memoryview(protocol.pack(what if isinstance(what, Order) else what.order()))
+                data = memoryview(protocol.pack_frame(what if isinstance(what, BrokerCommand) else what.order()))
                 while data:
                     data = data[self._orders.write(data) :]
 
     def _listen(self) -> None:
         with contextlib.suppress(OSError, ProtocolError), self._news:
-            while (news := protocol.read(self._news, News)) is not None:
+            while (news := protocol.read_frame(self._news, BrokerEvent)) is not None:
                 self._heard(self, news)
         self.kill()
         self.send(None)
@@ -97,8 +99,8 @@ class BrokerProcess:
         self.link = setup.link
         self._setup, self._program = setup, program
         self._lock = threading.RLock()
-        self._hear: Hear | None = None
-        self._early: deque[News | Ended] = deque(maxlen=1_000)
+        self._hear: BrokerListener | None = None
+        self._early: deque[BrokerEvent | BrokerEnded] = deque(maxlen=1_000)
         self._opened = threading.Event()
         self._why: str | None = None
         self._child: _Child | None = None
@@ -123,14 +125,14 @@ class BrokerProcess:
             self.close()
             raise LinkError(self._why)
 
-    def listen(self, hear: Hear) -> None:
+    def listen(self, hear: BrokerListener) -> None:
         """See `Channel`."""
         with self._lock:
             self._hear = hear
             while self._early:
                 hear(self._early.popleft())
 
-    def send(self, what: Sending) -> bool:
+    def send(self, what: Outgoing) -> bool:
         """See `Channel`."""
         child = self._child
         return child is not None and child.send(what)
@@ -149,7 +151,7 @@ class BrokerProcess:
             self._is_closed = True
             child, self._child = self._child, None
         if child:
-            if child.send(protocol.Publish(0, protocol.encode(protocol.Over()))) and child.send(None):
+            if child.send(protocol.Publish(0, protocol.encode(protocol.LinkClosed()))) and child.send(None):
                 child.ends_within(_CLOSES_S)
             child.kill()
 
@@ -159,18 +161,18 @@ class BrokerProcess:
                 self._started = self._heard_at = time.monotonic()
                 self._child = _Child(self._setup, self._heard, self._program)
 
-    def _heard(self, child: _Child, news: News | None) -> None:
+    def _heard(self, child: _Child, news: BrokerEvent | None) -> None:
         """On the child's listening thread."""
         self._heard_at = time.monotonic()
         if news is None:
             self._ended()
-        elif isinstance(news, Opened) and not self._opened.is_set():
+        elif isinstance(news, BrokerStarted) and not self._opened.is_set():
             self._why = news.why
             self._opened.set()
-        elif not isinstance(news, Beat | Opened):
+        elif not isinstance(news, Heartbeat | BrokerStarted):
             self._tell(news)
 
-    def _tell(self, news: News | Ended) -> None:
+    def _tell(self, news: BrokerEvent | BrokerEnded) -> None:
         with self._lock:
             if self._hear:
                 self._hear(news)
@@ -189,9 +191,9 @@ class BrokerProcess:
             return
         self._restarts = 0 if time.monotonic() - self._started > _STEADY_S else self._restarts + 1
         if self._restarts <= _MOST_RESTARTS:
-            self._tell(Ended(_ENDED))
+            self._tell(BrokerEnded(_ENDED))
             time.sleep(_PAUSE_S * self._restarts)
             with contextlib.suppress(OSError):
                 self._start()
                 return
-        self._tell(Ended(_GIVEN_UP, is_final=True))
+        self._tell(BrokerEnded(_GIVEN_UP, is_final=True))

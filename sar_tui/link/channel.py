@@ -6,23 +6,23 @@ from typing import NamedTuple, Protocol
 from sar_tui.framework.bus import Record
 from sar_tui.link import protocol
 from sar_tui.link.peer import Welcome
-from sar_tui.link.protocol import News, Order
+from sar_tui.link.protocol import BrokerCommand, BrokerEvent
 
 
-class ToAll(NamedTuple):
+class OutgoingBatch(NamedTuple):
     """What happened, to everybody; the batches are numbered from 1."""
 
     number: int
     records: Sequence[Record]
 
-    def order(self) -> Order:
+    def order(self) -> BrokerCommand:
         """As the broker takes it."""
         return protocol.Publish(
-            self.number, protocol.encode(protocol.Batch(self.number, protocol.framed(self.records)))
+            self.number, protocol.encode(protocol.Batch(self.number, protocol.encode_frames(self.records)))
         )
 
 
-class ToOne(NamedTuple):
+class OutgoingSnapshot(NamedTuple):
     """How things stand after that batch, to one peer."""
 
     name: str
@@ -30,41 +30,41 @@ class ToOne(NamedTuple):
     welcome: Welcome
     records: Sequence[Record]
 
-    def order(self) -> Order:
+    def order(self) -> BrokerCommand:
         """As the broker takes it."""
-        greeting = protocol.Greeting(self.number, self.welcome, protocol.framed(self.records))
-        return protocol.Reply(self.name, protocol.encode(greeting))
+        greeting = protocol.Snapshot(self.number, self.welcome, protocol.encode_frames(self.records))
+        return protocol.SendTo(self.name, protocol.encode(greeting))
 
 
-class Measured(NamedTuple):
+class OutgoingSamples(NamedTuple):
     """A sensor's samples."""
 
     seat: str
     samples: bytes
 
-    def order(self) -> Order:
+    def order(self) -> BrokerCommand:
         """As the broker takes it."""
-        return protocol.Samples(self.seat, self.samples)
+        return protocol.SensorSamples(self.seat, self.samples)
 
 
-class Ended(NamedTuple):
+class BrokerEnded(NamedTuple):
     """The link's process ended, or was ended. ``is_final``: it could not be started anew."""
 
     detail: str
     is_final: bool = False
 
 
-Sending = ToAll | ToOne | Measured
-Hear = Callable[[News | Ended], object]
+Outgoing = OutgoingBatch | OutgoingSnapshot | OutgoingSamples
+BrokerListener = Callable[[BrokerEvent | BrokerEnded], object]
 
 
 class Channel(Protocol):
     """The link's process, as a node sees it."""
 
-    def listen(self, hear: Hear) -> None:
+    def listen(self, hear: BrokerListener) -> None:
         """Have ``hear`` told what comes, and what came before, on any thread."""
 
-    def send(self, what: Sending) -> bool:
+    def send(self, what: Outgoing) -> bool:
         """Put it on its way, at once; False, and it is gone, where too much is on its way already."""
 
     def check(self) -> None:

@@ -18,10 +18,10 @@ from sar_tui.framework.topics import ALL
 from sar_tui.link import protocol
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.peer import Connection, Hear, Peer
-from sar_tui.link.protocol import Batch, Greeting, Hello, Over, Pong, Traces
+from sar_tui.link.peer import Connection, Peer, PeerListener
+from sar_tui.link.protocol import Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
 from sar_tui.link.remote_clock import RemoteClock
-from sar_tui.link.transport import Arrived, Transport, Ways, ways_of
+from sar_tui.link.transport import ConnectionTarget, Received, Transport, connection_target
 
 M = TypeVar("M", bound=Message)
 
@@ -37,7 +37,7 @@ _OVER = "The session is over."
 
 
 def connect(
-    where: JoinableSession | Invitation, name: str, role: Role, hear: Hear, loop: asyncio.AbstractEventLoop
+    where: JoinableSession | Invitation, name: str, role: Role, hear: PeerListener, loop: asyncio.AbstractEventLoop
 ) -> Peer:
     """Join a session: one of this machine (see `folder.live_sessions`), or another's that one was invited to.
 
@@ -54,7 +54,7 @@ def connect(
     if isinstance(where, Invitation):
         name, role = where.name, where.role
     returns = isinstance(where, JoinableSession)
-    return _Client(ways_of(where), f"{role}.{part_of_key(name)}", role, hear, loop, returns=returns)
+    return _Client(connection_target(where), f"{role}.{part_of_key(name)}", role, hear, loop, returns=returns)
 
 
 def part_of_key(name: str) -> str:
@@ -70,7 +70,14 @@ class _Client:
     """
 
     def __init__(
-        self, ways: Ways, name: str, role: Role, hear: Hear, loop: asyncio.AbstractEventLoop, *, returns: bool
+        self,
+        ways: ConnectionTarget,
+        name: str,
+        role: Role,
+        hear: PeerListener,
+        loop: asyncio.AbstractEventLoop,
+        *,
+        returns: bool,
     ) -> None:
         self.name, self.role, self._returns = name, role, returns
         self._hear, self._loop = hear, loop
@@ -87,13 +94,13 @@ class _Client:
 
     def send(self, topic: Topic[M], message: M) -> None:
         """See `Peer`. What is sent while there is no link is lost: done later, it would come as a surprise."""
-        if topic.name not in protocol.ACTS:
+        if topic.name not in protocol.OPERATOR_TOPICS:
             raise ValueError(f"{topic.name} is not among what an operator may send")
         self._act(topic.name, protocol.encode(message))
 
-    def take_baton(self) -> None:
+    def take_control(self) -> None:
         """See `Peer`."""
-        self._act(protocol.BATON, protocol.encode(None))
+        self._act(protocol.TAKE_CONTROL, protocol.encode(None))
 
     def now(self) -> int:
         """See `Peer`."""
@@ -104,7 +111,7 @@ class _Client:
         if not self._is_closed:
             self._is_closed = True
             self._goodbye = host_now()
-            self._line.send_hello(protocol.encode(Hello(self._who, self._goodbye, leaves=True)))
+            self._line.send_hello(protocol.encode(Ping(self._who, self._goodbye, leaves=True)))
             self._line.close(awaits_answer=self._state.state == "connected")
 
     # --- on the loop --------------------------------------------------------------------------------------------
@@ -118,7 +125,7 @@ class _Client:
 
     def _act(self, topic: str, message: bytes) -> None:
         if self._state.state == "connected":
-            self._line.send_act(protocol.encode(protocol.Act(self._who, topic, msgspec.Raw(message))))
+            self._line.send_act(protocol.encode(protocol.ActRequest(self._who, topic, msgspec.Raw(message))))
 
     def _beat(self) -> None:
         if self._is_closed:
@@ -129,7 +136,7 @@ class _Client:
         self._loop.call_later(BEAT_S, self._beat)
 
     def _say_hello(self) -> None:
-        self._line.send_hello(protocol.encode(Hello(self._who, host_now(), wants=self._number is None)))
+        self._line.send_hello(protocol.encode(Ping(self._who, host_now(), wants=self._number is None)))
 
     def _lost(self, why: str) -> None:
         self._is_let_in, self._number = False, None
@@ -141,14 +148,14 @@ class _Client:
             self._state = state
             self._hear(state)
 
-    def _arrived_elsewhere(self, arrived: Arrived) -> None:
+    def _arrived_elsewhere(self, arrived: Received) -> None:
         """From the line's threads."""
         if isinstance(arrived, Pong) and arrived.ping == self._goodbye:
             self._line.let_go()
         with contextlib.suppress(RuntimeError):  # the loop is closed, and with it the panel
             self._loop.call_soon_threadsafe(self._arrived, arrived)
 
-    def _arrived(self, arrived: Arrived) -> None:
+    def _arrived(self, arrived: Received) -> None:
         if self._is_closed:
             return
         match arrived:
@@ -180,23 +187,23 @@ class _Client:
     def _told(self, told: Any) -> None:
         self._heard_at = host_now()
         match told:
-            case Greeting(number=number, welcome=welcome, frames=frames) if self._is_let_in:  # else another's
+            case Snapshot(number=number, welcome=welcome, frames=frames) if self._is_let_in:  # else another's
                 self._number = number
                 self._turn(Connection("connected"))
                 self._hear(welcome)
-                self._hear(protocol.frames(frames, ALL))
+                self._hear(protocol.decode_frames(frames, ALL))
             case Batch(number=number, frames=frames) if self._number is not None and number > self._number:
                 if number != self._number + 1:
                     self._number = None  # one is missing: what comes has to wait until all is told anew
                     self._say_hello()
                     return
                 self._number = number
-                if heard := protocol.frames(frames, ALL):
+                if heard := protocol.decode_frames(frames, ALL):
                     self._hear(heard)
-            case Traces(traces=traces) if self._number is not None:
+            case MotionTraces(traces=traces) if self._number is not None:
                 for trace in traces:
                     self._hear(trace)
-            case Over():
+            case LinkClosed():
                 self._is_let_in, self._number = False, None
                 self._turn(Connection("away", _OVER))
                 if not self._returns:

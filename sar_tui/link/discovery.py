@@ -38,7 +38,7 @@ class JoinableSession(msgspec.Struct, frozen=True):
         return socket_path(self.session)
 
 
-def place() -> Path:
+def socket_folder() -> Path:
     """The folder, made if need be: ``$XDG_RUNTIME_DIR/sar-tui``, else ``sar-tui-UID`` among the temporary files.
 
     Raises:
@@ -70,7 +70,7 @@ def socket_path(session: str) -> Path:
     """Where a session listens. Raises LinkError: as ``place``, or the path is too long for a socket."""
     if not re.fullmatch(r"[A-Za-z0-9_-]+", session):
         raise LinkError(f"{session!r} is not a session's id.")
-    path = place() / f"{session}.sock"
+    path = socket_folder() / f"{session}.sock"
     if len(os.fsencode(path)) > LONGEST_PATH:
         raise LinkError(
             f"{path} is too long for a socket's path. Set XDG_RUNTIME_DIR to a folder of yours with a short name."
@@ -79,7 +79,7 @@ def socket_path(session: str) -> Path:
 
 
 @contextlib.contextmanager
-def announced(live: JoinableSession) -> Iterator[Path]:
+def announce(live: JoinableSession) -> Iterator[Path]:
     """Let operators find a session for as long as the block runs; its socket's path.
 
     Raises:
@@ -112,7 +112,7 @@ def live_sessions() -> list[JoinableSession]:
     Raises LinkError: as ``place``.
     """
     found = []
-    for description in sorted(place().glob("*.json")):
+    for description in sorted(socket_folder().glob("*.json")):
         if _cleared_if_over(description.with_suffix(".sock")):
             continue
         with contextlib.suppress(OSError, msgspec.MsgspecError):

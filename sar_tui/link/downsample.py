@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from sar_tui.framework.clock import SECOND
-from sar_tui.link.peer import Trace
+from sar_tui.link.peer import MotionTrace
 from sar_tui.motion.samples import Samples, unpack
 
 EVERY = SECOND // 12
@@ -27,21 +27,21 @@ class Downsampler:
         if len(samples := unpack(data)):
             self._waiting.setdefault(seat, []).append(samples)
 
-    def due(self, now: int) -> list[Trace]:
+    def due(self, now: int) -> list[MotionTrace]:
         """What may be sent by ``now`` (ns)."""
         seats = [seat for seat in self._waiting if now - self._sent.get(seat, -EVERY) >= EVERY]
         self._sent |= dict.fromkeys(seats, now)
         return [_trace(seat, np.concatenate(self._waiting.pop(seat))) for seat in seats]
 
 
-def _trace(seat: str, samples: Samples) -> Trace:
+def _trace(seat: str, samples: Samples) -> MotionTrace:
     """The norm of the angular rate, in means of as many samples as leave few enough points."""
     speeds = np.linalg.norm(samples["rate"].astype(float), axis=1)
     seconds = float(samples["at"][-1] - samples["at"][0]) / SECOND
     rate_hz = (len(samples) - 1) / seconds if seconds > 0 else _POINTS_HZ
     stride = max(math.ceil(len(speeds) / MOST_POINTS), math.ceil(rate_hz / _POINTS_HZ))
     points = [float(np.mean(speeds[start : start + stride])) for start in range(0, len(speeds), stride)]
-    return Trace(
+    return MotionTrace(
         seat=seat,
         at=int(samples["at"][-1]),
         hz=round(rate_hz / stride, 3),

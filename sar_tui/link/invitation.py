@@ -14,7 +14,7 @@ import msgspec
 
 from sar_tui.framework.messages import Role
 from sar_tui.link.errors import LinkError, need_packages
-from sar_tui.link.settings import Credentials, Endpoint, Guest, endpoint
+from sar_tui.link.settings import Credentials, Endpoint, Guest, parse_endpoint
 
 FORMAT = "sar-tui invitation"
 VERSION = 1
@@ -45,7 +45,7 @@ class Invitation(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def where(self) -> tuple[Endpoint, ...]:
-        return tuple(endpoint(text) for text in self.endpoints)
+        return tuple(parse_endpoint(text) for text in self.endpoints)
 
 
 def file_name(guest: Guest) -> str:

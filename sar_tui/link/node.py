@@ -12,12 +12,20 @@ from sar_tui.framework.node import Node
 from sar_tui.framework.topics import DECISION, MODE, NOTE_ADDED, OPERATOR, PRESENCE, PROPOSAL_SEEN, REFUSED, REMARK
 from sar_tui.link import protocol
 from sar_tui.link.admission import role_of
-from sar_tui.link.channel import Channel, Ended, Measured, ToAll, ToOne
+from sar_tui.link.channel import BrokerEnded, Channel, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
 from sar_tui.link.control_lock import ControlLock
 from sar_tui.link.feed import SENT, SessionFeed
 from sar_tui.link.peer import Welcome
-from sar_tui.link.protocol import Acted, Came, Gone, News, ProtocolError, Refused, Wants
-from sar_tui.link.rate_limit import Tally
+from sar_tui.link.protocol import (
+    ActReceived,
+    BrokerEvent,
+    PeerJoined,
+    PeerLeft,
+    ProtocolError,
+    RequestRefused,
+    SnapshotRequested,
+)
+from sar_tui.link.rate_limit import RepeatThrottle
 
 AFTER = 40 * MS
 """What happens goes out this much later, together with what has happened by then."""
@@ -60,7 +68,7 @@ class LinkNode(Node):
         self._feed = SessionFeed()
         self._baton = ControlLock()
         self._number = 0
-        self._refused: Tally[tuple[str, str, str]] = Tally()
+        self._refused: RepeatThrottle[tuple[str, str, str]] = RepeatThrottle()
         self._to_greet: dict[str, None] = {}
         self._is_due = self._is_detached = False
         self._held_since: int | None = None
@@ -83,25 +91,25 @@ class LinkNode(Node):
 
     # --- what comes in -----------------------------------------------------------------------------------------
 
-    def hear(self, news: News | Ended) -> None:
+    def hear(self, news: BrokerEvent | BrokerEnded) -> None:
         """Take news of the link's process, on the bus' own thread."""
         if self._is_detached:
             return
         match news:
-            case Came(name=name):
+            case PeerJoined(name=name):
                 self._came(name)
-            case Gone(name=name, state=state, detail=detail):
+            case PeerLeft(name=name, state=state, detail=detail):
                 self._gone(name, state, detail)
-            case Wants(name=name):
+            case SnapshotRequested(name=name):
                 self._to_greet[name] = None
                 self._schedule(0)
-            case Acted(name=name, topic=protocol.BATON):
+            case ActReceived(name=name, topic=protocol.TAKE_CONTROL):
                 self._take_baton(name)
-            case Acted():
+            case ActReceived():
                 self._acted(news)
-            case Refused(name=name, what=what, why=why, count=count):
+            case RequestRefused(name=name, what=what, why=why, count=count):
                 self._tell_refused(name, what, why, count)
-            case Ended(detail=detail, is_final=is_final):
+            case BrokerEnded(detail=detail, is_final=is_final):
                 for name in list(self._baton.peers):
                     self._gone(name, "lost", detail)
                 if is_final:
@@ -130,16 +138,16 @@ class LinkNode(Node):
         if self._baton.take(name):
             self._tell_holder(holder)
         else:
-            self._refuse(name, protocol.BATON, "Only an operator who is there can take it.")
+            self._refuse(name, protocol.TAKE_CONTROL, "Only an operator who is there can take it.")
 
-    def _acted(self, acted: Acted) -> None:
+    def _acted(self, acted: ActReceived) -> None:
         """Post an act of the operator who may act; it carries their name, and a time at which it can have been."""
         if acted.name != self._baton.holder:
             if acted.topic != PROPOSAL_SEEN.name:  # another's panel shows what is offered, too
                 self._refuse(acted.name, acted.topic, _NO_BATON)
             return
         try:
-            act: Any = protocol.act(acted.topic, acted.message)
+            act: Any = protocol.decode_act(acted.topic, acted.message)
         except ProtocolError as error:
             self._refuse(acted.name, acted.topic, str(error))
             return
@@ -148,7 +156,7 @@ class LinkNode(Node):
             return
         now = self.bus.clock.now()
         at = now if not act.at else min(now, max(act.at, now - OLDEST))
-        self.emit(protocol.ACTS[acted.topic], msgspec.structs.replace(act, actor=acted.name, at=at))
+        self.emit(protocol.OPERATOR_TOPICS[acted.topic], msgspec.structs.replace(act, actor=acted.name, at=at))
 
     def _refuse(self, name: str, what: str, why: str) -> None:
         """Tell of it; what is refused again and again, once a second."""
@@ -208,15 +216,15 @@ class LinkNode(Node):
         missed = self._feed.missed
         if records := self._feed.take():
             self._number += 1
-            missed |= not self._channel.send(ToAll(self._number, records))
+            missed |= not self._channel.send(OutgoingBatch(self._number, records))
         for seat, samples in self._feed.take_samples().items():
-            self._channel.send(Measured(seat, samples))
+            self._channel.send(OutgoingSamples(seat, samples))
         if missed:
             self._to_greet |= dict.fromkeys(self._baton.peers)
         story = self._feed.story() if self._to_greet else []
         for name in list(self._to_greet):
             welcome = msgspec.structs.replace(self.welcome, name=name, role=role_of(name) or "observer")
-            if self._channel.send(ToOne(name, self._number, welcome, story)):
+            if self._channel.send(OutgoingSnapshot(name, self._number, welcome, story)):
                 del self._to_greet[name]
         if self._to_greet:
             self._schedule(SECOND)

@@ -85,7 +85,7 @@ def session_welcome(task: "Task", session: str, link: str, participants: dict[st
     )
 
 
-class Trace(msgspec.Struct, frozen=True):
+class MotionTrace(msgspec.Struct, frozen=True):
     """How fast a hand turns, for an eye to follow: ``rates`` in rad/s, ``hz`` of them a second, up to ``at`` (ns)."""
 
     seat: str
@@ -101,7 +101,7 @@ class Connection(NamedTuple):
     why: str = ""
 
 
-Heard = Welcome | list[Frame] | Trace | Connection
+PeerEvent = Welcome | list[Frame] | MotionTrace | Connection
 """What a peer is told, in order, on the thread of the loop that it was made on."""
 
 
@@ -117,7 +117,7 @@ class Peer(Protocol):
         ``at`` of the message is on the session's clock: see ``now``.
         """
 
-    def take_baton(self) -> None:
+    def take_control(self) -> None:
         """Hold the baton from here on, whoever has it."""
 
     def now(self) -> int:
@@ -127,4 +127,4 @@ class Peer(Protocol):
         """Say goodbye, and let go."""
 
 
-Hear = Callable[[Heard], None]
+PeerListener = Callable[[PeerEvent], None]

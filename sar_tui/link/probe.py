@@ -17,7 +17,7 @@ NOT_LET_IN = (
 )
 
 
-def knock(settings: str, link: str) -> None:
+def probe(settings: str, link: str) -> None:
     """See whether a session lets a guest in, who connects with these settings to that link. Takes up to ten seconds.
 
     Raises:
@@ -48,7 +48,7 @@ def main() -> None:
     """The child: the link's id and settings on standard input, the log and the outcome on standard output."""
     import zenoh
 
-    from sar_tui.link.settings import Keys, config
+    from sar_tui.link.settings import LinkKeys, config
 
     link = sys.stdin.readline().strip()
     zenoh.init_log_from_env_or(GUEST_LOG)
@@ -58,7 +58,7 @@ def main() -> None:
         return
     with session:
         print(_CAME_IN, flush=True)
-        if any(reply.ok for reply in session.liveliness().get(Keys(link).out, timeout=_ANSWER_SECONDS)):
+        if any(reply.ok for reply in session.liveliness().get(LinkKeys(link).out, timeout=_ANSWER_SECONDS)):
             print(_LET_IN, flush=True)
 
 

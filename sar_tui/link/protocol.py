@@ -13,24 +13,24 @@ import msgspec
 from sar_tui.framework.bus import Record, Topic
 from sar_tui.framework.messages import Message, Operator
 from sar_tui.framework.topics import DECISION, MODE, NOTE_ADDED, OPERATOR, PROPOSAL_SEEN, REMARK
-from sar_tui.link.peer import Frame, Trace, Welcome
+from sar_tui.link.peer import Frame, MotionTrace, Welcome
 
 T = TypeVar("T")
 M = TypeVar("M", bound=Message)
 
-MOST_ACT = 20_000
+MAX_ACT_BYTES = 20_000
 """Bytes of a message from a peer; more are refused unread."""
-MOST_NOTE = 4_000
-MOST_WORDS = 1_000
+MAX_NOTE_CHARS = 4_000
+MAX_TEXT_CHARS = 1_000
 """Characters of a note; and of any other text: words to be said, the name of a phrase or of a mark."""
-MOST_FRAME = 16_000_000
+MAX_FRAME_BYTES = 16_000_000
 """Bytes between the program and its broker; a greeting carries a whole theme."""
 
-ACTS: dict[str, Topic[Any]] = {
+OPERATOR_TOPICS: dict[str, Topic[Any]] = {
     topic.name: topic for topic in (OPERATOR, DECISION, REMARK, MODE, PROPOSAL_SEEN, NOTE_ADDED)
 }
 """What an operator may send."""
-BATON = "baton"
+TAKE_CONTROL = "baton"
 """In the place of a topic: an operator takes the baton."""
 
 
@@ -38,39 +38,39 @@ class ProtocolError(ValueError):
     """What came cannot be taken; ``why`` in a few plain words, none of them the sender's."""
 
 
-class _Part(msgspec.Struct, frozen=True, tag_field="is", tag=str.lower):
+class _LinkMessage(msgspec.Struct, frozen=True, tag_field="is", tag=str.lower):
     """One message of the link itself."""
 
 
 # --- from the session to its peers ---------------------------------------------------------------------------
 
-Framed = tuple[int, int, str, msgspec.Raw]
+EncodedFrame = tuple[int, int, str, msgspec.Raw]
 """A frame as it crosses: number, time, name of the topic, message."""
 
 
-class Batch(_Part, frozen=True):
+class Batch(_LinkMessage, frozen=True):
     """What happened, to everybody. ``number`` counts batches, so that a peer sees when one is missing."""
 
     number: int
-    frames: list[Framed]
+    frames: list[EncodedFrame]
 
 
-class Greeting(_Part, frozen=True):
+class Snapshot(_LinkMessage, frozen=True):
     """How things stand, to one peer: all that happened up to batch ``number``, as far as it matters now."""
 
     number: int
     welcome: Welcome
-    frames: list[Framed]
+    frames: list[EncodedFrame]
 
 
-class Traces(_Part, frozen=True):
+class MotionTraces(_LinkMessage, frozen=True):
     """How hands move, to everybody."""
 
-    traces: list[Trace]
+    traces: list[MotionTrace]
 
 
-class Pong(_Part, frozen=True):
-    """The answer to a Hello. ``ping``: as it came. ``clock``: the session's, when it was answered (ns).
+class Pong(_LinkMessage, frozen=True):
+    """The answer to a Ping. ``ping``: as it came. ``clock``: the session's, when it was answered (ns).
 
     ``host``: on which machine's clock that is. ``number``: of the last batch. ``who``: whom it answers, of several
     that have a name. ``refusal``: why that one is not let in.
@@ -84,17 +84,17 @@ class Pong(_Part, frozen=True):
     refusal: str = ""
 
 
-class Over(_Part, frozen=True):
+class LinkClosed(_LinkMessage, frozen=True):
     """The session is over, to everybody."""
 
 
-Told = Batch | Greeting | Traces | Pong | Over
+SessionMessage = Batch | Snapshot | MotionTraces | Pong | LinkClosed
 
 
 # --- from a peer to the session ------------------------------------------------------------------------------
 
 
-class Hello(_Part, frozen=True):
+class Ping(_LinkMessage, frozen=True):
     """A sign of life. ``who`` is the program's own id; ``ping`` its clock (ns).
 
     ``wants``: it has to be told how things stand. ``leaves``: it is going.
@@ -106,8 +106,8 @@ class Hello(_Part, frozen=True):
     leaves: bool = False
 
 
-class Act(_Part, frozen=True):
-    """What an operator does: ``topic`` is one of ``ACTS``, or ``BATON``."""
+class ActRequest(_LinkMessage, frozen=True):
+    """What an operator does: ``topic`` is one of ``OPERATOR_TOPICS``, or ``TAKE_CONTROL``."""
 
     who: str
     topic: str
@@ -117,7 +117,7 @@ class Act(_Part, frozen=True):
 # --- from the program to its broker --------------------------------------------------------------------------
 
 
-class Setup(_Part, frozen=True):
+class Setup(_LinkMessage, frozen=True):
     """The first frame. ``settings``: as `settings.host_settings` makes them. ``link``: its id.
 
     ``patience``: a peer that was silent for so long (ns) is lost. ``guests``: who may come over the network; None
@@ -130,50 +130,50 @@ class Setup(_Part, frozen=True):
     guests: tuple[str, ...] | None = None
 
 
-class Publish(_Part, frozen=True):
+class Publish(_LinkMessage, frozen=True):
     """Send this to everybody; it is a Batch of that number."""
 
     number: int
     payload: bytes
 
 
-class Reply(_Part, frozen=True):
+class SendTo(_LinkMessage, frozen=True):
     """Send this to one peer."""
 
     name: str
     payload: bytes
 
 
-class Samples(_Part, frozen=True):
+class SensorSamples(_LinkMessage, frozen=True):
     """A sensor's samples, as `motion.samples.pack` lays them out: peers are sent what an eye can follow of them."""
 
     seat: str
     samples: bytes
 
 
-Order = Setup | Publish | Reply | Samples
+BrokerCommand = Setup | Publish | SendTo | SensorSamples
 
 
 # --- from the broker to its program --------------------------------------------------------------------------
 
 
-class Opened(_Part, frozen=True):
+class BrokerStarted(_LinkMessage, frozen=True):
     """It listens; or it does not: ``why``."""
 
     why: str = ""
 
 
-class Beat(_Part, frozen=True):
+class Heartbeat(_LinkMessage, frozen=True):
     """The broker lives."""
 
 
-class Came(_Part, frozen=True):
+class PeerJoined(_LinkMessage, frozen=True):
     """A peer is there."""
 
     name: str
 
 
-class Gone(_Part, frozen=True):
+class PeerLeft(_LinkMessage, frozen=True):
     """A peer is not there any more: ``left``, or ``lost`` for a reason."""
 
     name: str
@@ -181,13 +181,13 @@ class Gone(_Part, frozen=True):
     detail: str = ""
 
 
-class Wants(_Part, frozen=True):
+class SnapshotRequested(_LinkMessage, frozen=True):
     """A peer has to be greeted."""
 
     name: str
 
 
-class Acted(_Part, frozen=True):
+class ActReceived(_LinkMessage, frozen=True):
     """An operator's act, looked at and found well."""
 
     name: str
@@ -195,7 +195,7 @@ class Acted(_Part, frozen=True):
     message: msgspec.Raw
 
 
-class Refused(_Part, frozen=True):
+class RequestRefused(_LinkMessage, frozen=True):
     """What a peer sent was refused, so often since it was last told."""
 
     name: str
@@ -204,7 +204,7 @@ class Refused(_Part, frozen=True):
     count: int
 
 
-News = Opened | Beat | Came | Gone | Wants | Acted | Refused
+BrokerEvent = BrokerStarted | Heartbeat | PeerJoined | PeerLeft | SnapshotRequested | ActReceived | RequestRefused
 
 encode = msgspec.msgpack.encode
 _decoders: dict[Any, msgspec.msgpack.Decoder[Any]] = {}
@@ -220,12 +220,12 @@ def decode(data: bytes, kind: Any) -> Any:
         raise ProtocolError("It cannot be read.") from error
 
 
-def framed(records: Iterable[Record]) -> list[Framed]:
+def encode_frames(records: Iterable[Record]) -> list[EncodedFrame]:
     """Messages of the bus, ready to cross."""
     return [(each.seq, each.at, each.topic.name, msgspec.Raw(encode(each.message))) for each in records]
 
 
-def frames(crossed: Iterable[Framed], topics: dict[str, Topic[Any]]) -> list[Frame]:
+def decode_frames(crossed: Iterable[EncodedFrame], topics: dict[str, Topic[Any]]) -> list[Frame]:
     """The inverse. What another version of the program alone knows is left out."""
     found = []
     for seq, at, name, raw in crossed:
@@ -237,15 +237,15 @@ def frames(crossed: Iterable[Framed], topics: dict[str, Topic[Any]]) -> list[Fra
     return found
 
 
-def act(topic: str, raw: msgspec.Raw) -> Message:
+def decode_act(topic: str, raw: msgspec.Raw) -> Message:
     """An operator's act, decoded into its type and looked at. Raises WireError."""
-    if topic not in ACTS:
+    if topic not in OPERATOR_TOPICS:
         raise ProtocolError("It is not among what an operator may send.")
-    message: Message = decode(bytes(raw), ACTS[topic].type)
+    message: Message = decode(bytes(raw), OPERATOR_TOPICS[topic].type)
     for field in message.__struct_fields__:
         if isinstance(value := getattr(message, field), str):
             is_note = topic == NOTE_ADDED.name and field == "text"
-            most = MOST_NOTE if is_note else MOST_WORDS
+            most = MAX_NOTE_CHARS if is_note else MAX_TEXT_CHARS
             if len(value) > most:
                 raise ProtocolError(f"A text is longer than {most} characters.")
             if not all(_is_plain(each) for each in value if not (is_note and each in "\n\t")):
@@ -268,19 +268,19 @@ _PAUSES = ("", "tired", "pain", "finished")
 _LENGTH = struct.Struct("<I")
 
 
-def pack(part: Order | News) -> bytes:
+def pack_frame(part: BrokerCommand | BrokerEvent) -> bytes:
     """A frame for a pipe."""
     body = encode(part)
     return _LENGTH.pack(len(body)) + body
 
 
-def read(pipe: IO[bytes], kind: Any) -> Any:
+def read_frame(pipe: IO[bytes], kind: Any) -> Any:
     """The next frame of a pipe, or None at its end. Raises WireError for one that is none; OSError."""
     head = _exactly(pipe, _LENGTH.size)
     if head is None:
         return None
     (length,) = _LENGTH.unpack(head)
-    if length > MOST_FRAME:
+    if length > MAX_FRAME_BYTES:
         raise ProtocolError("A frame is too long.")
     body = _exactly(pipe, length)
     return None if body is None else decode(body, kind)

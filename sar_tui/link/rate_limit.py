@@ -8,7 +8,7 @@ from sar_tui.framework.clock import SECOND
 K = TypeVar("K", bound=Hashable)
 
 
-class Bucket:
+class TokenBucket:
     """A token bucket: ``rate`` things a second, and ``burst`` of them at once after a quiet spell."""
 
     def __init__(self, rate: float, burst: int) -> None:
@@ -27,7 +27,7 @@ class Bucket:
         return True
 
 
-class Tally(Generic[K]):
+class RepeatThrottle(Generic[K]):
     """Tells of what happens again and again: at once the first time, then once in ``every`` ns, with how often.
 
     It knows no more than ``most`` things at a time: what is beyond them is not told until there is room again.

@@ -10,10 +10,10 @@ from typing import NamedTuple
 from sar_tui.framework.clock import MS
 from sar_tui.link.authority import Authority
 from sar_tui.link.broker_process import BrokerProcess
-from sar_tui.link.discovery import JoinableSession, announced
+from sar_tui.link.discovery import JoinableSession, announce
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.protocol import Setup
-from sar_tui.link.settings import Endpoint, HostFiles, endpoint, host_settings
+from sar_tui.link.settings import Endpoint, TlsFiles, host_settings, parse_endpoint
 
 _WHY = (
     ("Address already in use", "Another program listens there already. Choose another port, such as {host}:7448."),
@@ -24,20 +24,20 @@ _WHY = (
 """What the system says, and what to tell of it."""
 
 
-class Listening(NamedTuple):
+class ListenOptions(NamedTuple):
     """Where a session listens: for ``operator`` programs of the same user, and at an ``end`` on the network."""
 
     operator: bool
     end: Endpoint | None
 
     @classmethod
-    def read(cls, *, operator: bool, listen: str | None) -> "Listening":
+    def parse(cls, *, operator: bool, listen: str | None) -> "ListenOptions":
         """As it was asked for. Raises LinkError where ``listen`` is no place."""
-        return cls(operator, None if listen is None else endpoint(listen))
+        return cls(operator, None if listen is None else parse_endpoint(listen))
 
 
 @contextlib.contextmanager
-def opened(data: Path, session: str, task: str, listening: Listening, lost_ms: int) -> Iterator[BrokerProcess]:
+def open_link(data: Path, session: str, task: str, listening: ListenOptions, lost_ms: int) -> Iterator[BrokerProcess]:
     """The link of a session for as long as the block runs.
 
     Args:
@@ -51,11 +51,11 @@ def opened(data: Path, session: str, task: str, listening: Listening, lost_ms: i
     """
     need_packages()
     ends: tuple[Endpoint, ...] = (listening.end,) if listening.end else ()
-    files: HostFiles | None = None
+    files: TlsFiles | None = None
     authority = None
     link = session
     if ends:
-        authority = Authority.opened(data)
+        authority = Authority.open(data)
         files = authority.host_files(ends)
         link = authority.link
     guests = authority.guests() if authority else ()
@@ -63,7 +63,7 @@ def opened(data: Path, session: str, task: str, listening: Listening, lost_ms: i
         socket = None
         if listening.operator:
             socket = stack.enter_context(
-                announced(JoinableSession(session=session, task=task, link=link, pid=os.getpid()))
+                announce(JoinableSession(session=session, task=task, link=link, pid=os.getpid()))
             )
         settings = host_settings(link, socket=socket, listen=ends, files=files, guests=guests)
         names = tuple(str(guest) for guest in guests) if authority else None

@@ -45,7 +45,7 @@ class Guest(NamedTuple):
         return f"{self.role}.{self.name}"
 
 
-class Keys(NamedTuple):
+class LinkKeys(NamedTuple):
     """Where each message of a link goes."""
 
     link: str
@@ -87,7 +87,7 @@ class Endpoint(NamedTuple):
         return f"tls/{self}"
 
 
-class HostFiles(NamedTuple):
+class TlsFiles(NamedTuple):
     """Where a host's certificate and key lie, and the certificate of the authority that it trusts."""
 
     authority: Path
@@ -106,7 +106,7 @@ class Credentials(msgspec.Struct, frozen=True):
         return "Credentials(…)"
 
 
-def endpoint(text: str) -> Endpoint:
+def parse_endpoint(text: str) -> Endpoint:
     """Read ``HOST``, ``HOST:PORT``, an address, or ``[IPv6]:PORT``, with or without ``tls/`` before it.
 
     Raises LinkError.
@@ -143,7 +143,7 @@ def host_settings(
     *,
     socket: Path | None = None,
     listen: Sequence[Endpoint] = (),
-    files: HostFiles | None = None,
+    files: TlsFiles | None = None,
     guests: Iterable[Guest] = (),
 ) -> str:
     """A session's side, as JSON: it listens on a Unix socket, on the network, on both, or (nothing given) nowhere.
@@ -164,7 +164,7 @@ def host_settings(
     settings = _common("router")
     settings["listen"] = {"endpoints": locators, "exit_on_failure": True}
     settings["transport"]["unicast"] = {"max_sessions": MOST_SESSIONS}
-    settings["access_control"] = _access(Keys(_chunk(link)), list(guests))
+    settings["access_control"] = _access(LinkKeys(_chunk(link)), list(guests))
     if listen:
         if files is None:
             raise ValueError("to listen on the network takes certificates")
@@ -254,7 +254,7 @@ _WATCH = ["declare_liveliness_subscriber", "liveliness_query"]
 _IN, _OUT = ["ingress"], ["egress"]
 
 
-def _access(keys: Keys, guests: list[Guest]) -> dict[str, Any]:
+def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
     """Who may do what. What stands in no rule is denied: delete, queries and replies for all, acts for an observer.
 
     A rule allows what lies within its keys as a whole: to send to, or listen on, a wildcard that reaches any further is

@@ -14,8 +14,8 @@ from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.peer import Connection
-from sar_tui.link.protocol import ProtocolError, Told
-from sar_tui.link.settings import Keys, config, network_settings, socket_settings
+from sar_tui.link.protocol import ProtocolError, SessionMessage
+from sar_tui.link.settings import LinkKeys, config, network_settings, socket_settings
 
 if TYPE_CHECKING:
     import zenoh
@@ -31,10 +31,10 @@ _NO_SESSION = "The session does not answer: it may be over."
 _LETS_IN_S = 1.5
 """Who has come in, and sees nothing of the session by then, is not let in: it tells strangers nothing of itself."""
 
-Arrived = Told | Connection
+Received = SessionMessage | Connection
 
 
-class Ways(NamedTuple):
+class ConnectionTarget(NamedTuple):
     """How a session can be reached: the id of its link, and Zenoh's settings for each place where it may be.
 
     ``socket``: on this machine.
@@ -45,12 +45,12 @@ class Ways(NamedTuple):
     socket: Path | None = None
 
 
-def ways_of(where: JoinableSession | Invitation) -> Ways:
+def connection_target(where: JoinableSession | Invitation) -> ConnectionTarget:
     """The ways to a session. Raises LinkError: what the link needs is not installed."""
     need_packages()
     if isinstance(where, JoinableSession):
-        return Ways(where.link, (socket_settings(where.socket),), where.socket)
-    return Ways(where.link, tuple(network_settings(place, where.credentials) for place in where.where))
+        return ConnectionTarget(where.link, (socket_settings(where.socket),), where.socket)
+    return ConnectionTarget(where.link, tuple(network_settings(place, where.credentials) for place in where.where))
 
 
 class Transport:
@@ -62,9 +62,9 @@ class Transport:
         arrived: is given what comes, on any thread.
     """
 
-    def __init__(self, ways: Ways, name: str, arrived: Callable[[Arrived], object]) -> None:
+    def __init__(self, ways: ConnectionTarget, name: str, arrived: Callable[[Received], object]) -> None:
         self._ways, self._arrived = ways, arrived
-        self._keys = Keys(ways.link)
+        self._keys = LinkKeys(ways.link)
         self._name = name
         self._outbox: queue.Queue[tuple[str, bytes] | None] = queue.Queue(_MOST_WAITING)
         self._closed = threading.Event()
@@ -139,10 +139,10 @@ class Transport:
         """Why there is no connection: Zenoh tells only its log, which can be read only in another process."""
         if self._ways.socket:
             return _NO_SESSION
-        from sar_tui.link.probe import knock
+        from sar_tui.link.probe import probe
 
         try:
-            knock(settings, self._ways.link)
+            probe(settings, self._ways.link)
         except LinkError as error:
             return str(error)
         return ""
@@ -172,7 +172,7 @@ class Transport:
 
     def _received(self, sample: "zenoh.Sample") -> None:
         with contextlib.suppress(ProtocolError):  # of a newer version, or damaged: the numbers tell what is missing
-            self._arrived(protocol.decode(sample.payload.to_bytes(), Told))
+            self._arrived(protocol.decode(sample.payload.to_bytes(), SessionMessage))
 
     def _seen(self, sample: "zenoh.Sample") -> None:
         """The session's side of the link is there, or gone."""

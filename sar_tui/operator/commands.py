@@ -19,7 +19,7 @@ from sar_tui.framework.messages import (
     Valence,
 )
 from sar_tui.framework.topics import DECISION, MODE, NOTE_ADDED, OPERATOR, PROPOSAL_SEEN, REMARK
-from sar_tui.link.peer import Heard, Peer, Welcome
+from sar_tui.link.peer import Peer, PeerEvent, Welcome
 from sar_tui.operator import proposal_view
 from sar_tui.operator.acts import SLOW, ActLog
 from sar_tui.operator.event_log import short
@@ -54,7 +54,7 @@ class Commands:
         self._asked_to_go_on = 0
         self.baton_key = ""
 
-    def hear(self, heard: Heard) -> None:
+    def hear(self, heard: PeerEvent) -> None:
         """What came over the link."""
         self.mirror = self.mirror.hear(heard)
         if isinstance(heard, Welcome):

@@ -16,7 +16,7 @@ from sar_tui.framework.clock import SECOND, Clock, LiveClock, host_now
 from sar_tui.framework.messages import PendingApproval
 from sar_tui.framework.theme import Theme
 from sar_tui.link.errors import LinkError
-from sar_tui.link.peer import Hear, Heard, Peer
+from sar_tui.link.peer import Peer, PeerEvent, PeerListener
 from sar_tui.operator import key_help, own_file, palette, proposal_view, status_view
 from sar_tui.operator.agent_mirror import AgentMirror
 from sar_tui.operator.commands import Commands, takes_valence
@@ -55,7 +55,9 @@ class PanelLayout(OrderedScreen[str]):
             super().__init__()
             self.theme = theme
 
-    def __init__(self, connect: Callable[[Hear], Peer], theme: Theme, folder: Path, clock: Clock | None = None) -> None:
+    def __init__(
+        self, connect: Callable[[PeerListener], Peer], theme: Theme, folder: Path, clock: Clock | None = None
+    ) -> None:
         super().__init__()
         self._connect = connect
         self.file, self._problem = own_file.read(folder)
@@ -124,14 +126,14 @@ class PanelLayout(OrderedScreen[str]):
         if self.steering.peer:
             self.steering.peer.close()
 
-    def _told(self, heard: Heard) -> None:
+    def _told(self, heard: PeerEvent) -> None:
         """From the link, which knows no app: a fault here ends the panel in words, and does not leave it half alive."""
         try:
             self.hear(heard)
         except Exception as error:
             self.app._handle_exception(error)
 
-    def hear(self, heard: Heard) -> None:
+    def hear(self, heard: PeerEvent) -> None:
         """What came over the link. It is drawn at once after a quiet spell, else with the next frame."""
         theme = self.steering.mirror.theme
         self.steering.hear(heard)

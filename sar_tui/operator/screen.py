@@ -167,7 +167,7 @@ class PanelScreen(PanelLayout):
 
     def action_baton(self) -> None:
         if self.steering.peer and self.steering.mirror.is_connected:
-            self.steering.peer.take_baton()
+            self.steering.peer.take_control()
 
     def action_keys(self) -> None:
         keys = self.query_one("#keys")

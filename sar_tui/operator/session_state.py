@@ -48,7 +48,7 @@ from sar_tui.framework.topics import (
     VOIDED,
     WAITING,
 )
-from sar_tui.link.peer import Connection, Frame, Heard, Trace, Welcome
+from sar_tui.link.peer import Connection, Frame, MotionTrace, PeerEvent, Welcome
 from sar_tui.operator import event_log
 from sar_tui.operator.event_log import Line
 
@@ -115,11 +115,11 @@ class SessionState(msgspec.Struct, frozen=True):
     ended: str = ""
     log: tuple[Line, ...] = ()
 
-    def hear(self, heard: Heard) -> "SessionState":
+    def hear(self, heard: PeerEvent) -> "SessionState":
         """What is known once this has been heard."""
         if isinstance(heard, Welcome):
             return SessionState(connection=self.connection, welcome=heard, theme=self.theme)
-        if isinstance(heard, Trace):
+        if isinstance(heard, MotionTrace):
             return self._moved(heard)
         if isinstance(heard, Connection):
             return replace(self, connection=heard)
@@ -172,7 +172,7 @@ class SessionState(msgspec.Struct, frozen=True):
                 mirror = replace(mirror, log=event_log.kept(mirror.log, line))
         return mirror
 
-    def _moved(self, trace: Trace) -> "SessionState":
+    def _moved(self, trace: MotionTrace) -> "SessionState":
         kept = max(1, round(trace.hz * TRACE_SECONDS))
         seat = self.seat(trace.seat)
         return self.with_seat(trace.seat, replace(seat, rates=(*seat.rates, *trace.rates)[-kept:]))

@@ -14,7 +14,7 @@ from sar_tui.framework.clock import SECOND, host_now
 from sar_tui.framework.messages import Action, CueGiven, Halt, Message, OutputReport, ThemeApplied, Waiting
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, CUE, HALT, REPORT, THEME, WAITING
-from sar_tui.link.peer import Connection, Frame, Hear, Welcome
+from sar_tui.link.peer import Connection, Frame, PeerListener, Welcome
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
 
@@ -32,9 +32,9 @@ class Link:
         self.heard: list[tuple[str, ...]] = []
         self.closed = False
         self._seq = 0
-        self._hear: Hear
+        self._hear: PeerListener
 
-    def join(self, hear: Hear, _: asyncio.AbstractEventLoop) -> "Link":
+    def join(self, hear: PeerListener, _: asyncio.AbstractEventLoop) -> "Link":
         self._hear = hear
         return self
 
@@ -77,7 +77,7 @@ class Link:
     def send(self, topic: Topic[Any], message: Message) -> None:
         raise AssertionError("a view acts on nothing")
 
-    def take_baton(self) -> None:
+    def take_control(self) -> None:
         raise AssertionError("a view acts on nothing")
 
     def close(self) -> None:

@@ -9,8 +9,8 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import OPERATOR, PROMPT, SHOWN, THEME
 from sar_tui.link import protocol
-from sar_tui.link.channel import ToAll, ToOne
-from sar_tui.link.protocol import Acted, Came, Wants
+from sar_tui.link.channel import OutgoingBatch, OutgoingSnapshot
+from sar_tui.link.protocol import ActReceived, PeerJoined, SnapshotRequested
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import plan, sit_down, stored
 from tests.link.test_node import ANNA, Channel
@@ -21,10 +21,10 @@ async def test_an_operator_who_joins_is_told_of_the_session_and_sees_its_prompts
 ) -> None:
     channel = Channel()
     async with sit_down(data, catalogue, plan(keyboard), link=channel) as driver:
-        channel.hear(Came(ANNA))
-        channel.hear(Wants(ANNA))
+        channel.hear(PeerJoined(ANNA))
+        channel.hear(SnapshotRequested(ANNA))
         await driver.wait(100)
-        (greeting,) = (sent for sent in channel.sent if isinstance(sent, ToOne))
+        (greeting,) = (sent for sent in channel.sent if isinstance(sent, OutgoingSnapshot))
         welcome = greeting.welcome
         assert (welcome.session, welcome.link, welcome.task) == (driver.session_id, channel.link, "keyboard")
         assert (welcome.participants, welcome.attempts, welcome.trials) == ({"A": "P01"}, 2, 2)
@@ -32,7 +32,7 @@ async def test_an_operator_who_joins_is_told_of_the_session_and_sees_its_prompts
 
         await driver.to_first_prompt()
         await driver.wait(1000)
-        told = [record.topic for sent in channel.sent if isinstance(sent, ToAll) for record in sent.records]
+        told = [record.topic for sent in channel.sent if isinstance(sent, OutgoingBatch) for record in sent.records]
         assert told.index(PROMPT) < told.index(SHOWN)
 
 
@@ -41,8 +41,8 @@ async def test_an_operator_who_ends_the_session_is_in_its_record_by_name(
 ) -> None:
     channel = Channel()
     async with sit_down(data, catalogue, plan(keyboard), link=channel) as driver:
-        channel.hear(Came(ANNA))
-        channel.hear(Acted(ANNA, OPERATOR.name, msgspec.Raw(protocol.encode(m.Operator(command="end")))))
+        channel.hear(PeerJoined(ANNA))
+        channel.hear(ActReceived(ANNA, OPERATOR.name, msgspec.Raw(protocol.encode(m.Operator(command="end")))))
         await driver.wait(1000)
         assert driver.session.ended
         assert [(act["command"], act["actor"]) for act in driver.messages(OPERATOR.name)] == [("end", ANNA)]

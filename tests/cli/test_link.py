@@ -9,7 +9,7 @@ import zenoh
 from sar_tui.link import errors
 from sar_tui.link.authority import Authority
 from sar_tui.link.invitation import read
-from sar_tui.link.settings import Endpoint, Guest, Keys, config, host_settings
+from sar_tui.link.settings import Endpoint, Guest, LinkKeys, config, host_settings
 from tests.link.tls_fixtures import free_port
 from tests.program import Call, Called
 
@@ -104,7 +104,7 @@ def test_an_invitation_is_taken_back(call: Call, tmp_path: Path) -> None:
     called = call("link", "revoke", "anna")
     assert called.code == 0
     assert "no longer" in called.out
-    assert Authority.opened(tmp_path / "data").guests() == ()
+    assert Authority.open(tmp_path / "data").guests() == ()
     again = call("link", "revoke", "anna")
     assert (again.code, "no invitation for anna" in again.err) == (2, True)
 
@@ -120,10 +120,10 @@ def test_an_invitation_is_checked_against_the_session_that_it_leads_to(call: Cal
     alone = call("link", "check", "operator-anna.sar-link")
     assert alone.code == 1
     assert "Nothing listens there" in alone.out
-    authority = Authority.opened(here / "data")
+    authority = Authority.open(here / "data")
     files = authority.host_files([where])
     settings = host_settings(authority.link, listen=[where], files=files, guests=authority.guests())
-    with zenoh.open(config(settings)) as session, session.liveliness().declare_token(Keys(authority.link).out):
+    with zenoh.open(config(settings)) as session, session.liveliness().declare_token(LinkKeys(authority.link).out):
         assert "✓" in call("link", "check", "operator-anna.sar-link").out
         checked = call("link", "check", "operator-anna.sar-link", "--json")
     assert checked.code == 0

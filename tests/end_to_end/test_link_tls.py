@@ -42,7 +42,7 @@ def without_certificate(invited: Invitation) -> str:
 
 
 def test_who_was_invited_comes_in_as_what_they_are_and_nobody_else_does(at: House, data: Path, tmp_path: Path) -> None:
-    stranger = Authority.made(tmp_path / "elsewhere").invite(Guest("anna", "operator"), [at.where], 30)
+    stranger = Authority.open_or_create(tmp_path / "elsewhere").invite(Guest("anna", "operator"), [at.where], 30)
     with Room(data) as room:
         participant = room.participant("--listen", at.where.locator, **SETTINGS)
         participant.terminal.wait_for("Press Enter to go on.")

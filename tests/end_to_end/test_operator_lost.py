@@ -155,11 +155,13 @@ def test_a_killed_link_is_mended_and_the_operator_comes_back_by_itself(data: Pat
 RATE, SECONDS = 10_000, 2
 _FLOOD = f"""
 import sys, time, zenoh
-from sar_tui.framework.messages import Noted
-from sar_tui.link import wire
-from sar_tui.link.settings import Keys, config
-act = wire.encode(wire.Act("flood", "operator/noted", wire.msgspec.Raw(wire.encode(Noted(text="x")))))
-key = Keys(sys.argv[2]).act("operator.flood")
+from sar_tui.framework.messages import NoteAdded
+from sar_tui.link import protocol
+from sar_tui.link.settings import LinkKeys, config
+act = protocol.encode(
+    protocol.ActRequest("flood", "operator/noted", protocol.msgspec.Raw(protocol.encode(NoteAdded(text="x"))))
+)
+key = LinkKeys(sys.argv[2]).act("operator.flood")
 with zenoh.open(config(sys.argv[1])) as session:
     begun, sent = time.monotonic(), 0
     while sent < {RATE * SECONDS}:

@@ -11,14 +11,14 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.topics import NOTE_ADDED
 from sar_tui.link.client import connect
 from sar_tui.link.discovery import JoinableSession
-from sar_tui.link.peer import Connection, Heard, Welcome
+from sar_tui.link.peer import Connection, PeerEvent, Welcome
 
 
 async def main(session: str, link: str, name: str, role: str) -> None:
     loop = asyncio.get_running_loop()
     over = asyncio.Event()
 
-    def hear(heard: Heard) -> None:
+    def hear(heard: PeerEvent) -> None:
         if isinstance(heard, Connection):
             print(heard.state, flush=True)
             if heard.state == "away":

@@ -12,12 +12,12 @@ from sar_tui.link.authority import Authority
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.peer import Connection
-from sar_tui.link.probe import NOT_LET_IN, knock
+from sar_tui.link.probe import NOT_LET_IN, probe
 from sar_tui.link.settings import (
     Credentials,
     Endpoint,
     Guest,
-    HostFiles,
+    TlsFiles,
     config,
     host_settings,
     network_settings,
@@ -95,7 +95,7 @@ def test_without_a_certificate_nobody_gets_in(at: House, host: FakeBroker) -> No
 
 
 def test_with_another_authoritys_certificate_nobody_gets_in(at: House, host: FakeBroker, tmp_path: Path) -> None:
-    stranger = Authority.made(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
+    stranger = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
     trusting = Credentials(at.anna.credentials.authority, stranger.credentials.certificate, stranger.credentials.key)
     with pytest.raises(zenoh.ZError):
         zenoh.open(config(network_settings(at.where, trusting)))
@@ -113,7 +113,7 @@ def test_a_panel_that_is_not_let_in_is_told_so_soon(
     monkeypatch.setattr(transport, "_LETS_IN_S", 0.2)
     invitation = at.authority.invite(Guest("newcomer", "operator"), [at.where], 30) if is_new else at.gone
     arrived: list[object] = []
-    panel = transport.Transport(transport.ways_of(invitation), str(invitation.guest), arrived.append)
+    panel = transport.Transport(transport.connection_target(invitation), str(invitation.guest), arrived.append)
     panel.open()
     try:
         assert eventually(lambda: panel.send_hello(b"hello") or arrived)
@@ -124,14 +124,14 @@ def test_a_panel_that_is_not_let_in_is_told_so_soon(
 
 
 def test_a_guest_does_not_talk_to_a_host_of_another_authority(at: House, host: FakeBroker, tmp_path: Path) -> None:
-    stranger = Authority.made(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
+    stranger = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
     with pytest.raises(zenoh.ZError), visiting(stranger):
         pass
 
 
 def test_a_guest_cannot_play_the_host_with_their_own_certificate(at: House, tmp_path: Path) -> None:
     elsewhere = Endpoint("127.0.0.1", free_port())
-    files = HostFiles(*(tmp_path / name for name in ("authority", "certificate", "key")))
+    files = TlsFiles(*(tmp_path / name for name in ("authority", "certificate", "key")))
     for path, text in zip(files, msgspec.structs.astuple(at.eve.credentials), strict=True):
         path.write_text(text)
     with (
@@ -263,30 +263,30 @@ def present(at: House, host: FakeBroker) -> Iterator[None]:
     token.undeclare()
 
 
-def knock_with(invited: Invitation) -> None:
-    knock(network_settings(invited.where[0], invited.credentials), invited.link)
+def probe_with(invited: Invitation) -> None:
+    probe(network_settings(invited.where[0], invited.credentials), invited.link)
 
 
 @pytest.mark.usefixtures("present")
-def test_who_is_invited_may_knock(at: House) -> None:
-    knock_with(at.eve)
+def test_who_is_invited_may_probe(at: House) -> None:
+    probe_with(at.eve)
 
 
 @pytest.mark.usefixtures("present")
-def test_who_was_revoked_is_told_when_they_knock(at: House) -> None:
+def test_who_was_revoked_is_told_when_they_probe(at: House) -> None:
     with pytest.raises(LinkError, match="it was revoked, or made after"):
-        knock_with(at.gone)
+        probe_with(at.gone)
 
 
 @pytest.mark.usefixtures("present")
-def test_who_comes_too_late_is_told_when_they_knock(at: House) -> None:
+def test_who_comes_too_late_is_told_when_they_probe(at: House) -> None:
     with pytest.raises(LinkError, match="has expired"):
-        knock_with(at.late)
+        probe_with(at.late)
 
 
 def test_who_knocks_where_nothing_listens_is_told(at: House) -> None:
     with pytest.raises(LinkError, match="Nothing listens there"):
-        knock(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)
+        probe(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)
 
 
 def test_a_file_where_one_knocks_from_is_not_taken_for_a_library(
@@ -295,4 +295,4 @@ def test_a_file_where_one_knocks_from_is_not_taken_for_a_library(
     (tmp_path / "zenoh.py").write_text("open(0).read(); print('was let in')")
     monkeypatch.chdir(tmp_path)
     with pytest.raises(LinkError, match="Nothing listens there"):
-        knock(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)
+        probe(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)

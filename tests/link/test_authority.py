@@ -20,7 +20,7 @@ EVE = Guest("eve", "observer")
 
 @pytest.fixture
 def authority(data: Path) -> Authority:
-    return Authority.made(data)
+    return Authority.open_or_create(data)
 
 
 def names_of(certificate: Path) -> list[str]:
@@ -30,16 +30,16 @@ def names_of(certificate: Path) -> list[str]:
 
 
 def test_it_is_made_once(data: Path) -> None:
-    first = Authority.made(data).invite(ANNA, [HERE], 30)
-    second = Authority.made(data).invite(EVE, [HERE], 30)
+    first = Authority.open_or_create(data).invite(ANNA, [HERE], 30)
+    second = Authority.open_or_create(data).invite(EVE, [HERE], 30)
     assert first.credentials.authority == second.credentials.authority
-    assert first.link == second.link == Authority.opened(data).link
+    assert first.link == second.link == Authority.open(data).link
 
 
 def test_without_an_invitation_there_is_none(data: Path) -> None:
     assert not Authority.exists(data)
     with pytest.raises(LinkError, match="link invite"):
-        Authority.opened(data)
+        Authority.open(data)
 
 
 def test_its_folder_and_all_in_it_are_this_users_alone(authority: Authority, data: Path) -> None:
@@ -163,11 +163,11 @@ def test_a_damaged_authority_is_told_and_left_as_it_is(
     spoil(data / "link" / name)
     before = {path.name: path.read_bytes() for path in (data / "link").iterdir()}
     with pytest.raises(LinkError, match=r"damaged|Nobody has been invited"):
-        Authority.opened(data).invite(EVE, [HERE], 30)
+        Authority.open(data).invite(EVE, [HERE], 30)
     assert {path.name: path.read_bytes() for path in (data / "link").iterdir()} == before
 
 
 def test_a_folder_that_cannot_be_made_is_told(data: Path) -> None:
     data.write_text("a file where the data folder should be")
     with pytest.raises(LinkError, match="cannot be written to"):
-        Authority.made(data)
+        Authority.open_or_create(data)

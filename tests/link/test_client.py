@@ -16,10 +16,10 @@ from sar_tui.link import client, protocol
 from sar_tui.link.authority import Authority
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.peer import Connection, Frame, Heard, Peer, Trace, Welcome
-from sar_tui.link.protocol import Act, Batch, Greeting, Hello, Over, Pong, Traces
+from sar_tui.link.peer import Connection, Frame, MotionTrace, Peer, PeerEvent, Welcome
+from sar_tui.link.protocol import ActRequest, Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
 from sar_tui.link.settings import Endpoint, Guest
-from sar_tui.link.transport import Arrived
+from sar_tui.link.transport import Received
 from tests.link.test_node import ABOUT, ANNA
 
 HERE = JoinableSession(session="s1", task="keyboard", link="link", pid=1)
@@ -31,20 +31,20 @@ class Transport:
 
     made: list["Transport"] = []
 
-    def __init__(self, ways: object, name: str, arrived: Callable[[Arrived], object]) -> None:
+    def __init__(self, ways: object, name: str, arrived: Callable[[Received], object]) -> None:
         self.name, self.arrived = name, arrived
-        self.hellos: list[Hello] = []
-        self.acts: list[Act] = []
+        self.hellos: list[Ping] = []
+        self.acts: list[ActRequest] = []
         self.is_closed = False
         self.made.append(self)
 
     def open(self) -> None: ...
 
     def send_hello(self, payload: bytes) -> None:
-        self.hellos.append(protocol.decode(payload, Hello))
+        self.hellos.append(protocol.decode(payload, Ping))
 
     def send_act(self, payload: bytes) -> None:
-        self.acts.append(protocol.decode(payload, Act))
+        self.acts.append(protocol.decode(payload, ActRequest))
 
     def close(self, *, awaits_answer: bool) -> None:
         self.is_closed = True
@@ -58,12 +58,12 @@ class Panel:
     """A peer, and what it was told."""
 
     def __init__(self, where: JoinableSession | Invitation = HERE) -> None:
-        self.heard: list[Heard] = []
+        self.heard: list[PeerEvent] = []
         loop = asyncio.get_running_loop()
         self.peer: Peer = client.connect(where, "anna", "operator", self.heard.append, loop)
         self.line = Transport.made[-1]
 
-    async def arrives(self, *what: Arrived) -> None:
+    async def arrives(self, *what: Received) -> None:
         for each in what:
             self.line.arrived(each)
         for _ in range(3):
@@ -74,7 +74,7 @@ class Panel:
         return Pong(0, 0, "elsewhere", number, self.line.hellos[0].who, refusal)
 
     async def welcomed(self) -> None:
-        await self.arrives(self.pong(), Greeting(3, WELCOME, protocol.framed([level(1)])))
+        await self.arrives(self.pong(), Snapshot(3, WELCOME, protocol.encode_frames([level(1)])))
         self.heard.clear()
 
     def levels(self) -> list[int]:
@@ -90,13 +90,13 @@ def level(number: int) -> Record:
 
 
 def batch(number: int) -> Batch:
-    return Batch(number, protocol.framed([level(number)]))
+    return Batch(number, protocol.encode_frames([level(number)]))
 
 
 @pytest.fixture
 async def panel(monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.setattr(client, "Transport", Transport)
-    monkeypatch.setattr(client, "ways_of", lambda where: where)
+    monkeypatch.setattr(client, "connection_target", lambda where: where)
     panel = Panel()
     await panel.arrives()
     yield panel
@@ -106,7 +106,9 @@ async def panel(monkeypatch: pytest.MonkeyPatch) -> Any:
 async def test_it_is_connected_once_it_is_greeted_and_told_all_in_order(panel: Panel) -> None:
     assert panel.heard == [Connection("connecting")]
     assert panel.wants()
-    await panel.arrives(panel.pong(), batch(2), Greeting(3, WELCOME, protocol.framed([level(1)])), batch(3), batch(4))
+    await panel.arrives(
+        panel.pong(), batch(2), Snapshot(3, WELCOME, protocol.encode_frames([level(1)])), batch(3), batch(4)
+    )
     frames = [each for each in panel.heard if isinstance(each, list)]
     assert panel.heard[1:3] == [Connection("connected"), WELCOME]
     assert frames == [[Frame(*level(1))], [Frame(*level(4))]]  # what the greeting holds is not told again
@@ -117,7 +119,7 @@ async def test_when_a_batch_is_missing_nothing_more_is_told_until_all_is_told_an
     await panel.arrives(batch(5), batch(6))
     assert panel.levels() == []
     assert panel.wants()
-    await panel.arrives(Greeting(6, WELCOME, protocol.framed([level(6)])), batch(7))
+    await panel.arrives(Snapshot(6, WELCOME, protocol.encode_frames([level(6)])), batch(7))
     assert panel.levels() == [6, 7]
 
 
@@ -133,12 +135,12 @@ async def test_an_act_is_sent_as_it_is_while_there_is_a_link_and_else_not_at_all
     assert panel.line.acts == []
     await panel.welcomed()
     panel.peer.send(NOTE_ADDED, note)
-    panel.peer.take_baton()
+    panel.peer.take_control()
     sent = panel.line.acts
     assert [(act.topic, act.who) for act in sent] == [
-        (topic, panel.line.hellos[0].who) for topic in (NOTE_ADDED.name, protocol.BATON)
+        (topic, panel.line.hellos[0].who) for topic in (NOTE_ADDED.name, protocol.TAKE_CONTROL)
     ]
-    assert protocol.act(sent[0].topic, sent[0].message) == note
+    assert protocol.decode_act(sent[0].topic, sent[0].message) == note
 
 
 async def test_what_is_no_act_cannot_be_sent(panel: Panel) -> None:
@@ -152,7 +154,7 @@ async def test_a_link_that_breaks_is_lost_and_connected_again_when_it_is_greeted
     assert panel.heard == [Connection("lost", "The connection broke.")]
     await panel.arrives(Connection("connected"))
     assert panel.wants()
-    await panel.arrives(panel.pong(), Greeting(9, WELCOME, []))
+    await panel.arrives(panel.pong(), Snapshot(9, WELCOME, []))
     assert panel.heard[1:3] == [Connection("connected"), WELCOME]
 
 
@@ -164,26 +166,26 @@ async def test_why_there_is_no_link_yet_is_told_once(panel: Panel) -> None:
 async def test_who_is_not_let_in_is_told_why_and_another_program_of_that_name_is_not(panel: Panel) -> None:
     await panel.arrives(Pong(0, 0, "h", 0, "another", "The name is taken."))
     assert panel.heard == [Connection("connecting")]
-    await panel.arrives(panel.pong(refusal="The name is taken."), Greeting(1, WELCOME, []))  # which is the other's
+    await panel.arrives(panel.pong(refusal="The name is taken."), Snapshot(1, WELCOME, []))  # which is the other's
     assert panel.heard[1:] == [Connection("connecting", "The name is taken.")]
 
 
 async def test_traces_are_told_one_by_one(panel: Panel) -> None:
     await panel.welcomed()
-    traces = [Trace("A", 5, 50.0, (0.1, 0.2)), Trace("B", 6, 50.0, (0.3,))]
-    await panel.arrives(Traces(traces))
+    traces = [MotionTrace("A", 5, 50.0, (0.1, 0.2)), MotionTrace("B", 6, 50.0, (0.3,))]
+    await panel.arrives(MotionTraces(traces))
     assert panel.heard == traces
 
 
 async def test_a_session_of_this_machine_that_is_over_is_joined_again_when_it_is_resumed(panel: Panel) -> None:
     await panel.welcomed()
-    await panel.arrives(Over(), batch(4), Connection("lost", "The connection broke."))
+    await panel.arrives(LinkClosed(), batch(4), Connection("lost", "The connection broke."))
     assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["away"]
     assert panel.levels() == []
     assert not panel.line.is_closed
     await panel.arrives(Connection("connected"))
     assert panel.wants()
-    await panel.arrives(panel.pong(), Greeting(1, WELCOME, protocol.framed([level(1)])))
+    await panel.arrives(panel.pong(), Snapshot(1, WELCOME, protocol.encode_frames([level(1)])))
     assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["away", "connected"]
 
 
@@ -191,12 +193,12 @@ async def test_with_an_invitation_a_session_that_is_over_is_away_for_good(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(client, "Transport", Transport)
-    monkeypatch.setattr(client, "ways_of", lambda where: where)
-    invitation = Authority.made(tmp_path).invite(Guest("anna", "operator"), [Endpoint("127.0.0.1", 7447)], 30)
+    monkeypatch.setattr(client, "connection_target", lambda where: where)
+    invitation = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [Endpoint("127.0.0.1", 7447)], 30)
     panel = Panel(invitation)
     await panel.arrives()
     await panel.welcomed()
-    await panel.arrives(Over(), batch(4))
+    await panel.arrives(LinkClosed(), batch(4))
     assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["away"]
     assert panel.line.is_closed
 

@@ -11,15 +11,15 @@ from pathlib import Path
 import pytest
 
 from sar_tui.link import discovery
-from sar_tui.link.discovery import JoinableSession, announced, live_sessions, place, socket_path
+from sar_tui.link.discovery import JoinableSession, announce, live_sessions, socket_folder, socket_path
 from sar_tui.link.errors import LinkError
 
 HERE = JoinableSession("1a2b3c4d5e", "keyboard", "1a2b3c4d5e", os.getpid())
 
 ANNOUNCE = """
 import sys
-from sar_tui.link.discovery import JoinableSession, announced
-with announced(JoinableSession("feedbeef00", "reaching", "feedbeef00", 1)) as path:
+from sar_tui.link.discovery import JoinableSession, announce
+with announce(JoinableSession("feedbeef00", "reaching", "feedbeef00", 1)) as path:
     path.touch()
     print("announced", flush=True)
     sys.stdin.read()
@@ -34,8 +34,8 @@ def runtime(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_folder_is_made_for_this_user_alone(runtime: Path) -> None:
-    assert place() == runtime / "sar-tui"
-    assert stat.S_IMODE(place().stat().st_mode) == 0o700
+    assert socket_folder() == runtime / "sar-tui"
+    assert stat.S_IMODE(socket_folder().stat().st_mode) == 0o700
 
 
 @pytest.mark.parametrize("told", [None, "", "/there/is/none"])
@@ -46,39 +46,39 @@ def test_without_a_runtime_folder_it_is_among_the_temporary_files(
     if told is not None:
         monkeypatch.setenv("XDG_RUNTIME_DIR", told)
     monkeypatch.setattr(discovery.tempfile, "gettempdir", lambda: str(tmp_path))
-    assert place() == tmp_path / f"sar-tui-{os.getuid()}"
+    assert socket_folder() == tmp_path / f"sar-tui-{os.getuid()}"
 
 
 def test_a_folder_that_others_can_enter_is_refused(runtime: Path) -> None:
-    place().chmod(0o750)
+    socket_folder().chmod(0o750)
     with pytest.raises(LinkError, match="is open to others"):
-        place()
+        socket_folder()
 
 
 def test_a_link_to_another_place_is_refused(runtime: Path, tmp_path: Path) -> None:
     (tmp_path / "elsewhere").mkdir(mode=0o700)
     (runtime / "sar-tui").symlink_to(tmp_path / "elsewhere")
     with pytest.raises(LinkError, match="is a link to another place"):
-        place()
+        socket_folder()
 
 
 def test_a_file_in_its_place_is_refused(runtime: Path) -> None:
     (runtime / "sar-tui").touch(mode=0o600)
     with pytest.raises(LinkError, match="is not a folder"):
-        place()
+        socket_folder()
 
 
 def test_somebody_elses_folder_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    owner = place().stat().st_uid
+    owner = socket_folder().stat().st_uid
     monkeypatch.setattr(discovery.os, "getuid", lambda: owner + 1)
     with pytest.raises(LinkError, match="belongs to somebody else"):
-        place()
+        socket_folder()
 
 
 def test_without_unix_sockets_the_network_is_offered(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(discovery.os, "name", "nt")
     with pytest.raises(LinkError, match="link invite"):
-        place()
+        socket_folder()
 
 
 def test_a_path_that_is_too_long_for_a_socket_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -97,16 +97,16 @@ def test_what_is_no_sessions_id_leads_nowhere(session: str) -> None:
 
 def test_a_session_is_found_while_it_is_announced_and_leaves_nothing() -> None:
     assert live_sessions() == []
-    with announced(HERE) as path:
-        assert path == HERE.socket == place() / "1a2b3c4d5e.sock"
+    with announce(HERE) as path:
+        assert path == HERE.socket == socket_folder() / "1a2b3c4d5e.sock"
         assert live_sessions() == [HERE]
     assert live_sessions() == []
-    assert list(place().iterdir()) == []
+    assert list(socket_folder().iterdir()) == []
 
 
 def test_a_session_is_announced_by_one_program_at_a_time() -> None:
-    with announced(HERE):
-        with pytest.raises(LinkError, match="Another program"), announced(HERE):
+    with announce(HERE):
+        with pytest.raises(LinkError, match="Another program"), announce(HERE):
             pass
         assert live_sessions() == [HERE]
 
@@ -116,14 +116,14 @@ def test_a_full_disk_is_told_and_nothing_is_left(monkeypatch: pytest.MonkeyPatch
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(Path, "write_bytes", full)
-    with pytest.raises(LinkError, match="cannot be written to: No space left on device"), announced(HERE):
+    with pytest.raises(LinkError, match="cannot be written to: No space left on device"), announce(HERE):
         pass
-    assert list(place().iterdir()) == []
+    assert list(socket_folder().iterdir()) == []
 
 
 def test_what_a_killed_program_left_is_cleared_away() -> None:
     with (
-        announced(HERE),
+        announce(HERE),
         subprocess.Popen([sys.executable, "-c", ANNOUNCE], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other,
     ):
         try:
@@ -136,11 +136,11 @@ def test_what_a_killed_program_left_is_cleared_away() -> None:
             other.kill()
         assert socket_path("feedbeef00").exists()
         assert live_sessions() == [HERE]
-        assert not list(place().glob("feedbeef00*"))
+        assert not list(socket_folder().glob("feedbeef00*"))
 
 
 @pytest.mark.parametrize("content", [b"", b"{", b'{"session": "another", "task": "", "link": "", "pid": 1}'])
 def test_a_description_that_is_not_one_is_passed_over(content: bytes) -> None:
-    with announced(HERE) as path:
+    with announce(HERE) as path:
         path.with_suffix(".json").write_bytes(content)
         assert live_sessions() == []

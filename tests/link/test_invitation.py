@@ -19,7 +19,7 @@ HERE = Endpoint("lab-pc.local", 7000)
 
 @pytest.fixture(scope="module")
 def authority(tmp_path_factory: pytest.TempPathFactory) -> Authority:
-    return Authority.made(tmp_path_factory.mktemp("data"))
+    return Authority.open_or_create(tmp_path_factory.mktemp("data"))
 
 
 @pytest.fixture(scope="module")

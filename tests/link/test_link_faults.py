@@ -27,9 +27,9 @@ from sar_tui.link.client import connect
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
 from sar_tui.link.node import LinkNode
-from sar_tui.link.peer import Connection, Frame, Heard, Peer, Welcome
-from sar_tui.link.server import Listening, opened
-from sar_tui.link.settings import Keys, config, host_settings, socket_settings
+from sar_tui.link.peer import Connection, Frame, Peer, PeerEvent, Welcome
+from sar_tui.link.server import ListenOptions, open_link
+from sar_tui.link.settings import LinkKeys, config, host_settings, socket_settings
 from tests.link.test_node import ABOUT, STARTED
 from tests.link.tls_fixtures import eventually
 
@@ -49,7 +49,7 @@ class Panel:
     """A panel in this process."""
 
     def __init__(self, live: JoinableSession, name: str, role: m.Role = "operator") -> None:
-        self.heard: list[Heard] = []
+        self.heard: list[PeerEvent] = []
         self.peer: Peer = connect(live, name, role, self.heard.append, asyncio.get_running_loop())
 
     @property
@@ -137,7 +137,7 @@ async def sitting(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Sitting]:
     folder = Path(tempfile.mkdtemp(prefix="sar"))  # a socket's path has to be short
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(folder))
     session = secrets.token_hex(5)
-    with opened(folder, session, "keyboard", Listening.read(operator=True, listen=None), LOST_MS) as host:
+    with open_link(folder, session, "keyboard", ListenOptions.parse(operator=True, listen=None), LOST_MS) as host:
         live = JoinableSession(session=session, task="keyboard", link=host.link, pid=os.getpid())
         sitting = Sitting(host, live)
         try:
@@ -212,7 +212,7 @@ async def test_a_panel_that_is_closed_has_left(sitting: Sitting) -> None:
 async def test_what_an_observer_does_is_refused_and_logged(sitting: Sitting) -> None:
     panel = await sitting.panel("olaf", "observer")
     panel.peer.send(NOTE_ADDED, m.NoteAdded(text="me, too"))
-    panel.peer.take_baton()
+    panel.peer.take_control()
     await until(lambda: sitting.of(REFUSED))
     assert {refused.actor for refused in sitting.of(REFUSED)} == {OLAF}
     assert sitting.of(NOTE_ADDED) == []
@@ -221,9 +221,9 @@ async def test_what_an_observer_does_is_refused_and_logged(sitting: Sitting) -> 
 
 async def test_of_ten_thousand_messages_few_reach_the_program_and_an_operator_still_can_act(sitting: Sitting) -> None:
     ben = await sitting.panel("ben")
-    keys = Keys(sitting.live.link)
+    keys = LinkKeys(sitting.live.link)
     note = msgspec.Raw(protocol.encode(m.NoteAdded(text="flood")))
-    act = protocol.encode(protocol.Act("1", NOTE_ADDED.name, note))
+    act = protocol.encode(protocol.ActRequest("1", NOTE_ADDED.name, note))
     reached: list[object] = []
     hear = sitting.node.hear
     sitting.node.hear = lambda news: (reached.append(news), hear(news))  # type: ignore[method-assign,assignment]
@@ -330,12 +330,15 @@ def test_a_port_that_is_taken_and_an_authority_that_is_not_there_are_told_in_a_s
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        listening = Listening.read(operator=False, listen=f"tls/127.0.0.1:{port}")
-        with pytest.raises(LinkError, match="Nobody has been invited"), opened(tmp_path, "s", "t", listening, LOST_MS):
+        listening = ListenOptions.parse(operator=False, listen=f"tls/127.0.0.1:{port}")
+        with (
+            pytest.raises(LinkError, match="Nobody has been invited"),
+            open_link(tmp_path, "s", "t", listening, LOST_MS),
+        ):
             pass
-        Authority.made(tmp_path)
+        Authority.open_or_create(tmp_path)
         with (
             pytest.raises(LinkError, match=f"127.0.0.1:{port}. Another program"),
-            opened(tmp_path, "s", "t", listening, LOST_MS),
+            open_link(tmp_path, "s", "t", listening, LOST_MS),
         ):
             pass

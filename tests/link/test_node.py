@@ -28,10 +28,10 @@ from sar_tui.framework.topics import (
     WAITING,
 )
 from sar_tui.link import protocol
-from sar_tui.link.channel import Ended, Hear, Measured, Sending, ToAll, ToOne
+from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
 from sar_tui.link.node import LinkNode
 from sar_tui.link.peer import Welcome
-from sar_tui.link.protocol import Acted, Came, Gone, News, Refused, Wants
+from sar_tui.link.protocol import ActReceived, BrokerEvent, PeerJoined, PeerLeft, RequestRefused, SnapshotRequested
 
 ANNA, BEN, OLAF = "operator.anna", "operator.ben", "observer.olaf"
 ABOUT = Welcome(
@@ -58,14 +58,14 @@ class Channel:
     link = "link"
 
     def __init__(self) -> None:
-        self.sent: list[Sending] = []
+        self.sent: list[Outgoing] = []
         self.is_full = False
         self.checks = 0
 
-    def listen(self, hear: Hear) -> None:
+    def listen(self, hear: BrokerListener) -> None:
         self.hear = hear
 
-    def send(self, what: Sending) -> bool:
+    def send(self, what: Outgoing) -> bool:
         if not self.is_full:
             self.sent.append(what)
         return not self.is_full
@@ -105,14 +105,14 @@ class Bench:
         self.bus.tap(self.heard.extend)
         self.bus.publish(SESSION, STARTED)
 
-    def hear(self, *news: News | Ended) -> None:
+    def hear(self, *news: BrokerEvent | BrokerEnded) -> None:
         """The process tells, and the bus is given time."""
         for each in news:
             self.channel.hear(each)
         self.clock.advance(MS)
 
     def act(self, name: str, topic: Topic[Any], message: Message) -> None:
-        self.hear(Acted(name, topic.name, msgspec.Raw(protocol.encode(message))))
+        self.hear(ActReceived(name, topic.name, msgspec.Raw(protocol.encode(message))))
 
     def of(self, topic: Topic[Any]) -> list[Any]:
         """What was published on a topic."""
@@ -121,11 +121,11 @@ class Bench:
     def presence(self) -> list[tuple[str, str, bool]]:
         return [(changed.actor, changed.state, changed.operated) for changed in self.of(PRESENCE)]
 
-    def batches(self) -> list[ToAll]:
-        return [sent for sent in self.channel.sent if isinstance(sent, ToAll)]
+    def batches(self) -> list[OutgoingBatch]:
+        return [sent for sent in self.channel.sent if isinstance(sent, OutgoingBatch)]
 
-    def greetings(self) -> list[ToOne]:
-        return [sent for sent in self.channel.sent if isinstance(sent, ToOne)]
+    def greetings(self) -> list[OutgoingSnapshot]:
+        return [sent for sent in self.channel.sent if isinstance(sent, OutgoingSnapshot)]
 
 
 @pytest.fixture
@@ -139,7 +139,7 @@ def bench() -> Iterator[Bench]:
 
 
 def test_the_first_operator_is_told_of_and_has_the_baton(bench: Bench) -> None:
-    bench.hear(Came(OLAF), Came(ANNA), Came(BEN))
+    bench.hear(PeerJoined(OLAF), PeerJoined(ANNA), PeerJoined(BEN))
     assert bench.presence() == [
         (OLAF, "joined", False),
         (ANNA, "joined", True),
@@ -150,41 +150,41 @@ def test_the_first_operator_is_told_of_and_has_the_baton(bench: Bench) -> None:
 
 
 def test_an_act_of_the_holder_is_posted_with_the_name_that_the_link_knows(bench: Bench) -> None:
-    bench.hear(Came(ANNA))
+    bench.hear(PeerJoined(ANNA))
     bench.act(ANNA, DECISION, m.Decision(action="a1", verdict="veto", actor="somebody else", at=START))
     assert bench.of(DECISION) == [m.Decision(action="a1", verdict="veto", actor=ANNA, at=START)]
 
 
 @pytest.mark.parametrize(("said_ms", "stored_ms"), [(-90_000, -60_000), (-59_000, -59_000), (9_000, 0)])
 def test_a_stamp_is_held_to_the_last_minute(bench: Bench, said_ms: int, stored_ms: int) -> None:
-    bench.hear(Came(ANNA))
+    bench.hear(PeerJoined(ANNA))
     now = bench.clock.now()
     act = m.NoteAdded(text="x", at=now + said_ms * MS)
-    bench.node.hear(Acted(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(act))))
+    bench.node.hear(ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(act))))
     assert bench.of(NOTE_ADDED)[0].at == now + stored_ms * MS
 
 
 def test_an_act_without_a_stamp_happens_as_it_comes(bench: Bench) -> None:
-    bench.hear(Came(ANNA))
-    bench.node.hear(Acted(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(m.NoteAdded(text="x")))))
+    bench.hear(PeerJoined(ANNA))
+    bench.node.hear(ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(m.NoteAdded(text="x")))))
     assert bench.of(NOTE_ADDED)[0].at == bench.clock.now()
 
 
 def test_an_act_without_the_baton_is_refused_and_told(bench: Bench) -> None:
-    bench.hear(Came(ANNA), Came(BEN))
+    bench.hear(PeerJoined(ANNA), PeerJoined(BEN))
     bench.act(BEN, OPERATOR, m.Operator(command="end"))
     assert bench.of(OPERATOR) == []
     assert [(refused.actor, refused.what) for refused in bench.of(REFUSED)] == [(BEN, OPERATOR.name)]
 
 
 def test_that_another_operators_panel_shows_a_proposal_is_nothing_to_refuse(bench: Bench) -> None:
-    bench.hear(Came(ANNA), Came(BEN))
+    bench.hear(PeerJoined(ANNA), PeerJoined(BEN))
     bench.act(BEN, PROPOSAL_SEEN, m.ProposalSeen(action="a1"))
     assert bench.of(PROPOSAL_SEEN) == bench.of(REFUSED) == []
 
 
 def test_the_baton_moves_at_once_when_it_is_taken(bench: Bench) -> None:
-    bench.hear(Came(ANNA), Came(BEN), Acted(BEN, protocol.BATON, msgspec.Raw(b"\xc0")))
+    bench.hear(PeerJoined(ANNA), PeerJoined(BEN), ActReceived(BEN, protocol.TAKE_CONTROL, msgspec.Raw(b"\xc0")))
     bench.act(ANNA, OPERATOR, m.Operator(command="pause"))
     bench.act(BEN, OPERATOR, m.Operator(command="skip"))
     assert bench.presence()[-1] == (BEN, "baton", True)
@@ -192,14 +192,14 @@ def test_the_baton_moves_at_once_when_it_is_taken(bench: Bench) -> None:
 
 
 def test_an_observer_can_neither_act_nor_take_the_baton(bench: Bench) -> None:
-    bench.hear(Came(OLAF), Acted(OLAF, protocol.BATON, msgspec.Raw(b"\xc0")))
+    bench.hear(PeerJoined(OLAF), ActReceived(OLAF, protocol.TAKE_CONTROL, msgspec.Raw(b"\xc0")))
     bench.act(OLAF, OPERATOR, m.Operator(command="end"))
     assert bench.of(OPERATOR) == []
     assert [refused.actor for refused in bench.of(REFUSED)] == [OLAF, OLAF]
 
 
 def test_an_act_for_a_seat_that_there_is_not_is_refused(bench: Bench) -> None:
-    bench.hear(Came(ANNA))
+    bench.hear(PeerJoined(ANNA))
     bench.act(ANNA, NOTE_ADDED, m.NoteAdded(seat="Q", text="x"))
     assert bench.of(NOTE_ADDED) == []
     assert len(bench.of(REFUSED)) == 1
@@ -207,13 +207,15 @@ def test_an_act_for_a_seat_that_there_is_not_is_refused(bench: Bench) -> None:
 
 def test_what_the_process_should_not_have_let_through_is_refused_here(bench: Bench) -> None:
     bench.hear(
-        Came(ANNA), Acted(ANNA, NOTE_ADDED.name, msgspec.Raw(b"\xc1")), Acted(ANNA, KEY.name, msgspec.Raw(b"\xc0"))
+        PeerJoined(ANNA),
+        ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(b"\xc1")),
+        ActReceived(ANNA, KEY.name, msgspec.Raw(b"\xc0")),
     )
     assert [refused.actor for refused in bench.of(REFUSED)] == [ANNA, ANNA]
 
 
 def test_what_is_refused_again_and_again_is_told_once_a_second_with_its_count(bench: Bench) -> None:
-    bench.hear(Came(ANNA), Came(BEN))
+    bench.hear(PeerJoined(ANNA), PeerJoined(BEN))
     for _ in range(20):
         bench.act(BEN, OPERATOR, m.Operator(command="end"))
     bench.clock.advance(3 * SECOND)
@@ -221,9 +223,9 @@ def test_what_is_refused_again_and_again_is_told_once_a_second_with_its_count(be
 
 
 def test_when_the_holder_is_lost_the_session_is_operated_only_if_another_is_there(bench: Bench) -> None:
-    bench.hear(Came(ANNA), Came(BEN))
+    bench.hear(PeerJoined(ANNA), PeerJoined(BEN))
     bench.heard.clear()
-    bench.hear(Gone(ANNA, "lost", "Nothing was heard."), Gone(BEN, "left"), Came(ANNA))
+    bench.hear(PeerLeft(ANNA, "lost", "Nothing was heard."), PeerLeft(BEN, "left"), PeerJoined(ANNA))
     assert bench.presence() == [
         (ANNA, "lost", True),
         (BEN, "baton", True),
@@ -235,15 +237,15 @@ def test_when_the_holder_is_lost_the_session_is_operated_only_if_another_is_ther
 
 
 def test_when_the_process_ends_all_are_lost_and_when_it_cannot_come_back_that_is_told(bench: Bench) -> None:
-    bench.hear(Came(ANNA), Came(OLAF))
+    bench.hear(PeerJoined(ANNA), PeerJoined(OLAF))
     bench.heard.clear()
-    bench.hear(Ended("It ended."), Ended("It ended for good.", is_final=True))
+    bench.hear(BrokerEnded("It ended."), BrokerEnded("It ended for good.", is_final=True))
     assert bench.presence() == [(ANNA, "lost", False), (OLAF, "lost", False)]
     assert [(refused.actor, refused.why) for refused in bench.of(REFUSED)] == [("link", "It ended for good.")]
 
 
 def test_what_the_process_refused_is_in_the_log_with_its_count(bench: Bench) -> None:
-    bench.hear(Refused(OLAF, "an act", "An observer cannot act.", 12))
+    bench.hear(RequestRefused(OLAF, "an act", "An observer cannot act.", 12))
     refused = m.ActRefused(actor=OLAF, what="an act", why="An observer cannot act.", count=12)
     assert bench.of(REFUSED) == [refused]
 
@@ -260,7 +262,7 @@ def test_with_nobody_there_nothing_is_sent(bench: Bench) -> None:
 def test_who_comes_late_is_greeted_with_how_things_stand(bench: Bench) -> None:
     for level in (2, 3):
         bench.says.say((LEVEL, m.LevelChanged(previous=level - 1, level=level, reason="success")))
-    bench.hear(Came(ANNA), Wants(ANNA))
+    bench.hear(PeerJoined(ANNA), SnapshotRequested(ANNA))
     bench.clock.advance(50 * MS)
     (greeting,) = bench.greetings()
     assert (greeting.welcome.name, greeting.welcome.role, greeting.welcome.session) == (ANNA, "operator", "s1")
@@ -278,18 +280,18 @@ def test_what_a_resumed_session_stood_at_is_in_the_greeting_but_not_who_was_ther
     node = LinkNode(channel)
     node.welcome = ABOUT
     node.attach(bus)
-    channel.hear(Came(ANNA))
-    channel.hear(Wants(ANNA))
+    channel.hear(PeerJoined(ANNA))
+    channel.hear(SnapshotRequested(ANNA))
     clock.advance(50 * MS)
     node.detach()
-    (greeting,) = (sent for sent in channel.sent if isinstance(sent, ToOne))
+    (greeting,) = (sent for sent in channel.sent if isinstance(sent, OutgoingSnapshot))
     told = [record.message for record in greeting.records]
     assert STARTED in told
     assert BEN not in [each.actor for each in told if isinstance(each, m.OperatorChanged)]
 
 
 def test_what_happens_goes_out_a_little_later_in_one_numbered_batch(bench: Bench) -> None:
-    bench.hear(Came(ANNA))
+    bench.hear(PeerJoined(ANNA))
     bench.clock.advance(SECOND)
     (presence,) = bench.batches()
     for level in (2, 3):
@@ -305,7 +307,7 @@ def test_what_happens_goes_out_a_little_later_in_one_numbered_batch(bench: Bench
 
 
 def test_while_a_prompt_is_on_its_way_nothing_is_sent(bench: Bench) -> None:
-    bench.hear(Came(ANNA))
+    bench.hear(PeerJoined(ANNA))
     bench.clock.advance(SECOND)
     before = len(bench.batches())
     prompt = m.Prompt(attempt=1, trial=1, presentation=1, level=1, stimulus="f", expected="f", text="Press: f",
@@ -319,7 +321,7 @@ def test_while_a_prompt_is_on_its_way_nothing_is_sent(bench: Bench) -> None:
 
 
 def test_a_prompt_that_is_never_shown_holds_nothing_back_for_ever(bench: Bench) -> None:
-    bench.hear(Came(ANNA))
+    bench.hear(PeerJoined(ANNA))
     bench.clock.advance(SECOND)
     prompt = m.Prompt(attempt=1, trial=1, presentation=1, level=1, stimulus="f", expected="f", text="Press: f",
                       glyph="f", choices=2, timeout=SECOND)  # fmt: skip
@@ -329,17 +331,17 @@ def test_a_prompt_that_is_never_shown_holds_nothing_back_for_ever(bench: Bench) 
 
 
 def test_samples_go_out_in_one_piece_by_seat(bench: Bench) -> None:
-    bench.hear(Came(ANNA))
+    bench.hear(PeerJoined(ANNA))
     bench.clock.advance(SECOND)
     for samples in (b"one", b"two"):
         bench.bus.publish(IMU, m.ImuBlock(samples=samples))
     bench.bus.publish(IMU, m.ImuBlock(seat="B", samples=b"three"))
     bench.clock.advance(100 * MS)
-    assert bench.channel.sent[-2:] == [Measured("A", b"onetwo"), Measured("B", b"three")]
+    assert bench.channel.sent[-2:] == [OutgoingSamples("A", b"onetwo"), OutgoingSamples("B", b"three")]
 
 
 def test_what_a_full_channel_did_not_take_is_made_good_by_a_greeting_to_all(bench: Bench) -> None:
-    bench.hear(Came(ANNA), Came(OLAF))
+    bench.hear(PeerJoined(ANNA), PeerJoined(OLAF))
     bench.clock.advance(SECOND)
     bench.channel.is_full = True
     bench.says.say((LEVEL, m.LevelChanged(previous=1, level=4, reason="operator")))
@@ -356,7 +358,7 @@ def test_the_process_is_looked_after_for_as_long_as_the_node_is_there(bench: Ben
     checks = bench.channel.checks
     assert checks >= 10
     bench.node.detach()
-    bench.hear(Came(ANNA))
+    bench.hear(PeerJoined(ANNA))
     bench.clock.advance(10 * SECOND)
     assert bench.channel.checks == checks
     assert bench.presence() == []

@@ -24,18 +24,20 @@ def raw(message: object) -> msgspec.Raw:
 
 
 def test_an_act_comes_out_as_it_went_in() -> None:
-    assert protocol.act(NOTE_ADDED.name, raw(NOTE)) == NOTE
+    assert protocol.decode_act(NOTE_ADDED.name, raw(NOTE)) == NOTE
 
 
 def test_a_frame_keeps_its_number_its_time_and_its_topic() -> None:
     record = Record(7, 123_456_789_012, NOTE_ADDED, NOTE)
-    crossed = protocol.decode(protocol.encode(protocol.Batch(1, protocol.framed([record]))), protocol.Told)
-    assert [tuple(frame) for frame in protocol.frames(crossed.frames, ALL)] == [tuple(record)]
+    crossed = protocol.decode(
+        protocol.encode(protocol.Batch(1, protocol.encode_frames([record]))), protocol.SessionMessage
+    )
+    assert [tuple(frame) for frame in protocol.decode_frames(crossed.frames, ALL)] == [tuple(record)]
 
 
 def test_a_frame_of_a_topic_that_is_not_known_or_not_as_it_should_be_is_left_out() -> None:
     frames = [(1, 1, "another/version", raw(NOTE)), (2, 2, TRIAL.name, raw(NOTE)), (3, 3, NOTE_ADDED.name, raw(NOTE))]
-    assert [frame.seq for frame in protocol.frames(frames, ALL)] == [3]
+    assert [frame.seq for frame in protocol.decode_frames(frames, ALL)] == [3]
 
 
 @pytest.mark.parametrize(
@@ -57,17 +59,17 @@ def test_a_frame_of_a_topic_that_is_not_known_or_not_as_it_should_be_is_left_out
 )
 def test_an_act_that_is_not_as_it_should_be_is_refused_in_words(topic: str, message: Message, why: str) -> None:
     with pytest.raises(ProtocolError, match=why):
-        protocol.act(topic, raw(message))
+        protocol.decode_act(topic, raw(message))
 
 
 @pytest.mark.parametrize("text", ["¿Qué tal? Très bien, größer: 好", "👍🏽 👩‍🔬"])
 def test_words_of_any_language_are_well(text: str) -> None:
-    assert protocol.act(REMARK.name, raw(m.Remark(text=text))) == m.Remark(text=text)
+    assert protocol.decode_act(REMARK.name, raw(m.Remark(text=text))) == m.Remark(text=text)
 
 
 @given(st.binary(max_size=300))
 def test_whatever_bytes_come_they_are_read_or_refused(data: bytes) -> None:
-    for kind in (protocol.Act, protocol.Hello, protocol.Told):
+    for kind in (protocol.ActRequest, protocol.Ping, protocol.SessionMessage):
         try:
             protocol.decode(data, kind)
         except ProtocolError:
@@ -75,7 +77,8 @@ def test_whatever_bytes_come_they_are_read_or_refused(data: bytes) -> None:
 
 
 @given(
-    st.sampled_from(sorted(protocol.ACTS)), st.recursive(st.none() | st.integers() | st.text(), st.lists, max_leaves=5)
+    st.sampled_from(sorted(protocol.OPERATOR_TOPICS)),
+    st.recursive(st.none() | st.integers() | st.text(), st.lists, max_leaves=5),
 )
 def test_whatever_an_act_holds_it_is_its_own_type_or_refused(topic: str, content: Any) -> None:
     try:
@@ -83,26 +86,31 @@ def test_whatever_an_act_holds_it_is_its_own_type_or_refused(topic: str, content
     except OverflowError:
         return
     try:
-        assert type(protocol.act(topic, data)) is protocol.ACTS[topic].type
+        assert type(protocol.decode_act(topic, data)) is protocol.OPERATOR_TOPICS[topic].type
     except ProtocolError:
         return
 
 
 def test_a_deeply_nested_message_is_refused() -> None:
     with pytest.raises(ProtocolError):
-        protocol.decode(b"\x91" * 19_000 + b"\xc0", protocol.Act)
+        protocol.decode(b"\x91" * 19_000 + b"\xc0", protocol.ActRequest)
 
 
 def test_frames_on_a_pipe_are_read_one_by_one_until_its_end() -> None:
-    parts = [protocol.Beat(), protocol.Came("operator.anna"), protocol.Opened("no")]
-    pipe = io.BytesIO(b"".join(map(protocol.pack, parts)))
-    assert [protocol.read(pipe, protocol.News) for _ in range(4)] == [*parts, None]
+    parts = [protocol.Heartbeat(), protocol.PeerJoined("operator.anna"), protocol.BrokerStarted("no")]
+    pipe = io.BytesIO(b"".join(map(protocol.pack_frame, parts)))
+    assert [protocol.read_frame(pipe, protocol.BrokerEvent) for _ in range(4)] == [*parts, None]
 
 
 def test_a_pipe_that_ends_within_a_frame_has_ended() -> None:
-    assert protocol.read(io.BytesIO(protocol.pack(protocol.Came("operator.anna"))[:-1]), protocol.News) is None
+    assert (
+        protocol.read_frame(
+            io.BytesIO(protocol.pack_frame(protocol.PeerJoined("operator.anna"))[:-1]), protocol.BrokerEvent
+        )
+        is None
+    )
 
 
 def test_a_frame_of_an_impossible_length_is_refused_unread() -> None:
     with pytest.raises(ProtocolError, match="too long"):
-        protocol.read(io.BytesIO(b"\xff\xff\xff\xff"), protocol.News)
+        protocol.read_frame(io.BytesIO(b"\xff\xff\xff\xff"), protocol.BrokerEvent)

@@ -13,18 +13,18 @@ from sar_tui.link.settings import (
     Credentials,
     Endpoint,
     Guest,
-    HostFiles,
-    Keys,
+    LinkKeys,
+    TlsFiles,
     config,
-    endpoint,
     host_settings,
     network_settings,
+    parse_endpoint,
     socket_settings,
 )
 
 HERE = Endpoint("lab-pc.local", 7447)
 SECRET = Credentials("the authority", "the certificate", "the key")
-FILES = HostFiles(Path("/a.pem"), Path("/h.pem"), Path("/h.key"))
+FILES = TlsFiles(Path("/a.pem"), Path("/h.pem"), Path("/h.key"))
 
 
 def decoded(settings: str) -> dict[str, Any]:
@@ -61,8 +61,8 @@ def sockets() -> set[str]:
     ],
 )
 def test_a_place_is_read_with_or_without_its_port(text: str, host: str, port: int) -> None:
-    assert endpoint(text) == Endpoint(host, port)
-    assert endpoint(endpoint(text).locator) == Endpoint(host, port)
+    assert parse_endpoint(text) == Endpoint(host, port)
+    assert parse_endpoint(parse_endpoint(text).locator) == Endpoint(host, port)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_a_place_is_read_with_or_without_its_port(text: str, host: str, port: in
 )
 def test_what_is_no_place_is_refused_in_words(text: str) -> None:
     with pytest.raises(LinkError, match=r"lab-pc\.local"):
-        endpoint(text)
+        parse_endpoint(text)
 
 
 # --- hosts -----------------------------------------------------------------------------------------------------------
@@ -136,7 +136,7 @@ def test_only_what_stands_in_a_rule_is_allowed_and_an_observers_rules_hold_no_ac
             for key in rule["key_exprs"]
         }
 
-    keys = Keys("abc")
+    keys = LinkKeys("abc")
     assert sends("operator.anna") == {keys.act("operator.anna"), keys.hello("operator.anna")}
     assert sends("observer.eve") == {keys.hello("observer.eve")}
 

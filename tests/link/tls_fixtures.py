@@ -12,7 +12,7 @@ import zenoh
 
 from sar_tui.link.authority import Authority
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.settings import Endpoint, Guest, Keys, config, host_settings, network_settings
+from sar_tui.link.settings import Endpoint, Guest, LinkKeys, config, host_settings, network_settings
 
 NOW = datetime.now(UTC)
 LONG_AGO = NOW - timedelta(days=40)
@@ -46,14 +46,14 @@ class House(NamedTuple):
     late: Invitation
 
     @property
-    def keys(self) -> Keys:
-        return Keys(self.authority.link)
+    def keys(self) -> LinkKeys:
+        return LinkKeys(self.authority.link)
 
 
 def house(data: Path) -> House:
     """Anna and Ben operate, Eve observes; Gone was revoked, Late's time is over."""
     where = Endpoint("127.0.0.1", free_port())
-    authority = Authority.made(data)
+    authority = Authority.open_or_create(data)
     made = House(
         authority,
         where,
@@ -70,7 +70,7 @@ def house(data: Path) -> House:
 class FakeBroker:
     """A host's zenoh session: everything that it hears, as ``(key, payload)``; what it is asked; who comes and goes."""
 
-    def __init__(self, session: zenoh.Session, keys: Keys) -> None:
+    def __init__(self, session: zenoh.Session, keys: LinkKeys) -> None:
         self.session = session
         self.heard: list[tuple[str, bytes]] = []
         self.asked: list[str] = []

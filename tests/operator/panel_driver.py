@@ -18,7 +18,7 @@ from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import Message, Role
 from sar_tui.framework.theme import Theme
-from sar_tui.link.peer import Connection, Frame, Hear, Heard, MarkKey, Trace, Welcome
+from sar_tui.link.peer import Connection, Frame, MarkKey, MotionTrace, PeerEvent, PeerListener, Welcome
 from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
@@ -39,7 +39,7 @@ MODES: dict[m.ControlledKind, m.Mode] = {
 class FakePeer:
     """A link that keeps what is sent."""
 
-    def __init__(self, hear: Hear, role: Role = "operator") -> None:
+    def __init__(self, hear: PeerListener, role: Role = "operator") -> None:
         self.name, self.role = f"{role}.anna", role
         self.hear = hear
         self.clock = VirtualClock(START)
@@ -50,7 +50,7 @@ class FakePeer:
     def send(self, topic: Topic[Any], message: Message) -> None:
         self.sent.append((topic.name, message))
 
-    def take_baton(self) -> None:
+    def take_control(self) -> None:
         self.batons += 1
 
     def now(self) -> int:
@@ -243,7 +243,7 @@ class PanelDriver:
         assert isinstance(self.app.screen, PanelScreen)
         return self.app.screen
 
-    async def hear(self, *heard: Heard) -> None:
+    async def hear(self, *heard: PeerEvent) -> None:
         """The link brings something, and it is drawn."""
         for each in heard:
             self.panel.hear(each)
@@ -307,7 +307,7 @@ class _App(WizardApp):
     peer: FakePeer
 
     def make_panel(self, where: Any) -> PanelScreen:
-        def connect(hear: Hear) -> FakePeer:
+        def connect(hear: PeerListener) -> FakePeer:
             self.peer = FakePeer(hear, self.role)
             return self.peer
 
@@ -336,5 +336,5 @@ async def sit_down(
         yield driver
 
 
-TRACE = Trace("A", START, 50.0, tuple(abs(((n * 7) % 40) / 10 - 2) for n in range(200)))
+TRACE = MotionTrace("A", START, 50.0, tuple(abs(((n * 7) % 40) / 10 - 2) for n in range(200)))
 MARKS = (MarkKey("missed", "Marker missed"), MarkKey("assisted", "Assisted"))

@@ -11,7 +11,7 @@ from sar_tui.link import discovery as link_folder
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import NAME
-from sar_tui.link.peer import Hear
+from sar_tui.link.peer import PeerListener
 from sar_tui.operator import session_picker
 from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
@@ -29,7 +29,7 @@ def joined(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """Which sessions were joined, by whom; the links are none."""
     found: list[Any] = []
 
-    def connect(where: Any, name: str, role: Any, hear: Hear, loop: Any) -> FakePeer:
+    def connect(where: Any, name: str, role: Any, hear: PeerListener, loop: Any) -> FakePeer:
         found.append((where, name, role))
         return FakePeer(hear, role)
 

@@ -10,7 +10,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework import topics as t
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import SECOND
-from sar_tui.link.peer import Connection, Trace
+from sar_tui.link.peer import Connection, MotionTrace
 from sar_tui.operator import proposal_view, status_view
 from sar_tui.operator.acts import Act
 from sar_tui.operator.session_state import TRIALS_KEPT, SessionState
@@ -277,7 +277,7 @@ def test_none_is_lost_in_the_order_and_what_needs_nobody_soon_is_last(waiting: l
 def test_a_hands_motion_is_kept_for_some_seconds_only() -> None:
     mirror = SessionState()
     for _ in range(20):
-        mirror = mirror.hear(Trace("A", SECOND, 10.0, (0.5,) * 10))
+        mirror = mirror.hear(MotionTrace("A", SECOND, 10.0, (0.5,) * 10))
     assert len(mirror.seat("A").rates) == 80
 
 

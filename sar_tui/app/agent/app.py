@@ -12,13 +12,13 @@ from sar_tui.app.agent.remote import AgentView
 from sar_tui.app.agent.screen import AgentViewScreen
 from sar_tui.framework.clock import LiveClock
 from sar_tui.framework.theme import Theme
-from sar_tui.link.peer import Hear, Peer
+from sar_tui.link.peer import Peer, PeerListener
 from sar_tui.tui.textual_theme import textual_theme
 from sar_tui.tui.web_driver import BrowserVoice
 
 INTERRUPTED = 130
 
-Join = Callable[[Hear, asyncio.AbstractEventLoop], Peer]
+Join = Callable[[PeerListener, asyncio.AbstractEventLoop], Peer]
 """Joins a session's link; what it tells is heard on the loop's thread."""
 
 

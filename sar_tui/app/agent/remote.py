@@ -8,7 +8,7 @@ from sar_tui.framework.clock import SECOND, Clock, Handle
 from sar_tui.framework.messages import Action, CueGiven, Halt, OutputReport, ThemeApplied, Waiting
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, CUE, HALT, REPORT, THEME, WAITING
-from sar_tui.link.peer import Connection, Frame, Heard, Welcome
+from sar_tui.link.peer import Connection, Frame, PeerEvent, Welcome
 from sar_tui.tui.web_driver import BrowserVoice
 
 FRESH = 3 * SECOND
@@ -59,7 +59,7 @@ class AgentView:
         self._sounding: set[tuple[str, str]] = set()
         self._silence: Handle | None = None
 
-    def hear(self, heard: Heard) -> None:
+    def hear(self, heard: PeerEvent) -> None:
         """What the link tells."""
         match heard:
             case Welcome():

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from sar_tui.cli.doctor.check import Finding
 
 if TYPE_CHECKING:
-    from sar_tui.link.authority import Issued
+    from sar_tui.link.authority import IssuedInvitation
 
 _SOON = timedelta(days=7)
 """An invitation that ends within this time is told of."""
@@ -54,7 +54,7 @@ def invitations(folder: Path, now: datetime | None = None) -> Finding:
     if not Authority.exists(folder):
         return Finding(name, "ok", "nobody is invited, so nobody can join over the network")
     try:
-        issued = Authority.opened(folder).invitations
+        issued = Authority.open(folder).invitations
     except LinkError as error:
         return Finding(name, "bad", str(error), "Until then no session can listen on the network.")
     keys = folder / FOLDER
@@ -81,7 +81,7 @@ def browser() -> Finding:
     return Finding("Browser", "ok", "`sar-tui serve` can show a panel; nothing is served until then")
 
 
-def _good(name: str, issued: "tuple[Issued, ...]", now: datetime) -> Finding:
+def _good(name: str, issued: "tuple[IssuedInvitation, ...]", now: datetime) -> Finding:
     good = [each for each in issued if each.state(now) == "good"]
     if not good:
         return Finding(name, "ok", "none that is good now, so nobody can join over the network")

@@ -12,8 +12,8 @@ import pytest
 from sar_tui.cli.doctor.check import Finding
 from sar_tui.cli.doctor.link import browser, invitations, operator_here
 from sar_tui.link.authority import FOLDER, Authority
-from sar_tui.link.discovery import JoinableSession, announced
-from sar_tui.link.settings import Guest, endpoint
+from sar_tui.link.discovery import JoinableSession, announce
+from sar_tui.link.settings import Guest, parse_endpoint
 
 NOW = datetime(2026, 5, 1, tzinfo=UTC)
 
@@ -46,7 +46,7 @@ def test_where_a_socket_can_be_opened_it_is_told_and_nothing_is_left(runtime: Pa
 
 
 def test_sessions_that_can_be_joined_are_counted() -> None:
-    with announced(JoinableSession(session="a1", task="keyboard", link="a1", pid=1)):
+    with announce(JoinableSession(session="a1", task="keyboard", link="a1", pid=1)):
         assert operator_here().found.endswith("; 1 session can be joined now")
 
 
@@ -123,29 +123,29 @@ def test_without_an_invitation_nobody_can_join(tmp_path: Path) -> None:
     ],
 )
 def test_invitations_are_told_by_how_long_they_are_good(tmp_path: Path, days: int, state: str, says: str) -> None:
-    authority = Authority.made(tmp_path)
-    authority.invite(Guest("anna", "operator"), [endpoint("lab")], 30, NOW)
-    authority.invite(Guest("eva", "observer"), [endpoint("lab")], 60, NOW)
+    authority = Authority.open_or_create(tmp_path)
+    authority.invite(Guest("anna", "operator"), [parse_endpoint("lab")], 30, NOW)
+    authority.invite(Guest("eva", "observer"), [parse_endpoint("lab")], 60, NOW)
     found = invitations(tmp_path, NOW + timedelta(days=days))
     assert (found.state, found.found) == (state, says)
 
 
 def test_who_was_revoked_is_not_among_them(tmp_path: Path) -> None:
-    authority = Authority.made(tmp_path)
-    authority.invite(Guest("anna", "operator"), [endpoint("lab")], 30, NOW)
+    authority = Authority.open_or_create(tmp_path)
+    authority.invite(Guest("anna", "operator"), [parse_endpoint("lab")], 30, NOW)
     authority.revoke("anna", NOW)
     assert invitations(tmp_path, NOW).found.startswith("none that is good")
 
 
 def test_keys_that_others_can_look_at_need_care(tmp_path: Path) -> None:
-    Authority.made(tmp_path)
+    Authority.open_or_create(tmp_path)
     (tmp_path / FOLDER).chmod(0o755)
     found = invitations(tmp_path, NOW)
     assert (found.state, f"chmod 700 {tmp_path / FOLDER}" in found.mend) == ("care", True)
 
 
 def test_a_damaged_register_is_told_with_what_it_means(tmp_path: Path) -> None:
-    Authority.made(tmp_path)
+    Authority.open_or_create(tmp_path)
     (tmp_path / FOLDER / "invitations.json").write_text("{")
     found = invitations(tmp_path, NOW)
     assert (found.state, "is damaged" in found.found) == ("bad", True)
