@@ -68,18 +68,18 @@ def serve(
         name_there(name, link, observe=False)
     need_packages()
     try:
-        from sar_tui.serve import address, running, server, token
+        from sar_tui.serve import address, runner, server, token
     except ImportError as error:
         raise Refused(
             f"Serving to a browser needs the package {error.name}: pip install 'sar-tui[serve]' brings it."
         ) from error
     try:
-        secret = token.kept_token(token_file) if token_file else token.new_token()
+        secret = token.load_or_create_token(token_file) if token_file else token.new_token()
         address.Address(host, port, public_url)
-        taken = running.listen(host, port)
+        taken = runner.listen(host, port)
     except (token.TokenError, address.AddressError) as error:
         raise Refused(str(error)) from error
-    except running.CannotListen as error:
+    except runner.ListenError as error:
         raise Failed(str(error)) from error
     place = address.Address(host, taken.getsockname()[1], public_url)
     if not place.is_loopback:
@@ -95,7 +95,7 @@ def serve(
         sys.stdout.flush()
 
     served = server.Server(view, _program(view, session, link, home, name), place, secret)
-    number = running.run(served, taken, ready)
+    number = runner.run(served, taken, ready)
     if number == signal.SIGINT:
         raise KeyboardInterrupt
     raise typer.Exit(128 + number)

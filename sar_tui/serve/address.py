@@ -51,7 +51,7 @@ class Address(msgspec.Struct, frozen=True):
         host = f"[{host}]" if ":" in host else host
         return f"http://{host}:{self.port}/"
 
-    def is_ours(self, host: str) -> bool:
+    def allows_host(self, host: str) -> bool:
         """Whether a request's ``Host`` names this place.
 
         A page of somebody else's can have its own name point to this machine (DNS rebinding), so only names that
@@ -71,7 +71,7 @@ class Address(msgspec.Struct, frozen=True):
             return _is_loopback(name)
         return name in ("localhost", self.host.lower()) or _is_figures(name)
 
-    def is_own_page(self, origin: str, host: str) -> bool:
+    def allows_origin(self, origin: str, host: str) -> bool:
         """Whether an ``Origin`` is that of a page served here, to a browser that says ``host``, which is ours."""
         page = _place(origin)
         return page is not None and page in (_place(f"http://{host}"), _place(self.public_url))

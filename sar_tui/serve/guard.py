@@ -16,7 +16,7 @@ _REMEMBERED = 1000
 """Addresses whose wrong tokens are remembered."""
 
 
-class Asked(NamedTuple):
+class AccessRequest(NamedTuple):
     """What a request says of itself. ``token``: of its URL, None without; ``cookie``: what it brought of ours."""
 
     host: str
@@ -58,14 +58,14 @@ class Guard:
         self.cookie = hmac.new(self._token, b"sar-tui cookie", sha256).hexdigest()
         """What a browser that has shown the token is known by; it does not tell the token."""
 
-    def refuses(self, asked: Asked) -> Refusal | None:
+    def check(self, asked: AccessRequest) -> Refusal | None:
         """Why a request may not in; None if it may."""
-        if not self._address.is_ours(asked.host):
+        if not self._address.allows_host(asked.host):
             return FOREIGN_HOST
         if asked.origin is None:
             if asked.is_websocket:
                 return FOREIGN_PAGE
-        elif not self._address.is_own_page(asked.origin, asked.host):
+        elif not self._address.allows_origin(asked.origin, asked.host):
             return FOREIGN_PAGE
         if asked.token is not None:
             return None if _is_same(asked.token, self._token) else WRONG_TOKEN
@@ -79,7 +79,7 @@ def _is_same(shown: str, secret: bytes) -> bool:
     return hmac.compare_digest(shown.encode(errors="surrogatepass"), secret)
 
 
-class Patience:
+class WrongTokenDelay:
     """How long the answer to a wrong token is put off, by the address it came from.
 
     Args:

@@ -16,12 +16,12 @@ import textual_serve
 from aiohttp import WSMsgType, web
 
 from sar_tui.serve.address import Address
-from sar_tui.serve.guard import Asked, Guard, Patience, Refusal
-from sar_tui.serve.view import Spoken, View
+from sar_tui.serve.browser_view import BrowserView, SpeechRequest
+from sar_tui.serve.guard import AccessRequest, Guard, Refusal, WrongTokenDelay
 
 Kind = Literal["operator", "observer", "agent"]
 TITLES: dict[Kind, str] = {"operator": "Operator", "observer": "Observer", "agent": "Agent"}
-MOST = 8
+MAX_VIEWS = 8
 """Browsers that may look at once."""
 _LARGEST = 64 * 1024
 """Bytes of a message from a browser: what somebody pastes."""
@@ -100,10 +100,10 @@ class Server:
         self._address = address
         self._guard = Guard(address, token)
         self._cookie = f"sar-tui-{address.port}"
-        self._patience = Patience(time.monotonic)
+        self._patience = WrongTokenDelay(time.monotonic)
         self._log = log
         self._sleep = sleep
-        self._views: dict[str, View] = {}
+        self._views: dict[str, BrowserView] = {}
         self._voices: dict[str, web.WebSocketResponse] = {}
         self._opening = 0
 
@@ -129,14 +129,14 @@ class Server:
     @web.middleware
     async def _watch(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         """Nothing is answered but through here: not even that something is not there."""
-        asked = Asked(
+        asked = AccessRequest(
             host=request.host,
             origin=request.headers.get("Origin"),
             token=request.query.get("token"),
             cookie=request.cookies.get(self._cookie, ""),
             is_websocket=request.headers.get("Upgrade", "").lower() == "websocket",
         )
-        if refusal := self._guard.refuses(asked):
+        if refusal := self._guard.check(asked):
             return await self._refuse(request, refusal)
         if asked.token is not None and not asked.is_websocket:
             return self._enter()
@@ -187,18 +187,18 @@ class Server:
     async def _terminal(self, request: web.Request) -> web.StreamResponse:
         """A browser opens a view: its program runs for as long as the browser looks."""
         name = request.match_info["view"]
-        if len(self._views) + self._opening >= MOST or name in self._views:
-            self._log(f"{request.remote} refused: {MOST} look already")
-            return web.Response(status=503, text=f"{MOST} browsers look already; close one of them.")
+        if len(self._views) + self._opening >= MAX_VIEWS or name in self._views:
+            self._log(f"{request.remote} refused: {MAX_VIEWS} look already")
+            return web.Response(status=503, text=f"{MAX_VIEWS} browsers look already; close one of them.")
         self._opening += 1
         try:
             socket = web.WebSocketResponse(heartbeat=_HEARTBEAT_S, max_msg_size=_LARGEST)
             await socket.prepare(request)
-            view = View(self._program, socket, lambda spoken: self._speak(name, spoken))
+            view = BrowserView(self._program, socket, lambda spoken: self._speak(name, spoken))
             self._views[name] = view
         finally:
             self._opening -= 1
-        self._log(f"{request.remote} opened the {self._kind}'s view ({len(self._views)} of {MOST})")
+        self._log(f"{request.remote} opened the {self._kind}'s view ({len(self._views)} of {MAX_VIEWS})")
         try:
             await view.start(_cells(request, "width", 80), _cells(request, "height", 24))
             await self._listen(socket, view)
@@ -209,11 +209,11 @@ class Server:
             self._log(f"{request.remote} left the {self._kind}'s view")
         return socket
 
-    async def _leave(self, name: str, view: View) -> None:
+    async def _leave(self, name: str, view: BrowserView) -> None:
         await view.stop()
         self._views.pop(name, None)
 
-    async def _listen(self, socket: web.WebSocketResponse, view: View) -> None:
+    async def _listen(self, socket: web.WebSocketResponse, view: BrowserView) -> None:
         """Pass on what is typed; what cannot be understood ends the view."""
         async for message in socket:
             if message.type is not WSMsgType.TEXT:
@@ -255,7 +255,7 @@ class Server:
             del self._voices[name]
         return socket
 
-    async def _speak(self, name: str, spoken: Spoken) -> None:
+    async def _speak(self, name: str, spoken: SpeechRequest) -> None:
         if voice := self._voices.get(name):
             with contextlib.suppress(ConnectionError, RuntimeError):
                 await voice.send_json(spoken)

@@ -18,7 +18,7 @@ def new_token() -> str:
     return secrets.token_urlsafe(32)
 
 
-def kept_token(path: Path) -> str:
+def load_or_create_token(path: Path) -> str:
     """The token of a file; one that is not there is made, for its owner alone.
 
     Raises:

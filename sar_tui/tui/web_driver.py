@@ -28,7 +28,7 @@ class Voiced(Protocol):
 
 
 class ServedDriver(WebDriver):
-    """Speaks with `sar_tui.serve.view.View`. An app that would speak is given the browser's voice."""
+    """Speaks with `sar_tui.serve.browser_view.BrowserView`. An app that would speak is given the browser's voice."""
 
     def __init__(self, app: Any, **how: Any) -> None:
         super().__init__(app, **how)

@@ -12,7 +12,7 @@ from typing import IO
 
 import pytest
 
-import sar_tui.serve.view
+import sar_tui.serve.browser_view
 from sar_tui.cli.common import Home
 from sar_tui.cli.serve import _program
 from sar_tui.link import errors

@@ -14,7 +14,7 @@ from aiohttp import web
 
 from sar_tui.serve.address import Address
 from sar_tui.serve.guard import Guard
-from sar_tui.serve.running import listen
+from sar_tui.serve.runner import listen
 from sar_tui.serve.server import Kind, Server
 
 TOKEN = "a-token-that-is-long-enough-for-a-test"

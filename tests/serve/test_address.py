@@ -13,7 +13,7 @@ PROXIED = Address("127.0.0.1", 8000, "https://lab.example")
 
 
 @pytest.mark.parametrize(
-    ("address", "host", "is_ours"),
+    ("address", "host", "allows_host"),
     [
         (HERE, "127.0.0.1:8000", True),
         (HERE, "localhost:8000", True),
@@ -35,8 +35,8 @@ PROXIED = Address("127.0.0.1", 8000, "https://lab.example")
         (PROXIED, "127.0.0.1:8000", True),
     ],
 )
-def test_only_names_that_nobody_else_can_give_are_ours(address: Address, host: str, is_ours: bool) -> None:
-    assert address.is_ours(host) is is_ours
+def test_only_names_that_nobody_else_can_give_are_ours(address: Address, host: str, allows_host: bool) -> None:
+    assert address.allows_host(host) is allows_host
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::"])
@@ -45,7 +45,7 @@ def test_in_the_place_of_all_networks_an_address_is_told_that_others_can_open(ho
     named = urlsplit(place.url)
     assert named.hostname
     assert not ip_address(named.hostname).is_unspecified
-    assert place.is_ours(named.netloc)
+    assert place.allows_host(named.netloc)
 
 
 @pytest.mark.parametrize(
@@ -64,7 +64,7 @@ def test_in_the_place_of_all_networks_an_address_is_told_that_others_can_open(ho
     ],
 )
 def test_only_pages_of_ours_may_speak_to_it(address: Address, origin: str, host: str, is_own: bool) -> None:
-    assert address.is_own_page(origin, host) is is_own
+    assert address.allows_origin(origin, host) is is_own
 
 
 def test_what_people_open_is_the_public_url_where_there_is_one() -> None:

@@ -1,18 +1,18 @@
 """Given wrong tokens, when they come from one address, then it is answered later and later, and others are not."""
 
 from sar_tui.serve.address import Address
-from sar_tui.serve.guard import WRONG_TOKEN, Asked, Guard, Patience
+from sar_tui.serve.guard import WRONG_TOKEN, AccessRequest, Guard, WrongTokenDelay
 
 
 def test_the_first_wrong_tokens_are_answered_at_once_and_later_ones_ever_later() -> None:
-    patience = Patience(lambda: 0.0)
+    patience = WrongTokenDelay(lambda: 0.0)
     assert [patience.wrong("10.0.0.1") for _ in range(20)] == [0] * 5 + [*range(1, 10)] + [10] * 6
     assert patience.wrong("10.0.0.2") == 0
 
 
 def test_after_a_minute_it_is_forgotten() -> None:
     seconds = [0.0]
-    patience = Patience(lambda: seconds[0])
+    patience = WrongTokenDelay(lambda: seconds[0])
     for _ in range(8):
         patience.wrong("10.0.0.1")
     seconds[0] = 61
@@ -20,7 +20,7 @@ def test_after_a_minute_it_is_forgotten() -> None:
 
 
 def test_only_so_many_addresses_are_remembered() -> None:
-    patience = Patience(lambda: 0.0)
+    patience = WrongTokenDelay(lambda: 0.0)
     for _ in range(6):
         patience.wrong("10.0.0.1")
     for number in range(1000):
@@ -30,10 +30,10 @@ def test_only_so_many_addresses_are_remembered() -> None:
 
 def test_a_wrong_token_or_cookie_is_one_whatever_characters_it_has() -> None:
     guard = Guard(Address("127.0.0.1", 8000), "right")
-    asked = Asked("127.0.0.1:8000", None, None, "", False)
+    asked = AccessRequest("127.0.0.1:8000", None, None, "", False)
     for wrong in ("", "righ", "rightt", "ríght", "right\0"):
-        assert guard.refuses(asked._replace(token=wrong, cookie=guard.cookie)) is WRONG_TOKEN
+        assert guard.check(asked._replace(token=wrong, cookie=guard.cookie)) is WRONG_TOKEN
     for wrong in ("ñ", b"\xff".decode(errors="surrogateescape")):
-        assert guard.refuses(asked._replace(cookie=wrong)) is WRONG_TOKEN
-    assert guard.refuses(asked._replace(token="right")) is None
-    assert guard.refuses(asked._replace(cookie=guard.cookie)) is None
+        assert guard.check(asked._replace(cookie=wrong)) is WRONG_TOKEN
+    assert guard.check(asked._replace(token="right")) is None
+    assert guard.check(asked._replace(cookie=guard.cookie)) is None

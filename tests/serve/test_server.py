@@ -10,7 +10,7 @@ from pathlib import Path
 import aiohttp
 import pytest
 
-from sar_tui.serve.server import MOST
+from sar_tui.serve.server import MAX_VIEWS
 from tests.serve.serve_fixtures import SECONDS, TOKEN, Eyes, Served, logged, press, read_until, serving
 
 PATHS = ("/", "/page/page.js", "/library/js/textual.js", "/ws/one", "/voice/one", "/download/x", "/nowhere")
@@ -139,7 +139,7 @@ async def test_no_more_than_eight_look_at_once(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary", program=idle) as served:
         sockets = [
             await served.http.ws_connect(f"{served.origin}/ws/{number}", headers=served.allowed)
-            for number in range(MOST)
+            for number in range(MAX_VIEWS)
         ]
         got, why = await status(served, "/ws/another", UPGRADE | served.allowed)
         assert (got, why) == (503, "8 browsers look already; close one of them.")
@@ -160,7 +160,7 @@ async def test_when_the_server_ends_its_programs_have_ended(tmp_path: Path) -> N
 
 
 async def test_a_program_that_does_not_end_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sar_tui.serve.view._ENDS_S", 0.1)
+    monkeypatch.setattr("sar_tui.serve.browser_view._ENDS_S", 0.1)
     diary = tmp_path / "diary"
     deaf = [
         sys.executable,

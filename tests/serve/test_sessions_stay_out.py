@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.serve.view import DRIVER
+from sar_tui.serve.browser_view import DRIVER
 from tests.app.app_driver import known, stored
 from tests.program import Call, call
 from tests.serve.serve_fixtures import Eyes, press, read_until, serving

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.serve.token import TokenError, kept_token, new_token
+from sar_tui.serve.token import TokenError, load_or_create_token, new_token
 
 
 def test_no_token_comes_twice() -> None:
@@ -16,17 +16,17 @@ def test_no_token_comes_twice() -> None:
 
 def test_a_kept_token_is_the_same_again_and_its_owners_alone(tmp_path: Path) -> None:
     file = tmp_path / "token"
-    token = kept_token(file)
-    assert kept_token(file) == token
+    token = load_or_create_token(file)
+    assert load_or_create_token(file) == token
     assert stat.S_IMODE(file.stat().st_mode) == 0o600
 
 
 def test_a_file_that_others_may_read_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "token"
-    kept_token(file)
+    load_or_create_token(file)
     file.chmod(0o640)
     with pytest.raises(TokenError, match="Others may read"):
-        kept_token(file)
+        load_or_create_token(file)
 
 
 @pytest.mark.parametrize("held", [b"", b"short", b"with spaces and more than enough", b"\xff" * 40, b"x" * 30 + b"?"])
@@ -35,12 +35,12 @@ def test_a_file_without_a_token_is_refused(tmp_path: Path, held: bytes) -> None:
     file.write_bytes(held)
     file.chmod(0o600)
     with pytest.raises(TokenError, match="holds no token"):
-        kept_token(file)
+        load_or_create_token(file)
 
 
 def test_a_place_where_none_can_be_kept_is_told(tmp_path: Path) -> None:
     with pytest.raises(TokenError, match="cannot be made"):
-        kept_token(tmp_path / "nowhere" / "token")
+        load_or_create_token(tmp_path / "nowhere" / "token")
     os.mkdir(tmp_path / "folder")
     with pytest.raises(TokenError, match="cannot be read"):
-        kept_token(tmp_path / "folder")
+        load_or_create_token(tmp_path / "folder")

@@ -21,7 +21,7 @@ _quiet.addHandler(logging.NullHandler())
 _quiet.propagate = False
 
 
-class CannotListen(Exception):
+class ListenError(Exception):
     """The host and port cannot be had; one clear sentence."""
 
 
@@ -30,7 +30,7 @@ def listen(host: str, port: int) -> socket.socket:
 
     Raises:
         AddressError: this machine has no such address.
-        CannotListen: the port is taken, or not for us.
+        ListenError: the port is taken, or not for us.
     """
     try:
         family, _, _, _, place = socket.getaddrinfo(host or "?", port, type=socket.SOCK_STREAM)[0]
@@ -42,7 +42,7 @@ def listen(host: str, port: int) -> socket.socket:
         if error.errno == errno.EADDRNOTAVAIL:
             raise AddressError(f"This machine has no address {host} to serve at.") from error
         why = "is taken" if error.errno == errno.EADDRINUSE else f"cannot be had ({error.strerror})"
-        raise CannotListen(f"Port {port} {why}; name another with --port, or 0 for any that is free.") from error
+        raise ListenError(f"Port {port} {why}; name another with --port, or 0 for any that is free.") from error
 
 
 def run(server: Server, taken: socket.socket, ready: Callable[[], None]) -> int:

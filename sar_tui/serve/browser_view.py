@@ -22,11 +22,11 @@ _KILLED_S = 1.0
 _TOLD = 2000
 """Characters of what a program says of its failure."""
 
-Spoken = dict[str, str | bool]
+SpeechRequest = dict[str, str | bool]
 """What crosses to a browser that speaks: ``say`` and ``language``, or ``hush``."""
 
 
-class View(AppService):
+class BrowserView(AppService):
     """A running program.
 
     Args:
@@ -36,7 +36,7 @@ class View(AppService):
     """
 
     def __init__(
-        self, program: Sequence[str], socket: WebSocketResponse, speak: Callable[[Spoken], Awaitable[None]]
+        self, program: Sequence[str], socket: WebSocketResponse, speak: Callable[[SpeechRequest], Awaitable[None]]
     ) -> None:
         super().__init__(
             shlex.join(program),
