@@ -18,7 +18,7 @@ import msgspec
 from benchmarks.unattended_panel import panel
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.operator.commands import TOO_SOON
-from sar_tui.operator.keymap import DEEDS, key_name
+from sar_tui.operator.keymap import KEY_COMMANDS, key_name
 from sar_tui.store.database import FILE
 from sar_tui.timing.closed_loop import SAR_TUI, Block, Mismatch, Row, take_turns
 from sar_tui.timing.error_statistics import ErrorStatistics, spread
@@ -228,9 +228,9 @@ class _Seats:
             pass
 
 
-def key_of(deed: str) -> str:
+def key_of(id: str) -> str:
     """The key of something an operator can do, by its id in the panel's own table."""
-    first = next(each for each in DEEDS if each.id == deed).keys.split(",")[0]
+    first = next(each for each in KEY_COMMANDS if each.id == id).keys.split(",")[0]
     called = key_name(first)
     return called if len(called) == 1 else first
 

@@ -1,4 +1,4 @@
-"""The agent as the participant sees it: the session's own widget, following the mirror."""
+"""The agent as the participant sees it: the session's own widget, following the state."""
 
 from textual.geometry import Size
 from textual.widget import Widget
@@ -18,7 +18,7 @@ _FRESH = 2 * SECOND
 
 
 class AgentMirror:
-    """Keeps an agent on the screen as the mirror tells it.
+    """Keeps an agent on the screen as the state tells it.
 
     Args:
         theme: is worn until the session's is known; the agent is not there before.
@@ -32,38 +32,38 @@ class AgentMirror:
         self._seen = Seen()
         self._said: tuple[str, str] = ("", "")
 
-    def show(self, mirror: SessionState, now: int) -> None:
+    def show(self, state: SessionState, now: int) -> None:
         """Bring the agent up to what is known. ``now``: on the session's clock (ns)."""
-        if mirror.theme is None:
+        if state.theme is None:
             return
-        if mirror.theme is not self._theme:
-            self._theme = mirror.theme
-            self.widget.wear(mirror.theme)
+        if state.theme is not self._theme:
+            self._theme = state.theme
+            self.widget.wear(state.theme)
             self.widget.display = True
-        seen, before = mirror.agent, self._seen
+        seen, before = state.agent, self._seen
         self._seen = seen
         self._say(seen, before)
         if seen.still != before.still:
             self.widget.be_still()
-        self._hold(mirror, before)
+        self._hold(state, before)
         action = seen.moves
         if action and action is not before.moves and now - action.decided < _FRESH:
-            if action.gesture in mirror.theme.gestures:
-                self.widget.gesture(mirror.theme.gestures[action.gesture])
+            if action.gesture in state.theme.gestures:
+                self.widget.gesture(state.theme.gestures[action.gesture])
             if action.gaze:
                 self.widget.gaze(action.gaze)
-        current = mirror.standing.current if mirror.standing else None
-        self.widget.speaking(bool(mirror.acting and current and current.spoken and mirror.is_connected))
+        current = state.arbiter.current if state.arbiter else None
+        self.widget.speaking(bool(state.acting and current and current.spoken and state.is_connected))
 
-    def _hold(self, mirror: SessionState, before: Seen) -> None:
+    def _hold(self, state: SessionState, before: Seen) -> None:
         """Stand still where the participant's does; and look to a side as it does, meanwhile."""
-        cue = mirror.agent.cue
-        if not mirror.is_quiet or (before.cue and before.cue is not cue):
+        cue = state.agent.cue
+        if not state.is_quiet or (before.cue and before.cue is not cue):
             self.widget.release()
-        if mirror.is_quiet:
+        if state.is_quiet:
             self.widget.hold()
         if cue and cue is not before.cue:
-            self.widget.cue(cue.gaze, mirror.theme.gestures.get(cue.gesture) if mirror.theme else None)
+            self.widget.cue(cue.gaze, state.theme.gestures.get(cue.gesture) if state.theme else None)
 
     def _say(self, seen: Seen, before: Seen) -> None:
         said = self._fitted(seen)

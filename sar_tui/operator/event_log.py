@@ -2,6 +2,10 @@
 
 from typing import Any, Literal, NamedTuple
 
+from msgspec.structs import replace
+
+from sar_tui.framework.bus import Topic
+from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
     Action,
     ActMissed,
@@ -10,6 +14,7 @@ from sar_tui.framework.messages import (
     Dropped,
     LevelChanged,
     LevelDecided,
+    Message,
     Operator,
     OperatorChanged,
     SensorChanged,
@@ -33,8 +38,12 @@ from sar_tui.framework.topics import (
     STORAGE,
 )
 from sar_tui.link.peer import Frame, Welcome
+from sar_tui.operator.text_charts import cut
 
 KEPT = 40
+_LONGEST = 56
+SLOW = 3 * SECOND
+"""An act that the session does not confirm for so long may never have arrived."""
 Tone = Literal["plain", "good", "bad"]
 
 _DROPPED = {
@@ -76,6 +85,76 @@ class Line(NamedTuple):
     def words(self) -> str:
         """The text; of what came again and again, how often."""
         return f"{self.times} times: {self.text}" if self.times > 1 else self.text
+
+
+class Act(NamedTuple):
+    """An act: what it is called, what was sent, and how long (ns) after its key the session had it, once it has."""
+
+    words: str
+    topic: str
+    message: Any
+    latency: int | None = None
+    refused: bool = False
+
+    @property
+    def is_pending(self) -> bool:
+        """Whether nothing is known of it yet."""
+        return self.latency is None and not self.refused
+
+    def line(self, now: int) -> Line:
+        """As it stands in the log."""
+        words = cut(self.words, _LONGEST)  # what became of it has to fit on the line, too
+        if self.refused:
+            return Line(self.message.at, f"{words}: refused", "bad")
+        if self.latency is None and now - self.message.at > SLOW:
+            return Line(self.message.at, f"{words}: the session has not confirmed it", "bad")
+        if self.latency is None:
+            return Line(self.message.at, f"{words} …")
+        return Line(self.message.at, f"{words} · link {max(0, self.latency) / MS:.0f} ms", "good")
+
+
+class ActLog:
+    """The acts of one operator, oldest first, and what became of them here."""
+
+    def __init__(self) -> None:
+        self.acts: list[Act] = []
+        self._reports: list[Line] = []
+
+    def lines(self, now: int) -> list[Line]:
+        """All of it, as it stands now."""
+        return [*(act.line(now) for act in self.acts), *self._reports]
+
+    def report(self, at: int, words: str) -> None:
+        """Something was not done, and the operator has to know why."""
+        self._reports = [*self._reports, Line(at, words, "bad")][-KEPT:]
+
+    def add(self, words: str, topic: Topic[Any], message: Message) -> None:
+        """An act was sent."""
+        self.acts = [*self.acts, Act(words, topic.name, message)][-KEPT:]
+
+    def receive(self, frame: Frame, me: str) -> None:
+        """A message of the session's: perhaps it is one of these, arrived, or tells that one was refused.
+
+        The session puts in who it was and may set the time right, so these two do not tell which act it is.
+        """
+        if getattr(frame.message, "actor", None) != me:
+            return
+        refused = frame.message.what if isinstance(frame.message, ActRefused) else ""
+        for index, act in enumerate(self.acts):
+            if act.is_pending and act.topic == refused:
+                self.acts[index] = act._replace(refused=True)
+                return
+            if (
+                act.is_pending
+                and act.topic == frame.topic.name
+                and _without_sender(act.message) == _without_sender(frame.message)
+            ):
+                self.acts[index] = act._replace(latency=frame.at - act.message.at)
+                return
+
+
+def _without_sender(message: Any) -> Any:
+    return replace(message, actor="", at=0)
 
 
 def kept(lines: tuple[Line, ...], line: Line) -> tuple[Line, ...]:
@@ -175,7 +254,7 @@ def _presence(changed: OperatorChanged, me: str) -> tuple[str, Tone]:
 
 def _dropped(dropped: Dropped, before: ArbiterState | None) -> tuple[str, Tone] | None:
     """A veto, and what only the operator does, are nobody's news; nor is a filler that was not needed."""
-    waited = (*(offer.proposal for offer in before.offers), *before.queued) if before else ()
+    waited = (*(approval.proposal for approval in before.offers), *before.queued) if before else ()
     kind = next((each.kind for each in waited if each.id == dropped.id), "proposal")
     words = _DROPPED.get(dropped.reason)
     if not words or kind == "filler":
@@ -196,7 +275,7 @@ def _level_ruled(ruled: LevelDecided, me: str, before: ArbiterState | None) -> t
     What an operator approved stands in the log already, as their act; what they did not stop needs none of them.
     """
     offers = before.offers if before else ()
-    mode = next((offer.mode for offer in offers if offer.proposal.id == ruled.id), "")
+    mode = next((approval.mode for approval in offers if approval.proposal.id == ruled.id), "")
     if ruled.decision == "accepted" and (ruled.ground == "operator" or mode == "veto"):
         return None
     tone: Tone = "bad" if ruled.ground == "deadline" else "plain"

@@ -1,4 +1,4 @@
-"""What is seen of the operator's panel: the mirror, the proposal that is to be decided, the palette, the log."""
+"""Layout of the operator's panel: agent, participant, proposals, palette, log."""
 
 import asyncio
 from collections.abc import Callable
@@ -8,7 +8,7 @@ from typing import Any
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
-from textual.content import Content, Span
+from textual.content import Content
 from textual.message import Message
 from textual.widgets import Static
 
@@ -17,30 +17,30 @@ from sar_tui.framework.messages import PendingApproval
 from sar_tui.framework.theme import Theme
 from sar_tui.link.errors import LinkError
 from sar_tui.link.peer import Peer, PeerEvent, PeerListener
-from sar_tui.operator import key_help, own_file, palette, proposal_view, status_view
+from sar_tui.operator import key_help, keymap, palette, proposal_view, status_view
 from sar_tui.operator.agent_mirror import AgentMirror
-from sar_tui.operator.commands import Commands, takes_valence
+from sar_tui.operator.commands import Commands
 from sar_tui.operator.phrases import addressee
-from sar_tui.operator.questions import question
-from sar_tui.operator.small import Small
-from sar_tui.operator.text_charts import cut, folded
-from sar_tui.operator.typed import Typed
+from sar_tui.operator.proposal_strip import ProposalStrip
+from sar_tui.operator.text_charts import folded
+from sar_tui.operator.widgets import CachedStatic, TooSmallNotice
 from sar_tui.tui.ordered_keys import OrderedScreen
 
 FRAME_SECONDS = 1 / 15
-"""At most so often is the panel drawn."""
+"""Shortest time between two drawings."""
 _TALL, _WIDE = 27, 92
-"""From how many lines there is room for a longer log, from how many columns for longer words."""
+"""Lines from which the log is longer, and columns from which the agent's text is wider."""
+_PALETTE_ROWS = 5
 
 
 class PanelLayout(OrderedScreen[str]):
-    """The base of the panel's screen: all that it shows. It ends with a sentence if there can be no link at all.
+    """Base of the panel's screen: everything that it shows. The result is an error message if no link can be made.
 
     Args:
-        connect: makes the link, given who hears.
-        theme: is worn until the session's is known.
-        folder: where the operator's own file is.
-        clock: of the mirrored agent's motion, for tests.
+        connect: makes the link, given the function that receives what comes over it.
+        theme: applied until the session's theme is known.
+        folder: holds the operator's own file.
+        clock: of the agent's motion, for tests.
     """
 
     CSS_PATH = "operator.tcss"
@@ -49,7 +49,7 @@ class PanelLayout(OrderedScreen[str]):
     app: Any
 
     class Themed(Message):
-        """The theme that the participant's program wears is known, or another."""
+        """The session's theme is known, or has changed."""
 
         def __init__(self, theme: Theme) -> None:
             super().__init__()
@@ -60,87 +60,80 @@ class PanelLayout(OrderedScreen[str]):
     ) -> None:
         super().__init__()
         self._connect = connect
-        self.file, self._problem = own_file.read(folder)
+        self.file, self._file_problem = keymap.read(folder)
         self._clock = clock or LiveClock(asyncio.get_running_loop())
         self._agent = AgentMirror(theme, self._clock)
-        self.steering = Commands()
-        self.steering.baton_key = key_help.key_of("baton", self.file)
-        self.words = palette.Words({})
+        self.commands = Commands()
+        self.commands.control_key = key_help.key_label("baton", self.file)
+        self.phrase_book = palette.PhraseBook({})
         self.selected = ""
-        self._given: dict[str, int] = {}
         self.page: tuple[str, str] = ("", "")
         self.seat = "A"
-        self.asks = ""
-        self.asked = ""
-        self.edits: PendingApproval | None = None
+        self.question = ""
+        self.entry_label = ""
+        self.edited: PendingApproval | None = None
         self.is_stale = True
         self._drawn_at = 0
-        self._drawn: dict[str, object] = {}
 
     # --- beginning and ending ----------------------------------------------------------------------------------
 
     def compose(self) -> ComposeResult:
-        with Horizontal(id="head"):
-            yield Static("Operator", id="where", markup=False)
-            yield Static("", id="link")
-        with Horizontal(id="mirror"):
-            with Vertical(id="seen"):
+        with Horizontal(id="header"):
+            yield CachedStatic("session")
+            yield CachedStatic("link", fits_content=True)
+        with Horizontal(id="participant"):
+            with Vertical(id="agent-frame"):
                 yield self._agent.widget
-            doing = Static("", id="doing")
-            doing.border_title = "They do"
-            yield doing
-        with Vertical(id="strip"):
-            yield Static("", id="offer")
-            yield Static("", id="buttons")
-            with Horizontal(id="typing"):
-                yield Static("", id="asked", markup=False)
-                yield Typed(id="typed", compact=True, select_on_focus=False)
-            yield Static("", id="behind", markup=False)
-        with Horizontal(id="page"):
-            yield Static("", id="title", markup=False)
-            yield Static(key_help.pages(self.file), id="pages", markup=False)
-        yield Static("", id="palette")
-        yield Static("", id="log")
-        yield Static("", id="foot")
-        keys = Static("", id="keys")
-        keys.border_title = "Keys"
-        yield keys
-        yield Small(key_help.key_of("stop", self.file))
+            activity = CachedStatic("activity")
+            activity.border_title = "They do"
+            yield activity
+        yield ProposalStrip(self.file)
+        with Horizontal(id="palette-header"):
+            yield CachedStatic("palette-title")
+            yield Static(key_help.palette_keys(self.file), id="palette-keys", markup=False)
+        yield CachedStatic("palette")
+        log = CachedStatic("log")
+        log.border_title = "Log"
+        yield log
+        yield CachedStatic("footer")
+        help_sheet = CachedStatic("key-help")
+        help_sheet.border_title = "Keys"
+        yield help_sheet
+        yield TooSmallNotice(key_help.key_label("stop", self.file))
 
     def on_mount(self) -> None:
         if isinstance(self._clock, LiveClock):
             self.run_worker(self._clock.run(), name="motion", group="motion")
         self.app.set_keymap(self.file.keymap)
-        self.query_one("#log").border_title = "Log"
         try:
-            self.steering.peer = self._connect(self._told)
+            self.commands.peer = self._connect(self._on_link)
         except LinkError as error:
             self.dismiss(str(error))
             return
-        if self._problem:
-            self.steering.log.told(self.steering.peer.now(), self._problem)
+        if self._file_problem:
+            self.commands.log.report(self.commands.peer.now(), self._file_problem)
         self.set_interval(FRAME_SECONDS, self._tick)
         self.draw()
 
     def on_unmount(self) -> None:
-        if self.steering.peer:
-            self.steering.peer.close()
+        if self.commands.peer:
+            self.commands.peer.close()
 
-    def _told(self, heard: PeerEvent) -> None:
-        """From the link, which knows no app: a fault here ends the panel in words, and does not leave it half alive."""
+    def _on_link(self, event: PeerEvent) -> None:
+        """Receive from the link, which knows no app: an exception here must end the app with a message."""
         try:
-            self.hear(heard)
+            self.receive(event)
         except Exception as error:
             self.app._handle_exception(error)
 
-    def hear(self, heard: PeerEvent) -> None:
-        """What came over the link. It is drawn at once after a quiet spell, else with the next frame."""
-        theme = self.steering.mirror.theme
-        self.steering.hear(heard)
-        if self.steering.mirror.theme is not theme:
-            self.words = palette.Words.of(self.steering.mirror, self.file)
-            if self.steering.mirror.theme:
-                self.post_message(self.Themed(self.steering.mirror.theme))
+    def receive(self, event: PeerEvent) -> None:
+        """Take what came over the link. Draw at once if the last drawing is a while ago, else with the next frame."""
+        theme = self.commands.state.theme
+        self.commands.receive(event)
+        if self.commands.state.theme is not theme:
+            self.phrase_book = palette.PhraseBook.of(self.commands.state, self.file)
+            if self.commands.state.theme:
+                self.post_message(self.Themed(self.commands.state.theme))
         self.is_stale = True
         if host_now() - self._drawn_at > FRAME_SECONDS * SECOND:
             self.call_later(self._tick)
@@ -148,169 +141,125 @@ class PanelLayout(OrderedScreen[str]):
     def on_resize(self, event: events.Resize) -> None:
         self.set_class(event.size.height >= _TALL, "tall")
         self.set_class(event.size.width >= _WIDE, "wide")
-        self.query_one("#small", Small).fit(event.size)
+        self.query_one(TooSmallNotice).fit(event.size)
         self.is_stale = True
         self.call_after_refresh(self.draw)
 
     @property
     def is_covered(self) -> bool:
-        """Whether something lies over the panel, so that what keys would do is not seen."""
-        return self.query_one("#keys").display or self.query_one("#small").display
+        """True if something hides the panel, so that the operator cannot see what a key would do."""
+        return self.query_one("#key-help").display or self.query_one(TooSmallNotice).display
 
     @property
     def is_over(self) -> bool:
-        """Whether there is nothing more that could come."""
-        return bool(self.steering.mirror.ended) or self.steering.mirror.connection.state == "away"
+        """True if nothing more can come from the session."""
+        return bool(self.commands.state.ended) or self.commands.state.connection.state == "away"
 
     @property
     def is_observer(self) -> bool:
-        """Whether whoever sits here only watches."""
-        welcome = self.steering.mirror.welcome
+        """True if this panel only watches."""
+        welcome = self.commands.state.welcome
         return bool(welcome and welcome.role == "observer")
 
-    def ask_for(self, seconds: float, what: str) -> None:
-        """Ask something that stands for so long."""
+    def ask_for(self, seconds: float, question: str) -> None:
+        """Ask a question that is withdrawn after some seconds."""
 
-        def no_longer() -> None:
-            if self.asks == what:
-                self.asks = ""
+        def withdraw() -> None:
+            if self.question == question:
+                self.question = ""
                 self.draw()
 
-        self.asks = what
-        self.set_timer(seconds, no_longer)
+        self.question = question
+        self.set_timer(seconds, withdraw)
         self.draw()
 
     @property
     def chosen(self) -> PendingApproval | None:
-        """The proposal that keys are about: the one that stands there, or was selected, for as long as it waits.
+        """The proposal that keys apply to: the shown or selected one while it waits, then the most urgent.
 
-        Then the first. One that comes meanwhile takes nobody's place: a key that is on its way is not for that.
+        A new proposal does not take its place, because a key that is on its way is not meant for it.
         """
-        waiting = self.steering.pending
-        undecided = [offer for offer in waiting if not self.steering.ruled(offer.proposal.id)] or list(waiting)
-        selected = (offer for offer in undecided if offer.proposal.id == self.selected)
+        pending = self.commands.pending
+        undecided = [each for each in pending if not self.commands.sent_decision(each.proposal.id)] or list(pending)
+        selected = (each for each in undecided if each.proposal.id == self.selected)
         return next(selected, undecided[0] if undecided else None)
 
     # --- drawing -------------------------------------------------------------------------------------------------
 
     def _tick(self) -> None:
-        """Draw, if something has changed or time runs out."""
+        """Draw if something has changed or a countdown is shown."""
         if not self.is_mounted or host_now() - self._drawn_at < FRAME_SECONDS * SECOND / 2:
             return
-        waits = any(offer.deadline is not None for offer in self.steering.pending)
-        if self.is_stale or waits or proposal_view.on_its_way(self.steering.mirror):
+        counts_down = any(each.deadline is not None for each in self.commands.pending)
+        if self.is_stale or counts_down or proposal_view.scheduled_action(self.commands.state):
             self.draw()
 
     def draw(self) -> None:
-        """Bring the screen up to what is known."""
-        peer, mirror = self.steering.peer, self.steering.mirror
+        """Bring the screen up to date."""
+        peer, state = self.commands.peer, self.commands.state
         if peer is None or not self.is_mounted:
             return
         self.is_stale, self._drawn_at = False, host_now()
         now = peer.now()
-        self._agent.show(mirror, now)
-        seen = "They see and hear"
-        self.query_one("#seen").border_title = seen if mirror.theme else f"{seen}: {status_view.UNKNOWN}"
-        self._put("where", Content(status_view.where(mirror)))
-        self._put("link", status_view.link(mirror, self.steering.baton_key))
-        self._put("doing", status_view.doing(mirror, self._room("doing")))
-        self._draw_strip(now)
+        self._agent.show(state, now)
+        title = "They see and hear"
+        self.query_one("#agent-frame").border_title = title if state.theme else f"{title}: {status_view.UNKNOWN}"
+        self._put("session", Content(status_view.session_line(state)))
+        self._put("link", status_view.link_status(state, self.commands.control_key))
+        self._put("activity", status_view.activity(state, self._width("activity")))
+        self._draw_proposals(now)
         self._draw_palette()
         log = self.query_one("#log")
-        lines = sorted([*mirror.log, *self.steering.log.lines(now)], key=lambda line: line.at)
-        self._put("log", status_view.log(lines, self._room("log"), log.content_size.height))
-        asked = question(self.asks, mirror, self.file)
-        self._put("foot", key_help.foot(self.file, asked, self._room("foot"), is_observer=self.is_observer))
-        self._put("keys", key_help.keys(self.file, is_observer=self.is_observer))
+        lines = sorted([*state.log, *self.commands.log.lines(now)], key=lambda line: line.at)
+        self._put("log", status_view.log_lines(lines, self._width("log"), log.content_size.height))
+        question = key_help.question(self.question, state, self.file)
+        footer = key_help.footer(self.file, question, self._width("footer"), is_observer=self.is_observer)
+        self._put("footer", footer)
+        self._put("key-help", key_help.help_sheet(self.file, is_observer=self.is_observer))
 
-    def _draw_strip(self, now: int) -> None:
-        mirror, width = self.steering.mirror, self._room("offer")
-        strip, offer, loss = self.query_one("#strip"), self.chosen, status_view.loss(self.steering.mirror)
-        strip.set_class(offer is not None, "waits")
-        strip.set_class(bool(loss), "alarm")
-        modes = "Enter sends, Esc leaves" if self.asked else proposal_view.modes(mirror, width - 4)
-        if self._draw_too_late(now, modes, width):
-            return
-        self._put("asked", Content(self.asked))
-        if offer is None:
+    def _draw_proposals(self, now: int) -> None:
+        strip, commands, approval = self.query_one(ProposalStrip), self.commands, self.chosen
+        loss = status_view.link_loss(commands.state)
+        strip.configure(
+            self.entry_label, is_pending=approval is not None, is_alarm=bool(loss), is_tall=self.has_class("tall")
+        )
+        if self.edited and all(each.proposal.id != self.edited.proposal.id for each in commands.pending):
+            strip.draw_expired_edit(self.edited, commands, now)
+        elif approval is None:
             self.selected = ""
-            self._frame("Connection" if loss else "Proposals", modes)
-            self._put("offer", proposal_view.quiet(mirror, loss, now, width, key_help.key_of("close", self.file)))
-            self._put("buttons", Content(""))
-            self._put("behind", Content(""))
-            return
-        waiting = self.steering.pending
-        to = addressee(mirror, offer.proposal.seat) if offer.level is None else ""
-        title = proposal_view.title(offer, waiting.index(offer) + 1, len(waiting), to)
-        id = self.selected = offer.proposal.id
-        self._given = {
-            each.proposal.id: self._given.get(each.proposal.id, each.deadline - now)
-            for each in waiting
-            if each.deadline is not None
-        }
-        self._put("offer", proposal_view.body(offer, now, self._given.get(id), width))
-        keys = proposal_view.buttons(self.file, has_words=takes_valence(offer))
-        keys = proposal_view.decides(mirror, self.file) if self.steering.obstacle() else keys
-        sent = self.steering.ruled(id)
-        self._put("buttons", Content(f"{sent} …") if sent else keys)
-        behind = proposal_view.behind(waiting, offer, now, width)
-        self._put("behind", Content(behind))
-        is_told = behind and not self.has_class("tall") and not self.asked
-        self._frame(title, cut(behind, width - 4) if is_told else modes)
-        if id != self.steering.stands[0]:
-            self.call_after_refresh(self._painted, offer)
+            strip.draw_empty(commands.state, loss, now)
+        else:
+            self.selected = approval.proposal.id
+            strip.draw_proposal(approval, commands, now)
+            if self.selected != commands.shown[0]:
+                self.call_after_refresh(self._painted, approval)
 
-    def _draw_too_late(self, now: int, below: str, width: int) -> bool:
-        """What is edited no longer waits: that stands there, and not the next, which these words are not for."""
-        edited, waiting = self.edits, self.steering.pending
-        if edited is None or any(each.proposal.id == edited.proposal.id for each in waiting):
-            return False
-        is_late = edited.deadline is not None and edited.deadline <= now
-        why = "Its time is over" if is_late else "It no longer waits"
-        behind = proposal_view.behind(waiting, None, now, width)
-        is_told = behind and not self.has_class("tall")
-        self._frame(f"{edited.proposal.kind.upper()} · {why.lower()}", cut(behind, width - 4) if is_told else below)
-        self._put("offer", proposal_view.gone(edited, width))
-        self._put("asked", Content(f"{why}:", [Span(0, len(why) + 1, "$warning bold")]))
-        self._put("behind", Content(behind))
-        return True
-
-    def _frame(self, title: str, subtitle: str) -> None:
-        """What stands in the border of the strip: text as it is, which holds brackets now and then."""
-        if self._drawn.get("strip") != (title, subtitle):
-            self._drawn["strip"] = (title, subtitle)
-            strip = self.query_one("#strip")
-            strip.border_title, strip.border_subtitle = Content(title), Content(subtitle)
-
-    def _painted(self, offer: PendingApproval) -> None:
-        if self.steering.peer:
-            self.steering.seen(offer, self.steering.peer.now())
+    def _painted(self, approval: PendingApproval) -> None:
+        if self.commands.peer:
+            self.commands.report_seen(approval, self.commands.peer.now())
 
     def _draw_palette(self) -> None:
-        self.set_class(self.is_observer, "observes")
-        typed = self.query_one("#typed", Typed).value
-        if self.asked and len(typed) > self._room("typed") - 1:
-            self._put("title", Content("What you type, in full"))
-            self._put("palette", Content("\n".join(folded(typed, self._room("palette"), 5))))
+        self.set_class(self.is_observer, "observer")
+        strip, width = self.query_one(ProposalStrip), self._width("palette")
+        if self.entry_label and strip.overflows:
+            self._put("palette-title", Content("What you type, in full"))
+            self._put("palette", Content("\n".join(folded(strip.entry.value, width, _PALETTE_ROWS))))
             return
         page, number, count = self.find_page()
-        to = addressee(self.steering.mirror, self.seat) if page.kind in ("phrases", "gestures") else ""
-        to = f" ·{to} ({key_help.key_of('seat', self.file)})" if to else ""
-        self._put("title", Content(f"{page.title} {number + 1}/{count}{to}"))
-        self._put("palette", key_help.items(page, self._room("palette"), 5))
+        to = addressee(self.commands.state, self.seat) if page.kind in ("phrases", "gestures") else ""
+        to = f" ·{to} ({key_help.key_label('seat', self.file)})" if to else ""
+        self._put("palette-title", Content(f"{page.title} {number + 1}/{count}{to}"))
+        self._put("palette", key_help.palette_page(page, width, _PALETTE_ROWS))
 
     def find_page(self) -> tuple[palette.Page, int, int]:
-        pages = palette.pages(self.steering.mirror, self.words, self.seat)
+        """Return the palette's open page, its index and the number of pages."""
+        pages = palette.pages(self.commands.state, self.phrase_book, self.seat)
         names = [(page.kind, page.title) for page in pages]
         index = names.index(self.page) if self.page in names else 0
         return pages[index], index, len(pages)
 
-    def _room(self, name: str) -> int:
+    def _width(self, name: str) -> int:
         return self.query_one(f"#{name}").content_size.width
 
     def _put(self, name: str, content: Content) -> None:
-        """Draw what has changed, and nothing else."""
-        key = (content.plain, tuple(content.spans))
-        if self._drawn.get(name) != key:
-            self._drawn[name] = key
-            self.query_one(f"#{name}", Static).update(content, layout=name in ("link", "asked"))
+        self.query_one(f"#{name}", CachedStatic).show(content)

@@ -74,40 +74,40 @@ def fill_slots(text: str, values: dict[str, str]) -> tuple[str, str]:
     return filled, missing[0] if missing else ""
 
 
-def slot_values(mirror: SessionState, seat: str) -> dict[str, str]:
+def slot_values(state: SessionState, seat: str) -> dict[str, str]:
     """What the slots hold for a participant; what is not known is left out."""
     values: dict[str, str] = {}
-    welcome, ended = mirror.welcome, mirror.seat(seat).attempt
+    welcome, ended = state.welcome, state.seat(seat).attempt
     if welcome is None:
         return values
     if seat in welcome.participants:
         values["participant"] = welcome.participants[seat]
-    if mirror.level is not None:
-        values["level"] = str(mirror.level)
-    if mirror.waiting and mirror.waiting.attempt:
-        values["attempt"] = str(mirror.waiting.attempt)
+    if state.level is not None:
+        values["level"] = str(state.level)
+    if state.waiting and state.waiting.attempt:
+        values["attempt"] = str(state.waiting.attempt)
     if ended and ended.metric is not None:
-        values["result"] = figure(ended.metric, mirror)
+        values["result"] = figure(ended.metric, state)
     if ended and ended.goal is not None:
-        values["goal"] = figure(ended.goal, mirror)
+        values["goal"] = figure(ended.goal, state)
     return values
 
 
-def addressee(mirror: SessionState, seat: str) -> str:
+def addressee(state: SessionState, seat: str) -> str:
     """To whom, of several: `` to P02``; nothing where there is one participant."""
-    people = mirror.welcome.participants if mirror.welcome else {}
+    people = state.welcome.participants if state.welcome else {}
     return f" to {people.get(seat, seat)}" if len(people) > 1 else ""
 
 
-def addressed(mirror: SessionState, seat: str, text: str) -> str:
-    """Words as the agent says them to one of several: it calls them first."""
-    called = mirror.welcome.called.get(seat, "") if mirror.welcome else ""
+def addressed(state: SessionState, seat: str, text: str) -> str:
+    """PhraseBook as the agent says them to one of several: it calls them first."""
+    called = state.welcome.called.get(seat, "") if state.welcome else ""
     return f"{called}: {text}" if called else text
 
 
-def figure(value: float, mirror: SessionState) -> str:
+def figure(value: float, state: SessionState) -> str:
     """A value of the metric, with its unit."""
-    decimals, unit = (mirror.welcome.decimals, mirror.welcome.unit) if mirror.welcome else (0, "")
+    decimals, unit = (state.welcome.decimals, state.welcome.unit) if state.welcome else (0, "")
     return f"{value:.{decimals}f} {unit}".rstrip()
 
 

@@ -10,13 +10,13 @@ from sar_tui.framework.clock import SECOND, host_now
 from sar_tui.framework.messages import PendingApproval, Valence
 from sar_tui.operator import palette
 from sar_tui.operator.commands import CONFIRM_SECONDS, editable, takes_valence
-from sar_tui.operator.keymap import DEEDS, bindings
+from sar_tui.operator.keymap import KEY_COMMANDS, bindings
 from sar_tui.operator.layout import PanelLayout
 from sar_tui.operator.phrases import LONGEST, addressee
-from sar_tui.operator.typed import Typed
+from sar_tui.operator.proposal_strip import ProposalStrip
 
-_ACTIONS = {deed.action.partition("(")[0] for deed in DEEDS}
-_FOR_ALL = {deed.action.partition("(")[0] for deed in DEEDS if not deed.acts}
+_ACTIONS = {key_command.action.partition("(")[0] for key_command in KEY_COMMANDS}
+_FOR_ALL = {key_command.action.partition("(")[0] for key_command in KEY_COMMANDS if not key_command.acts}
 _WHILE_TYPING = ("stop", "leave", "keys", "event")
 _WHILE_COVERED = ("stop", "leave", "keys")
 """What keys do while something lies over the panel: nobody steers what they do not see."""
@@ -37,14 +37,14 @@ class PanelScreen(PanelLayout):
     @property
     def _at(self) -> int:
         """When the key that is handled now was pressed, on the session's clock."""
-        peer = self.steering.peer
+        peer = self.commands.peer
         assert peer
         pressed = round(self.app.key_seconds * SECOND)
         return peer.now() - (max(0, host_now() - pressed) if pressed else 0)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """An observer's keys do not act; and while something is typed, keys are letters."""
-        welcome = self.steering.mirror.welcome
+        welcome = self.commands.state.welcome
         if welcome and welcome.role == "observer" and action in _ACTIONS and action not in _FOR_ALL:
             return False
         if action not in _ACTIONS:
@@ -54,69 +54,69 @@ class PanelScreen(PanelLayout):
         return action in _WHILE_TYPING if self._typing else True
 
     def action_approve(self) -> None:
-        if offer := self.chosen:
-            self._done(self.steering.decide(offer, "accept", self._at))
+        if approval := self.chosen:
+            self._done(self.commands.decide(approval, "accept", self._at))
 
     def action_veto(self) -> None:
-        if offer := self.chosen:
-            self._done(self.steering.decide(offer, "veto", self._at))
+        if approval := self.chosen:
+            self._done(self.commands.decide(approval, "veto", self._at))
 
     def action_valence(self, valence: Valence) -> None:
-        if (offer := self.chosen) and takes_valence(offer):
-            self._done(self.steering.revalue(offer, valence, self._at))
+        if (approval := self.chosen) and takes_valence(approval):
+            self._done(self.commands.change_valence(approval, valence, self._at))
 
     def action_select(self, step: int) -> None:
-        waiting = self.steering.pending
-        if offer := self.chosen:
-            self.selected = waiting[(waiting.index(offer) + step) % len(waiting)].proposal.id
+        waiting = self.commands.pending
+        if approval := self.chosen:
+            self.selected = waiting[(waiting.index(approval) + step) % len(waiting)].proposal.id
             self.draw()
 
     def action_edit(self) -> None:
         """Without a proposal, perhaps because it has just gone, what is typed must not be taken for keys."""
-        if offer := self.chosen:
-            self.selected = offer.proposal.id
-            text = editable(offer, self.steering.mirror)
-            self._type("Instead:", text, lambda text, at: self._edited(offer, text, at), edits=offer)
+        if approval := self.chosen:
+            self.selected = approval.proposal.id
+            text = editable(approval, self.commands.state)
+            self._type("Instead:", text, lambda text, at: self._edited(approval, text, at), edits=approval)
         else:
-            self.steering.log.told(self._at, "No proposal waits: what you type is said as your own words.")
+            self.commands.log.report(self._at, "No proposal waits: what you type is said as your own words.")
             self.action_say()
 
-    def _edited(self, offer: PendingApproval, text: str, at: int) -> bool:
-        if any(each.proposal.id == offer.proposal.id for each in self.steering.pending):
-            return self.steering.edit(offer, text, at)
-        self.steering.log.told(at, "Too late: it was decided. Nothing was sent; Enter says it all the same.")
-        if offer.level is None and offer.proposal.text:
-            self._type("Say:", text, lambda words, when: self.steering.say(words, offer.proposal.seat, when))
+    def _edited(self, approval: PendingApproval, text: str, at: int) -> bool:
+        if any(each.proposal.id == approval.proposal.id for each in self.commands.pending):
+            return self.commands.edit(approval, text, at)
+        self.commands.log.report(at, "Too late: it was decided. Nothing was sent; Enter says it all the same.")
+        if approval.level is None and approval.proposal.text:
+            self._type("Say:", text, lambda words, when: self.commands.say(words, approval.proposal.seat, when))
             return False
         return True
 
     # --- the session ---------------------------------------------------------------------------------------------
 
     def action_stop(self) -> None:
-        self._done(self.steering.command("Stopped", "stop", self._at))
+        self._done(self.commands.command("Stopped", "stop", self._at))
 
     def action_pause(self) -> None:
-        if self.steering.may_go_on(self._at):
-            self.asks = ""
-            self._done(self.steering.pause(self._at))
+        if self.commands.may_resume(self._at):
+            self.question = ""
+            self._done(self.commands.pause(self._at))
         else:
             self.ask_for(CONFIRM_SECONDS, "resume")
 
     def action_skip(self) -> None:
-        self._done(self.steering.prompted("Skipped the prompt", "skip", self._at))
+        self._done(self.commands.prompt_command("Skipped the prompt", "skip", self._at))
 
     def action_repeat(self) -> None:
-        self._done(self.steering.prompted("Repeated the prompt", "repeat", self._at))
+        self._done(self.commands.prompt_command("Repeated the prompt", "repeat", self._at))
 
     def action_level(self, step: int) -> None:
-        self._done(self.steering.level(step, self._at))
+        self._done(self.commands.level(step, self._at))
 
     def action_hold(self) -> None:
-        self._done(self.steering.hold(self._at))
+        self._done(self.commands.hold(self._at))
 
     def action_end(self) -> None:
         if self._ask("end"):
-            self._done(self.steering.command("Ended the session", "end", self._at))
+            self._done(self.commands.command("Ended the session", "end", self._at))
 
     def action_close(self) -> None:
         if self.is_over or self._ask("close"):
@@ -124,7 +124,7 @@ class PanelScreen(PanelLayout):
 
     def _ask(self, what: str) -> bool:
         """Whether it was asked already; now it is."""
-        was_asked, self.asks = self.asks == what, "" if self.asks == what else what
+        was_asked, self.question = self.question == what, "" if self.question == what else what
         self.draw()
         return was_asked
 
@@ -133,55 +133,55 @@ class PanelScreen(PanelLayout):
     def action_pick(self, index: int) -> None:
         items = self.find_page()[0].items
         if index < len(items):
-            self._done(self.steering.pick(items[index], self._at))
+            self._done(self.commands.pick(items[index], self._at))
 
     def action_page(self, step: int) -> None:
-        pages = palette.pages(self.steering.mirror, self.words, self.seat)
+        pages = palette.pages(self.commands.state, self.phrase_book, self.seat)
         page = pages[(self.find_page()[1] + step) % len(pages)]
         self.page = (page.kind, page.title)
         self.draw()
 
     def action_show(self, kind: str) -> None:
-        page = next(p for p in palette.pages(self.steering.mirror, self.words, self.seat) if p.kind == kind)
+        page = next(p for p in palette.pages(self.commands.state, self.phrase_book, self.seat) if p.kind == kind)
         self.page = (page.kind, page.title)
         self.draw()
 
     def action_seat(self) -> None:
-        welcome = self.steering.mirror.welcome
+        welcome = self.commands.state.welcome
         if names := sorted(welcome.participants if welcome else ()):
             self.seat = names[(names.index(self.seat) + 1) % len(names)] if self.seat in names else names[0]
             self.draw()
 
     def action_say(self) -> None:
         seat = self.seat
-        to = addressee(self.steering.mirror, seat)
-        self._type(f"Say{to}:", "", lambda text, at: self.steering.say(text, seat, at))
+        to = addressee(self.commands.state, seat)
+        self._type(f"Say{to}:", "", lambda text, at: self.commands.say(text, seat, at))
 
     def action_note(self) -> None:
         begun = self._at
-        self._type("Note:", "", lambda text, at: self.steering.note(text, begun), most=_LONGEST_NOTE)
+        self._type("Note:", "", lambda text, at: self.commands.note(text, begun), most=_LONGEST_NOTE)
 
     def action_event(self, index: int) -> None:
         if index < len(self.file.events):
-            self._done(self.steering.event(self.file.events[index], self._at))
+            self._done(self.commands.event(self.file.events[index], self._at))
 
     def action_baton(self) -> None:
-        if self.steering.peer and self.steering.mirror.is_connected:
-            self.steering.peer.take_control()
+        if self.commands.peer and self.commands.state.is_connected:
+            self.commands.peer.take_control()
 
     def action_keys(self) -> None:
-        keys = self.query_one("#keys")
+        keys = self.query_one("#key-help")
         keys.display = not keys.display
 
     def action_leave(self) -> None:
         """What is open is closed, one at a time: what is typed, the keys, a question, a page."""
-        keys = self.query_one("#keys")
+        keys = self.query_one("#key-help")
         if self._typing:
             self._stop_typing()
         elif keys.display:
             keys.display = False
-        elif self.asks:
-            self.asks = ""
+        elif self.question:
+            self.question = ""
         else:
             self.page = ("", "")
         self.draw()
@@ -196,7 +196,7 @@ class PanelScreen(PanelLayout):
     def takes(self, event: events.Key | events.Paste) -> bool:
         if not self._typing or self.is_covered:
             return False
-        typed = self.query_one("#typed", Typed)
+        typed = self.query_one(ProposalStrip).entry
         if isinstance(event, events.Paste):
             typed.put(next(iter(event.text.splitlines()), ""))
         elif event.key == "enter":
@@ -217,21 +217,21 @@ class PanelScreen(PanelLayout):
         edits: PendingApproval | None = None,
     ) -> None:
         """Have something typed; ``then`` is given it, with the stamp of Enter, and says whether that is done."""
-        if obstacle := self.steering.obstacle():
-            self.steering.log.told(self._at, f"{obstacle} Nothing can be sent.")
+        if refusal := self.commands.refusal():
+            self.commands.log.report(self._at, f"{refusal} Nothing can be sent.")
             self.draw()
             return
-        self._typing, self.edits, self.asked = then, edits, asked
-        self.query_one("#strip").add_class("types")
-        typed = self.query_one("#typed", Typed)
+        self._typing, self.edited, self.entry_label = then, edits, asked
+        self.query_one(ProposalStrip).add_class("typing")
+        typed = self.query_one(ProposalStrip).entry
         typed.max_length, typed.value = most, text
         typed.cursor_position = len(text)
         self.set_focus(typed)  # at once: the next key may have been read already
         self.draw()
 
     def _stop_typing(self) -> None:
-        self._typing, self.edits, self.asked = None, None, ""
-        self.query_one("#strip").remove_class("types")
+        self._typing, self.edited, self.entry_label = None, None, ""
+        self.query_one(ProposalStrip).remove_class("typing")
         self.set_focus(None)
 
     def _typed(self, text: str) -> None:

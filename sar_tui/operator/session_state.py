@@ -1,4 +1,4 @@
-"""The mirror: what an operator knows of the session, made from what the link brings. Pure: no screen, no clock."""
+"""The state: what an operator knows of the session, made from what the link brings. Pure: no screen, no clock."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -102,7 +102,7 @@ class SessionState(msgspec.Struct, frozen=True):
     prompt: Prompt | None = None
     level: int | None = None
     next_level: int | None = None
-    standing: ArbiterState | None = None
+    arbiter: ArbiterState | None = None
     agent: Agent = Agent()
     acting: bool | None = None
     voice: str = ""
@@ -115,15 +115,15 @@ class SessionState(msgspec.Struct, frozen=True):
     ended: str = ""
     log: tuple[Line, ...] = ()
 
-    def hear(self, heard: PeerEvent) -> "SessionState":
+    def receive(self, event: PeerEvent) -> "SessionState":
         """What is known once this has been heard."""
-        if isinstance(heard, Welcome):
-            return SessionState(connection=self.connection, welcome=heard, theme=self.theme)
-        if isinstance(heard, MotionTrace):
-            return self._moved(heard)
-        if isinstance(heard, Connection):
-            return replace(self, connection=heard)
-        return self._frames(heard)
+        if isinstance(event, Welcome):
+            return SessionState(connection=self.connection, welcome=event, theme=self.theme)
+        if isinstance(event, MotionTrace):
+            return self._moved(event)
+        if isinstance(event, Connection):
+            return replace(self, connection=event)
+        return self._frames(event)
 
     @property
     def is_connected(self) -> bool:
@@ -149,7 +149,7 @@ class SessionState(msgspec.Struct, frozen=True):
         return reason in _UNWELL or (not reason and self.pauser in (PARTICIPANT, ""))
 
     @property
-    def steers(self) -> bool:
+    def has_control(self) -> bool:
         """Whether this peer's acts are heeded, as far as is known."""
         mine = self.welcome.name if self.welcome else ""
         return bool(self.welcome and self.welcome.role == "operator" and self.holder in ("", mine))
@@ -163,14 +163,14 @@ class SessionState(msgspec.Struct, frozen=True):
         return replace(self, seats={**self.seats, name: seat})
 
     def _frames(self, frames: Iterable[Frame]) -> "SessionState":
-        mirror = self
+        state = self
         for frame in frames:
-            before = mirror.standing
+            before = state.arbiter
             if heard := _HEARD.get(frame.topic.name):
-                mirror = heard(mirror, frame.message)
+                state = heard(state, frame.message)
             if line := event_log.line(frame, self.welcome, before):
-                mirror = replace(mirror, log=event_log.kept(mirror.log, line))
-        return mirror
+                state = replace(state, log=event_log.kept(state.log, line))
+        return state
 
     def _moved(self, trace: MotionTrace) -> "SessionState":
         kept = max(1, round(trace.hz * TRACE_SECONDS))
@@ -181,8 +181,8 @@ class SessionState(msgspec.Struct, frozen=True):
 # --- the task ------------------------------------------------------------------------------------------------------
 
 
-def _waits(mirror: SessionState, waiting: Waiting) -> SessionState:
-    agent = mirror.agent
+def _waits(state: SessionState, waiting: Waiting) -> SessionState:
+    agent = state.agent
     if waiting.stage == "trial" and waiting.what != "agent":
         agent = replace(agent, words="", more="", kind="", face="listening")
     elif waiting.stage == "answer":
@@ -191,101 +191,101 @@ def _waits(mirror: SessionState, waiting: Waiting) -> SessionState:
         agent = replace(agent, face="listening")
     if waiting.stage in ("attempt", "review") and agent.kind == "filler":
         agent = replace(agent, words="", more="", kind="", face="listening")
-    level = waiting.level or mirror.level
-    prompt = mirror.prompt if waiting.stage == "trial" else None
-    goes_on = mirror.is_paused and waiting.stage != "paused"
-    pauser = "" if goes_on else mirror.pauser
-    waits = replace(mirror, waiting=waiting, agent=agent, level=level, prompt=prompt, pauser=pauser)
+    level = waiting.level or state.level
+    prompt = state.prompt if waiting.stage == "trial" else None
+    goes_on = state.is_paused and waiting.stage != "paused"
+    pauser = "" if goes_on else state.pauser
+    waits = replace(state, waiting=waiting, agent=agent, level=level, prompt=prompt, pauser=pauser)
     return waits if waits.is_quiet else replace(waits, agent=replace(agent, cue=None))
 
 
-def _steered(mirror: SessionState, act: Operator) -> SessionState:
-    return replace(mirror, pauser=act.actor) if act.command == "pause" else mirror
+def _steered(state: SessionState, act: Operator) -> SessionState:
+    return replace(state, pauser=act.actor) if act.command == "pause" else state
 
 
-def _prompted(mirror: SessionState, prompt: Prompt) -> SessionState:
-    return replace(mirror, prompt=prompt, level=prompt.level)
+def _prompted(state: SessionState, prompt: Prompt) -> SessionState:
+    return replace(state, prompt=prompt, level=prompt.level)
 
 
-def _voided(mirror: SessionState, _: PromptVoided) -> SessionState:
-    return replace(mirror, prompt=None)
+def _voided(state: SessionState, _: PromptVoided) -> SessionState:
+    return replace(state, prompt=None)
 
 
-def _tried(mirror: SessionState, trial: TrialEnded) -> SessionState:
-    seat = mirror.seat(trial.seat)
+def _tried(state: SessionState, trial: TrialEnded) -> SessionState:
+    seat = state.seat(trial.seat)
     others = tuple(t for t in seat.trials if (t.attempt, t.trial) != (trial.attempt, trial.trial))
     told = replace(seat, trials=(*others, trial)[-TRIALS_KEPT:], mark="")
-    return replace(mirror.with_seat(trial.seat, told), prompt=None)
+    return replace(state.with_seat(trial.seat, told), prompt=None)
 
 
-def _marked(mirror: SessionState, marked: TrialMarked) -> SessionState:
-    seat = mirror.seat(marked.seat)
+def _marked(state: SessionState, marked: TrialMarked) -> SessionState:
+    seat = state.seat(marked.seat)
     trials = tuple(
         replace(t, correct=marked.correct) if (t.attempt, t.trial) == (marked.attempt, marked.trial) else t
         for t in seat.trials
     )
-    return mirror.with_seat(marked.seat, replace(seat, trials=trials, mark=marked.mark))
+    return state.with_seat(marked.seat, replace(seat, trials=trials, mark=marked.mark))
 
 
-def _attempted(mirror: SessionState, ended: AttemptEnded) -> SessionState:
-    return mirror.with_seat(ended.seat, replace(mirror.seat(ended.seat), attempt=ended))
+def _attempted(state: SessionState, ended: AttemptEnded) -> SessionState:
+    return state.with_seat(ended.seat, replace(state.seat(ended.seat), attempt=ended))
 
 
-def _leveled(mirror: SessionState, changed: LevelChanged) -> SessionState:
-    return replace(mirror, next_level=changed.level)
+def _leveled(state: SessionState, changed: LevelChanged) -> SessionState:
+    return replace(state, next_level=changed.level)
 
 
-def _ended(mirror: SessionState, ended: SessionEnded) -> SessionState:
-    return replace(mirror, ended=ended.status, prompt=None)
+def _ended(state: SessionState, ended: SessionEnded) -> SessionState:
+    return replace(state, ended=ended.status, prompt=None)
 
 
-def _sensed(mirror: SessionState, changed: SensorChanged) -> SessionState:
-    return replace(mirror, sensor=changed)
+def _sensed(state: SessionState, changed: SensorChanged) -> SessionState:
+    return replace(state, sensor=changed)
 
 
 # --- the agent -----------------------------------------------------------------------------------------------------
 
 
-def _said(mirror: SessionState, action: Action) -> SessionState:
-    agent = mirror.agent
+def _said(state: SessionState, action: Action) -> SessionState:
+    agent = state.agent
     if action.text and action.joins and agent.words:
         agent = replace(agent, more=f"{agent.more}\n{action.text}".lstrip(), kind=action.kind)
     elif action.text:
         agent = replace(agent, words=action.text, more="", kind=action.kind, valence=action.valence)
-    return replace(mirror, agent=replace(agent, face=action.face or agent.face, moves=action))
+    return replace(state, agent=replace(agent, face=action.face or agent.face, moves=action))
 
 
-def _cued(mirror: SessionState, cue: CueGiven) -> SessionState:
-    return replace(mirror, agent=replace(mirror.agent, cue=cue))
+def _cued(state: SessionState, cue: CueGiven) -> SessionState:
+    return replace(state, agent=replace(state.agent, cue=cue))
 
 
-def _halted(mirror: SessionState, _: Halt) -> SessionState:
-    return replace(mirror, agent=replace(mirror.agent, still=mirror.agent.still + 1))
+def _halted(state: SessionState, _: Halt) -> SessionState:
+    return replace(state, agent=replace(state.agent, still=state.agent.still + 1))
 
 
-def _acts(mirror: SessionState, acting: AgentActing) -> SessionState:
-    return replace(mirror, acting=acting.acting)
+def _acts(state: SessionState, acting: AgentActing) -> SessionState:
+    return replace(state, acting=acting.acting)
 
 
-def _reported(mirror: SessionState, report: OutputReport) -> SessionState:
+def _reported(state: SessionState, report: OutputReport) -> SessionState:
     if report.deed == "say" and report.state in ("started", "failed"):
-        return replace(mirror, voice=report.detail or "it failed" if report.state == "failed" else "")
-    return mirror
+        return replace(state, voice=report.detail or "it failed" if report.state == "failed" else "")
+    return state
 
 
-def _stands(mirror: SessionState, standing: ArbiterState) -> SessionState:
-    return replace(mirror, standing=standing, operated=standing.operated)
+def _stands(state: SessionState, arbiter: ArbiterState) -> SessionState:
+    return replace(state, arbiter=arbiter, operated=arbiter.operated)
 
 
-def _worn(mirror: SessionState, worn: ThemeApplied) -> SessionState:
-    return replace(mirror, theme=worn.theme)
+def _worn(state: SessionState, worn: ThemeApplied) -> SessionState:
+    return replace(state, theme=worn.theme)
 
 
 # --- who is there --------------------------------------------------------------------------------------------------
 
 
-def _came_or_went(mirror: SessionState, changed: OperatorChanged) -> SessionState:
-    return replace(mirror, peers=changed.peers, holder=changed.holder, operated=changed.operated)
+def _came_or_went(state: SessionState, changed: OperatorChanged) -> SessionState:
+    return replace(state, peers=changed.peers, holder=changed.holder, operated=changed.operated)
 
 
 _HEARD: dict[str, Callable[[SessionState, Any], SessionState]] = {

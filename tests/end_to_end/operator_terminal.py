@@ -16,7 +16,7 @@ import pyte
 
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.operator.commands import TOO_SOON
-from sar_tui.operator.keymap import DEEDS, key_name
+from sar_tui.operator.keymap import KEY_COMMANDS, key_name
 from sar_tui.timing.pty import Terminal, together
 from sar_tui.timing.scripted_participant import Answer, ScriptedParticipant, random_answers
 from tests.end_to_end.participant_terminal import Eyes, command, rows, run_command
@@ -28,9 +28,9 @@ _COLUMNS = tuple(
 )
 
 
-def key_of(deed: str) -> str:
+def key_of(id: str) -> str:
     """The key of something an operator can do, by its id in the panel's own table."""
-    (first, *_) = next(each for each in DEEDS if each.id == deed).keys.split(",")
+    (first, *_) = next(each for each in KEY_COMMANDS if each.id == id).keys.split(",")
     called = key_name(first)
     return called if len(called) == 1 else first
 
@@ -178,13 +178,13 @@ class Panel:
         self._room = room
         self._eyes = Eyes(terminal, *_SIZE)
 
-    def does(self, deed: str) -> int:
-        """Press the key of a deed, by its id; the stamp right before."""
-        return self.terminal.press(key_of(deed))
+    def does(self, id: str) -> int:
+        """Press the key of a command, given its id. Return the stamp taken just before."""
+        return self.terminal.press(key_of(id))
 
-    def writes(self, deed: str, asked: str, text: str) -> None:
-        """Press the key of a deed that asks for words; type them in the place of those that stand there, and Enter."""
-        self.does(deed)
+    def writes(self, id: str, asked: str, text: str) -> None:
+        """Press the key of a command that asks for text, replace the text with this one and press Enter."""
+        self.does(id)
         self._room.until(lambda: asked in self.sees(), f"the panel asks {asked}")
         if asked not in self._lines():
             self.terminal.press("ctrl+u")

@@ -39,19 +39,19 @@ MODES: dict[m.ControlledKind, m.Mode] = {
 class FakePeer:
     """A link that keeps what is sent."""
 
-    def __init__(self, hear: PeerListener, role: Role = "operator") -> None:
+    def __init__(self, receive: PeerListener, role: Role = "operator") -> None:
         self.name, self.role = f"{role}.anna", role
-        self.hear = hear
+        self.receive = receive
         self.clock = VirtualClock(START)
         self.sent: list[tuple[str, Any]] = []
-        self.batons = 0
+        self.control_requests = 0
         self.is_closed = False
 
     def send(self, topic: Topic[Any], message: Message) -> None:
         self.sent.append((topic.name, message))
 
     def take_control(self) -> None:
-        self.batons += 1
+        self.control_requests += 1
 
     def now(self) -> int:
         return self.clock.now()
@@ -98,7 +98,7 @@ def proposal(id: str = "p1", **other: Any) -> m.Proposal:
     return m.Proposal(**told | other)
 
 
-def offer(id: str = "p1", ms: int | None = 4000, level: int | None = None, **other: Any) -> m.PendingApproval:
+def approval(id: str = "p1", ms: int | None = 4000, level: int | None = None, **other: Any) -> m.PendingApproval:
     deadline = None if ms is None else START + ms * MS
     kind: dict[str, Any] = {"kind": "difficulty", "text": "", "valence": None} if level is not None else {}
     return m.PendingApproval(
@@ -111,7 +111,7 @@ def action(id: str, **other: Any) -> m.Action:
     return m.Action(**told | {"decision": "accepted", "actor": "agent", "decided": START} | other)
 
 
-def standing(*offers: m.PendingApproval, **other: Any) -> m.ArbiterState:
+def arbiter_state(*offers: m.PendingApproval, **other: Any) -> m.ArbiterState:
     return m.ArbiterState(**{"modes": MODES, "operated": True, "offers": offers} | other)
 
 
@@ -202,7 +202,7 @@ def begun(theme: Theme) -> list[Frame]:
         frame(t.ACTION, action("a1", text="Welcome back. Good to see you again.", valence=None, decided=0)),
         frame(t.WAITING, waiting("enter", "attempt")),
         frame(t.ACTING, m.AgentActing(acting=False)),
-        frame(t.ARBITER_STATE, standing()),
+        frame(t.ARBITER_STATE, arbiter_state()),
         *(
             frame(t.TRIAL, trial(number, stimulus, ms, correct=correct))
             for number, (stimulus, ms, correct) in enumerate(
@@ -243,23 +243,23 @@ class PanelDriver:
         assert isinstance(self.app.screen, PanelScreen)
         return self.app.screen
 
-    async def hear(self, *heard: PeerEvent) -> None:
+    async def receive(self, *heard: PeerEvent) -> None:
         """The link brings something, and it is drawn."""
         for each in heard:
-            self.panel.hear(each)
+            self.panel.receive(each)
         self.panel.draw()
         await self.rest()
 
     async def tell(self, topic: Topic[Any], message: Message) -> None:
-        await self.hear([frame(topic, message, self.peer.now())])
+        await self.receive([frame(topic, message, self.peer.now())])
 
     async def join(self, role: Role = "operator", **other: Any) -> None:
         """A session on its way is joined."""
-        await self.hear(Connection("connected"), welcome(role, **other), begun(self._theme))
+        await self.receive(Connection("connected"), welcome(role, **other), begun(self._theme))
 
-    async def offer(self, *offers: m.PendingApproval) -> None:
+    async def propose(self, *approvals: m.PendingApproval) -> None:
         """Proposals come, are painted, and have been read."""
-        await self.tell(t.ARBITER_STATE, standing(*offers))
+        await self.tell(t.ARBITER_STATE, arbiter_state(*approvals))
         await self.pass_by(500)
 
     async def pass_by(self, ms: int) -> None:
@@ -307,8 +307,8 @@ class _App(WizardApp):
     peer: FakePeer
 
     def make_panel(self, where: Any) -> PanelScreen:
-        def connect(hear: PeerListener) -> FakePeer:
-            self.peer = FakePeer(hear, self.role)
+        def connect(receive: PeerListener) -> FakePeer:
+            self.peer = FakePeer(receive, self.role)
             return self.peer
 
         return PanelScreen(connect, self._theme, self._folder, VirtualClock(START))

@@ -14,7 +14,7 @@ from sar_tui.framework import topics as t
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import Role
 from sar_tui.link.peer import Connection
-from sar_tui.operator.own_file import FILE
+from sar_tui.operator.keymap import FILE
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
 from tests.operator import panel_driver as b
@@ -40,7 +40,7 @@ async def test_one_key_decides_stamped_with_its_time_and_a_proposal_is_told_seen
 ) -> None:
     async with panel(catalogue, folder) as driver:
         for number, key in enumerate(("enter", "x", "delete", "plus", "equals_sign", "minus")):
-            await driver.offer(b.offer(f"p{number}"))
+            await driver.propose(b.approval(f"p{number}"))
             await driver.press(key)
         assert driver.acts(t.DECISION) == [
             m.Decision(action="p0", verdict="accept", actor=ANNA),
@@ -59,11 +59,11 @@ async def test_words_are_edited_in_place_unchanged_they_are_an_approval_and_esca
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.offer(b.offer("p1", text="Well done"))
+        await driver.propose(b.approval("p1", text="Well done"))
         await driver.press("e", "!", "enter")
-        await driver.offer(b.offer("p2"))
+        await driver.propose(b.approval("p2"))
         await driver.press("e", "enter")
-        await driver.offer(b.offer("p3"))
+        await driver.propose(b.approval("p3"))
         await driver.press("e", "x", "escape")
         assert len(driver.acts(t.DECISION)) == 2
         await driver.press("x")
@@ -81,9 +81,9 @@ async def test_what_is_typed_is_never_taken_for_keys_and_an_edit_that_is_too_lat
         await driver.press("e", "s", "r", "space", "u", "enter")
         assert driver.acts(t.OPERATOR) == []
         assert driver.acts(t.REMARK) == [m.Remark(text="sr u", source="free text", actor=ANNA)]
-        await driver.offer(b.offer(text="Well done"))
+        await driver.propose(b.approval(text="Well done"))
         await driver.press("e", "!")
-        await driver.offer()
+        await driver.propose()
         await driver.press("enter")
         assert driver.acts(t.DECISION) == []
         assert "Too late: it was decided." in driver.text
@@ -95,8 +95,8 @@ async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name_and_neith
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        gesture = b.offer("g1", kind="gesture", text="", spoken="", gesture="nod")
-        await driver.offer(b.offer("d1", level=5, text="Level 4 → 5"), gesture)
+        gesture = b.approval("g1", kind="gesture", text="", spoken="", gesture="nod")
+        await driver.propose(b.approval("d1", level=5, text="Level 4 → 5"), gesture)
         assert "Level 4 → 5, from the next attempt on" in driver.text
         assert "positive" not in driver.text
         await driver.press("plus", "e", "backspace", "x", "enter")
@@ -117,17 +117,17 @@ async def test_what_stands_there_stays_until_it_is_decided_or_gone_and_then_no_k
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        first, second = b.offer("p1", 4000), b.offer("p2", 4000, text="Second")
-        await driver.offer(first, second)
+        first, second = b.approval("p1", 4000), b.approval("p2", 4000, text="Second")
+        await driver.propose(first, second)
         assert "1 of 2" in driver.text
-        urgent = b.offer("p3", 1500, text="Urgent")
-        await driver.offer(urgent, first, second)
+        urgent = b.approval("p3", 1500, text="Urgent")
+        await driver.propose(urgent, first, second)
         assert "2 of 3" in driver.text
         assert "Behind it: 0 s feedback “Urgent”" in driver.text
         await driver.press("right")
         assert "┃ “Second”" in driver.text
         await driver.press("left")
-        await driver.offer(second, urgent)  # the first is gone while it stands there
+        await driver.propose(second, urgent)  # the first is gone while it stands there
         await driver.press("right", "enter")
         assert driver.acts(t.DECISION) == []
         assert "Too soon" in driver.text
@@ -140,7 +140,7 @@ async def test_one_that_was_decided_makes_room_for_the_next_and_is_not_decided_t
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.offer(b.offer("p1"), b.offer("p2", text="Second"))
+        await driver.propose(b.approval("p1"), b.approval("p2", text="Second"))
         await driver.press("enter")
         assert "“Second”" in driver.text
         await driver.pass_by(500)
@@ -158,7 +158,7 @@ async def test_the_time_that_is_left_runs_down_for_each_and_what_happens_then_is
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.tell(t.ARBITER_STATE, b.standing(b.offer(ms=4000), b.offer("p2", ms=4000)))
+        await driver.tell(t.ARBITER_STATE, b.arbiter_state(b.approval(ms=4000), b.approval("p2", ms=4000)))
         assert "acts by itself in 4.0 s" in driver.text
         full = driver.text.count("█")
         await driver.pass_by(2000)
@@ -167,9 +167,9 @@ async def test_the_time_that_is_left_runs_down_for_each_and_what_happens_then_is
         assert left < full
         await driver.press("right")
         assert driver.text.count("█") == left  # it has been running all the time
-        await driver.tell(t.ARBITER_STATE, b.standing(replace(b.offer("p3"), otherwise="drop")))
+        await driver.tell(t.ARBITER_STATE, b.arbiter_state(replace(b.approval("p3"), otherwise="drop")))
         assert "is dropped in 2.0 s" in driver.text
-        await driver.tell(t.ARBITER_STATE, b.standing(b.offer("p4", ms=None)))
+        await driver.tell(t.ARBITER_STATE, b.arbiter_state(b.approval("p4", ms=None)))
         assert "waits for you, until the next attempt begins" in driver.text
 
 
@@ -219,7 +219,7 @@ async def test_the_key_for_a_pause_ends_one_that_for_the_level_lets_it_go_again_
         await driver.press("end")
         assert [act.command for act in driver.acts(t.OPERATOR)] == ["resume", "end"]
         await driver.press("h")
-        held = b.standing(modes={**b.MODES, "difficulty": "manual"})
+        held = b.arbiter_state(modes={**b.MODES, "difficulty": "manual"})
         await driver.tell(t.ARBITER_STATE, held)
         assert "manual: difficulty" in driver.text
         await driver.press("h")
@@ -269,7 +269,7 @@ async def test_keys_that_come_in_one_burst_are_each_for_what_the_one_before_open
         assert [note.text for note in driver.acts(t.NOTE_ADDED)] == ["hurt", "so"]
         assert [remark.text for remark in driver.acts(t.REMARK)] == ["Hi"]
         assert [each.mode for each in driver.acts(t.MODE)] == ["manual"]
-        await driver.offer(b.offer(text="Well done"))
+        await driver.propose(b.approval(text="Well done"))
         await driver.burst("e", "!", "enter", "u")
         assert [each.text for each in driver.acts(t.DECISION)] == ["Well done!"]
         assert [act.command for act in driver.acts(t.OPERATOR)] == ["level"]
@@ -283,11 +283,11 @@ async def test_an_edit_whose_time_runs_out_says_so_where_it_is_typed_and_never_s
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.offer(b.offer("p1", 2000, text="Well done"))
+        await driver.propose(b.approval("p1", 2000, text="Well done"))
         await driver.press("e", "!")
         assert "Enter sends, Esc leaves" in driver.text
         await driver.pass_by(2000)
-        await driver.tell(t.ARBITER_STATE, b.standing(b.offer("p2", 9000, text="The next")))
+        await driver.tell(t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000, text="The next")))
         assert "Its time is over: Well done!" in driver.text
         assert "FEEDBACK · its time is over" in driver.text
         assert "Enter twice says your words all the same" in driver.text
@@ -328,7 +328,7 @@ async def test_words_that_have_to_wait_are_told_so_and_slots_that_are_typed_are_
         assert "After the response: said “" in driver.text
         await driver.burst("t", *"{result}", "enter")
         assert [remark.text for remark in driver.acts(t.REMARK)][2:] == ["498 ms"]
-        await driver.hear(b.welcome())
+        await driver.receive(b.welcome())
         await driver.burst("t", *"{result}", "enter")
         assert "{result} is not known yet. Nothing was sent." in driver.text
         assert len(driver.acts(t.REMARK)) == 3
@@ -344,7 +344,7 @@ async def test_a_prompt_is_neither_skipped_nor_repeated_while_there_is_none(cata
 async def test_what_is_approved_and_has_still_to_come_is_counted_down(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         due = b.action("a9", text="Well done", due=b.START + 1900 * MS)
-        await driver.tell(t.ARBITER_STATE, b.standing(queued=(due,)))
+        await driver.tell(t.ARBITER_STATE, b.arbiter_state(queued=(due,)))
         assert "goes out in 1.9 s" in driver.text
         await driver.pass_by(1000)
         assert "goes out in 0.9 s" in driver.text
@@ -355,7 +355,7 @@ async def test_when_the_session_is_done_the_panel_says_so_and_one_key_leaves_it(
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.tell(t.SESSION_ENDED, m.SessionEnded(status="completed"))
-        await driver.hear(Connection("away", "The session is over."))
+        await driver.receive(Connection("away", "The session is over."))
         assert "The session is done. q leaves. For the report: sar-tui report wizard last" in driver.text
         assert "no connection" not in driver.text
         await driver.press("q")
@@ -370,7 +370,7 @@ async def test_a_number_does_what_stands_beside_it_on_each_page_tab_turns_it_and
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.join(marks=b.MARKS)
-        await driver.tell(t.ARBITER_STATE, b.standing(queued=(b.action("a9", text="Next."),)))
+        await driver.tell(t.ARBITER_STATE, b.arbiter_state(queued=(b.action("a9", text="Next."),)))
         await driver.press("1", "g", "4", "m", "2", "o", "5", "c", "1", "9")
         phrase, gesture = driver.acts(t.REMARK)
         assert (phrase.text, phrase.source) == (catalogue.theme("calm").phrases["encouragement"][0], "phrase")
@@ -418,21 +418,21 @@ async def test_with_two_participants_words_go_to_the_one_that_is_chosen_and_each
         phrase, own = driver.acts(t.REMARK)
         assert (phrase.seat, own.seat, own.text) == ("B", "B", "Right: Hi")
         assert phrase.text.startswith("Right: ")
-        await driver.offer(b.offer("p1", seat="B"))
+        await driver.propose(b.approval("p1", seat="B"))
         assert "FEEDBACK to P02 · positive" in driver.text
-        await driver.offer(b.offer("p3", seat="B", text="Right: Well done"))
+        await driver.propose(b.approval("p3", seat="B", text="Right: Well done"))
         await driver.press("e")
         assert "Instead: Well done" in driver.text
         await driver.press("!", "enter")
         assert [decision.text for decision in driver.acts(t.DECISION)] == ["Right: Well done!"]
-        await driver.offer(b.offer("l1", level=5))
+        await driver.propose(b.approval("l1", level=5))
         assert "DIFFICULTY · clear" in driver.text
 
 
 async def test_keys_and_phrases_of_the_operators_own_file_are_used(catalogue: Catalogue, folder: Path) -> None:
     (folder / FILE).write_text('phrases = ["Go on, {participant}."]\n[keys]\napprove = "y"\n')
     async with panel(catalogue, folder) as driver:
-        await driver.offer(b.offer())
+        await driver.propose(b.approval())
         assert " y  approve" in driver.text
         await driver.press("enter")
         assert driver.acts(t.DECISION) == []
@@ -460,7 +460,7 @@ async def test_an_act_stands_in_the_log_with_what_became_of_it(catalogue: Catalo
         await driver.press("s")
         assert "Skipped the prompt …" in driver.text
         sent = driver.peer.sent[-1][1]
-        await driver.hear([b.frame(t.OPERATOR, sent, sent.at + 14 * MS)])
+        await driver.receive([b.frame(t.OPERATOR, sent, sent.at + 14 * MS)])
         assert "Skipped the prompt · link 14 ms" in driver.text
         await driver.press("r")
         refused = m.ActRefused(actor=ANNA, what=t.OPERATOR.name, why="Another operator holds the baton.")
@@ -475,7 +475,7 @@ async def test_an_act_stands_in_the_log_with_what_became_of_it(catalogue: Catalo
 
 async def test_an_observer_sees_the_same_and_no_key_of_theirs_acts(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder, "observer") as driver:
-        await driver.offer(b.offer())
+        await driver.propose(b.approval())
         assert "Well done." in driver.text
         assert "you watch" in driver.text
         assert "approve " not in driver.text.replace("· approve", "")
@@ -484,7 +484,7 @@ async def test_an_observer_sees_the_same_and_no_key_of_theirs_acts(catalogue: Ca
             "enter", "x", "e", "plus", "f2", "space", "s", "u", "h", "1", "t", "n", "f5", "b", "end", "end"
         )
         assert driver.peer.sent == []
-        assert driver.peer.batons == 0
+        assert driver.peer.control_requests == 0
         assert "Encourage" not in driver.text
         await driver.press("f1")
         assert "All keys" in driver.text
@@ -497,14 +497,14 @@ async def test_without_the_baton_nothing_is_sent_until_it_is_taken(catalogue: Ca
         assert "ben steers" in driver.text
         assert "cara watches" in driver.text
         assert "Nothing waits for ben." in driver.text
-        await driver.offer(b.offer())
+        await driver.propose(b.approval())
         assert "ben decides; b takes the baton." in driver.text
         await driver.tell(t.WAITING, b.waiting())
         await driver.press("s", "t")
         assert driver.acts(t.OPERATOR) == []
         assert "ben has the baton; b takes it. Nothing was sent." in driver.text
         await driver.press("b")
-        assert driver.peer.batons == 1
+        assert driver.peer.control_requests == 1
         await driver.tell(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
         await driver.press("s")
         assert [act.command for act in driver.acts(t.OPERATOR)] == ["skip"]
@@ -512,8 +512,8 @@ async def test_without_the_baton_nothing_is_sent_until_it_is_taken(catalogue: Ca
 
 async def test_a_lost_link_is_told_with_what_goes_on_and_comes_back(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.offer(b.offer())
-        await driver.hear(Connection("lost", "Nothing is heard from the session."))
+        await driver.propose(b.approval())
+        await driver.receive(Connection("lost", "Nothing is heard from the session."))
         assert "connection lost" in driver.text
         assert "goes on by itself" in driver.text
         await driver.press("enter", "s")
@@ -534,7 +534,7 @@ async def test_what_the_participant_sees_of_the_agent_is_seen(catalogue: Catalog
         await driver.tell(t.ACTION, b.action("a3", text="And then " + "on " * 60 + "to the end.", joins=True))
         assert "to the end." in driver.text
         assert "…" in "".join(row[:46] for row in driver.rows[2:9]), "what there is no room for is told"
-        await driver.hear(b.TRACE)
+        await driver.receive(b.TRACE)
         assert "rad/s" in driver.text
         await driver.tell(t.WAITING, b.waiting("foreperiod"))
         assert "to the end." not in driver.text
@@ -558,8 +558,8 @@ async def test_at_80_by_24_all_keys_are_listed_the_stop_key_works_anywhere_and_t
         await driver.press("f2", "f1")
         assert [act.command for act in driver.acts(t.OPERATOR)] == ["stop", "stop"]
         assert "Take the baton" not in driver.text
-        wave = b.offer("p2", kind="gesture", text="", spoken="", gesture="wave")
-        await driver.offer(b.offer("p1"), wave)
+        wave = b.approval("p2", kind="gesture", text="", spoken="", gesture="wave")
+        await driver.propose(b.approval("p1"), wave)
         assert "Behind it: 4 s gesture [wave]" in driver.text
 
 
@@ -567,7 +567,7 @@ async def test_why_there_is_no_connection_is_told_and_the_panel_is_left_when_ask
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with b.sit_down(catalogue, folder, joins=False) as driver:
-        await driver.hear(Connection("connecting", "The other side does not know this invitation."))
+        await driver.receive(Connection("connecting", "The other side does not know this invitation."))
         assert "There is no connection yet: The other side does not know this invitation." in driver.text
         await driver.press("q")
         assert "Leave the panel? q again leaves it" in driver.text

@@ -54,19 +54,19 @@ async def test_the_panel_looks_as_it_did(
         album.take("joining", driver)
         await driver.join()
         attached = m.SensorChanged(state="attached", at=b.START)
-        await driver.hear(
+        await driver.receive(
             [b.frame(t.SENSOR, attached), b.frame(t.PROMPT, b.prompt()), b.frame(t.WAITING, b.waiting())], b.TRACE
         )
         album.take("prompt", driver)
         await driver.tell(t.WAITING, b.waiting("answer", "answer"))
-        wave = b.offer("p2", ms=6000, kind="gesture", text="", spoken="", gesture="wave", valence=None)
-        await driver.offer(b.offer(), wave)
+        wave = b.approval("p2", ms=6000, kind="gesture", text="", spoken="", gesture="wave", valence=None)
+        await driver.propose(b.approval(), wave)
         album.take("proposals", driver)
         await driver.press("e", "!")
         album.take("editing", driver)
         await driver.press("escape", "o")
         album.take("modes", driver)
-        await driver.hear(Connection("lost", "The connection broke."))
+        await driver.receive(Connection("lost", "The connection broke."))
         album.take("lost", driver)
         await driver.press("f1")
         album.take("keys", driver)
@@ -74,7 +74,7 @@ async def test_the_panel_looks_as_it_did(
         await driver.join(participants={"A": "P01", "B": "P02"})
         others = [b.frame(t.TRIAL, b.trial(n, "k", 380 + 40 * n, correct=n != 3, seat="B")) for n in range(1, 6)]
         watcher = b.presence("joined", "observer.cara", ben="operator", cara="observer")
-        await driver.hear([*others, b.frame(t.PRESENCE, watcher)])
+        await driver.receive([*others, b.frame(t.PRESENCE, watcher)])
         album.take("two-participants", driver)
     assert set(album.taken) == set(VIEWS)
     album.check()

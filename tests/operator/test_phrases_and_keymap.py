@@ -8,9 +8,8 @@ from sar_tui.framework import messages as m
 from sar_tui.framework import topics as t
 from sar_tui.framework.theme import Theme
 from sar_tui.link.peer import Connection
-from sar_tui.operator.keymap import DEEDS, is_key, key_name
-from sar_tui.operator.own_file import EVENTS, FILE, KeymapFile, read
-from sar_tui.operator.palette import PER_PAGE, Words, pages
+from sar_tui.operator.keymap import EVENTS, FILE, KEY_COMMANDS, KeymapFile, is_key, key_name, read
+from sar_tui.operator.palette import PER_PAGE, PhraseBook, pages
 from sar_tui.operator.phrases import Phrase, fill, slot_values
 from sar_tui.operator.session_state import SessionState
 from sar_tui.plugins import Catalogue
@@ -23,14 +22,14 @@ def theme(catalogue: Catalogue) -> Theme:
 
 
 @pytest.fixture
-def mirror(theme: Theme) -> SessionState:
-    return SessionState().hear(Connection("connected")).hear(b.welcome(marks=b.MARKS)).hear(b.begun(theme))
+def state(theme: Theme) -> SessionState:
+    return SessionState().receive(Connection("connected")).receive(b.welcome(marks=b.MARKS)).receive(b.begun(theme))
 
 
 def test_without_a_file_all_is_as_usual_and_every_key_is_one_thing(tmp_path: Path) -> None:
     file, problem = read(tmp_path)
     assert (problem, file.events) == ("", EVENTS)
-    keys = [key for deed in DEEDS for key in file.keys_of(deed)]
+    keys = [key for key_command in KEY_COMMANDS for key in file.keys_of(key_command)]
     assert len(keys) == len(set(keys))
     assert all(is_key(key) for key in keys)
 
@@ -82,39 +81,41 @@ def test_keys_are_called_as_on_the_keyboard() -> None:
     assert called == ["Enter", "+", "Ctrl-t", "F2", "Esc", "x"]
 
 
-def test_slots_are_filled_from_what_is_known(mirror: SessionState) -> None:
+def test_slots_are_filled_from_what_is_known(state: SessionState) -> None:
     phrase = Phrase("{participant}: {result} of {goal}, attempt {attempt}, level {level}.")
-    assert fill(phrase, slot_values(mirror, "A")).text == "P01: 498 ms of 520 ms, attempt 3, level 4."
+    assert fill(phrase, slot_values(state, "A")).text == "P01: 498 ms of 520 ms, attempt 3, level 4."
 
 
 def test_a_phrase_whose_slot_has_no_value_yet_cannot_be_chosen() -> None:
-    known = SessionState().hear(Connection("connected")).hear(b.welcome())
-    page = pages(known, Words.of(known, KeymapFile(phrases=("Last: {result}.", "Good."))), "A")[0]
+    known = SessionState().receive(Connection("connected")).receive(b.welcome())
+    page = pages(known, PhraseBook.of(known, KeymapFile(phrases=("Last: {result}.", "Good."))), "A")[0]
     assert [(item.why, item.topic is None) for item in page.items] == [
         ("{result} is not known yet", True),
         ("", False),
     ]
 
 
-def test_own_phrases_come_first_then_the_themes_by_heading(mirror: SessionState, theme: Theme) -> None:
-    found = pages(mirror, Words.of(mirror, KeymapFile(phrases=("Hello, {participant}.",))), "A")
+def test_own_phrases_come_first_then_the_themes_by_heading(state: SessionState, theme: Theme) -> None:
+    found = pages(state, PhraseBook.of(state, KeymapFile(phrases=("Hello, {participant}.",))), "A")
     assert [page.title for page in found][:3] == ["Yours", "Encourage", "Praise"]
     assert found[0].items[0].text == "Hello, P01."
     assert [item.text for item in found[1].items] == list(theme.phrases["encouragement"])
     assert all(len(page.items) <= PER_PAGE for page in found)
 
 
-def test_praise_goes_with_the_face_and_gesture_of_praise(mirror: SessionState) -> None:
-    praise = next(page for page in pages(mirror, Words.of(mirror, KeymapFile()), "A") if page.title == "Praise")
+def test_praise_goes_with_the_face_and_gesture_of_praise(state: SessionState) -> None:
+    praise = next(page for page in pages(state, PhraseBook.of(state, KeymapFile()), "A") if page.title == "Praise")
     remark = praise.items[0].message
     assert isinstance(remark, m.Remark)
     assert (remark.valence, remark.face, remark.gesture, remark.source) == ("positive", "happy", "nod", "phrase")
 
 
-def test_marks_modes_and_queue_are_pages_too(mirror: SessionState) -> None:
+def test_marks_modes_and_queue_are_pages_too(state: SessionState) -> None:
     said = b.action("a9", text="Next.")
-    full = mirror.hear([b.frame(t.ARBITER_STATE, b.standing(queued=(said,), current=b.action("a8", text="Now.")))])
-    found = {page.kind: page for page in pages(full, Words.of(full, KeymapFile()), "A")}
+    full = state.receive(
+        [b.frame(t.ARBITER_STATE, b.arbiter_state(queued=(said,), current=b.action("a8", text="Now.")))]
+    )
+    found = {page.kind: page for page in pages(full, PhraseBook.of(full, KeymapFile()), "A")}
     assert [item.text for item in found["marks"].items] == ["Marker missed", "Assisted"]
     assert found["modes"].items[0].message == m.ModeChanged(kind="feedback", mode="manual")
     assert [item.text for item in found["queue"].items] == ["feedback “Now.”", "feedback “Next.”"]
@@ -124,7 +125,11 @@ def test_marks_modes_and_queue_are_pages_too(mirror: SessionState) -> None:
 def test_the_page_about_the_panel_has_every_id_and_its_example_of_a_file_is_right(tmp_path: Path) -> None:
     page = (Path(__file__).parents[2] / "docs" / "run-a-wizard-of-oz-study.md").read_text()
     numbered = ("pick-", "event-")  # told as ranges
-    assert [deed.id for deed in DEEDS if not deed.id.startswith(numbered) and f"`{deed.id}`" not in page] == []
+    assert [
+        key_command.id
+        for key_command in KEY_COMMANDS
+        if not key_command.id.startswith(numbered) and f"`{key_command.id}`" not in page
+    ] == []
     (tmp_path / FILE).write_text(page.partition("```toml\n")[2].partition("```")[0])
     file, problem = read(tmp_path)
     assert problem == ""
