@@ -82,5 +82,5 @@ def waiting_message(
         notice=notice,
         reason=reason,
         detail=detail,
-        ask=ASK_KEY if phase in (Phase.READY, Phase.REVIEW) and attempts.unanswered else "",
+        ask=ASK_KEY if phase in (Phase.READY, Phase.REVIEW) and attempts.is_feedback_on_request else "",
     )

@@ -2,15 +2,18 @@
 
 from typing import Any
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.attempts import Attempts, Scored
+from sar_tui.framework import attempt_state as steps
+from sar_tui.framework.attempt_state import AttemptScore
+from sar_tui.framework.attempts import Attempts
 from sar_tui.framework.clock import MS
 from sar_tui.framework.parameters import build
 from sar_tui.framework.policies.feedback import degree
-from sar_tui.framework.trial_types import Result, Target
+from sar_tui.framework.trial_types import Result, Results, Target
 from tests.lifting_task import Lift
 
 
@@ -18,13 +21,14 @@ def session_attempts(**parameters: Any) -> Attempts:
     return Attempts(Lift(build(Lift.Parameters, {"attempts": 4, "lifts": 1, **parameters})), seed=1)
 
 
-def lift(value: float, correct: bool = True, **details: Any) -> Result:
-    return Result(correct=correct, response="lift", value=value, details=details)
+def lift(value: float, correct: bool = True, **details: Any) -> Results:
+    return {"A": Result(correct=correct, response="lift", value=value, details=details)}
 
 
-def attempt(under_way: Attempts, *results: Result) -> Scored:
+def attempt(under_way: Attempts, *trials: Results) -> AttemptScore:
     under_way.begin(now=1000)
-    under_way.results.extend(results)
+    for results in trials:
+        under_way.add(results)
     scored = under_way.score(now=2000)
     under_way.advance()
     return scored
@@ -49,15 +53,15 @@ def test_an_attempt_is_held_against_the_goal_of_its_own_level(
     level: int, value: float, outcome: str, valence: str
 ) -> None:
     scored = attempt(session_attempts(start_level=level), lift(value))
-    assert (scored.ended.outcome, scored.ended.feedback) == (outcome, valence)
-    assert scored.feedback is not None
-    assert scored.feedback.valence == valence
-    assert scored.ended.goal == scored.feedback.goal == 1000 + 100 * (level - 1)
+    assert (scored.first.ended.outcome, scored.first.ended.feedback) == (outcome, valence)
+    assert scored.first.feedback is not None
+    assert scored.first.feedback.valence == valence
+    assert scored.first.ended.goal == scored.first.feedback.goal == 1000 + 100 * (level - 1)
 
 
 def test_the_goal_of_an_attempt_is_that_of_its_level_even_if_the_next_is_another() -> None:
     under_way = session_attempts()
-    goals = [attempt(under_way, lift(500)).ended.goal for _ in range(3)]
+    goals = [attempt(under_way, lift(500)).first.ended.goal for _ in range(3)]
     assert goals == [1000, 1100, 1200]
     assert under_way.level == 4
 
@@ -73,14 +77,14 @@ def test_a_quality_is_the_mean_over_correct_trials_that_have_it() -> None:
         lift(500, correct=False, sway=90.0, grip=90.0),
     ]
     scored = attempt(session_attempts(lifts=4), *results)
-    assert scored.feedback is not None
-    assert scored.ended.qualities == scored.feedback.qualities == {"sway": 3.0, "grip": 40.0}
+    assert scored.first.feedback is not None
+    assert scored.first.ended.qualities == scored.first.feedback.qualities == {"sway": 3.0, "grip": 40.0}
 
 
 def test_a_quality_that_no_correct_trial_has_is_left_out() -> None:
     assert attempt(
         session_attempts(lifts=2), lift(500, sway=1.0), lift(500, correct=False, grip=9.0)
-    ).ended.qualities == {"sway": 1.0}
+    ).first.ended.qualities == {"sway": 1.0}
 
 
 # --- amending -------------------------------------------------------------------------------------------------
@@ -98,26 +102,32 @@ def test_there_is_nothing_to_amend_before_the_first_trial_and_none_of_the_last_a
 def test_in_an_attempt_the_last_trial_is_amended_and_nothing_is_scored() -> None:
     under_way = session_attempts(lifts=3)
     under_way.begin(now=0)
-    under_way.results.extend([lift(400), lift(500)])
+    under_way.add(lift(400))
+    under_way.add(lift(500))
     assert under_way.amendable == (1, 2)
     assert under_way.amend(lift(900)) is None
-    assert [result.value for result in under_way.results] == [400, 900]
+    assert [results["A"].value for results in under_way.state.results] == [400, 900]
 
 
 @pytest.mark.parametrize("attempts", [1, 4])
 def test_an_attempt_that_is_amended_is_scored_as_if_it_had_been_so_from_the_first(attempts: int) -> None:
     under_way, at_once = (session_attempts(lifts=2, attempts=attempts, start_level=4) for _ in range(2))
-    said = attempt(under_way, lift(400), lift(500)).ended
+    said = attempt(under_way, lift(400), lift(500)).first.ended
     amended = under_way.amend(lift(500, correct=False))
     straight = attempt(at_once, lift(400), lift(500, correct=False))
     assert amended is not None
-    assert straight.ended.feedback != said.feedback
-    assert amended.ended.feedback == said.feedback
-    assert (amended.ended.metric, amended.ended.correct, amended.ended.outcome, amended.ended.goal) == (
-        straight.ended.metric,
-        straight.ended.correct,
-        straight.ended.outcome,
-        straight.ended.goal,
+    assert straight.first.ended.feedback != said.feedback
+    assert amended.first.ended.feedback == said.feedback
+    assert (
+        amended.first.ended.metric,
+        amended.first.ended.correct,
+        amended.first.ended.outcome,
+        amended.first.ended.goal,
+    ) == (
+        straight.first.ended.metric,
+        straight.first.ended.correct,
+        straight.first.ended.outcome,
+        straight.first.ended.goal,
     )
     assert (under_way.attempt, under_way.trial, under_way.level) == (at_once.attempt, at_once.trial, at_once.level)
     assert amended.level is not None
@@ -130,12 +140,12 @@ def test_however_often_an_attempt_is_amended_only_the_last_word_counts(
 ) -> None:
     rules = {"start_level": 3, "consecutive_successes": successes, "consecutive_failures": failures}
     under_way, at_once = session_attempts(**rules), session_attempts(**rules)
-    said = attempt(under_way, lift(500, correct=first)).ended.feedback
+    said = attempt(under_way, lift(500, correct=first)).first.ended.feedback
     for correct in words:
         amended = under_way.amend(lift(500, correct=correct))
     attempt(at_once, lift(500, correct=words[-1]))
     assert amended is not None
-    assert amended.ended.feedback == said
+    assert amended.first.ended.feedback == said
     for _ in range(3):
         assert (under_way.attempt, under_way.level) == (at_once.attempt, at_once.level)
         attempt(under_way, lift(500, correct=False))
@@ -154,12 +164,17 @@ def test_a_level_set_by_hand_in_an_attempt_survives_its_amendment() -> None:
     under_way = session_attempts(start_level=3)
     under_way.begin(now=0)
     under_way.set_level(8, under_way=True)
-    under_way.results.append(lift(500))
+    under_way.add(lift(500))
     under_way.score(now=1)
     under_way.advance()
     amended = under_way.amend(lift(500, correct=False))
     assert amended is not None
-    assert (amended.ended.level, amended.ended.outcome, amended.level, under_way.level) == (3, "failure", None, 8)
+    assert (amended.first.ended.level, amended.first.ended.outcome, amended.level, under_way.level) == (
+        3,
+        "failure",
+        None,
+        8,
+    )
 
 
 # --- what is answered -----------------------------------------------------------------------------------------
@@ -183,16 +198,16 @@ def test_an_attempt_counts_those_since_the_last_that_was_answered_however_often_
     since = 0
     for number, (value, amended, asks) in enumerate(steps, 1):
         scored = attempt(under_way, lift(value))
-        choice = scored.ended.choice
+        choice = scored.first.ended.choice
         assert choice is not None
         since += number > practice
         assert choice.since == since
-        assert scored.is_answered == choice.due == (scored.ended.feedback != "none")
+        assert scored.first.is_feedback_due == choice.due == (scored.first.ended.feedback != "none")
         if amended is not None:
             again = under_way.amend(lift(value, correct=amended))
             assert again is not None
-            assert (again.ended.choice, again.ended.feedback) == (choice, scored.ended.feedback)
-        asked = under_way.ask(now=3000) if asks else None
+            assert (again.first.ended.choice, again.first.ended.feedback) == (choice, scored.first.ended.feedback)
+        asked = under_way.request_feedback(now=3000) if asks else None
         assert (asked is not None) == (asks and schedule == "request")
         if (choice.due and number > practice) or asked:
             since = 0
@@ -204,21 +219,21 @@ def test_a_summary_speaks_of_the_means_of_its_attempts_and_the_row_says_so(value
     under_way = session_attempts(attempts=12, **settings)
     for number, value in enumerate(values, 1):
         scored = attempt(under_way, lift(value))
-        assert scored.is_answered == (number % every == 0)
-        assert (scored.ended.metric, scored.ended.choice) == (value, scored.feedback.choice)
-        if scored.is_answered:
+        assert scored.first.is_feedback_due == (number % every == 0)
+        assert (scored.first.ended.metric, scored.first.ended.choice) == (value, scored.first.feedback.choice)
+        if scored.first.is_feedback_due:
             last = values[number - every : number]
             mean = sum(last) / every
-            assert scored.feedback.metric == pytest.approx(mean)
-            assert scored.feedback.reached == sum(value < 1000 for value in last)
-            assert scored.feedback.choice.attempts == every
-            assert scored.feedback.choice.degree == degree(scored.feedback.metric, Target(1000.0, 10.0))
-            assert scored.ended.feedback == scored.feedback.valence
+            assert scored.first.feedback.metric == pytest.approx(mean)
+            assert scored.first.feedback.reached == sum(value < 1000 for value in last)
+            assert scored.first.feedback.choice.attempts == every
+            assert scored.first.feedback.choice.degree == degree(scored.first.feedback.metric, Target(1000.0, 10.0))
+            assert scored.first.ended.feedback == scored.first.feedback.valence
 
 
 def test_a_summary_at_levels_with_goals_of_their_own_is_held_against_the_mean_of_these() -> None:
     under_way = session_attempts(feedback_schedule="summary", feedback_every=3)
-    answers = [attempt(under_way, lift(500)).feedback for _ in range(3)]
+    answers = [attempt(under_way, lift(500)).first.feedback for _ in range(3)]
     assert (answers[-1].goal, answers[-1].level) == (1100.0, 3), "the goals were 1000, 1100 and 1200"
 
 
@@ -226,12 +241,12 @@ def test_a_summary_with_an_attempt_amended_speaks_of_what_it_is_now() -> None:
     under_way = session_attempts(feedback_schedule="summary", feedback_every=2, difficulty_policy="fixed")
     attempt(under_way, lift(400))
     under_way.amend(lift(800))
-    assert attempt(under_way, lift(400)).feedback.metric == 600.0
+    assert attempt(under_way, lift(400)).first.feedback.metric == 600.0
 
 
 def test_an_answer_is_due_so_long_after_the_attempts_end() -> None:
     scored = attempt(session_attempts(feedback_delay_ms=1500), lift(400))
-    assert scored.feedback.due == scored.ended.ended + 1500 * MS
+    assert scored.first.feedback.due == scored.first.ended.ended + 1500 * MS
 
 
 def test_a_level_that_is_settled_in_an_attempt_is_that_of_the_next_with_the_reason_it_had() -> None:
@@ -244,6 +259,18 @@ def test_a_level_that_is_settled_in_an_attempt_is_that_of_the_next_with_the_reas
     settled = under_way.settle(2, under_way=True)
     assert settled is not None
     assert (settled.previous, settled.level, settled.reason, under_way.level) == (1, 2, "success", 1)
-    under_way.results.append(lift(5000.0))
+    under_way.add(lift(5000.0))
     under_way.score(now=4000)
     assert under_way.level == 1, "that attempt failed, and lowers the level it was settled to"
+
+
+@given(st.booleans(), st.booleans(), st.integers(0, 1))
+def test_a_step_leaves_the_state_it_is_given_unchanged(first: bool, second: bool, practice: int) -> None:
+    under_way = session_attempts(practice_attempts=practice, feedback_schedule="request", start_level=3)
+    attempt(under_way, lift(500, correct=first))
+    before = under_way.state
+    copy = msgspec.msgpack.encode(before)
+    again = [steps.amend(Lift(build(Lift.Parameters, {})), before, lift(400, correct=second)) for _ in range(2)]
+    steps.request_feedback(before, now=3000)
+    assert again[0] == again[1]
+    assert msgspec.msgpack.encode(before) == copy

@@ -4,7 +4,8 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.attempts import Attempts, Scored
+from sar_tui.framework.attempt_state import AttemptScore
+from sar_tui.framework.attempts import Attempts
 from sar_tui.framework.parameters import build
 from sar_tui.framework.policies.feedback import Judgement, judge_race
 from sar_tui.framework.trial_types import Result, Score
@@ -25,25 +26,26 @@ def lift(value: float, correct: bool = True) -> Result:
     return Result(correct=correct, response="lift", value=value)
 
 
-def attempt(under_way: Attempts, *results: dict[str, Result]) -> Scored:
+def attempt(under_way: Attempts, *results: dict[str, Result]) -> AttemptScore:
     under_way.begin(now=1000)
-    under_way.results.extend(results)
+    for one in results:
+        under_way.add(one)
     scored = under_way.score(now=2000)
     under_way.advance()
     return scored
 
 
-def each(scored: Scored) -> dict[str, tuple[Any, ...]]:
-    return {one.ended.seat: (one.ended.metric, one.ended.outcome, one.ended.feedback) for one in scored.each}
+def each(scored: AttemptScore) -> dict[str, tuple[Any, ...]]:
+    return {one.ended.seat: (one.ended.metric, one.ended.outcome, one.ended.feedback) for one in scored.seats}
 
 
 @pytest.mark.parametrize(("a", "b", "level"), [(500, 600, 2), (500, 1200, 1), (1200, 500, 1), (1200, 1300, 1)])
 def test_each_has_their_own_result_and_the_level_rises_when_both_reach_the_goal(a: float, b: float, level: int) -> None:
     under_way = attempts()
     scored = attempt(under_way, {"A": lift(a), "B": lift(b)})
-    assert [one.ended.metric for one in scored.each] == [a, b]
-    assert [one.ended.outcome for one in scored.each] == ["success" if v < 1000 else "failure" for v in (a, b)]
-    assert [one.feedback.seat for one in scored.each] == ["A", "B"]
+    assert [one.ended.metric for one in scored.seats] == [a, b]
+    assert [one.ended.outcome for one in scored.seats] == ["success" if v < 1000 else "failure" for v in (a, b)]
+    assert [one.feedback.seat for one in scored.seats] == ["A", "B"]
     assert under_way.level == level
 
 
@@ -63,18 +65,18 @@ def test_who_had_no_prompt_in_an_attempt_has_no_row_of_it() -> None:
 def test_schedules_count_for_each_apart() -> None:
     under_way = attempts(feedback_schedule="bandwidth", feedback_tolerance=10.0, max_level=1)
     scored = attempt(under_way, {"A": lift(950), "B": lift(400)})
-    assert [one.is_answered for one in scored.each] == [False, True]
+    assert [one.is_feedback_due for one in scored.seats] == [False, True]
 
 
 def test_an_answer_that_is_asked_for_is_given_to_both_and_once() -> None:
     under_way = attempts(feedback_schedule="request")
     scored = attempt(under_way, {"A": lift(500), "B": lift(1500)})
-    assert [one.is_answered for one in scored.each] == [False, False]
-    asked = under_way.ask(now=3000)
+    assert [one.is_feedback_due for one in scored.seats] == [False, False]
+    asked = under_way.request_feedback(now=3000)
     assert asked is not None
     assert {seat: told[2] for seat, told in each(asked).items()} == {"A": "positive", "B": "negative"}
-    assert under_way.unanswered is None
-    assert under_way.ask(now=4000) is None
+    assert not under_way.is_feedback_on_request
+    assert under_way.request_feedback(now=4000) is None
 
 
 def test_amended_each_keeps_what_was_said_of_them_and_the_level_is_set_anew() -> None:

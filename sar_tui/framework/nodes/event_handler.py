@@ -4,7 +4,8 @@ from collections.abc import Collection
 from typing import Literal
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.attempts import Attempts, Scored
+from sar_tui.framework.attempt_state import AttemptScore
+from sar_tui.framework.attempts import Attempts
 from sar_tui.framework.blockers import Blockers
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.node import on
@@ -242,12 +243,12 @@ class EventHandler(Trials):
         self._tell(scored)
         self._answer(scored, self.task.seats)
         self._after_answer = Phase.READY if self._attempts.advance() else Phase.REVIEW
-        self._answer_due = max(one.feedback.due for one in scored.each)
+        self._answer_due = max(one.feedback.due for one in scored.seats)
         self._await_answer()
 
-    def _answer(self, scored: Scored, seats: Collection[str]) -> None:
-        for one in scored.each:
-            if one.is_answered and one.ended.seat in seats:
+    def _answer(self, scored: AttemptScore, seats: Collection[str]) -> None:
+        for one in scored.seats:
+            if one.is_feedback_due and one.ended.seat in seats:
                 self.emit(FEEDBACK, one.feedback)
 
     def _await_answer(self) -> None:
@@ -279,18 +280,18 @@ class EventHandler(Trials):
 
     def _ask(self) -> None:
         """The participant wants to know how the last attempt went."""
-        if asked := self._attempts.ask(self.now):
+        if asked := self._attempts.request_feedback(self.now):
             self._tell(asked)
             self._answer(asked, self.task.seats)
             self._wait(self._phase)
 
-    def _tell(self, scored: Scored) -> None:
+    def _tell(self, scored: AttemptScore) -> None:
         """The attempt; and the level that follows, if no operator has a say in that."""
-        for one in scored.each:
+        for one in scored.seats:
             self.emit(ATTEMPT_ENDED, one.ended)
         if scored.level is None:
             return
-        asked = m.LevelRequest(change=scored.level, is_last=scored.ended.attempt == self._attempts.total)
+        asked = m.LevelRequest(change=scored.level, is_last=scored.first.ended.attempt == self._attempts.total)
         if self.ask(LEVEL_REQUEST, asked).happens:
             self.emit(LEVEL, scored.level)
         else:
@@ -318,7 +319,7 @@ class EventHandler(Trials):
         self._unmarked = results
         self._marked = self._trial.mark
         results = _marked(results, self._marked)
-        self._attempts.results.append(results)
+        self._attempts.add(results)
         self._last_trial = self._attempts.last_trial
         return results
 

@@ -1,0 +1,160 @@
+"""Scores an attempt for each seat: its row, and the feedback on it. Pure."""
+
+from collections.abc import Mapping, Sequence
+
+import msgspec
+from msgspec.structs import replace
+
+from sar_tui.framework.clock import MS
+from sar_tui.framework.messages import AttemptEnded, Feedback, FeedbackChoice, Outcome
+from sar_tui.framework.policies import feedback
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Result, Score, Target
+
+Histories = Mapping[str, feedback.History]
+"""The feedback history of each seat."""
+_FAILURE_FIRST: tuple[Outcome, ...] = ("failure", "success")
+
+
+class AttemptFacts(msgspec.Struct, frozen=True):
+    """The attempt that is scored, and when it ran (ns)."""
+
+    attempt: int
+    practice: bool
+    level: int
+    started: int
+    ended: int
+
+
+class SeatScore(msgspec.Struct, frozen=True):
+    """An attempt's row and feedback for one seat.
+
+    The feedback is built whether or not it is due, because the participant may request it.
+    """
+
+    ended: AttemptEnded
+    feedback: Feedback
+
+    @property
+    def is_feedback_due(self) -> bool:
+        """True if the feedback is given now."""
+        return self.ended.feedback != "none"
+
+
+class ScoredSeats(msgspec.Struct, frozen=True):
+    """Scores and new histories by seat, and the outcome that counts for the level."""
+
+    seats: dict[str, SeatScore]
+    histories: Histories
+    outcome: Outcome
+
+
+def score_seats(
+    task: Task, attempt: AttemptFacts, results: Mapping[str, Sequence[Result]], histories: Histories
+) -> ScoredSeats:
+    """Score an attempt for each seat that has results.
+
+    The level is shared: the attempt counts as a success only if every seat reached the goal. In a race the feedback
+    says who won; this does not affect the outcome.
+    """
+    target = task.target(attempt.level)
+    enough = task.parameters.min_accuracy
+    scores = {seat: task.score(list(results[seat])) for seat in task.seats if results.get(seat)}
+    judgements = {seat: feedback.judge(score, task.metric, target, enough) for seat, score in scores.items()}
+    reported = feedback.judge_race(scores, judgements)
+    seats, updated = {}, dict(histories)
+    for seat, score in scores.items():
+        judged = feedback.Judged(score, target, judgements[seat].outcome)
+        seats[seat], updated[seat] = _score_seat(
+            task, attempt, seat, results[seat], judged, reported[seat], histories[seat]
+        )
+    outcome = min((judgement.outcome for judgement in judgements.values()), key=_FAILURE_FIRST.index)
+    return ScoredSeats(seats, updated, outcome)
+
+
+def _score_seat(
+    task: Task,
+    attempt: AttemptFacts,
+    seat: str,
+    results: Sequence[Result],
+    judged: feedback.Judged,
+    judgement: feedback.Judgement,
+    history: feedback.History,
+) -> tuple[SeatScore, feedback.History]:
+    """Score an attempt for one seat. Returns the score and the seat's new history."""
+    if not attempt.practice:
+        history = feedback.remember(history, judged, task.parameters)
+    choice = feedback.choose(history, judged, task.parameters, task.feedback_on, practice=attempt.practice)
+    if judgement.reason in feedback.RACED:
+        choice = replace(choice, degree="clear")
+    message = _feedback(task, attempt, seat, results, judged.score, judgement, judged.target, choice, history)
+    ended = AttemptEnded(
+        seat=seat,
+        attempt=attempt.attempt,
+        practice=attempt.practice,
+        level=attempt.level,
+        metric=judged.score.metric,
+        metric_unit=task.metric.unit,
+        accuracy=judged.score.accuracy,
+        correct=judged.score.correct,
+        trials=judged.score.trials,
+        goal=judged.target.threshold,
+        outcome=judgement.outcome,
+        feedback=message.valence if choice.due else "none",
+        qualities=message.qualities,
+        choice=message.choice,
+        started=attempt.started,
+        ended=attempt.ended,
+    )
+    if choice.due and not attempt.practice:
+        history = feedback.answered(history)
+    return SeatScore(ended, message), history
+
+
+def _feedback(
+    task: Task,
+    attempt: AttemptFacts,
+    seat: str,
+    results: Sequence[Result],
+    score: Score,
+    judgement: feedback.Judgement,
+    target: Target,
+    choice: FeedbackChoice,
+    history: feedback.History,
+) -> Feedback:
+    """Build the feedback on the attempt, or on the last few if the schedule summarises them."""
+    reached = int(judgement.outcome == "success")
+    if choice.attempts > 1:
+        enough = task.parameters.min_accuracy
+        judgement, mean, target, reached = feedback.judge_summary(history.recent, task.metric, enough)
+        choice = replace(choice, degree=feedback.degree(mean.metric, target))
+        score = replace(score, metric=mean.metric)
+    return Feedback(
+        seat=seat,
+        attempt=attempt.attempt,
+        level=attempt.level,
+        valence=judgement.valence,
+        reason=judgement.reason,
+        metric=score.metric,
+        goal=target.threshold,
+        accuracy=score.accuracy,
+        correct=score.correct,
+        trials=score.trials,
+        reached=reached,
+        won=score.won,
+        qualities=_mean_qualities(task, results) | task.measures(list(results)),
+        remark=task.tr(next((result.remark for result in reversed(results) if result.remark), "")),
+        due=attempt.ended + choice.delay_ms * MS if choice.due else 0,
+        choice=choice,
+    )
+
+
+def _mean_qualities(task: Task, results: Sequence[Result]) -> dict[str, float]:
+    """Return the mean of each of the task's qualities over the correct trials that have it."""
+    means = {}
+    for quality in task.qualities:
+        found = [result.details.get(quality.field) for result in results if result.correct]
+        values = [float(value) for value in found if isinstance(value, int | float)]
+        if values:
+            means[quality.field] = sum(values) / len(values)
+    return means

@@ -1,0 +1,217 @@
+"""State of a session's attempts, and the pure steps that change it: ``step(task, state, …) -> (state, decision)``."""
+
+from collections.abc import Collection, Mapping
+
+import msgspec
+from msgspec.structs import replace
+
+from sar_tui.framework.attempt_scoring import AttemptFacts, Histories, SeatScore, score_seats
+from sar_tui.framework.messages import AttemptStarted, FeedbackChoice, LevelChanged, Outcome
+from sar_tui.framework.policies import difficulty, feedback
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Result, Results
+
+
+class AttemptScore(msgspec.Struct, frozen=True):
+    """A scored attempt: the score of each seat that took part, and the change of level, if there is one."""
+
+    seats: tuple[SeatScore, ...]
+    level: LevelChanged | None = None
+
+    @property
+    def first(self) -> SeatScore:
+        """The score of the first seat that took part."""
+        return self.seats[0]
+
+
+class EndedAttempt(msgspec.Struct, frozen=True):
+    """The last attempt, until the next one begins.
+
+    Attributes:
+        before: the state from which it was scored, so that it can be scored again.
+        at: when it ended (ns).
+        seats: its scores, as they were reported.
+        outcome: its outcome for the level.
+    """
+
+    before: "AttemptState"
+    at: int
+    seats: Mapping[str, SeatScore]
+    outcome: Outcome
+
+
+class AttemptState(msgspec.Struct, frozen=True):
+    """Where a session stands: the attempt that runs or comes next, and what the following ones depend on.
+
+    Attributes:
+        attempt: its number, from 1, practice attempts included.
+        level: its level.
+        difficulty: gives the level of the attempt after it.
+        histories: of feedback, by seat.
+        is_overridden: True if an operator set the level during the attempt; its outcome then leaves the level alone.
+        started: when it began (ns).
+        results: of its trials so far.
+        ended: the attempt before it, as long as that one can be amended or asked about.
+        held: a change of level that waits for an operator.
+    """
+
+    attempt: int
+    level: int
+    difficulty: difficulty.Difficulty
+    histories: Histories
+    is_overridden: bool = False
+    started: int = 0
+    results: tuple[Results, ...] = ()
+    ended: EndedAttempt | None = None
+    held: LevelChanged | None = None
+
+
+def start(task: Task) -> AttemptState:
+    """Return the state in which a session begins."""
+    initial = difficulty.start(task.parameters, task.levels)
+    return AttemptState(1, initial.level, initial, {seat: feedback.History() for seat in task.seats})
+
+
+def is_practice(task: Task, state: AttemptState) -> bool:
+    """Return True if the attempt is for practice: it always gets feedback, and leaves the level alone."""
+    return state.attempt <= task.parameters.practice_attempts
+
+
+def total(task: Task) -> int:
+    """Return the number of attempts, practice included."""
+    return task.parameters.practice_attempts + task.parameters.attempts
+
+
+def begin(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, AttemptStarted]:
+    """Begin the attempt at ``now`` (ns)."""
+    started = AttemptStarted(
+        attempt=state.attempt,
+        practice=is_practice(task, state),
+        level=state.level,
+        trials=task.trials_per_attempt,
+    )
+    return replace(state, results=(), ended=None, is_overridden=False, started=now), started
+
+
+def add(state: AttemptState, results: Results) -> AttemptState:
+    """Add the results of a trial."""
+    return replace(state, results=(*state.results, results))
+
+
+def score(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, AttemptScore]:
+    """Score the attempt, which ended at ``now`` (ns), and set the level of the next."""
+    practice = is_practice(task, state)
+    facts = AttemptFacts(state.attempt, practice, state.level, state.started, now)
+    scored = score_seats(task, facts, _by_seat(task, state), state.histories)
+    following, change = state.difficulty, None
+    if not (practice or state.is_overridden):
+        following = difficulty.step(following, scored.outcome, task.parameters, task.levels)
+        change = _change(state.level, following.level, scored.outcome)
+    after = replace(
+        state,
+        level=following.level,
+        difficulty=following,
+        histories=scored.histories,
+        ended=EndedAttempt(state, now, scored.seats, scored.outcome),
+    )
+    return after, AttemptScore(tuple(scored.seats.values()), change)
+
+
+def advance(task: Task, state: AttemptState) -> tuple[AttemptState, bool]:
+    """Move to the next attempt; False if there is none."""
+    if state.attempt == total(task):
+        return state, False
+    return replace(state, attempt=state.attempt + 1, results=()), True
+
+
+def unanswered(state: AttemptState) -> tuple[SeatScore, ...]:
+    """Return the scores of the last attempt on which a participant may request feedback."""
+    seats = state.ended.seats.values() if state.ended else ()
+    return tuple(one for one in seats if not one.is_feedback_due and one.feedback.choice.schedule == "request")
+
+
+def request_feedback(state: AttemptState, now: int) -> tuple[AttemptState, AttemptScore | None]:
+    """Give the feedback on the last attempt because a participant asked for it; None if there is none to give."""
+    open_seats = unanswered(state)
+    if state.ended is None or not open_seats:
+        return state, None
+    answered = {one.ended.seat: _requested(one, now) for one in open_seats}
+    histories = {**state.histories, **{seat: feedback.answered(state.histories[seat]) for seat in answered}}
+    ended = replace(state.ended, seats={**state.ended.seats, **answered})
+    return replace(state, histories=histories, ended=ended), AttemptScore(tuple(answered.values()))
+
+
+def amend(
+    task: Task, state: AttemptState, results: Results, unsaid: Collection[str] = ()
+) -> tuple[AttemptState, AttemptScore | None]:
+    """Replace the results of the last trial; if its attempt has ended, score that again.
+
+    Possible until the next attempt begins or the level is set by hand. Feedback that was given stands; the seats in
+    ``unsaid`` get new feedback instead. The level stands too, because an operator may have decided on it, unless the
+    outcome of the attempt is another one now.
+    """
+    if state.ended is None:
+        return replace(state, results=(*state.results[:-1], results)), None
+    was = state.ended
+    before = replace(was.before, results=(*was.before.results[:-1], results), held=state.held)
+    after, scored = score(task, before, was.at)
+    assert after.ended
+    seats, histories = dict(after.ended.seats), dict(after.histories)
+    for seat in seats.keys() - set(unsaid):
+        reported = was.seats[seat].ended
+        seats[seat] = _keep_feedback(seats[seat], reported.feedback, reported.choice)
+        if not is_practice(task, before):
+            since = before.histories[seat].since + 1 if reported.feedback == "none" else 0
+            histories[seat] = replace(histories[seat], since=since)
+    after = replace(after, histories=histories, ended=replace(after.ended, seats=seats))
+    if after.ended and after.ended.outcome == was.outcome:
+        after = replace(after, level=state.level, difficulty=state.difficulty)
+    after, _ = advance(task, after)
+    change = _change(state.level, after.level, "mark")
+    return after, AttemptScore(tuple(seats[one.ended.seat] for one in scored.seats), change)
+
+
+def set_level(
+    task: Task, state: AttemptState, level: int, *, under_way: bool
+) -> tuple[AttemptState, LevelChanged | None]:
+    """Set the level of the next attempt by hand. An attempt under way keeps its own, and does not change the next."""
+    return _put_level(task, replace(state, ended=None, is_overridden=True), level, "operator", under_way=under_way)
+
+
+def hold(state: AttemptState, change: LevelChanged) -> AttemptState:
+    """Take back the change of level that followed from the last attempt: it waits for an operator, or is refused."""
+    return replace(state, held=change, difficulty=difficulty.Difficulty(change.previous), level=change.previous)
+
+
+def settle(task: Task, state: AttemptState, level: int, *, under_way: bool) -> tuple[AttemptState, LevelChanged | None]:
+    """Apply a change of level that was held, as decided: to ``level``. An attempt under way keeps its own."""
+    reason = state.held.reason if state.held and state.held.level == level else "operator"
+    return _put_level(task, state, level, reason, under_way=under_way)
+
+
+def _put_level(
+    task: Task, state: AttemptState, level: int, reason: str, *, under_way: bool
+) -> tuple[AttemptState, LevelChanged | None]:
+    highest = min(task.parameters.max_level, task.levels)
+    following = difficulty.Difficulty(max(task.parameters.min_level, min(level, highest)))
+    after = replace(state, difficulty=following, level=state.level if under_way else following.level)
+    return after, _change(state.difficulty.level, following.level, reason)
+
+
+def _change(before: int, after: int, reason: str) -> LevelChanged | None:
+    return LevelChanged(previous=before, level=after, reason=reason) if after != before else None
+
+
+def _by_seat(task: Task, state: AttemptState) -> dict[str, list[Result]]:
+    """Return the results of each seat, in the order of the trials."""
+    return {seat: [results[seat] for results in state.results if seat in results] for seat in task.seats}
+
+
+def _requested(score: SeatScore, now: int) -> SeatScore:
+    choice = replace(score.feedback.choice, due=True, why="The participant asked for it.")
+    message = replace(score.feedback, due=now, choice=choice)
+    return SeatScore(replace(score.ended, feedback=message.valence, choice=choice), message)
+
+
+def _keep_feedback(score: SeatScore, given: str, choice: FeedbackChoice | None) -> SeatScore:
+    return SeatScore(replace(score.ended, feedback=given, choice=choice), score.feedback)
