@@ -205,6 +205,6 @@ class _Client:
                     self._hear(trace)
             case LinkClosed():
                 self._is_let_in, self._number = False, None
-                self._turn(Connection("away", _OVER))
+                self._turn(Connection("ended", _OVER))
                 if not self._returns:
                     self.close()

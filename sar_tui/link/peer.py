@@ -34,7 +34,7 @@ class Welcome(msgspec.Struct, frozen=True):
     """What a session tells a peer that has just come: what it is, and how it stands.
 
     ``link``: the link's id; ``name`` and ``role``: who the peer is to the session. ``unit`` and ``decimals``: of the
-    metric. ``called``: what the agent calls each of several participants, by seat. ``parameters``: of the task, as
+    metric. ``spoken_names``: what the agent calls each of several participants, by seat. ``parameters``: of the task, as
     plain values. The frames of kept topics and of what happened last follow.
     """
 
@@ -51,7 +51,7 @@ class Welcome(msgspec.Struct, frozen=True):
     attempts: int
     trials: int
     marks: tuple[MarkKey, ...] = ()
-    called: dict[str, str] = {}
+    spoken_names: dict[str, str] = {}
     parameters: dict[str, Any] = {}
 
 
@@ -65,7 +65,7 @@ def session_welcome(task: "Task", session: str, link: str, participants: dict[st
         participants: their codes, by seat.
     """
     parameters = task.parameters
-    called = participants if task.address == "code" else {seat: task.seat_name(seat) for seat in participants}
+    spoken = participants if task.address == "code" else {seat: task.seat_name(seat) for seat in participants}
     return Welcome(
         link=link,
         session=session,
@@ -80,7 +80,7 @@ def session_welcome(task: "Task", session: str, link: str, participants: dict[st
         attempts=parameters.practice_attempts + parameters.attempts,
         trials=task.trials_per_attempt,
         marks=tuple(MarkKey(mark.name, mark.title) for mark in task.marks),
-        called=called if len(participants) > 1 else {},
+        spoken_names=spoken if len(participants) > 1 else {},
         parameters=msgspec.to_builtins(parameters),
     )
 
@@ -95,9 +95,9 @@ class MotionTrace(msgspec.Struct, frozen=True):
 
 
 class Connection(NamedTuple):
-    """How the link is: ``state``, and why. ``away``: over, and it will not come back."""
+    """How the link is: ``state``, and why. ``ended``: over, and it will not come back."""
 
-    state: Literal["connecting", "connected", "lost", "away"]
+    state: Literal["connecting", "connected", "lost", "ended"]
     why: str = ""
 
 

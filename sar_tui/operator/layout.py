@@ -153,7 +153,7 @@ class PanelLayout(OrderedScreen[str]):
     @property
     def is_over(self) -> bool:
         """True if nothing more can come from the session."""
-        return bool(self.commands.state.ended) or self.commands.state.connection.state == "away"
+        return bool(self.commands.state.ended) or self.commands.state.connection.state == "ended"
 
     @property
     def is_observer(self) -> bool:

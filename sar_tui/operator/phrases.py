@@ -101,7 +101,7 @@ def addressee(state: SessionState, seat: str) -> str:
 
 def addressed(state: SessionState, seat: str, text: str) -> str:
     """PhraseBook as the agent says them to one of several: it calls them first."""
-    called = state.welcome.called.get(seat, "") if state.welcome else ""
+    called = state.welcome.spoken_names.get(seat, "") if state.welcome else ""
     return f"{called}: {text}" if called else text
 
 

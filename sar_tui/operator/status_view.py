@@ -69,7 +69,7 @@ def link_status(state: SessionState, control_key: str = "b") -> Content:
     if state.ended:
         return Content.assemble(("session over", "$text-muted"))
     if connection != "connected":
-        words = {"connecting": "connecting", "lost": "connection lost", "away": "no connection"}[connection]
+        words = {"connecting": "connecting", "lost": "connection lost", "ended": "no connection"}[connection]
         return Content.assemble((f"○ {words}", "$warning bold"))
     me = state.welcome.name if state.welcome else ""
     others = [name for name in state.peers if name not in (me, state.holder)]
@@ -101,7 +101,7 @@ def link_loss(state: SessionState) -> str:
     why = f" ({connection.why.rstrip('.')})" if connection.why else ""
     if state.ended:
         return ""
-    if connection.state == "away":
+    if connection.state == "ended":
         return f"The link is closed{why}. This panel shows what was known last."
     if connection.state == "connecting" and connection.why:
         return f"There is no connection yet: {connection.why}"

@@ -69,7 +69,7 @@ class Link:
         self._hear(Connection("lost"))
 
     def end(self) -> None:
-        self._hear(Connection("away"))
+        self._hear(Connection("ended"))
 
     def now(self) -> int:
         return host_now()

@@ -21,7 +21,7 @@ async def main(session: str, link: str, name: str, role: str) -> None:
     def hear(heard: PeerEvent) -> None:
         if isinstance(heard, Connection):
             print(heard.state, flush=True)
-            if heard.state == "away":
+            if heard.state == "ended":
                 over.set()
         elif isinstance(heard, Welcome):
             print("welcome", flush=True)

@@ -180,13 +180,13 @@ async def test_traces_are_told_one_by_one(panel: Panel) -> None:
 async def test_a_session_of_this_machine_that_is_over_is_joined_again_when_it_is_resumed(panel: Panel) -> None:
     await panel.welcomed()
     await panel.arrives(LinkClosed(), batch(4), Connection("lost", "The connection broke."))
-    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["away"]
+    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["ended"]
     assert panel.levels() == []
     assert not panel.line.is_closed
     await panel.arrives(Connection("connected"))
     assert panel.wants()
     await panel.arrives(panel.pong(), Snapshot(1, WELCOME, protocol.encode_frames([level(1)])))
-    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["away", "connected"]
+    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["ended", "connected"]
 
 
 async def test_with_an_invitation_a_session_that_is_over_is_away_for_good(
@@ -199,7 +199,7 @@ async def test_with_an_invitation_a_session_that_is_over_is_away_for_good(
     await panel.arrives()
     await panel.welcomed()
     await panel.arrives(LinkClosed(), batch(4))
-    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["away"]
+    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["ended"]
     assert panel.line.is_closed
 
 

@@ -265,14 +265,14 @@ async def test_a_session_that_ends_is_away_to_its_panels(sitting: Sitting) -> No
     panel = await sitting.panel("anna")
     sitting.node.detach()
     sitting.host.close()
-    await until(lambda: panel.states[-1] == "away")
+    await until(lambda: panel.states[-1] == "ended")
 
 
 async def test_a_session_that_was_left_and_is_resumed_is_joined_again_by_its_panels(sitting: Sitting) -> None:
     panel = await sitting.panel("anna")
     sitting.node.detach()
     sitting.host.close()
-    await until(lambda: panel.states[-1] == "away")
+    await until(lambda: panel.states[-1] == "ended")
     live = sitting.live
     host = BrokerProcess(protocol.Setup(host_settings(live.link, socket=live.socket), live.link, LOST_MS * MS))
     resumed = LinkNode(host)

@@ -15,15 +15,15 @@ def test_it_tells_how_values_are_shown_and_how_long_it_is() -> None:
     told = session_welcome(
         made("keyboard", attempts=5, practice_attempts=2, prompts_per_attempt=7), "s1", "l1", {"A": "P01"}
     )
-    assert (told.unit, told.decimals, told.attempts, told.trials, told.called) == ("ms", 0, 7, 7, {})
+    assert (told.unit, told.decimals, told.attempts, told.trials, told.spoken_names) == ("ms", 0, 7, 7, {})
     assert told.parameters["prompts_per_attempt"] == 7
 
 
 def test_of_two_it_tells_what_the_agent_calls_each() -> None:
     people = {"A": "P01", "B": "P02"}
-    assert session_welcome(made("pairs"), "s1", "l1", people).called == {"A": "Left", "B": "Right"}
-    assert session_welcome(made("pairs", address="code"), "s1", "l1", people).called == people
-    assert session_welcome(made("pairs", language="es"), "s1", "l1", people).called == {
+    assert session_welcome(made("pairs"), "s1", "l1", people).spoken_names == {"A": "Left", "B": "Right"}
+    assert session_welcome(made("pairs", address="code"), "s1", "l1", people).spoken_names == people
+    assert session_welcome(made("pairs", language="es"), "s1", "l1", people).spoken_names == {
         "A": "Izquierda",
         "B": "Derecha",
     }

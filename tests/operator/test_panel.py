@@ -355,7 +355,7 @@ async def test_when_the_session_is_done_the_panel_says_so_and_one_key_leaves_it(
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.tell(t.SESSION_ENDED, m.SessionEnded(status="completed"))
-        await driver.receive(Connection("away", "The session is over."))
+        await driver.receive(Connection("ended", "The session is over."))
         assert "The session is done. q leaves. For the report: sar-tui report wizard last" in driver.text
         assert "no connection" not in driver.text
         await driver.press("q")
@@ -408,7 +408,7 @@ async def test_with_two_participants_words_go_to_the_one_that_is_chosen_and_each
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.join(participants={"A": "P01", "B": "P02"}, called={"A": "Left", "B": "Right"})
+        await driver.join(participants={"A": "P01", "B": "P02"}, spoken_names={"A": "Left", "B": "Right"})
         assert "Encourage 1/10 · to P01 (a)" in driver.text
         await driver.press("a", "1", "t", *"Hi")
         assert "Say to P02: Hi" in driver.text

@@ -114,6 +114,6 @@ class AgentViewScreen(Screen[None]):
                 told = f"{self.tr('One moment…')}\n{why}" if why else self.tr("One moment…")
             case "lost":
                 told = self.tr("Out of reach for the moment; it comes back by itself.")
-            case "away":
+            case "ended":
                 told = self.tr("It is over here. Thank you.")
         self._status.update(told)
