@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 from rich.console import Console
-from textual.events import Callback, Key
+from textual.events import Key
 from textual.message import Message
 from textual.pilot import Pilot
 
@@ -24,6 +24,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
+from tests.settle import settle
 
 SHORT = {"attempts": 2, "prompts_per_attempt": 2}
 """A session that a test need not sit through for long."""
@@ -56,7 +57,6 @@ class AppDriver:
         self._heard: Session | None = None
         self._waiting: list[Waiting] = []
         self._prompts: list[Prompt] = []
-        self._messages = 0
 
     # --- what is done --------------------------------------------------------------------------------------
 
@@ -78,23 +78,10 @@ class AppDriver:
 
     async def settle(self) -> None:
         """Let the app, and what the session owes at this moment, come to rest."""
-        await self._rest()
+        await settle(self.app)
         while self.clock.step(self.clock.now()):
             self.clock.advance(0)
-            await self._rest()
-
-    def hear(self, message: Message) -> None:
-        """A message arrived at the app or at one of its widgets."""
-        self._messages += not isinstance(message, Callback)
-
-    async def _rest(self) -> None:
-        """Until no widget tells another anything more, and nothing waits for the next refresh."""
-        silent = 0
-        while self.app.is_running and silent < 2:
-            before = self._messages
-            await self.pilot.pause(0)
-            is_still = self._messages == before and not self.app.screen._callbacks
-            silent = silent + 1 if is_still else 0
+            await settle(self.app)
 
     async def wait(self, ms: float) -> None:
         """Let time pass. A prompt that comes up in it is seen at once."""
@@ -245,7 +232,7 @@ async def sit_down(
     """Open the app in front of a person, and close it when they get up."""
     app = SarTui(data, catalogue, begin, clock=(clock := VirtualClock(10 * SECOND)), link=link)
     driver = AppDriver(app, clock)
-    async with app.run_test(size=size, notifications=True, message_hook=driver.hear) as driver.pilot:
+    async with app.run_test(size=size, notifications=True) as driver.pilot:
         await driver.settle()
         yield driver
     app.close_session()

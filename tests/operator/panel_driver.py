@@ -8,8 +8,7 @@ from typing import Any
 
 import msgspec
 from rich.console import Console
-from textual.events import Callback, Key, Timer
-from textual.message import Message as TextualMessage
+from textual.events import Key
 from textual.pilot import Pilot
 
 from sar_tui.framework import messages as m
@@ -22,6 +21,7 @@ from sar_tui.link.peer import Connection, Frame, MarkKey, MotionTrace, PeerEvent
 from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
+from tests.settle import settle
 
 START = 1000 * SECOND
 ANNA = "operator.anna"
@@ -220,19 +220,6 @@ class PanelDriver:
         self.pilot: Pilot[int]
         self._peer = peer
         self._theme = theme
-        self._noticed = 0
-
-    def notice(self, message: TextualMessage) -> None:
-        """A message arrived at the app or at one of its widgets."""
-        self._noticed += not isinstance(message, (Callback, Timer))
-
-    async def rest(self) -> None:
-        """Until no widget tells another anything more."""
-        silent = 0
-        while self.app.is_running and silent < 2:
-            before = self._noticed
-            await self.pilot.pause(0)
-            silent = silent + 1 if self._noticed == before else 0
 
     @property
     def peer(self) -> FakePeer:
@@ -248,7 +235,7 @@ class PanelDriver:
         for each in heard:
             self.panel.receive(each)
         self.panel.draw()
-        await self.rest()
+        await settle(self.app)
 
     async def tell(self, topic: Topic[Any], message: Message) -> None:
         await self.receive([frame(topic, message, self.peer.now())])
@@ -266,23 +253,23 @@ class PanelDriver:
         """Time passes for the session."""
         self.peer.clock.advance(ms * MS)
         self.panel.draw()
-        await self.rest()
+        await settle(self.app)
 
     async def press(self, *keys: str) -> None:
         for key in keys:
             self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
-            await self.rest()
+            await settle(self.app)
         if isinstance(self.app.screen, PanelScreen):
             self.panel.draw()
-            await self.rest()
+            await settle(self.app)
 
     async def burst(self, *keys: str) -> None:
         """Keys that are read all at once, as over a slow line."""
         for key in keys:
             self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
-        await self.rest()
+        await settle(self.app)
         self.panel.draw()
-        await self.rest()
+        await settle(self.app)
 
     def acts(self, topic: Topic[Any]) -> list[Any]:
         """What was sent on a topic, without its stamp."""
@@ -329,8 +316,8 @@ async def sit_down(
     app = _App(worn, folder, "anna", role, where=object())  # type: ignore[arg-type]
     app.role = role
     driver = PanelDriver(app, lambda: app.peer, worn)
-    async with app.run_test(size=size, message_hook=driver.notice) as driver.pilot:
-        await driver.rest()
+    async with app.run_test(size=size) as driver.pilot:
+        await settle(app)
         if joins:
             await driver.join(role)
         yield driver
