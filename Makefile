@@ -3,12 +3,17 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: run demo test coverage lint bench clean
+.PHONY: run demo test test-all coverage lint bench clean
 
 .venv/ready: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "sar-tui needs Python 3.11 or newer; try: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
+	@echo "Setting up .venv: this takes about a minute, once."
+	@echo "1/2 Making a virtual environment."
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv || { echo "Python cannot make a virtual environment; on Debian and Ubuntu: sudo apt install python3-venv"; exit 1; }
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@echo "2/2 Installing sar-tui and the libraries it needs:"
+	@{ $(BIN)/python -m pip install --disable-pip-version-check --progress-bar off --editable '.[dev]'; echo $$? > .venv/status; } | \
+		awk '/^Collecting / { printf "%s ", $$2; fflush() } /^Installing collected/ { printf "\nAll downloaded; installing.\n"; fflush() }'
+	@test "$$(cat .venv/status)" = 0 || { echo "The libraries could not be installed; the reason stands above. Try again with: make $(MAKECMDGOALS)"; exit 1; }
 	@touch $@
 
 run: .venv/ready  ## the app, with its data in data/
@@ -17,11 +22,14 @@ run: .venv/ready  ## the app, with its data in data/
 demo: .venv/ready  ## a session by a simulated participant; needs no terminal
 	@folder=$$(mktemp -d) && $(BIN)/sar-tui simulate keyboard --user average --seed 1 --data $$folder && $(BIN)/sar-tui show last --data $$folder; status=$$?; rm -rf "$$folder"; exit $$status
 
-test: .venv/ready  ## every test, on two cores
-	@$(BIN)/python -m pytest -n 2 --dist loadgroup
+test: .venv/ready  ## every behaviour, in a few minutes on two cores
+	@SAR_TUI_TEST_EXAMPLES=few $(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
 
-coverage: .venv/ready  ## the same, and what of the code they run; it takes a third longer
-	@$(BIN)/python -m pytest -n 2 --dist loadgroup --cov --cov-report=term
+test-all: .venv/ready  ## every test, the long ones in full
+	@$(BIN)/python -m pytest -n 2 --dist worksteal
+
+coverage: .venv/ready  ## all tests, and which lines of the code they run
+	@$(BIN)/python -m pytest -n 2 --dist worksteal --cov --cov-report=term
 
 lint: .venv/ready  ## style, types, floors
 	@$(BIN)/ruff check .

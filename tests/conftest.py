@@ -1,42 +1,60 @@
-"""What every test has: no settings of the user's own, seeded properties, the shipped task and themes."""
+"""Common to all tests: a home folder of their own, seeded properties, the shipped task and themes."""
 
 import os
+import shutil
 import tempfile
+from collections import Counter
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, settings
 
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue
+from sar_tui.simulation.person import PEOPLE
+from sar_tui.validation.simulated import Laboratory, Simulated
+from tests.examples import load_profile
 from tests.program import call, simulated
 
 __all__ = ["call", "simulated"]
 
-settings.register_profile(
-    "seeded",
-    derandomize=True,
-    deadline=None,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
-)
-settings.load_profile("seeded")
-
+load_profile()
 
 _HOME = pytest.StashKey[tempfile.TemporaryDirectory[str]]()
 
 
+_MEMORY = Path("/dev/shm")
+_ENOUGH = 2**30
+
+
 def pytest_configure(config: pytest.Config) -> None:
-    """No test sees, or touches, the tasks, themes and data of whoever runs it."""
-    config.stash[_HOME] = home = tempfile.TemporaryDirectory(prefix="sar-tui-home-")
+    """Keep the tests away from the tasks, themes and data of the user who runs them, and from a slow disk."""
+    if "TMPDIR" not in os.environ and _has_room(_MEMORY):
+        # Every trial is synced to the disk: in memory the tests take half the time.
+        os.environ["TMPDIR"] = tempfile.tempdir = str(_MEMORY)
+    home = tempfile.TemporaryDirectory(prefix="sar-tui-home-")
+    config.stash[_HOME] = home
     os.environ["HOME"] = home.name
     os.environ["XDG_CONFIG_HOME"] = f"{home.name}/config"
     os.environ["XDG_DATA_HOME"] = f"{home.name}/share"
     os.environ["SAR_TUI_DATA"] = f"{home.name}/data"
 
 
+def _has_room(folder: Path) -> bool:
+    return os.access(folder, os.W_OK) and shutil.disk_usage(folder).free > _ENOUGH
+
+
 def pytest_unconfigure(config: pytest.Config) -> None:
     config.stash[_HOME].cleanup()
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say in one line each what was not tested, and what is missing for it."""
+    skipped = terminalreporter.stats.get("skipped", [])
+    reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
+    for reason, number in reasons.items():
+        tests = "1 test was" if number == 1 else f"{number} tests were"
+        terminalreporter.write_line(f"{tests} not run: {reason}", yellow=True)
 
 
 @pytest.fixture(scope="session")
@@ -52,6 +70,25 @@ def keyboard(catalogue: Catalogue) -> type[Task]:
 @pytest.fixture(scope="session")
 def calm(catalogue: Catalogue) -> Theme:
     return catalogue.theme("calm")
+
+
+@pytest.fixture(scope="session")
+def _simulated() -> dict[object, Simulated]:
+    return {}
+
+
+@pytest.fixture
+def simulated_once(_simulated: dict[object, Simulated], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let validations share their sessions: the same user, seed and parameters are simulated once."""
+    run = Laboratory.run
+
+    def recall(laboratory: Laboratory, user: str, seed: int, **parameters: object) -> Simulated:
+        key = (repr(PEOPLE[user]), seed, repr(sorted(parameters.items())))
+        if key not in _simulated:
+            _simulated[key] = run(laboratory, user, seed, **parameters)
+        return _simulated[key]
+
+    monkeypatch.setattr(Laboratory, "run", recall)
 
 
 @pytest.fixture

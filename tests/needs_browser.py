@@ -1,4 +1,4 @@
-"""Whether there is a browser. Without it the tests that look through one are skipped, unless they are required."""
+"""Mark for tests that look through a browser: skipped without one, unless ``SAR_TUI_TEST_BROWSER=required``."""
 
 import os
 import shutil
@@ -8,5 +8,5 @@ import pytest
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or "chromium"
 needs_browser = pytest.mark.skipif(
     shutil.which(CHROMIUM) is None and os.environ.get("SAR_TUI_TEST_BROWSER") != "required",
-    reason="there is no browser: install chromium",
+    reason="no browser is installed; on Debian and Ubuntu: sudo apt install chromium",
 )

@@ -1,4 +1,4 @@
-"""Whether the speech engine is there. Without it the tests that listen to it are skipped, unless they are required."""
+"""Mark for tests of the speech engine: skipped without it, unless ``SAR_TUI_TEST_SPEECH=required``."""
 
 import ctypes.util
 import os
@@ -9,5 +9,5 @@ import pytest
 _IS_MISSING = sys.platform == "linux" and ctypes.util.find_library("espeak-ng") is None
 needs_speech = pytest.mark.skipif(
     _IS_MISSING and os.environ.get("SAR_TUI_TEST_SPEECH") != "required",
-    reason="there is no speech engine: install espeak-ng",
+    reason="no speech engine is installed; on Debian and Ubuntu: sudo apt install espeak-ng",
 )

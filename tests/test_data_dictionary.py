@@ -25,6 +25,8 @@ from sar_tui.validation.report import Conditions, Report
 
 PAGE = (Path(__file__).parents[1] / "docs" / "data-dictionary.md").read_text(encoding="utf-8")
 
+pytestmark = pytest.mark.usefixtures("simulated_once")
+
 
 def named(text: str) -> set[str]:
     """What stands in a text as code."""

@@ -9,6 +9,8 @@ from sar_tui.validation import reach, table_4_1
 from sar_tui.validation.registry import VALIDATIONS
 from tests.program import Call
 
+pytestmark = pytest.mark.usefixtures("simulated_once")
+
 
 def test_table_4_1_is_printed_beside_what_is_found(call: Call) -> None:
     printed = call("validate", "--only", "table-4.1", "--json").json

@@ -4,7 +4,7 @@ import re
 from itertools import combinations, product
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 from text_to_num import alpha2digit
@@ -15,6 +15,7 @@ from sar_tui.framework.phrase_keys import FIGURES, QUALITATIVE, QUANTITATIVE, SI
 from sar_tui.framework.theme import FACES, MANNERS, Manner, Note, Theme
 from sar_tui.plugins import Catalogue, user_folder
 from sar_tui.theme_folder import languages, read_theme
+from tests.examples import examples
 
 NAMES = ("calm", "high-contrast", "playful")
 LANGUAGES = ("en", "es")
@@ -179,7 +180,7 @@ def spells_a_number(text: str, language: str) -> bool:
 
 @pytest.mark.parametrize(("name", "language"), [(name, language) for name in NAMES for language in LANGUAGES])
 @given(data=st.data())
-@settings(max_examples=25, deadline=None)
+@examples(25)
 def test_words_hold_no_number_and_figures_always_do_whatever_the_result(
     name: str, language: str, data: st.DataObject, catalogue: Catalogue
 ) -> None:

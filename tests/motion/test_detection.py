@@ -6,7 +6,7 @@ from typing import Literal
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.motion.detection import DETECTORS, detect
@@ -16,6 +16,7 @@ from sar_tui.motion.samples import Recording
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.single_axis import RobustParameters
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, simulate, table_4_1_recording
+from tests.examples import examples
 
 Name = Literal["robust", "thesis"]
 NAMES = ["robust", "thesis"]
@@ -116,7 +117,7 @@ def test_of_nothing_there_is_no_reach(detector: str) -> None:
 
 @pytest.mark.parametrize("detector", NAMES)
 @given(seed=st.integers(0, 10_000), count=st.integers(2, 900), size=st.sampled_from([0.02, 0.3, 4.0]))
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_of_any_wandering_rate_every_measure_is_a_number_in_its_place(
     detector: str, seed: int, count: int, size: float
 ) -> None:

@@ -6,7 +6,7 @@ from statistics import median
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.motion.bounds import Bounds
@@ -17,6 +17,7 @@ from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.single_axis import RobustParameters, find
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, Simulation, simulate, table_4_1_recording
+from tests.examples import examples
 
 SEEDS = range(40)
 NOISY = Profile(noise_rad_s=0.01)
@@ -192,7 +193,7 @@ def test_samples_that_are_no_number_are_left_out() -> None:
         st.tuples(*[st.floats(width=32, min_value=-40, max_value=40) | st.just(math.nan)] * 3), min_size=0, max_size=200
     )
 )
-@settings(max_examples=40, deadline=None)
+@examples(40)
 def test_whatever_comes_reaches_are_in_order_and_within_the_recording(rate: list[tuple[float, float, float]]) -> None:
     time = np.arange(len(rate)) / 50
     reaches = find(Recording(time, np.array(rate, dtype=float).reshape(-1, 3))).reaches
@@ -239,7 +240,7 @@ BY_SAMPLE = states(LIVE, list(range(1, len(LIVE.time_s))))
 
 
 @given(cuts=st.lists(st.integers(1, len(LIVE.time_s)), max_size=10).map(sorted))
-@settings(max_examples=25, deadline=None)
+@examples(25)
 def test_live_states_do_not_depend_on_the_blocks_that_samples_come_in(cuts: list[int]) -> None:
     expected = [BY_SAMPLE[cut - 1] for cut in [*cuts, len(LIVE.time_s)]]
     assert states(LIVE, cuts) == expected

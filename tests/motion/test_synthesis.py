@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.motion.shapes import ReachShape, minimum_jerk, waveform
@@ -17,6 +17,7 @@ from sar_tui.motion.synthesis import (
     simulate,
     table_4_1_recording,
 )
+from tests.examples import examples
 
 SECOND = 1_000_000_000
 REACH = ReachShape(out_s=0.5, back_s=0.5, dwell_s=0.2, peak_out=2.0, peak_back=-2.0)
@@ -29,7 +30,7 @@ def a_hand(profile: str = "patient", seed: int = 3, rate_hz: float = 250.0) -> S
 
 
 @given(cuts=st.lists(st.integers(0, 5 * SECOND), max_size=8), rate_hz=st.sampled_from([60.0, 250.0, 1000.0]))
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_the_samples_are_the_same_however_they_are_asked_for(cuts: list[int], rate_hz: float) -> None:
     whole = a_hand(rate_hz=rate_hz).samples(0, 5 * SECOND)
     hand, edges = a_hand(rate_hz=rate_hz), [0, *sorted(cuts), 5 * SECOND]

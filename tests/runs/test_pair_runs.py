@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.clock import VirtualClock
@@ -19,6 +19,7 @@ from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartne
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import locks, sessions
 from sar_tui.store.database import StoreError, connect
+from tests.examples import examples
 from tests.runs.test_runs import play, undisturbed
 
 CATALOGUE = Catalogue()
@@ -143,7 +144,7 @@ def test_a_session_of_one_has_no_partner(data: Path) -> None:
 
 
 @pytest.mark.parametrize("policy", POLICIES)
-@settings(max_examples=6)
+@examples(6)
 @given(steps=st.lists(st.integers(0, 30), min_size=1, max_size=3))
 def test_killed_in_mid_trial_and_gone_on_with_each_trial_of_both_is_there_once(
     policy: str, steps: list[int], tmp_path_factory: pytest.TempPathFactory

@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.clock import SECOND, VirtualClock
@@ -20,6 +20,7 @@ from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect, transaction
+from tests.examples import examples
 
 CATALOGUE = Catalogue()
 KEYBOARD = CATALOGUE.task("keyboard")
@@ -57,7 +58,7 @@ def undisturbed(data: Path) -> str:
     return run.id
 
 
-@settings(max_examples=25)
+@examples(25)
 @given(st.lists(st.integers(0, 40), min_size=1, max_size=4))
 def test_a_session_resumed_however_often_has_every_trial_once_as_it_would_have_been(cuts: list[int]) -> None:
     data = Path(tempfile.mkdtemp())

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.bus import Record
@@ -19,6 +19,7 @@ from sar_tui.motion.samples import SAMPLE, Samples, pack, unpack
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.recorder import Recorder
+from tests.examples import examples
 from tests.tasks.reaching.reaching_driver import ReachingDriver, merged
 
 NAMES = ("session", "stream", "seq", "n", "t0_ns", "t1_ns", "before_event", "at_ns", "crc32", "data")
@@ -226,7 +227,7 @@ def test_a_session_with_a_sensor_is_derived_again_from_the_database(data: Path, 
     assert replayed(kept.history, kept.driver) == [r for r in kept.driver.records if r.topic is not IMU]
 
 
-@settings(max_examples=15)
+@examples(15)
 @given(st.data())
 def test_it_is_so_wherever_it_was_cut_off_and_in_whatever_batches_it_was_written(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject

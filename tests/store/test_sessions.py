@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 import pytest
 import sqlite_utils
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.parameters import TaskParameters, build
@@ -18,6 +18,7 @@ from sar_tui.framework.trial_types import Metric
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.locks import hold
+from tests.examples import examples
 
 
 def enter(database: sqlite_utils.Database, participant: str = "P01", **more: Any) -> str:
@@ -151,7 +152,7 @@ ROWS = st.lists(
 )
 
 
-@settings(max_examples=25)
+@examples(25)
 @given(ROWS, st.sampled_from([TIME, TAPS]))
 def test_the_best_is_of_the_live_sessions_of_a_participant_in_a_task_by_level_without_practice(
     rows: list[dict[str, Any]], metric: Metric

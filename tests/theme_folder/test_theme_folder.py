@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.gesture import GESTURES
@@ -16,6 +16,7 @@ from sar_tui.framework.phrase_keys import SITUATIONS, VOCABULARY
 from sar_tui.framework.theme import FACES, MANNERS, Manner, Theme, ThemeError, Voice
 from sar_tui.plugins import Catalogue, PluginError, load_theme
 from sar_tui.theme_folder import files, languages, may_have_images, read, read_theme
+from tests.examples import examples
 
 Change = Callable[[str, str, str], None]
 
@@ -263,7 +264,7 @@ def test_text_too_faint_to_read_is_black_or_white_and_told_with_its_contrast(min
 
 
 @given(st.lists(st.from_regex("#[0-9a-f]{6}", fullmatch=True), min_size=8, max_size=8))
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=30, deadline=None)
+@examples(30)
 def test_whatever_the_colours_text_can_be_read_on_its_background(mine: Path, calm: Theme, values: list[str]) -> None:
     colors = dict(zip(msgspec.structs.asdict(calm.colors), values, strict=True))
     colors["surface"] = colors["background"]
@@ -525,7 +526,7 @@ JUNK = st.recursive(
 
 
 @given(data=st.data())
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60, deadline=None)
+@examples(60)
 def test_whatever_stands_in_its_files_a_theme_that_can_be_read_is_whole(
     mine: Path, catalogue: Catalogue, data: st.DataObject
 ) -> None:

@@ -12,6 +12,7 @@ from sar_tui.validation.feedback_drawing import draw
 from sar_tui.validation.report import Claim, Conditions, Report
 from sar_tui.validation.simulated import Laboratory, Simulated
 
+pytestmark = pytest.mark.usefixtures("simulated_once")
 Change = Callable[[Simulated], Simulated]
 
 
@@ -23,7 +24,7 @@ def conditions(catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) -> Conditi
 
 
 @pytest.fixture
-def sessions_become(monkeypatch: pytest.MonkeyPatch) -> Callable[[Change], None]:
+def sessions_become(simulated_once: None, monkeypatch: pytest.MonkeyPatch) -> Callable[[Change], None]:
     """Have every session changed before it is looked at."""
     run = Laboratory.run
 

@@ -1,0 +1,25 @@
+"""Number of examples that a property is tried with: all of them, or fewer for a quick run."""
+
+import os
+
+from hypothesis import HealthCheck, settings
+
+QUICK = os.environ.get("SAR_TUI_TEST_EXAMPLES") == "few"
+"""`make test` asks for few examples, `make test-all` for all of them."""
+_SHARE = 5
+_COMMON = settings(
+    derandomize=True,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+)
+
+
+def examples(number: int) -> settings:
+    """Return settings for a property that deserves its own number of examples."""
+    return settings(_COMMON, max_examples=max(4, number // _SHARE) if QUICK else number)
+
+
+def load_profile() -> None:
+    """Make 100 examples, or 20 of them in a quick run, the default of every property."""
+    settings.register_profile("sar-tui", examples(100))
+    settings.load_profile("sar-tui")
