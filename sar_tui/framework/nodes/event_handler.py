@@ -3,19 +3,17 @@
 from collections.abc import Collection
 from typing import Literal
 
+from sar_tui.framework import marks
 from sar_tui.framework import messages as m
-from sar_tui.framework.attempt_state import AttemptScore
-from sar_tui.framework.attempts import Attempts
 from sar_tui.framework.blockers import Blockers
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes import VITAL
-from sar_tui.framework.nodes.trials import Trials
+from sar_tui.framework.nodes.attempt_flow import AttemptFlow
 from sar_tui.framework.session_phase import (
     ASK_KEY,
     ENTER_GOES_ON,
     IN_TRIAL,
-    MARKABLE,
     OVER,
     PAUSES,
     Phase,
@@ -28,7 +26,6 @@ from sar_tui.framework.topics import (
     CUE,
     FEEDBACK,
     LEVEL,
-    LEVEL_DECIDED,
     LEVEL_REQUEST,
     MARKED,
     OPERATOR,
@@ -44,10 +41,10 @@ from sar_tui.framework.topics import (
     VOIDED,
     WAITING,
 )
-from sar_tui.framework.trial_types import Mark, Result, Results
+from sar_tui.framework.trial_types import Result
 
 
-class EventHandler(Trials):
+class EventHandler(AttemptFlow):
     """The session and its attempts: what comes when. The course scores and adapts; how a trial runs is the base's."""
 
     name = "event_handler"
@@ -69,18 +66,10 @@ class EventHandler(Trials):
     asks = (LEVEL_REQUEST, UNSAID_FEEDBACK)
 
     def __init__(self, task: Task, seed: int, vital: Collection[str] = VITAL) -> None:
-        super().__init__(task)
+        super().__init__(task, seed)
         self.vital = vital
-        self._attempts = Attempts(task, seed)
-        self._unmarked: Results
-        self._marked: Mark | None = None
-        self._paused_from = Phase.INSTRUCTIONS
         self._pause_reason = ""
         self._blockers = Blockers(task.sensed(task.parameters))
-        self._after_answer = Phase.READY
-        self._answer_due = 0
-        self._is_owing = False
-        self._told_level = 0
         self._status: Literal["completed", "aborted"] = "completed"
 
     # --- the session -------------------------------------------------------------------------------------
@@ -93,7 +82,7 @@ class EventHandler(Trials):
         self._focused = True
         self._is_agent_acting = False
         self._answer_due = 0
-        self._is_owing = False
+        self._is_decision_pending = False
         self.cancel_timers()
         self._stored = self._last_trial
         self._blockers.begin_run()
@@ -135,9 +124,8 @@ class EventHandler(Trials):
             case "skip" if self._phase in IN_TRIAL:
                 self._finish(Result(correct=False, flags=("skipped",)))
             case "mark":
-                for mark in self.task.marks:
-                    if mark.name == act.reason:
-                        self._mark(mark)
+                if mark := marks.find(self.task.marks, act.reason):
+                    self._mark(mark)
 
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:
@@ -187,7 +175,7 @@ class EventHandler(Trials):
             self._await_answer()
         else:
             self._wait(self._paused_from)
-            self._heed_owing()
+            self._wait_for_decision()
 
     def _needs_sensor(self, phase: Phase) -> bool:
         """Whether a movement is about to be made: not in the instructions, nor when all attempts are done."""
@@ -220,144 +208,9 @@ class EventHandler(Trials):
             case Phase.REVIEW, "enter" if not percept.repeat:
                 self._close("completed")
             case Phase.READY | Phase.REVIEW, key if key == ASK_KEY:
-                self._ask()
+                self._request_feedback()
             case Phase.PAUSED, "enter" if self._reason in ENTER_GOES_ON:
                 self._resume()
-
-    # --- attempts -----------------------------------------------------------------------------------------
-
-    @property
-    def _is_under_way(self) -> bool:
-        """Whether an attempt has begun, and not ended."""
-        return (self._paused_from if self._phase is Phase.PAUSED else self._phase) in IN_TRIAL
-
-    def _begin_attempt(self) -> None:
-        self.emit(ATTEMPT_STARTED, self._attempts.begin(self.now))
-        self._told_level = self._attempts.level
-        self._trial = self._attempts.next_trial()
-        self._begin_trial()
-
-    def _end_attempt(self) -> None:
-        """Score, adapt, answer: in this order, so that memory holds the attempt before it is spoken of."""
-        scored = self._attempts.score(self.now)
-        self._tell(scored)
-        self._answer(scored, self.task.seats)
-        self._after_answer = Phase.READY if self._attempts.advance() else Phase.REVIEW
-        self._answer_due = max(one.feedback.due for one in scored.seats)
-        self._await_answer()
-
-    def _answer(self, scored: AttemptScore, seats: Collection[str]) -> None:
-        for one in scored.seats:
-            if one.is_feedback_due and one.ended.seat in seats:
-                self.emit(FEEDBACK, one.feedback)
-
-    def _await_answer(self) -> None:
-        """An answer that comes after a delay is waited for; the next attempt does not begin before."""
-        if self._answer_due > self.now:
-            self._wait(Phase.ANSWER)
-            self.set_timer("answer", self._answer_due)
-        else:
-            self._wait(Phase.ANSWER if self._is_owing else self._after_answer)
-
-    def agent_acted(self, agent: m.AgentActing) -> None:
-        """While an operator decides, it is as if the answer came after a delay."""
-        super().agent_acted(agent)
-        was_owing, self._is_owing = self._is_owing, agent.owing
-        if was_owing and not agent.owing and self._phase is Phase.ANSWER:
-            self._await_answer()
-        self._heed_owing()
-
-    def _heed_owing(self) -> None:
-        if self._is_owing and self._phase in (Phase.READY, Phase.REVIEW):
-            self._after_answer = self._phase
-            self._wait(Phase.ANSWER)
-
-    def timer(self, name: str, late: int) -> None:
-        if name == "answer":
-            self._await_answer()
-        else:
-            super().timer(name, late)
-
-    def _ask(self) -> None:
-        """The participant wants to know how the last attempt went."""
-        if asked := self._attempts.request_feedback(self.now):
-            self._tell(asked)
-            self._answer(asked, self.task.seats)
-            self._wait(self._phase)
-
-    def _tell(self, scored: AttemptScore) -> None:
-        """The attempt; and the level that follows, if no operator has a say in that."""
-        for one in scored.seats:
-            self.emit(ATTEMPT_ENDED, one.ended)
-        if scored.level is None:
-            return
-        asked = m.LevelRequest(change=scored.level, is_last=scored.first.ended.attempt == self._attempts.total)
-        if self.ask(LEVEL_REQUEST, asked).happens:
-            self.emit(LEVEL, scored.level)
-        else:
-            self._attempts.hold(scored.level)
-
-    @on(LEVEL_DECIDED)
-    def level_ruled(self, ruled: m.LevelDecided) -> None:
-        """A change of level that waited is decided; one that is not to be leaves the level as it is."""
-        if ruled.decision == "rejected" or self._phase in OVER:
-            return
-        if changed := self._attempts.settle(ruled.level, under_way=self._is_under_way):
-            self.emit(LEVEL, changed)
-        if self._phase is Phase.READY:
-            self._wait(Phase.READY)
-
-    def _set_level(self, level: int) -> None:
-        if changed := self._attempts.set_level(level, under_way=self._is_under_way):
-            self.emit(LEVEL, changed)
-        if self._phase is Phase.READY:
-            self._wait(Phase.READY)
-
-    # --- trials and marks -----------------------------------------------------------------------------------
-
-    def _trial_done(self, results: Results) -> Results:
-        self._unmarked = results
-        self._marked = self._trial.mark
-        results = _marked(results, self._marked)
-        self._attempts.add(results)
-        self._last_trial = self._attempts.last_trial
-        return results
-
-    def _next(self) -> None:
-        if self._attempts.is_attempt_done:
-            self._end_attempt()
-        else:
-            self._trial = self._attempts.next_trial()
-            self._begin_trial()
-
-    def _mark(self, mark: Mark) -> None:
-        """Mark the trial under way, or the last one, which is then scored once more; again: take the mark back."""
-        if self._phase in IN_TRIAL and self._phase not in MARKABLE:
-            self._marked_open(None if self._trial.mark is mark else mark)
-            return
-        if self._phase not in MARKABLE:
-            return
-        if (last := self._attempts.amendable) is None:
-            return
-        attempt, trial = last
-        self._marked = None if self._marked is mark else mark
-        marked = _marked(self._unmarked, self._marked)
-        name = self._marked.name if self._marked else ""
-        for seat, result in marked.items():
-            told = m.TrialMarked(seat=seat, attempt=attempt, trial=trial, mark=name, correct=result.correct)
-            self.emit(MARKED, told)
-        unsaid = self.ask(UNSAID_FEEDBACK, m.UnsaidFeedbackRequest(attempt=attempt)).seats
-        if scored := self._attempts.amend(marked, unsaid):
-            self._tell(scored)
-            self._answer(scored, unsaid)
-            self._wait(self._phase)
-
-    def _marked_open(self, mark: Mark | None) -> None:
-        self._trial.mark = mark
-        attempt, trial = self._attempts.attempt, self._attempts.trial
-        name, correct = (mark.name, mark.counts) if mark else ("", True)
-        for seat in self._trial.seats:
-            self.emit(MARKED, m.TrialMarked(seat=seat, attempt=attempt, trial=trial, mark=name, correct=correct))
 
     # --- waiting ------------------------------------------------------------------------------------------------
 
@@ -386,11 +239,6 @@ class EventHandler(Trials):
 
     def _notice_for(self, phase: Phase) -> str:
         """What has to be known first: that a trial is done again, or that the level is another."""
-        if phase is Phase.READY and self._attempts.level != self._told_level:
-            return self.task.notice(self._attempts.level, self._told_level)
+        if phase is Phase.READY and self._attempts.level != self._announced_level:
+            return self.task.notice(self._attempts.level, self._announced_level)
         return self._notice if phase is Phase.START else ""
-
-
-def _marked(results: Results, mark: Mark | None) -> Results:
-    """The results of a trial with a therapist's mark, if there is one."""
-    return {seat: mark.applied(result) for seat, result in results.items()} if mark else results

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.nodes.trials import MOST_AGAIN
+from sar_tui.framework.nodes.trial_flow import MOST_AGAIN
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, PROMPT, TRIAL, VOIDED, WAITING
 from tests.lifting_task import SLIPPED, Lift, LiftDriver

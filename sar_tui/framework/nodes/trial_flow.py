@@ -24,7 +24,7 @@ HELD = 3 * SECOND
 """After this long without quiet the participant is asked to let go of the keys."""
 
 
-class Trials(TimedNode, ABC):
+class TrialFlow(TimedNode, ABC):
     """One trial after the other. The open trial keeps what was seen; what comes between attempts is a subclass's.
 
     A trial runs (start) → quiet → foreperiod → (storing) → onset → response; a key in the foreperiod begins it anew;
@@ -67,7 +67,7 @@ class Trials(TimedNode, ABC):
         """A trial is recorded: go on with the next, or end the attempt."""
 
     @abstractmethod
-    def _marked_open(self, mark: Mark | None) -> None:
+    def _mark_open_trial(self, mark: Mark | None) -> None:
         """The open trial is marked, or its mark is taken back."""
 
     # --- towards the prompt ----------------------------------------------------------------------------------
@@ -281,6 +281,6 @@ class Trials(TimedNode, ABC):
         self.cancel_timers()
         if self._phase in IN_TRIAL:
             if self._trial.mark:
-                self._marked_open(None)
+                self._mark_open_trial(None)
             self.emit(VOIDED, self._trial.voided(reason))
             self._trial = self._trial.anew()
