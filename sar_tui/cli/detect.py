@@ -4,12 +4,13 @@ from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Tasks, console, print_json
 from sar_tui.cli.errors import Refused
+from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
 
 if TYPE_CHECKING:
     from sar_tui.motion.reach import Reach
@@ -19,11 +20,24 @@ _MOST_MISSING = 10
 """A recording with more time in its holes than so many times what was measured is no recording of reaches."""
 
 
-class Detector(StrEnum):
-    """The names in `motion.detection.DETECTORS`, which is not imported for ``--help``."""
+def read_detector(text: str) -> DetectorName:
+    """Return the name of a detector; also for one of the names that earlier versions used. Raises BadParameter."""
+    for name in STORED_NAMES:
+        if name == current_name(text):
+            return name
+    names = " and ".join(STORED_NAMES)
+    raise typer.BadParameter(f"There is no detector {text!r}; there are {names}.")
 
-    robust = "robust"
-    thesis = "thesis"
+
+def detector_option(help: str, *, show_default: bool = True) -> Any:
+    """Return a ``--detector`` option. Like an enumeration's, but it accepts the earlier names, too."""
+    return typer.Option(
+        metavar=f"[{'|'.join(STORED_NAMES)}]",
+        parser=read_detector,
+        autocompletion=lambda: list(STORED_NAMES),
+        show_default=show_default,
+        help=help,
+    )
 
 
 class Hand(StrEnum):
@@ -52,7 +66,7 @@ def detect(
         Path,
         typer.Argument(metavar="FILE", help="FILE.csv or FILE.npz: t, wx,wy,wz, ax,ay,az.", show_default=False),
     ],
-    detector: Annotated[Detector, typer.Option(help="How to find them: ours, or the thesis' own.")] = Detector.robust,
+    detector: Annotated[DetectorName, detector_option("How to find the reaches.")] = "single-axis",
     hand: Annotated[Hand, typer.Option(help="The hand that wears the sensor.")] = Hand.right,
     rate: Annotated[Rate, typer.Option(help="What the file's angular rates are in.")] = Rate.radians,
     acceleration: Annotated[Acceleration, typer.Option(help="And its accelerations.")] = Acceleration.metres,
@@ -77,14 +91,14 @@ def detect(
         begin_ns = int(measured["at"][0])
         recording = samples.recording(measured, begin_ns)  # from 0: large times would cost precision
         _refuse_mostly_missing(file, recording)
-        found = detection.detect(recording, detector.value, hand=hand.value)
+        found = detection.detect(recording, detector, hand=hand.value)
     except (SourceError, ValueError) as error:
         raise Refused(str(error)) from error
     reaches = [_later(reach, begin_ns / 1e9) for reach in found]
     if as_json:
-        print_json({"detector": detector.value, "rate_hz": round(recording.rate_hz, 3), "reaches": reaches})
+        print_json({"detector": detector, "rate_hz": round(recording.rate_hz, 3), "reaches": reaches})
     else:
-        _print(recording, reaches, detector.value)
+        _print(recording, reaches, detector)
 
 
 def _refuse_mostly_missing(file: Path, recording: "Recording") -> None:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
-from sar_tui.cli.detect import Detector
+from sar_tui.cli.detect import detector_option
 from sar_tui.cli.errors import Refused
+from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
 
 if TYPE_CHECKING:
     import sqlite_utils
@@ -91,8 +92,8 @@ def reanalyse(
         str, typer.Argument(metavar="SESSION|last", help="Its id, or the beginning of it.", show_default=False)
     ],
     detector: Annotated[
-        Detector | None,
-        typer.Option(show_default=False, help="By this one, as it comes; else as each reach was found."),
+        DetectorName | None,
+        detector_option("Detector to use, with its defaults; else the one of the session.", show_default=False),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,
@@ -121,7 +122,7 @@ def reanalyse(
         measured = _Measured.of(database, found["id"])
     rows = [_again(measured, _trial(row, detector)) for row in kept]
     if as_json:
-        names = dict.fromkeys(row["details"]["detector"] for row in rows)
+        names = dict.fromkeys(current_name(row["details"]["detector"]) for row in rows)
         print_json({"session": found["id"], "detector": ", ".join(names), "trials": rows})
     else:
         _print(rows, [row["details"] for row in kept])
@@ -131,18 +132,18 @@ def _has_window(row: Row) -> bool:
     return all(row["details"].get(name) is not None for name in _WINDOW)
 
 
-def _trial(row: Row, detector: Detector | None) -> _Trial:
+def _trial(row: Row, detector: DetectorName | None) -> _Trial:
     """How a trial is analysed: as it was, or by the detector that is asked for. Raises Refused."""
     import msgspec
 
     from sar_tui.motion.analysis import AnalysisParameters, Window
 
     details = row["details"]
-    name = detector.value if detector else details["detector"]
+    name = detector or current_name(details["detector"])
     asked = {"detector": name, "hand": details["hand"]}
     try:
         if not detector:
-            asked[name] = msgspec.json.decode(details["detector_parameters"])
+            asked[name.replace("-", "_")] = msgspec.json.decode(details["detector_parameters"])
         parameters = msgspec.convert(asked, AnalysisParameters)
     except msgspec.MsgspecError as error:
         raise Refused(
@@ -168,7 +169,7 @@ def _again(measured: _Measured, trial: _Trial) -> Row:
     finding = analyse(samples, window, parameters)
     recorded, now = row["details"].get("reach_time_ms"), finding.details.get("reach_time_ms")
     was = (row["onset_ns"], row["response_ns"], recorded)
-    other = "thesis" if parameters.detector == "robust" else "robust"
+    others = [f"{stored}_reach_time_ms" for name, stored in STORED_NAMES.items() if name != parameters.detector]
     return {
         "attempt": row["attempt"],
         "trial": row["trial"],
@@ -177,7 +178,7 @@ def _again(measured: _Measured, trial: _Trial) -> Row:
         "difference_ms": None if recorded is None or now is None else round(now - recorded, 3),
         "equal": recorded is now is None or was == (finding.onset_ns, finding.end_ns, now),
         "missing_samples": max(0, (row["details"].get("samples") or 0) - len(samples)),
-        "details": {name: value for name, value in finding.details.items() if name != f"{other}_reach_time_ms"},
+        "details": {name: value for name, value in finding.details.items() if name not in others},
         "flags": list(dict.fromkeys(filter(None, (*finding.flags, finding.invalid)))),
     }
 
@@ -232,4 +233,6 @@ def _sentence(rows: Sequence[Row], recorded: Sequence[Row]) -> str:
 
 
 def _versions(details: Iterable[Row]) -> str:
-    return ", ".join(dict.fromkeys(f"{d['detector']} (version {d.get('detector_version')})" for d in details))
+    return ", ".join(
+        dict.fromkeys(f"{current_name(d['detector'])} (version {d.get('detector_version')})" for d in details)
+    )

@@ -1,19 +1,17 @@
 """One reach from one stretch of samples: both detectors, all measures, ready to be kept beside the raw data."""
 
-from typing import Literal
-
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from sar_tui.motion.bounds import Hand
 from sar_tui.motion.detection import DETECTORS, detect
-from sar_tui.motion.fixed_threshold import ThesisParameters
+from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
+from sar_tui.motion.fixed_threshold import FixedThresholdParameters
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.samples import Samples, recording
-from sar_tui.motion.single_axis import RobustParameters
+from sar_tui.motion.single_axis import SingleAxisParameters
 
-Name = Literal["robust", "thesis"]
 Measured = dict[str, str | int | float | bool | None]
 
 NS = 1e9
@@ -33,10 +31,14 @@ FEWEST = 10
 class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How reaches are found: by which detector, on which hand, and each detector's own parameters."""
 
-    detector: Name = "robust"
+    detector: DetectorName = "single-axis"
     hand: Hand = "right"
-    robust: RobustParameters = RobustParameters()
-    thesis: ThesisParameters = ThesisParameters()
+    single_axis: SingleAxisParameters = SingleAxisParameters()
+    fixed_threshold: FixedThresholdParameters = FixedThresholdParameters()
+
+    def of(self, detector: DetectorName) -> SingleAxisParameters | FixedThresholdParameters:
+        """Return the parameters of a detector."""
+        return self.single_axis if detector == "single-axis" else self.fixed_threshold
 
 
 class Window(msgspec.Struct, frozen=True, kw_only=True):
@@ -79,9 +81,9 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
     """
     inside = samples[(samples["at"] >= window.from_ns) & (samples["at"] < window.to_ns)]
     known: Measured = {
-        "detector": parameters.detector,
+        "detector": STORED_NAMES[parameters.detector],
         "detector_version": DETECTORS[parameters.detector].version,
-        "detector_parameters": msgspec.json.encode(getattr(parameters, parameters.detector)).decode(),
+        "detector_parameters": msgspec.json.encode(parameters.of(parameters.detector)).decode(),
         "hand": parameters.hand,
         "window_from_ns": window.from_ns,
         "window_started_ns": window.started_ns,
@@ -93,16 +95,16 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
     whole = recording(inside, window.from_ns, window.flags)
     known["rate_hz"] = round(whole.rate_hz, 3)
     found: dict[str, tuple[Reach, ...]] = {}
-    for name in DETECTORS:
+    for name, stored_name in STORED_NAMES.items():
         try:
-            reaches = detect(whole, name, getattr(parameters, name), parameters.hand)
+            reaches = detect(whole, name, parameters.of(name), parameters.hand)
         except ValueError:
             return Finding(details=known, invalid="rate", flags=window.flags)
         earliest = (window.started_ns - EARLY_NS - window.from_ns) / NS
         after_start = (window.started_ns - window.from_ns) / NS
         found[name] = tuple(r for r in reaches if r.onset_s >= earliest and r.end_s > after_start)
         largest = _largest(found[name])
-        known[f"{name}_reach_time_ms"] = round(largest.reach_time_s * 1000, 3) if largest else None
+        known[f"{stored_name}_reach_time_ms"] = round(largest.reach_time_s * 1000, 3) if largest else None
     reach = _largest(found[parameters.detector])
     known["reaches"] = len(found[parameters.detector])
     holes = _holes(inside["at"], window)

@@ -7,6 +7,7 @@ import msgspec
 
 from sar_tui.motion import fixed_threshold, single_axis
 from sar_tui.motion.bounds import Detected, Hand
+from sar_tui.motion.detector_names import current_name
 from sar_tui.motion.measures import measure
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.samples import Recording
@@ -21,13 +22,16 @@ class Detector(NamedTuple):
 
 
 DETECTORS: dict[str, Detector] = {
-    "robust": Detector("1", single_axis.RobustParameters, single_axis.find),
-    "thesis": Detector("1", fixed_threshold.ThesisParameters, fixed_threshold.find),
+    "single-axis": Detector("1", single_axis.SingleAxisParameters, single_axis.find),
+    "fixed-threshold": Detector("1", fixed_threshold.FixedThresholdParameters, fixed_threshold.find),
 }
 
 
 def detect(
-    recording: Recording, detector: str = "robust", parameters: msgspec.Struct | None = None, hand: Hand = "right"
+    recording: Recording,
+    detector: str = "single-axis",
+    parameters: msgspec.Struct | None = None,
+    hand: Hand = "right",
 ) -> tuple[Reach, ...]:
     """The reaches in a recording, in the order of time.
 
@@ -39,7 +43,7 @@ def detect(
 
     Raises ValueError for an unknown detector, parameters of another one, or fewer samples a second than it needs.
     """
-    chosen = DETECTORS.get(detector)
+    chosen = DETECTORS.get(current_name(detector))
     if chosen is None:
         raise ValueError(f"There is no detector named {detector!r}; there are: {', '.join(DETECTORS)}.")
     if parameters is not None and not isinstance(parameters, chosen.parameters):

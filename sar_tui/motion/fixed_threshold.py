@@ -8,7 +8,7 @@ from sar_tui.motion.grid import Grid, even
 from sar_tui.motion.samples import Floats, Recording
 
 
-class ThesisParameters(msgspec.Struct, frozen=True, kw_only=True):
+class FixedThresholdParameters(msgspec.Struct, frozen=True, kw_only=True):
     """The thesis' two numbers.
 
     Args:
@@ -20,13 +20,13 @@ class ThesisParameters(msgspec.Struct, frozen=True, kw_only=True):
     still_ms: float = 800.0
 
 
-def find(recording: Recording, parameters: ThesisParameters | None = None, hand: Hand = "right") -> Detected:
+def find(recording: Recording, parameters: FixedThresholdParameters | None = None, hand: Hand = "right") -> Detected:
     """Every stretch of movement is a reach; it ends where the quiet that ends it begins.
 
     A reach that the recording ends before its quiet is over is flagged ``endless``, and ends with the recording.
-    ``reversed`` and ``gap`` are as in ``robust.find``.
+    ``reversed`` and ``gap`` are as in ``single_axis.find``.
     """
-    parameters = parameters or ThesisParameters()
+    parameters = parameters or FixedThresholdParameters()
     grid = even(recording)
     if not len(grid.time_s):
         return Detected(grid.time_s, grid.rate, grid.rate_hz, ())
@@ -36,7 +36,7 @@ def find(recording: Recording, parameters: ThesisParameters | None = None, hand:
     return Detected(grid.time_s, grid.rate, grid.rate_hz, reaches)
 
 
-def _segments(time_s: Floats, speed: Floats, parameters: ThesisParameters) -> list[tuple[float, float, bool]]:
+def _segments(time_s: Floats, speed: Floats, parameters: FixedThresholdParameters) -> list[tuple[float, float, bool]]:
     """Onset, end, and whether it ended, of each stretch above the threshold, shorter quiets bridged."""
     above = np.flatnonzero(speed > parameters.threshold_rad_s)
     if not len(above):

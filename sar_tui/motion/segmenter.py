@@ -6,7 +6,7 @@ from collections import deque
 from sar_tui.motion.filters import Lowpass, usable_cutoff
 from sar_tui.motion.rest import SLOW_HZ, STEADY_RAD_S, STILL_RAD_S
 from sar_tui.motion.samples import Floats
-from sar_tui.motion.single_axis import RobustParameters
+from sar_tui.motion.single_axis import SingleAxisParameters
 
 BLOCK_S = 0.1
 BACK = 0.35
@@ -56,7 +56,7 @@ class Segmenter:
 
     Args:
         rate_hz: samples a second; below 20 raises ValueError.
-        parameters: as for ``robust.find``.
+        parameters: as for ``single_axis.find``.
 
     Attributes:
         moving: whether the hand moves.
@@ -66,8 +66,8 @@ class Segmenter:
         returned: whether that movement has gone out and come back.
     """
 
-    def __init__(self, rate_hz: float, parameters: RobustParameters | None = None) -> None:
-        self.parameters = parameters or RobustParameters()
+    def __init__(self, rate_hz: float, parameters: SingleAxisParameters | None = None) -> None:
+        self.parameters = parameters or SingleAxisParameters()
         cutoff = usable_cutoff(self.parameters.cutoff_hz, rate_hz)
         self.moving = False
         self.still_for_s = 0.0

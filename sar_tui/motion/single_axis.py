@@ -22,7 +22,7 @@ ACROSS = math.cos(math.radians(80))
 """An axis further than 80° from z says nothing of the hand's side: what comes first is the way out."""
 
 
-class RobustParameters(msgspec.Struct, frozen=True, kw_only=True):
+class SingleAxisParameters(msgspec.Struct, frozen=True, kw_only=True):
     """What counts as movement, and what as a reach.
 
     Args:
@@ -60,7 +60,7 @@ class _Motion(NamedTuple):
     end: float
 
 
-def find(recording: Recording, parameters: RobustParameters | None = None, hand: Hand = "right") -> Detected:
+def find(recording: Recording, parameters: SingleAxisParameters | None = None, hand: Hand = "right") -> Detected:
     """The reaches in a recording, from the whole of it.
 
     Rest gives the bias, the noise and the tremor's frequency. Without them, phases of movement show in what is slower
@@ -73,7 +73,7 @@ def find(recording: Recording, parameters: RobustParameters | None = None, hand:
 
     Raises ValueError for fewer than 20 samples a second.
     """
-    parameters = parameters or RobustParameters()
+    parameters = parameters or SingleAxisParameters()
     grid = even(recording)
     if len(grid.time_s) < 2:
         return Detected(grid.time_s, grid.rate, grid.rate_hz, ())
@@ -108,7 +108,7 @@ def _groups(moving: npt.NDArray[np.bool_], longest: float) -> Iterator[slice]:
             yield slice(int(part[0]), int(part[-1]) + 1)
 
 
-def _reaches(motion: _Motion, group: slice, parameters: RobustParameters, hand: Hand) -> Iterator[Bounds]:
+def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, hand: Hand) -> Iterator[Bounds]:
     """The reaches in one stretch of movement, about its principal axis."""
     rate_hz = motion.grid.rate_hz
     axis = principal_axis(motion.slow[group])
@@ -147,7 +147,7 @@ def _reaches(motion: _Motion, group: slice, parameters: RobustParameters, hand: 
         yield _checked(bounds, motion, out.first + around.start, back.last + around.start, parameters)
 
 
-def _checked(bounds: Bounds, motion: _Motion, first: int, last: int, parameters: RobustParameters) -> Bounds:
+def _checked(bounds: Bounds, motion: _Motion, first: int, last: int, parameters: SingleAxisParameters) -> Bounds:
     """The reach between two samples with its flags, ended if it is too long."""
     grid = motion.grid
     end_s = max(bounds.onset_s, bounds.end_s)

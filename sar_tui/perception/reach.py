@@ -61,7 +61,7 @@ class ReachPerception(TimedNode):
             self.name = f"{self.name}_{seat.lower()}"
         self._analysis = analysis
         self._still_s = still_ms / 1000
-        self._settled_s = max(SETTLED_S, analysis.thesis.still_ms / 1000 + MARGIN_S)
+        self._settled_s = max(SETTLED_S, analysis.fixed_threshold.still_ms / 1000 + MARGIN_S)
         self._blocks: deque[Samples] = deque()
         self._rate_hz = 0.0
         self._clear()
@@ -127,7 +127,7 @@ class ReachPerception(TimedNode):
         if self._rate_hz < LEAST_RATE_HZ:
             return 0.0, False
         if self._segmenter is None:
-            self._segmenter = Segmenter(self._rate_hz, self._analysis.robust)
+            self._segmenter = Segmenter(self._rate_hz, self._analysis.single_axis)
             samples = self._samples()
         self._segmenter.push(samples["at"] / 1e9, samples["rate"].astype(float))
         return self._segmenter.still_for_s, self._segmenter.has_reached(self._started / 1e9)

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sar_tui.motion.detection import DETECTORS, detect
+from sar_tui.motion.detection import detect
+from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.scenarios import Scenario, scenarios
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
@@ -34,17 +35,18 @@ def run(conditions: Conditions) -> Report:
 
 
 def _row(scenario: Scenario, reaches: int) -> Row:
-    tried: dict[str, list[Tried]] = {name: [] for name in DETECTORS}
+    tried: dict[DetectorName, list[Tried]] = {name: [] for name in STORED_NAMES}
     for seed in range(reaches):
         made = scenario.make(seed)
         ((onset, end),) = made.truth
-        for name, results in tried.items():
-            found = detect(made.recording, name)
+        for detector, results in tried.items():
+            found = detect(made.recording, detector)
             endless = any(NEVER_ENDED & set(reach.flags) for reach in found)
             right = len(found) == 1 and not endless
             results.append(Tried(endless, (found[0].reach_time_s - (end - onset)) * 1000 if right else None))
     row: Row = {"scenario": scenario.name, "reaches": reaches}
-    for name, results in tried.items():
+    for detector, results in tried.items():
+        name = STORED_NAMES[detector]
         errors = [result.error_ms for result in results if result.error_ms is not None]
         quartiles = np.percentile(errors, (25, 50, 75)).tolist() if errors else None
         row[f"{name}_exactly_one_percent"] = 100 * len(errors) / reaches
@@ -62,7 +64,7 @@ def _claims(rows: list[Row]) -> list[Claim]:
     one, median, endless = "robust_exactly_one_percent", "robust_error_median_ms", "robust_endless_percent"
     return [
         claim(
-            f"Under each difficulty the robust detector finds exactly the one reach in {LEAST_PERCENT:g} % or more.",
+            f"Under each difficulty the single-axis detector finds exactly one reach in {LEAST_PERCENT:g} % or more.",
             lambda row: row[one] >= LEAST_PERCENT, one, ".1f",
         ),
         claim(
@@ -79,9 +81,9 @@ def _number(value: float | None, form: str) -> str:
 
 def _columns() -> list[Column]:
     columns = [Column("difficulty", lambda row: str(row["scenario"]), is_number=False)]
-    for name in DETECTORS:
+    for detector, name in STORED_NAMES.items():
         columns += [
-            Column(f"{name}:\none, %", partial(_percent, f"{name}_exactly_one_percent")),
+            Column(f"{detector}:\none, %", partial(_percent, f"{name}_exactly_one_percent")),
             Column("error (IQR),\nms", partial(_error, name)),
             Column("endless,\n%", partial(_percent, f"{name}_endless_percent")),
         ]

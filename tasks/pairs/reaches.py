@@ -12,7 +12,7 @@ REACH = "reach"
 SOONER = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5)
 """What share of the goal is left at each level: with one movement there is nothing to choose from."""
 _REST_MS = 850
-"""A hand that has rested for so long is back: the thesis' detector needs 800 ms."""
+"""A hand that has rested for so long is back: the fixed-threshold detector needs 800 ms."""
 _KEPT = ("reach_time_ms", "out_ms", "back_ms", "dwell_ms", "peak_extension_rad_s", "peak_return_rad_s", "hand",
          "detector", "detector_version", "samples", "rate_hz")  # fmt: skip
 

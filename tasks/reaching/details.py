@@ -25,8 +25,8 @@ class ReachDetails(Details, frozen=True):
     reaches: Annotated[int | None, msgspec.Meta(description="How many reaches were found; the largest is meant.")] = (
         None
     )
-    robust_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the robust detector.")] = None
-    thesis_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the thesis' detector.")] = None
+    robust_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the single-axis detector.")] = None
+    thesis_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the fixed-threshold detector.")] = None
     reach_time_ms: Annotated[float | None, msgspec.Meta(description="From movement onset to its end.")] = None
     out_ms: Annotated[float | None, msgspec.Meta(description="The way out.")] = None
     back_ms: Annotated[float | None, msgspec.Meta(description="The way back.")] = None

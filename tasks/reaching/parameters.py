@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from sar_tui.framework.declaration import meta
 from sar_tui.framework.parameters import TaskParameters
+from sar_tui.motion.detector_names import RENAMED, DetectorName
 
 _FEW_CM, _MOST_CM = 1.0, 200.0
 
@@ -47,8 +48,9 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         meta("Feedback on", help="The time (results), how the hand moved (performance), or both."),
     ] = "results"
     detector: Annotated[
-        Literal["robust", "thesis"], meta("Detector", help="Which one scores; both are computed and kept.")
-    ] = "robust"
+        DetectorName,
+        meta("Detector", help="Finds the reach that counts. Results of both detectors are stored.", renamed=RENAMED),
+    ] = "single-axis"
     go_signal: Annotated[
         bool,
         meta("Go signal", help="After the space bar a random wait, and then a signal to go. Gives reaction times."),
@@ -63,10 +65,10 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         meta("Least turn", "deg", "The hand turns at least so far on the way out, and on the way back.", ge=1, le=60),
     ] = 7.0
     thesis_threshold_rad_s: Annotated[
-        float, meta("Thesis: threshold", "rad/s", "Turning faster than this about z is motion.", ge=0.01, le=5)
+        float, meta("Fixed threshold", "rad/s", "Rotation about z that is faster than this is movement.", ge=0.01, le=5)
     ] = 0.1
     thesis_still_ms: Annotated[
-        int, meta("Thesis: stillness", "ms", "Motion ends where so long a stillness begins.", ge=50, le=5000)
+        int, meta("Fixed threshold: rest", "ms", "Movement ends where a rest this long begins.", ge=50, le=5000)
     ] = 800
     min_accuracy: Annotated[
         float, meta("Minimum accuracy", help="The share of reaches that have to be complete, 0 to 1.", ge=0, le=1)
@@ -90,7 +92,9 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         elif any(not 100 <= goal <= 60_000 for goal in goals):
             problems["goal_times_ms"] = "Each goal lies between 100 and 60000 ms."
         if self.still_ms < self.thesis_still_ms + 200:
-            problems["still_ms"] = "Rest that ends a reach has to last 200 ms longer than the thesis' stillness."
+            problems["still_ms"] = (
+                "Rest that ends a reach must be at least 200 ms longer than the rest of the fixed-threshold detector."
+            )
         for name in ("start_level", "min_level"):
             if markers and getattr(self, name) > len(markers):
                 problems[name] = f"There are {len(markers)} markers, so there is no level {getattr(self, name)}."

@@ -88,18 +88,18 @@ class ReachingTask(Task):
     def analysis(self) -> "AnalysisParameters":
         """How reaches are found, as the parameters say."""
         from sar_tui.motion.analysis import AnalysisParameters  # loads numpy
-        from sar_tui.motion.fixed_threshold import ThesisParameters
-        from sar_tui.motion.single_axis import RobustParameters
+        from sar_tui.motion.fixed_threshold import FixedThresholdParameters
+        from sar_tui.motion.single_axis import SingleAxisParameters
 
         return AnalysisParameters(
             detector=self.parameters.detector,
             hand=self.parameters.hand,
-            robust=RobustParameters(
+            single_axis=SingleAxisParameters(
                 least_rad=math.radians(self.parameters.least_turn_deg),
                 dwell_s=LONGEST_DWELL_S,
                 longest_s=self.parameters.response_timeout_ms / 1000,
             ),
-            thesis=ThesisParameters(
+            fixed_threshold=FixedThresholdParameters(
                 threshold_rad_s=self.parameters.thesis_threshold_rad_s, still_ms=self.parameters.thesis_still_ms
             ),
         )

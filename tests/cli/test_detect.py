@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 import sar_tui
-from sar_tui.cli.detect import Acceleration, Detector, Hand, Rate
+from sar_tui.cli.detect import Acceleration, Hand, Rate
 from sar_tui.cli.flag_words import words
 from sar_tui.inputs.recording_file import Units
 from sar_tui.motion.analysis import AnalysisParameters
 from sar_tui.motion.detection import DETECTORS
+from sar_tui.motion.detector_names import STORED_NAMES
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.synthesis import TABLE_4_1
 from tests.program import Call
@@ -49,7 +50,7 @@ def write(tmp_path: Path) -> Write:
 def test_the_recording_that_ships_holds_the_eight_reaches_of_table_4_1(call: Call) -> None:
     printed = call("detect", SAMPLE, "--json").json
     assert set(printed) == {"detector", "rate_hz", "reaches"}
-    assert (printed["detector"], printed["rate_hz"], len(printed["reaches"])) == ("robust", 125.0, 8)
+    assert (printed["detector"], printed["rate_hz"], len(printed["reaches"])) == ("single-axis", 125.0, 8)
     for reach, line in zip(printed["reaches"], TABLE_4_1, strict=True):
         assert set(reach) == {field.name for field in msgspec.structs.fields(Reach)}
         assert reach["reach_time_s"] == pytest.approx(line.reach_time_s, abs=0.04)
@@ -58,9 +59,10 @@ def test_the_recording_that_ships_holds_the_eight_reaches_of_table_4_1(call: Cal
         assert reach["flags"] == []
 
 
-def test_it_can_be_found_as_the_thesis_did(call: Call) -> None:
-    printed = call("detect", SAMPLE, "--detector", "thesis", "--json").json
-    assert (printed["detector"], len(printed["reaches"])) == ("thesis", 8)
+@pytest.mark.parametrize("name", ["fixed-threshold", "thesis"])
+def test_the_detector_can_be_chosen_also_by_its_earlier_name(call: Call, name: str) -> None:
+    printed = call("detect", SAMPLE, "--detector", name, "--json").json
+    assert (printed["detector"], len(printed["reaches"])) == ("fixed-threshold", 8)
     for reach, line in zip(printed["reaches"], TABLE_4_1, strict=True):
         assert reach["reach_time_s"] < line.reach_time_s
 
@@ -71,7 +73,7 @@ def test_people_read_a_table_the_flags_in_words_and_a_sentence(call: Call, write
     assert "SPARC" in called.out
     assert "no_rest: the hand was not still before it, so the sensor's bias is a guess\n" in called.out
     assert called.out.endswith(
-        "2 reaches in 6.3 s at 125 samples a second, by the robust detector: 1.362 to 1.424 s, median 1.393 s.\n"
+        "2 reaches in 6.3 s at 125 samples a second, by the single-axis detector: 1.362 to 1.424 s, median 1.393 s.\n"
     )
 
 
@@ -82,7 +84,7 @@ def test_every_flag_can_be_told_even_one_that_is_new() -> None:
 def test_a_recording_without_a_reach_is_no_error(call: Call, write: Write, recorded: list[Row]) -> None:
     path = write(recorded[:150])
     assert call("detect", path, "--json").json["reaches"] == []
-    assert call("detect", path).out == "No reach in 1.2 s at 125 samples a second, by the robust detector.\n"
+    assert call("detect", path).out == "No reach in 1.2 s at 125 samples a second, by the single-axis detector.\n"
 
 
 @pytest.mark.parametrize("begin", [5, -20, 1_700_000_000])
@@ -173,8 +175,14 @@ def test_a_file_that_is_not_there_is_2(call: Call, tmp_path: Path) -> None:
     assert call("detect", tmp_path).code == 2
 
 
+def test_an_unknown_detector_is_bad_usage(call: Call) -> None:
+    called = call("detect", SAMPLE, "--detector", "best")
+    assert (called.code, called.out) == (2, "")
+    assert "There is no detector 'best'; there are single-axis and fixed-threshold." in called.err
+
+
 def test_what_can_be_named_is_what_there_is() -> None:
-    assert {detector.value for detector in Detector} == set(DETECTORS)
+    assert set(STORED_NAMES) == set(DETECTORS)
     for name, choices in (("rate", Rate), ("acceleration", Acceleration)):
         for choice in choices:
             assert getattr(msgspec.convert({name: choice.value}, Units), name) == choice.value

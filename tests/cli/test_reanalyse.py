@@ -34,7 +34,7 @@ def recorded(call: Call, session: str) -> list[dict[str, Any]]:
 def test_the_same_detector_gives_exactly_what_was_recorded(call: Call, reached: str) -> None:
     printed = call("reanalyse", reached, "--json").json
     assert set(printed) == {"session", "detector", "trials"}
-    assert (printed["session"], printed["detector"]) == (reached, "robust")
+    assert (printed["session"], printed["detector"]) == (reached, "single-axis")
     trials = recorded(call, reached)
     assert [(row["attempt"], row["trial"]) for row in printed["trials"]] == [(1, 1), (2, 1), (3, 1)]
     for row, trial in zip(printed["trials"], trials, strict=True):
@@ -47,12 +47,13 @@ def test_the_same_detector_gives_exactly_what_was_recorded(call: Call, reached: 
 @pytest.mark.parametrize(
     "settings",
     [
-        ("detector=thesis", "thesis_threshold_rad_s=0.3"),
+        ("detector=fixed-threshold", "thesis_threshold_rad_s=0.3"),
+        ("detector=thesis",),
         ("go_signal=yes", "reaches_per_attempt=2"),
         ("hand=left",),
         ("response_timeout_ms=1500",),
     ],
-    ids=["thesis", "go signal", "left", "time-out"],
+    ids=["fixed threshold", "earlier name", "go signal", "left", "time-out"],
 )
 def test_so_it_does_however_the_session_was_set(call: Call, settings: tuple[str, ...]) -> None:
     options = [word for setting in settings for word in ("--set", setting)]
@@ -64,8 +65,8 @@ def test_so_it_does_however_the_session_was_set(call: Call, settings: tuple[str,
 
 def test_another_detector_can_be_asked_for(call: Call) -> None:
     call("simulate", "reaching", "--user", "average", "--seed", 5, "--attempts", 2)
-    printed = call("reanalyse", "last", "--detector", "thesis", "--json").json
-    assert printed["detector"] == "thesis"
+    printed = call("reanalyse", "last", "--detector", "fixed-threshold", "--json").json
+    assert printed["detector"] == "fixed-threshold"
     trials = recorded(call, "last")
     assert [row["reach_time_ms"] for row in printed["trials"]] == [
         trial["details"]["thesis_reach_time_ms"] for trial in trials
@@ -81,14 +82,14 @@ def test_people_read_a_table_and_a_sentence(call: Call, reached: str) -> None:
     assert "difference, ms" in called.out
     assert called.out.endswith(
         "3 of 3 trials are exactly as recorded. "
-        "Recorded: robust (version 1) detector. Now: robust (version 1) detector.\n"
+        "Recorded: single-axis (version 1) detector. Now: single-axis (version 1) detector.\n"
     )
 
 
 def test_nothing_that_was_recorded_changes(call: Call, tmp_path: Path, reached: str) -> None:
     before = kept(tmp_path)
     call("reanalyse", reached)
-    call("reanalyse", reached, "--detector", "thesis", "--json")
+    call("reanalyse", reached, "--detector", "fixed-threshold", "--json")
     assert kept(tmp_path) == before
 
 
@@ -144,7 +145,7 @@ def test_a_detector_that_is_not_known_any_more_is_bad_input(call: Call, tmp_path
     called = call("reanalyse", reached)
     assert called.code == 2
     assert "Attempt 1, trial 1 was found by the detector clairvoyant" in called.err
-    assert call("reanalyse", reached, "--detector", "robust").code == 0
+    assert call("reanalyse", reached, "--detector", "single-axis").code == 0
 
 
 def test_a_session_that_is_not_there_is_bad_input(call: Call) -> None:

@@ -35,7 +35,7 @@ def test_people_read_tables_and_claims(call: Call) -> None:
     called = call("validate", "--only", "table-4.1")
     assert (called.code, called.err) == (0, "")
     assert "slow near" in called.out
-    assert "✓ The thesis detector finds eight reaches." in called.out
+    assert "✓ The fixed-threshold detector finds eight reaches." in called.out
     assert "✗" not in called.out
 
 
@@ -106,14 +106,17 @@ def test_an_unknown_name_lists_what_there_is(call: Call, only: str, says: str) -
 
 
 def test_a_claim_that_does_not_hold_is_1_and_told(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(table_4_1.TIME_MS, "thesis", 100.0)
+    monkeypatch.setitem(table_4_1.TIME_MS, "fixed-threshold", 100.0)
     called = call("validate", "--only", "table-4.1")
     assert called.code == 1
-    assert "✗ The thesis detector's reach times are within 100 ms of the table's. But reach 1: -110.5 ms," in called.out
+    assert (
+        "✗ The fixed-threshold detector's reach times are within 100 ms of the table's. But reach 1: -110.5 ms,"
+        in called.out
+    )
     as_json = call("validate", "--only", "table-4.1", "--json")
     assert as_json.code == 1
     assert len(as_json.json["table-4.1"]) == 8
-    assert as_json.err.startswith("✗ The thesis detector's reach times")
+    assert as_json.err.startswith("✗ The fixed-threshold detector's reach times")
 
 
 def test_a_difficulty_that_a_claim_fails_in_is_named(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -128,7 +131,7 @@ def test_a_detector_that_finds_too_few_fails_its_claim(call: Call, monkeypatch: 
     monkeypatch.setattr(table_4_1, "detect", lambda recording, name: ())
     called = call("validate", "--only", "table-4.1")
     assert called.code == 1
-    assert "✗ The robust detector finds eight reaches. But it finds 0." in called.out
+    assert "✗ The single-axis detector finds eight reaches. But it finds 0." in called.out
     assert "reach 8: none" in called.out
 
 
@@ -147,7 +150,7 @@ def test_rows_and_what_is_printed_can_be_kept(call: Call, tmp_path: Path) -> Non
         ("5", "Due every 5 attempts; 5 since the last."),
         ("10", "Due every 5 attempts; 5 since the last."),
     ]
-    assert "✓ The thesis detector finds eight reaches." in (to / "table-4.1.txt").read_text(encoding="utf-8")
+    assert "✓ The fixed-threshold detector finds eight reaches." in (to / "table-4.1.txt").read_text(encoding="utf-8")
 
 
 def test_nothing_is_written_over(call: Call, tmp_path: Path) -> None:

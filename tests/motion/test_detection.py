@@ -10,20 +10,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.motion.detection import DETECTORS, detect
-from sar_tui.motion.fixed_threshold import ThesisParameters
+from sar_tui.motion.fixed_threshold import FixedThresholdParameters
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.samples import Recording
 from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.single_axis import RobustParameters
+from sar_tui.motion.single_axis import SingleAxisParameters
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, simulate, table_4_1_recording
 from tests.examples import examples
 
-Name = Literal["robust", "thesis"]
-NAMES = ["robust", "thesis"]
+NAMES = ["single-axis", "fixed-threshold"]
 REACH = ReachShape(out_s=0.6, back_s=0.5, dwell_s=0.3, peak_out=2.0, peak_back=-2.4)
 
 
-def the_reach(shape: ReachShape, profile: Profile = PROFILES["clean"], detector: str = "robust") -> Reach:
+def the_reach(shape: ReachShape, profile: Profile = PROFILES["clean"], detector: str = "single-axis") -> Reach:
     (reach,) = detect(simulate([shape], profile).recording, detector)
     return reach
 
@@ -138,17 +137,23 @@ def test_of_any_wandering_rate_every_measure_is_a_number_in_its_place(
 
 def test_each_detector_tells_its_version_and_takes_its_own_parameters() -> None:
     assert {name: detector.parameters for name, detector in DETECTORS.items()} == {
-        "robust": RobustParameters,
-        "thesis": ThesisParameters,
+        "single-axis": SingleAxisParameters,
+        "fixed-threshold": FixedThresholdParameters,
     }
     assert all(detector.version for detector in DETECTORS.values())
     recording = simulate([REACH]).recording
-    assert detect(recording, "thesis", ThesisParameters(threshold_rad_s=3.0)) == ()
-    assert detect(recording, "robust", RobustParameters(least_rad=2.0)) == ()
-    with pytest.raises(ValueError, match="takes RobustParameters, not ThesisParameters"):
-        detect(recording, "robust", ThesisParameters())
+    assert detect(recording, "fixed-threshold", FixedThresholdParameters(threshold_rad_s=3.0)) == ()
+    assert detect(recording, "single-axis", SingleAxisParameters(least_rad=2.0)) == ()
+    with pytest.raises(ValueError, match="takes SingleAxisParameters, not FixedThresholdParameters"):
+        detect(recording, "single-axis", FixedThresholdParameters())
 
 
 def test_an_unknown_detector_is_refused_with_those_there_are() -> None:
-    with pytest.raises(ValueError, match="no detector named 'best'; there are: robust, thesis"):
+    with pytest.raises(ValueError, match="no detector named 'best'; there are: single-axis, fixed-threshold"):
         detect(simulate([REACH]).recording, "best")
+
+
+@pytest.mark.parametrize(("earlier", "name"), [("robust", "single-axis"), ("thesis", "fixed-threshold")])
+def test_the_earlier_name_of_a_detector_is_accepted(earlier: str, name: str) -> None:
+    recording = simulate([REACH]).recording
+    assert detect(recording, earlier) == detect(recording, name)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sar_tui.motion.bounds import Bounds
-from sar_tui.motion.fixed_threshold import ThesisParameters, find
+from sar_tui.motion.fixed_threshold import FixedThresholdParameters, find
 from sar_tui.motion.samples import Recording
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, simulate, table_4_1_recording
@@ -36,7 +36,7 @@ def test_a_quiet_of_just_800_ms_ends_a_reach_and_a_shorter_one_does_not() -> Non
 
 
 def test_both_numbers_can_be_set() -> None:
-    parameters = ThesisParameters(threshold_rad_s=0.5, still_ms=200)
+    parameters = FixedThresholdParameters(threshold_rad_s=0.5, still_ms=200)
     found = find(turning((1, 0.4), (1, 1), (0.3, 0.4), (1, 1), (1, 0)), parameters)
     assert times(found.reaches) == [(1.0, 2.0), (2.3, 3.3)]
 

@@ -15,7 +15,7 @@ from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.scenarios import Scenario, random_reach, scenarios
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.single_axis import RobustParameters, find
+from sar_tui.motion.single_axis import SingleAxisParameters, find
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, Simulation, simulate, table_4_1_recording
 from tests.examples import examples
 
@@ -167,7 +167,7 @@ def test_a_reach_that_the_recording_cuts_off_ends_with_it(to_s: float) -> None:
 
 
 def test_a_reach_longer_than_the_longest_is_ended() -> None:
-    (reach,) = find(simulate([PAUSED], NOISY).recording, RobustParameters(longest_s=2.0)).reaches
+    (reach,) = find(simulate([PAUSED], NOISY).recording, SingleAxisParameters(longest_s=2.0)).reaches
     assert "timed_out" in reach.flags
     assert duration(reach) == 2.0
     assert reach.departure_s <= reach.end_s
@@ -288,7 +288,7 @@ def test_a_bias_that_jumps_is_learnt_after_the_time_out() -> None:
     time: Floats = np.arange(250 * 12) / 250
     rate = np.zeros((len(time), 3))
     rate[time > 3] = 0.4
-    segmenter = Segmenter(250.0, RobustParameters(longest_s=4.0))
+    segmenter = Segmenter(250.0, SingleAxisParameters(longest_s=4.0))
     segmenter.push(time[time <= 5], rate[time <= 5])
     assert segmenter.moving
     segmenter.push(time[time > 5], rate[time > 5])

@@ -219,7 +219,10 @@ def replayed(history: list[Record], driver: ReachingDriver) -> list[Record]:
     return [record for record in derived if record.topic is not IMU]
 
 
-@pytest.mark.parametrize("parameters", [{}, {"go_signal": True}, {"sensor": "patient"}, {"detector": "thesis"}])
+@pytest.mark.parametrize(
+    "parameters",
+    [{}, {"go_signal": True}, {"sensor": "patient"}, {"detector": "fixed-threshold"}, {"detector": "thesis"}],
+)
 def test_a_session_with_a_sensor_is_derived_again_from_the_database(data: Path, parameters: dict[str, Any]) -> None:
     kept = Kept(data, **parameters).do(2)
     kept.recorder.write()

@@ -41,7 +41,7 @@ def make(**parameters: object) -> Task:
         ({"still_ms": 999}, "still_ms", "1000 to 60000"),
         ({"threshold": 99}, "threshold", "100 to 60000"),
         ({"hand": "both"}, "hand", "right, left"),
-        ({"detector": "best"}, "detector", "robust, thesis"),
+        ({"detector": "best"}, "detector", "single-axis, fixed-threshold"),
         ({"feedback_on": "nothing"}, "feedback_on", "results"),
         ({"imu": ""}, "imu", ""),
         ({"markers": [15]}, "markers", "no parameter markers"),
@@ -110,3 +110,8 @@ def test_the_neutral_band_is_a_share_of_each_goal() -> None:
     task = make(neutral_band=5, goal_times_ms=[1000, 2000], marker_distances_cm=[10, 20])
     assert [task.target(level).neutral_band for level in (1, 2)] == [50, 100]
     assert make(neutral_band=0).target(3).neutral_band == 0
+
+
+@pytest.mark.parametrize(("earlier", "name"), [("robust", "single-axis"), ("thesis", "fixed-threshold")])
+def test_the_earlier_name_of_a_detector_is_accepted(earlier: str, name: str) -> None:
+    assert make(detector=earlier).parameters.detector == name

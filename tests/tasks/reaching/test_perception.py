@@ -136,17 +136,17 @@ def test_reaches_follow_each_other_each_with_its_own_window() -> None:
 
 
 def test_both_detectors_are_in_the_details_and_the_one_that_was_asked_for_scores() -> None:
-    for name in ("robust", "thesis"):
+    for name, stored in (("single-axis", "robust"), ("fixed-threshold", "thesis")):
         driver = ReachingDriver(detector=name)
         driver.sit_down()
         trial = driver.reach()
         details = trial.details
-        assert details["detector"] == name
-        assert trial.value == details["reach_time_ms"] == details[f"{name}_reach_time_ms"]
+        assert details["detector"] == stored
+        assert trial.value == details["reach_time_ms"] == details[f"{stored}_reach_time_ms"]
         assert details["robust_reach_time_ms"] != details["thesis_reach_time_ms"]
         assert details["thesis_reach_time_ms"] == pytest.approx(930, abs=15), "the time above 0.1 rad/s"
         parameters = msgspec.json.decode(str(details["detector_parameters"]))
-        assert ("threshold_rad_s" in parameters) == (name == "thesis")
+        assert ("threshold_rad_s" in parameters) == (name == "fixed-threshold")
 
 
 def test_what_is_kept_of_a_reach_is_what_is_declared() -> None:
