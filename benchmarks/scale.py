@@ -8,9 +8,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 
@@ -18,14 +17,12 @@ from sar_tui.simulation.person import PEOPLE
 def measure(attempts: int, folder: Path, on_attempt: Callable[[], None]) -> dict[str, Any]:
     """Trials a second of a simulated session, and how many bare commits a trial takes."""
     catalogue = Catalogue()
-    task = catalogue.task("keyboard")
-    parameters = build(task.Parameters, {"attempts": attempts})
-    plan = Plan(task=task, parameters=parameters, theme="calm", participant="BENCH", seed=1, mode="simulated")
+    plan = make_plan(catalogue, "keyboard", ["BENCH"], {"attempts": attempts}, seed=1, mode="simulated")
     with tempfile.TemporaryDirectory(dir=folder) as own:
         started = time.perf_counter()
         simulate(plan, PEOPLE["average"], Path(own), catalogue, lambda attempt: on_attempt())
         taken = time.perf_counter() - started
-        trials = attempts * task(parameters).trials_per_attempt
+        trials = attempts * plan.task(plan.parameters).trials_per_attempt
         commit = _commit(Path(own), trials)
     return {
         "trials": trials,

@@ -15,11 +15,10 @@ from contextlib import closing, suppress
 from pathlib import Path
 
 from sar_tui.app.app import run_app
-from sar_tui.framework.parameters import build
 from sar_tui.inputs import sources
 from sar_tui.inputs.phidget import PhidgetSource, new_channel
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.simulation.fake_phidget import FakeSpatial
 from sar_tui.store.database import FILE
 
@@ -80,8 +79,7 @@ def main() -> int:
 
     threading.Thread(target=work, daemon=True).start()
     catalogue = Catalogue()
-    task = catalogue.task("reaching")
-    return run_app(folder, catalogue, plan=Plan(task, build(task.Parameters, {}), "calm", "BENCH", 1))
+    return run_app(folder, catalogue, plan=make_plan(catalogue, "reaching", ["BENCH"], seed=1))
 
 
 if __name__ == "__main__":

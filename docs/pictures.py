@@ -11,7 +11,6 @@ from textual.app import App
 from sar_tui.app.app import SarTui
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import Role
-from sar_tui.framework.parameters import build
 from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing, OutgoingBatch, OutgoingSnapshot
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.peer import Connection, Frame, PeerEvent
@@ -19,7 +18,7 @@ from sar_tui.link.protocol import BrokerEvent, PeerJoined, SnapshotRequested
 from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 
@@ -34,17 +33,16 @@ def _save(app: App[Any], name: str) -> None:
 
 async def _draw() -> None:
     catalogue = Catalogue()
-    keyboard = catalogue.task("keyboard")
     clock = VirtualClock(SECOND)
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder)
         done = simulate(
-            Plan(keyboard, build(keyboard.Parameters, {}), "calm", "P01", 1, "simulated"),
+            make_plan(catalogue, "keyboard", ["P01"], seed=1, mode="simulated"),
             PEOPLE["average"],
             data,
             catalogue,
         )
-        app = SarTui(data, catalogue, Plan(keyboard, build(keyboard.Parameters, {}), "calm", "P01", 3), clock)
+        app = SarTui(data, catalogue, make_plan(catalogue, "keyboard", ["P01"], seed=3), clock)
         async with app.run_test(size=(80, 24)) as pilot:
             await _settle(pilot, clock)
             await pilot.press("enter")
@@ -76,10 +74,9 @@ async def _draw() -> None:
 
 async def _draw_agent(data: Path, catalogue: Catalogue) -> None:
     """The agent, in the middle of its gesture after an attempt that went very well."""
-    keyboard = catalogue.task("keyboard")
-    parameters = build(keyboard.Parameters, {"prompts_per_attempt": 1})
+    settings = {"prompts_per_attempt": 1}
     clock = VirtualClock(SECOND)
-    app = SarTui(data, catalogue, Plan(keyboard, parameters, "calm", "P03", 3), clock)
+    app = SarTui(data, catalogue, make_plan(catalogue, "keyboard", ["P03"], settings, seed=3), clock)
     async with app.run_test(size=(80, 24)) as pilot:
         for key in ("enter", "enter"):
             await _settle(pilot, clock)
@@ -98,10 +95,9 @@ async def _draw_agent(data: Path, catalogue: Catalogue) -> None:
 
 async def _draw_reaching(data: Path, catalogue: Catalogue) -> None:
     """The sensor check with a test reach, and the screen after a reach."""
-    reaching = catalogue.task("reaching")
-    parameters = build(reaching.Parameters, {"imu": "simulated:steady"})
+    settings = {"imu": "simulated:steady"}
     clock = VirtualClock(SECOND)
-    app = SarTui(data, catalogue, Plan(reaching, parameters, "calm", "P02", 3), clock)
+    app = SarTui(data, catalogue, make_plan(catalogue, "reaching", ["P02"], settings, seed=3), clock)
     async with app.run_test(size=(80, 24)) as pilot:
 
         async def do(key: str, wait_ms: int) -> None:
@@ -120,10 +116,9 @@ async def _draw_reaching(data: Path, catalogue: Catalogue) -> None:
 
 async def _draw_pairs(data: Path, catalogue: Catalogue) -> None:
     """The agent looks to one side, and a letter appears there."""
-    pairs = catalogue.task("pairs")
-    parameters = build(pairs.Parameters, {"policy": "joint attention", "congruent_share": 1.0})
+    settings = {"policy": "joint attention", "congruent_share": 1.0}
     clock = VirtualClock(SECOND)
-    app = SarTui(data, catalogue, Plan(pairs, parameters, "calm", "P01", 3, partner="P02"), clock)
+    app = SarTui(data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=3), clock)
     async with app.run_test(size=(80, 24)) as pilot:
         for key in ("enter", "enter"):
             await _settle(pilot, clock)
@@ -183,12 +178,9 @@ class _Peer:
 
 async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
     """The operator's panel, with an answer that waits to be approved."""
-    keyboard = catalogue.task("keyboard")
-    parameters = build(
-        keyboard.Parameters, {"prompts_per_attempt": 3, "operator_feedback": "approve", "encouragement": False}
-    )
+    settings = {"prompts_per_attempt": 3, "operator_feedback": "approve", "encouragement": False}
     clock, channel = VirtualClock(SECOND), _Channel()
-    plan = Plan(keyboard, parameters, "calm", "P04", 3)
+    plan = make_plan(catalogue, "keyboard", ["P04"], settings, seed=3)
     app = SarTui(data, catalogue, plan, clock, link=channel)  # type: ignore[arg-type]
     async with app.run_test(size=(80, 24)) as pilot:
         await _settle(pilot, clock)

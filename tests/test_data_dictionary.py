@@ -10,11 +10,10 @@ import pytest
 
 from sar_tui.framework import messages
 from sar_tui.framework.messages import FeedbackChoice
-from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ALL
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import CHARACTERS
 from sar_tui.simulation.person import PEOPLE
@@ -82,7 +81,7 @@ def test_every_field_of_a_validation_is_told_of(
 def test_the_query_of_who_decided_what_gives_each_action_with_the_time_of_day(
     data: Path, keyboard: type[Task], catalogue: Catalogue
 ) -> None:
-    plan = Plan(keyboard, build(keyboard.Parameters, {"attempts": 2}), "calm", "SIM", 3, "simulated")
+    plan = make_plan(catalogue, keyboard, ["SIM"], {"attempts": 2}, seed=3, mode="simulated")
     simulate(plan, PEOPLE["average"], data, catalogue, operator=CHARACTERS["careful"])
     query = re.search(r"```sql\n(.*?)```", section("actions"), re.DOTALL)
     assert query

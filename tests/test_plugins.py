@@ -11,7 +11,7 @@ from sar_tui.framework.bus import FAULT
 from sar_tui.framework.parameters import build
 from sar_tui.framework.trial_types import Metric
 from sar_tui.plugins import Catalogue, PluginError, load_task, load_theme, task_folder, user_folder
-from sar_tui.runs.plan import Failed, Plan
+from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
@@ -252,8 +252,7 @@ def test_a_theme_in_a_folder_of_ones_own_is_found(tmp_path: Path, catalogue: Cat
 def run(
     catalogue: Catalogue, task: str, data: Path, person: str = "average", **parameters: object
 ) -> list[sessions.Row]:
-    kind = catalogue.task(task)
-    plan = Plan(kind, build(kind.Parameters, parameters), "calm", "SIM", 5, "simulated")
+    plan = make_plan(catalogue, task, ["SIM"], parameters, seed=5, mode="simulated")
     session = simulate(plan, PEOPLE[person], data, catalogue)
     return sessions.rows(connect(data), "attempts", session)
 
@@ -284,9 +283,9 @@ def test_a_better_person_reaches_a_higher_level_at_it(with_taps: Catalogue, data
 
 
 def test_its_own_details_and_words_reach_the_tables(with_taps: Catalogue, data: Path) -> None:
-    kind = with_taps.task("taps")
-    parameters = build(kind.Parameters, {"attempts": 3, "difficulty_policy": "fixed", "feedback_form": "quantitative"})
-    session = simulate(Plan(kind, parameters, "calm", "SIM", 5, "simulated"), PEOPLE["poor"], data, with_taps)
+    settings = {"attempts": 3, "difficulty_policy": "fixed", "feedback_form": "quantitative"}
+    plan = make_plan(with_taps, "taps", ["SIM"], settings, seed=5, mode="simulated")
+    session = simulate(plan, PEOPLE["poor"], data, with_taps)
     trials = sessions.rows(connect(data), "trials", session)
     assert [trial["details"]["taps"] for trial in trials] == [int(trial["response"]) for trial in trials]
     said = [

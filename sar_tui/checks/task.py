@@ -12,13 +12,13 @@ from sar_tui.framework.bus import FAULT, Record
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.declaration import Field, ParameterError
 from sar_tui.framework.messages import Fault
-from sar_tui.framework.parameters import TaskParameters, build, fields
+from sar_tui.framework.parameters import TaskParameters, build, changed, fields
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric, Situation
 from sar_tui.plugins import Catalogue, PluginError, load_task
-from sar_tui.runs.plan import Failed, Plan
+from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE, Person
 from sar_tui.store import sessions
@@ -182,8 +182,10 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
 
 
 def _simulate(kind: type[Task], parameters: TaskParameters, person: Person, folder: Path) -> Simulated:
-    plan = Plan(kind, parameters, THEME, "CHECK", SEED, "simulated")
-    session = simulate(plan, person, folder, Catalogue())
+    catalogue = Catalogue()
+    values = changed(parameters)
+    plan = make_plan(catalogue, kind, ["CHECK"], values, theme=THEME, seed=SEED, mode="simulated")
+    session = simulate(plan, person, folder, catalogue)
     database = connect(folder)
     try:
         return Simulated(

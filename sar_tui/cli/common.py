@@ -1,4 +1,4 @@
-"""What every command shares: where data and tasks are, and how results are printed."""
+"""Options and helpers that the commands share."""
 
 import os
 import sys
@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from sar_tui.cli.errors import Refused
+
 if TYPE_CHECKING:
     import sqlite_utils
     from rich.console import Console
 
+    from sar_tui.framework.task import Task
     from sar_tui.plugins import Catalogue
 
 Data = Annotated[
@@ -38,10 +41,34 @@ Seed = Annotated[
         "--seed", metavar="N", min=0, max=2**63 - 1, show_default=False, help="Decides all that is random; else drawn."
     ),
 ]
+Outputs = Annotated[
+    str | None,
+    typer.Option(
+        "--outputs",
+        metavar="NAME,NAME",
+        show_default=False,
+        help="What the agent speaks and moves with: screen, speech, tones, servo, ros://HOST; as --set outputs=….",
+    ),
+]
+Speech = Annotated[
+    str | None,
+    typer.Option(
+        "--speech",
+        metavar="WHERE",
+        show_default=False,
+        help="The agent speaks: sound, from the loudspeaker; file:DIR, a WAV for each utterance.",
+    ),
+]
+Language = Annotated[
+    str | None,
+    typer.Option(
+        "--language", metavar="CODE", show_default=False, help="Of all the participant sees and hears: en, es."
+    ),
+]
 
 
 class Home(NamedTuple):
-    """Where data lives and tasks are found, as told before or after the command."""
+    """The data folder and the extra task folders, given before or after the command."""
 
     data: Path | None = None
     tasks: tuple[Path, ...] = ()
@@ -91,11 +118,29 @@ def print_json(value: object) -> None:
     print(msgspec.json.encode(value).decode())
 
 
-def new_seed() -> int:
-    """A seed nobody chose."""
-    import secrets
+def read_settings(pairs: Sequence[str] | None, **options: str | None) -> dict[str, object]:
+    """Return the task settings given as NAME=VALUE pairs and as options of their own.
 
-    return secrets.randbelow(2**31)
+    The last value of a name counts, and an option overrides a pair. Raises Refused.
+    """
+    found: dict[str, object] = {}
+    for pair in pairs or ():
+        name, sign, value = pair.partition("=")
+        if not sign or not name.strip():
+            raise Refused(f"--set takes NAME=VALUE, such as --set attempts=10, not {pair!r}.")
+        found[name.strip()] = value
+    return found | {name: value for name, value in options.items() if value is not None}
+
+
+@contextmanager
+def checked_settings(task: "type[Task]") -> Iterator[None]:
+    """Add where the settings of a task are listed to the message of a ParameterError. Raises Refused."""
+    from sar_tui.framework.declaration import ParameterError
+
+    try:
+        yield
+    except ParameterError as error:
+        raise Refused(f"{error} `sar-tui tasks show {task.name}` lists what can be set.") from error
 
 
 def is_served() -> bool:
@@ -111,8 +156,6 @@ def need_screen() -> None:
 
 def need_terminal() -> None:
     """Refuse to open the app where there is no screen and keyboard for it, or where a browser is both."""
-    from sar_tui.cli.errors import Refused
-
     if is_served():
         raise Refused("A session does not run in a browser, where nothing can be timed; run it in a terminal.")
     if not all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):

@@ -38,14 +38,14 @@ def graph(
 def _loop(kind: "type[Task]", theme: "Theme") -> "Graph":
     """The loop as the app runs it: keyboard and sensors, the framework's nodes, screen, and the recorder."""
     from sar_tui.app.screen_output import ScreenOutput
-    from sar_tui.cli.setting import parameters
     from sar_tui.framework.graph import graph
+    from sar_tui.framework.parameters import build
     from sar_tui.framework.session import core_nodes
     from sar_tui.inputs.keyboard import Keyboard
     from sar_tui.inputs.sensor import Imu
     from sar_tui.store.recorder import Recorder
 
-    task = kind(parameters(kind, {}))
+    task = kind(build(kind.Parameters, {}))
     core = core_nodes(task, theme, seed=0)
     sensors = [Imu] if kind.sensed(task.parameters) else []
     return graph([Keyboard, *sensors, *(type(node) for node in core), ScreenOutput], [Recorder])

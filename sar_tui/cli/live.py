@@ -1,15 +1,25 @@
 """``sar-tui run`` and ``sar-tui resume``: straight into a session."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.agent import Language, Outputs, Speech, agent_parameters
-from sar_tui.cli.common import Data, Home, Pairs, Seed, Tasks, need_terminal, new_seed
+from sar_tui.cli.common import (
+    Data,
+    Home,
+    Language,
+    Outputs,
+    Pairs,
+    Seed,
+    Speech,
+    Tasks,
+    checked_settings,
+    need_terminal,
+    read_settings,
+)
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.setting import pairs
 
 if TYPE_CHECKING:
     from sar_tui.framework.task import Task
@@ -76,53 +86,30 @@ def run(
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
-    given = pairs(settings)
     if imu is not None:
         _refuse_without_sensor(kind)
-        given["imu"] = imu
-    agent_parameters(kind, given, outputs, speech, language)
+    given = read_settings(settings, imu=imu, outputs=outputs, language=language)
 
-    from sar_tui.runs.plan import Plan, check_outputs
+    from sar_tui.runs.plan import make_plan
     from sar_tui.store import participants
     from sar_tui.store.sessions import new_id
 
-    code, partner = both_codes(kind, participant)
     with home.database() as database:
-        saved = participants.settings(database, code, task)
-    parameters = agent_parameters(kind, {**saved.parameters, **given}, outputs, speech, language)
-    check_outputs(parameters)
-    plan = Plan(
-        task=kind,
-        parameters=parameters,
-        theme=catalogue.theme(theme or saved.theme, parameters.language).name,
-        participant=code,
-        seed=new_seed() if seed is None else seed,
-        id=new_id(),
-        partner=partner,
-    )
-    if kind.sensed(parameters):
+        saved = participants.settings(database, participants.check_code(participant[0]), task)
+    with checked_settings(kind):
+        plan = make_plan(
+            catalogue, kind, participant, given, saved=saved, theme=theme, speech=speech, seed=seed, id=new_id()
+        )
+    if kind.sensed(plan.parameters):
         _refuse_unknown_sensor(plan, home)
     elif imu is not None:
         raise Refused(f"The task {kind.name} uses no motion sensor as it is set: leave out --imu, or set it otherwise.")
     need_terminal()
-    with _link(home, plan.id, task, operator, listen, parameters.operator_lost_ms) as link:
+    with _link(home, plan.id, task, operator, listen, plan.parameters.operator_lost_ms) as link:
         from sar_tui.app.app import run_app
 
         ended = run_app(home.folder, catalogue, plan=plan, link=link)
     raise typer.Exit(ended)
-
-
-def both_codes(kind: "type[Task]", given: Sequence[str]) -> tuple[str, str]:
-    """The codes of who takes part: on the left, and in a task for two on the right. Raises StoreError."""
-    from sar_tui.runs.plan import check_seats
-    from sar_tui.store.participants import check_code
-
-    codes = [check_code(code) for code in given]
-    if len(codes) > 2:
-        raise Refused("At most two can take part: name no more with -p.")
-    participant, partner = (*codes, "")[:2]
-    check_seats(kind, participant, partner)
-    return participant, partner
 
 
 @contextmanager

@@ -7,10 +7,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.agent import Language, Outputs, Speech, agent_parameters
-from sar_tui.cli.common import AsJson, Data, Home, Pairs, Seed, Tasks, console, new_seed, print_json
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    Language,
+    Outputs,
+    Pairs,
+    Seed,
+    Speech,
+    Tasks,
+    checked_settings,
+    console,
+    print_json,
+    read_settings,
+)
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.setting import pairs
 
 if TYPE_CHECKING:
     from sar_tui.simulation.person import Person
@@ -97,34 +109,24 @@ def simulate(
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
-    values: dict[str, object] = {**pairs(settings)}
+    values = read_settings(settings, outputs=outputs, language=language)
     if attempts is not None:
         values["attempts"] = attempts
     if operator is not None:
         values.setdefault("operator_feedback", "approve")
 
-    from sar_tui.cli.live import both_codes
     from sar_tui.reports.output_summary import output_summaries
-    from sar_tui.runs.plan import Plan
+    from sar_tui.runs.plan import make_plan
     from sar_tui.runs.simulate import simulate as run_session
     from sar_tui.simulation.operator import CHARACTERS
     from sar_tui.store import sessions
 
     if len(user) > len(kind.seats):
         raise Refused(f"The task {kind.name} is for {len(kind.seats)}: name no more with --user.")
-    codes = participant or ["SIM"]
-    if len(kind.seats) > len(codes):
-        codes = [*codes, f"{codes[0]}-B"]
-    code, partner = both_codes(kind, codes)
-    plan = Plan(
-        task=kind,
-        parameters=agent_parameters(kind, values, outputs, speech, language),
-        theme=theme,
-        participant=code,
-        seed=new_seed() if seed is None else seed,
-        mode="simulated",
-        partner=partner,
-    )
+    with checked_settings(kind):
+        plan = make_plan(
+            catalogue, kind, participant or ["SIM"], values, theme=theme, speech=speech, seed=seed, mode="simulated"
+        )
     people = [_person(each, practice_effect, fatigue) for each in user]
     with _progress(plan.parameters.practice_attempts + plan.parameters.attempts) as advance:
         character = None if operator is None else CHARACTERS[operator.value]

@@ -1,20 +1,28 @@
-"""The plan of a session, and the checks that it can be carried out."""
+"""The plan of a session: the one place where names and values become a task with checked parameters."""
 
+import secrets
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import msgspec
 
 from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.parameters import TaskParameters, build
 from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.plugins import Catalogue
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError
+from sar_tui.store.participants import Settings, check_code
 from sar_tui.theme_folder import languages
 
 
 class Plan(msgspec.Struct, frozen=True):
-    """What a session will be. ``partner``: who sits at seat B, in a task for two. ``id``: the session's; else drawn."""
+    """Everything that is decided before a session starts. Made, and checked, by ``make_plan``.
+
+    Attributes:
+        partner: the code of the participant at seat B, in a task for two.
+        id: the session's id; if empty, it is drawn when the session starts.
+    """
 
     task: type[Task]
     parameters: TaskParameters
@@ -27,31 +35,102 @@ class Plan(msgspec.Struct, frozen=True):
 
 
 class Failed(Exception):
-    """A session could not go on; one or two clear sentences."""
+    """A session cannot start or continue. Its message is one or two clear sentences."""
 
 
-def check_seats(task: type[Task], participant: str, partner: str) -> None:
-    """Raise StoreError unless as many different participants are named as a task has seats."""
-    if len(task.seats) == 1 and partner:
-        raise StoreError(f"The task {task.name} is for one: name one participant only.", bad_input=True)
-    if len(task.seats) > 1 and not partner:
-        raise StoreError(
-            f"The task {task.name} is for two: name the participant on the left, and then the one on the right.",
-            bad_input=True,
-        )
-    if participant.strip().upper() == partner.strip().upper():
-        raise StoreError(f"{participant} cannot sit at both seats: name two participants.", bad_input=True)
+def make_plan(
+    catalogue: Catalogue,
+    task: type[Task] | str,
+    participants: Sequence[str],
+    settings: Mapping[str, object] = {},
+    *,
+    saved: Settings | None = None,
+    theme: str | None = None,
+    speech: str | None = None,
+    seed: int | None = None,
+    mode: sessions.Mode = "live",
+    id: str = "",
+) -> Plan:
+    """Plan a session, and check everything that can be checked before its devices are opened.
+
+    Args:
+        catalogue: where the task and the theme are found.
+        task: the task or its name.
+        participants: codes in the order of the task's seats; a simulated session draws up the second if it is missing.
+        settings: values of the task's parameters, typed or as text; they override the saved ones.
+        saved: the saved settings of the first participant.
+        theme: name of the theme; by default the saved one.
+        speech: overrides the setting of that name, and adds speech to the outputs.
+        seed: decides everything random; drawn by default.
+        mode: live or simulated.
+        id: the session's id; drawn when the session starts by default.
+
+    Raises:
+        StoreError: a code is not valid, or the codes do not match the task's seats.
+        PluginError: there is no such task or theme.
+        ParameterError: a setting is unknown or out of bounds, or there is no such output, language or level.
+        Failed: the task cannot be set up.
+    """
+    saved = saved or Settings()
+    kind = catalogue.task(task) if isinstance(task, str) else task
+    codes = [check_code(code) for code in participants]
+    if mode == "simulated" and len(codes) == 1 < len(kind.seats):
+        codes.append(f"{codes[0]}-B")
+    check_seats(kind, codes)
+    parameters = _parameters(kind, {**saved.parameters, **settings}, speech)
+    name = theme or saved.theme
+    catalogue.theme(name, parameters.language)
+    check_language(parameters.language, catalogue.theme_folder(name))
+    set_up(kind, parameters)
+    return Plan(
+        task=kind,
+        parameters=parameters,
+        theme=name,
+        participant=codes[0],
+        seed=secrets.randbelow(2**31) if seed is None else seed,
+        mode=mode,
+        partner=codes[1] if len(codes) > 1 else "",
+        id=id,
+    )
+
+
+def _parameters(kind: type[Task], values: Mapping[str, object], speech: str | None) -> TaskParameters:
+    if speech is None:
+        return build(kind.Parameters, values)
+    values = {**values, "speech": speech}
+    parameters = build(kind.Parameters, values)
+    if "speech" in parameters.outputs:
+        return parameters
+    return build(kind.Parameters, {**values, "outputs": [*parameters.outputs, "speech"]})
+
+
+def check_seats(task: type[Task], codes: Sequence[str]) -> None:
+    """Raise StoreError unless the codes are different and as many as the task has seats."""
+    problem = ""
+    if len(codes) > 2:
+        problem = "At most two can take part."
+    elif len(codes) > len(task.seats):
+        problem = f"The task {task.name} is for one: name one participant only."
+    elif len(codes) < len(task.seats):
+        problem = f"The task {task.name} is for two: name the participant on the left, and then the one on the right."
+    elif len(set(codes)) < len(codes):
+        problem = f"{codes[0]} cannot sit at both seats: name two participants."
+    if problem:
+        raise StoreError(problem, bad_input=True)
 
 
 def check_language(language: str, folder: Path) -> None:
-    """A language of which a theme has nothing at all is more likely a slip than a wish for English."""
+    """Raise ParameterError if a theme has no phrases in a language.
+
+    A theme falls back to English phrase by phrase, but a language that it has nothing in is probably a typing error.
+    """
     known = languages(folder)
     if language.partition("-")[0] not in {name.partition("-")[0] for name in known}:
         raise ParameterError({"language": f"The theme {folder.name} has no {language}; it has: {', '.join(known)}."})
 
 
 def check_outputs(parameters: TaskParameters) -> None:
-    """Raise ParameterError if there is no output of a name that ``outputs`` has, or ``speech`` can go nowhere."""
+    """Raise ParameterError if ``outputs`` names an output that does not exist, or ``speech`` cannot be played."""
     from sar_tui.outputs.output import OutputError
     from sar_tui.outputs.outputs import check_outputs as check
 
@@ -61,9 +140,14 @@ def check_outputs(parameters: TaskParameters) -> None:
         raise ParameterError({"outputs": str(error)}) from error
 
 
-def set_up(kind: type[Task], parameters: TaskParameters, theme: Theme) -> Task:
-    """The task with its parameters; a start level that it does not have is refused."""
-    if parameters.outputs != ("screen",):
+def set_up(kind: type[Task], parameters: TaskParameters) -> Task:
+    """Return the task with its parameters.
+
+    Raises:
+        ParameterError: there is no such output, or the task does not have the start level or the lowest level.
+        Failed: the task raised.
+    """
+    if (parameters.outputs, parameters.speech) != (("screen",), "sound"):  # the check loads the sound library
         check_outputs(parameters)
     try:
         task = kind(parameters)

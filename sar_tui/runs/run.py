@@ -17,7 +17,7 @@ from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue, task_folder
-from sar_tui.runs.plan import Failed, Plan, check_language, check_seats, set_up
+from sar_tui.runs.plan import Failed, Plan, set_up
 from sar_tui.store import locks, participants, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.provenance import machine, measured_timing, software
@@ -92,16 +92,13 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: E
         extra: makes the input and output nodes for the task.
 
     Raises:
-        StoreError: the database cannot be used, the participant is in a live session, or not as many are named as the
-            task has seats.
+        StoreError: the database cannot be used, or a participant is in a live session.
         PluginError: there is no such theme.
         ParameterError: the task has no such level, or there is no such output.
         Failed: the task cannot be set up.
     """
-    check_seats(plan.task, plan.participant, plan.partner)
     theme = catalogue.theme(plan.theme, plan.parameters.language)
-    check_language(plan.parameters.language, catalogue.theme_folder(plan.theme))
-    task = set_up(plan.task, plan.parameters, theme)
+    task = set_up(plan.task, plan.parameters)
     nodes = extra(task, theme)
     database = connect(folder)
     held: list[BaseFileLock] = []
@@ -201,7 +198,7 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ex
         try:
             parameters = build(kind.Parameters, row["parameters"])
             theme = catalogue.theme(row["theme"], parameters.language)
-            task = set_up(kind, parameters, theme)
+            task = set_up(kind, parameters)
             known = _known(database, task, *codes, "live", but=row["id"])
             session = Session(task, theme, clock, row["seed"], extra(task, theme), **known)
             session.replay(sessions.history(database, row["id"]))

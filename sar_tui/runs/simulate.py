@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from pathlib import Path
 
-import msgspec
-
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.node import Node
 from sar_tui.framework.task import Task
@@ -37,8 +35,6 @@ def simulate(
         Failed: the task raised.
     """
     clock = VirtualClock()
-    if len(plan.task.seats) > 1 and not plan.partner:
-        plan = msgspec.structs.replace(plan, partner=f"{plan.participant}-B")
 
     def sit_down(task: Task, theme: Theme) -> list[Node]:
         beside = [*([SimulatedOperator(operator, plan.seed)] if operator else []), *speaking(task, theme)]

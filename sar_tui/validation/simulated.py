@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sar_tui.framework.messages import KeyPressed
-from sar_tui.framework.parameters import build
 from sar_tui.framework.session_phase import ASK_KEY
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
@@ -58,13 +57,13 @@ class Laboratory:
             seed: of all that is random.
             parameters: of the task, where they differ from the defaults.
         """
-        built = build(self._kind.Parameters, {"attempts": 20, **parameters})
-        plan = Plan(self._kind, built, THEME, "SIM", seed, "simulated")
+        values = {"attempts": 20, **parameters}
+        plan = make_plan(self._catalogue, self._kind, ["SIM"], values, theme=THEME, seed=seed, mode="simulated")
         name = simulate(plan, PEOPLE[user], self._folder, self._catalogue)
         database = connect(self._folder)
         with closing(database.conn):
             return Simulated(
-                task=self._kind(built),
+                task=self._kind(plan.parameters),
                 attempts=sessions.rows(database, "attempts", name),
                 actions=sessions.rows(database, "actions", name),
                 asked=[

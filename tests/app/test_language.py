@@ -14,10 +14,9 @@ from sar_tui.app.screens.session import SessionScreen
 from sar_tui.checks.task_translations import texts_in
 from sar_tui.framework.language import read_words, slot_problem
 from sar_tui.framework.messages import SensorChanged, SensorState
-from sar_tui.framework.parameters import build
 from sar_tui.framework.topics import SENSOR
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.tui.language import app_language, session_language
 from tests.app.app_driver import AppDriver, known, sit_down
 from tests.untranslated import english_in, phrases
@@ -27,8 +26,8 @@ _FRAMES = str.maketrans("│▌╭╮╰╯─━", "        ")
 
 
 def plan(catalogue: Catalogue, name: str, theme: str = "calm", **parameters: Any) -> Plan:
-    kind = catalogue.task(name)
-    return Plan(kind, build(kind.Parameters, {"language": "es", "attempts": 2, **parameters}), theme, "P01", seed=7)
+    settings = {"language": "es", "attempts": 2, **parameters}
+    return make_plan(catalogue, name, ["P01"], settings, theme=theme, seed=7)
 
 
 class Tour:

@@ -6,11 +6,10 @@ from pathlib import Path
 import pytest
 
 from sar_tui.framework.messages import Prompt
-from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import CUE
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from sar_tui.widgets.agent import Agent
@@ -29,10 +28,10 @@ def pairs(catalogue: Catalogue) -> type[Task]:
 
 
 @pytest.fixture
-def play(pairs: type[Task]) -> Play:
+def play(catalogue: Catalogue) -> Play:
     def planned(policy: str, **parameters: object) -> Plan:
-        built = build(pairs.Parameters, SHORT | {"policy": policy} | parameters)
-        return Plan(pairs, built, "calm", "P01", 7, "live", "P02")
+        settings = SHORT | {"policy": policy} | parameters
+        return make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)
 
     return planned
 
@@ -205,7 +204,7 @@ async def test_a_code_too_long_to_stand_beside_the_place_stands_alone(
     data: Path, catalogue: Catalogue, pairs: type[Task]
 ) -> None:
     code = "LONG-LONG-LONG-LONGER"
-    plan = Plan(pairs, build(pairs.Parameters, SHORT | {"address": "code"}), "calm", code, 7, "live", "P02")
+    plan = make_plan(catalogue, "pairs", [code, "P02"], SHORT | {"address": "code"}, seed=7)
     async with sit_down(data, catalogue, plan) as driver:
         await driver.to_first_prompt()
         left, right = halves(driver)

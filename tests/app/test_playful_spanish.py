@@ -8,9 +8,8 @@ import pytest
 import sar_tui.app
 import sar_tui.framework
 from sar_tui.framework.language import language, read_words, slot_problem
-from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue, task_folder
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from tests.app.app_driver import AppDriver, sit_down
 
 TASKS = ("keyboard", "pairs", "reaching")
@@ -72,9 +71,8 @@ class Child:
 
 
 async def test_a_session_of_keys_says_tu_from_the_welcome_to_the_summary(data: Path, catalogue: Catalogue) -> None:
-    kind = catalogue.task("keyboard")
     settings = {"language": "es", "attempts": 1, "prompts_per_attempt": 2}
-    plan = Plan(kind, build(kind.Parameters, settings), "playful", "P01", seed=7)
+    plan = make_plan(catalogue, "keyboard", ["P01"], settings, theme="playful", seed=7)
     async with sit_down(data, catalogue, plan) as driver:
         child = Child(driver)
         child.look("¡Hola!", "Púlsala lo más rápido que puedas", "Pulsa Enter para seguir.")

@@ -9,10 +9,9 @@ import msgspec
 import pytest
 
 from sar_tui.framework.messages import SensorChanged, SensorState
-from sar_tui.framework.parameters import build
 from sar_tui.framework.topics import SENSOR
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from tests.app.app_driver import AppDriver, sit_down, stored
 
 
@@ -25,9 +24,8 @@ def a_hand_that_always_moves_alike(monkeypatch: pytest.MonkeyPatch) -> None:
 @asynccontextmanager
 async def at_the_table(data: Path, catalogue: Catalogue, **parameters: Any) -> AsyncIterator[AppDriver]:
     """Sit down to two attempts of one reach, the sensor looked at and found good."""
-    kind = catalogue.task("reaching")
-    settings = build(kind.Parameters, {"attempts": 2, "imu": "simulated", **parameters})
-    async with sit_down(data, catalogue, Plan(kind, settings, "calm", "P01", seed=7)) as driver:
+    settings = {"attempts": 2, "imu": "simulated", **parameters}
+    async with sit_down(data, catalogue, make_plan(catalogue, "reaching", ["P01"], settings, seed=7)) as driver:
         await driver.wait(300)
         await driver.press("enter")
         assert driver.sees("Rest your hand with the sensor at the start.")

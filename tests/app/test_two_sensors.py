@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 
 from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.widgets.speed_trace import SpeedTrace
 from tests.app.app_driver import AppDriver, sit_down, stored
 from tests.app.test_sensor_check import Moved, Plugged
@@ -31,9 +30,8 @@ def seated(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) ->
             return source
 
         monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
-        kind = catalogue.task("pairs")
         given = {"respond_with": "reaches", "imu": "left", "imu_b": "right", "attempts": 1, **parameters}
-        plan = Plan(kind, build(kind.Parameters, given), "calm", "P01", 7, "live", "P02")
+        plan = make_plan(catalogue, "pairs", ["P01", "P02"], given, seed=7)
         async with sit_down(data, catalogue, plan) as driver:
             yield driver
 
@@ -145,10 +143,9 @@ async def test_the_help_of_two_sensors_names_the_settings_of_both(seated: Sit) -
 
 
 async def test_hands_that_are_simulated_play_by_themselves(data: Path, catalogue: Catalogue) -> None:
-    kind = catalogue.task("pairs")
     given = {"respond_with": "reaches", "imu": "simulated", "imu_b": "simulated", "policy": "race"}
-    parameters = build(kind.Parameters, given | {"attempts": 1, "prompts_per_attempt": 2})
-    plan = Plan(kind, parameters, "calm", "P01", 7, "live", "P02")
+    settings = given | {"attempts": 1, "prompts_per_attempt": 2}
+    plan = make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)
     async with sit_down(data, catalogue, plan) as driver:
         await driver.wait(500)
         await driver.press("enter", "enter", "enter")

@@ -10,14 +10,13 @@ import pytest
 from sar_tui.drivers.phidget import new_channel
 from sar_tui.framework.clock import LiveClock
 from sar_tui.framework.messages import ImuBlock, SensorChanged
-from sar_tui.framework.parameters import build
 from sar_tui.framework.topics import IMU, SENSOR
 from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.inputs.sensor import Imu
 from sar_tui.motion.samples import unpack
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import Run, start
 from sar_tui.simulation.fake_phidget import FakeSpatial
 from sar_tui.store import imu, sessions
@@ -78,8 +77,7 @@ def test_five_seconds_of_samples_are_all_kept_and_a_sensor_that_is_plugged_in_ag
     count = 5000 // interval_ms
     driven = FakeSpatial(new_channel("Spatial"), interval_ms)
     catalogue = Catalogue()
-    task = catalogue.task("reaching")
-    plan = Plan(task, build(task.Parameters, {}), "calm", "P01", seed=1)
+    plan = make_plan(catalogue, "reaching", ["P01"], seed=1)
 
     async def session() -> tuple[str, list[str]]:
         clock = LiveClock(asyncio.get_running_loop())

@@ -16,14 +16,13 @@ from typing import Any
 import pytest
 
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.outputs import outputs
 from sar_tui.outputs.node import GIVES_UP, PER_CHARACTER, STILL
 from sar_tui.outputs.output import OutputError
 from sar_tui.outputs.report_validation import LONGEST_DETAIL
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from tests.outputs.contract import CHECKS, Rig
@@ -117,7 +116,7 @@ def test_in_a_session_it_waves_at_both_ends_and_the_pages_query_tells_so(
     robot = tmp_path / "robot.txt"
     robot.touch()
     settings: dict[str, Any] = {"attempts": 3, "outputs": ["screen", f"robot:{robot}"]}
-    plan = Plan(keyboard, build(keyboard.Parameters, settings), "calm", "SIM", 1, "simulated")
+    plan = make_plan(catalogue, keyboard, ["SIM"], settings, seed=1, mode="simulated")
     session = simulate(plan, PEOPLE["average"], tmp_path / "data", catalogue)
     *told, last = robot.read_text().splitlines()
     assert (told[0], told[-1], last) == ("wave 1800", "wave 1800", "still")

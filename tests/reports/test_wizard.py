@@ -6,7 +6,6 @@ from typing import Any
 import pytest
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.distribution import Distribution
@@ -14,7 +13,7 @@ from sar_tui.reports.notes import Written
 from sar_tui.reports.proposals import cases
 from sar_tui.reports.record import Told, read
 from sar_tui.reports.wizard import WizardReport, report
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import CHARACTERS
 from sar_tui.simulation.person import PEOPLE
@@ -103,7 +102,7 @@ class Simulated:
 
     def __init__(self, keyboard: type[Task], catalogue: Catalogue, data: Path, who: str, **settings: Any) -> None:
         values = {"attempts": 10, "prompts_per_attempt": 4, **settings}
-        plan = Plan(keyboard, build(keyboard.Parameters, values), "calm", "SIM", 3, "simulated")
+        plan = make_plan(catalogue, keyboard, ["SIM"], values, seed=3, mode="simulated")
         self.id = simulate(plan, PEOPLE["average"], data, catalogue, operator=CHARACTERS.get(who))
         self.database = connect(data)
         self.told: list[Told] = read(self.database, self.id)

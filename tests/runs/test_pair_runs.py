@@ -12,7 +12,7 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
 from sar_tui.framework.topics import PROPOSED, SESSION
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.run import Run, resume, start
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
@@ -29,7 +29,7 @@ POLICIES = ("alternate", "race", "cooperative", "joint attention")
 
 
 def plan(mode: Any = "live", left: str = "P01", right: str = "P02", **parameters: object) -> Plan:
-    return Plan(KIND, build(KIND.Parameters, SHORT | parameters), "calm", left, 4, mode, right)
+    return make_plan(CATALOGUE, KIND, [code for code in (left, right) if code], SHORT | parameters, seed=4, mode=mode)
 
 
 def sit_down(task: Any, theme: Any) -> list[Any]:
@@ -88,13 +88,10 @@ def test_neither_of_two_can_be_in_another_live_session_meanwhile(data: Path) -> 
         ("keyboard", "P01", "P02", "The task keyboard is for one: name one participant only."),
     ],
 )
-def test_as_many_are_named_as_there_are_seats(data: Path, task: str, left: str, right: str, why: str) -> None:
-    kind = CATALOGUE.task(task)
-    refused = Plan(kind, build(kind.Parameters, {}), "calm", left, 4, "live", right)
+def test_as_many_are_named_as_there_are_seats(task: str, left: str, right: str, why: str) -> None:
     with pytest.raises(StoreError, match=why) as raised:
-        start(refused, data, CATALOGUE, VirtualClock(), sit_down)
+        make_plan(CATALOGUE, task, [code for code in (left, right) if code])
     assert raised.value.bad_input
-    assert not data.exists()
 
 
 def test_each_has_the_best_of_their_own_whatever_the_seat(data: Path) -> None:

@@ -11,10 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.parameters import build
 from sar_tui.framework.topics import SESSION, WAITING
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import Run, resume, start
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.person import PEOPLE
@@ -24,8 +23,8 @@ from tests.examples import examples
 
 CATALOGUE = Catalogue()
 KEYBOARD = CATALOGUE.task("keyboard")
-PARAMETERS = build(KEYBOARD.Parameters, {"attempts": 3, "prompts_per_attempt": 4, "start_level": 5})
-PLAN = Plan(KEYBOARD, PARAMETERS, "calm", "P01", 4, "live")
+SETTINGS = {"attempts": 3, "prompts_per_attempt": 4, "start_level": 5}
+PLAN = make_plan(CATALOGUE, KEYBOARD, ["P01"], SETTINGS, seed=4)
 
 
 def sit_down(task: Any, theme: Any) -> list[SimulatedParticipant]:

@@ -7,12 +7,11 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework.parameters import build
 from sar_tui.framework.policies.feedback import RAREST
 from sar_tui.framework.session_phase import ASK_KEY
 from sar_tui.framework.topics import ALL, ATTEMPT_ENDED, FEEDBACK, KEY, PROPOSED
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
@@ -28,8 +27,7 @@ class Kept:
 
     def __init__(self, data: Path, user: str, seed: int, task: str = "keyboard", **parameters: Any) -> None:
         catalogue = Catalogue()
-        kind = catalogue.task(task)
-        plan = Plan(kind, build(kind.Parameters, parameters), "calm", "SIM", seed, "simulated")
+        plan = make_plan(catalogue, task, ["SIM"], parameters, seed=seed, mode="simulated")
         self.parameters = plan.parameters
         self.id = simulate(plan, PEOPLE[user], data, catalogue)
         database = connect(data)

@@ -17,7 +17,7 @@ from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, SimulatedHand
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
 from sar_tui.simulation.person import PEOPLE
@@ -119,9 +119,9 @@ def _judge(policy: str, rows: list[Any]) -> None:
 
 def test_a_session_of_reaches_of_two_is_kept_and_comes_out_the_same_when_replayed(data: Path) -> None:
     given = {"policy": "race", "respond_with": "reaches", "attempts": 1, "prompts_per_attempt": 2}
-    parameters = build(KIND.Parameters, given)
-    plan = Plan(KIND, parameters, "calm", "P01", 3, "simulated", "P02")
-    name = simulate(plan, PEOPLE["average"], data, Catalogue(), partner=PEOPLE["poor"])
+    catalogue = Catalogue()
+    plan = make_plan(catalogue, KIND, ["P01", "P02"], given, seed=3, mode="simulated")
+    name = simulate(plan, PEOPLE["average"], data, catalogue, partner=PEOPLE["poor"])
     database = connect(data)
     rows = sessions.rows(database, "trials", name)
     history = list(sessions.history(database, name))
@@ -130,6 +130,6 @@ def test_a_session_of_reaches_of_two_is_kept_and_comes_out_the_same_when_replaye
     assert {row["stimulus"] for row in rows} == {"reach"}
     assert {record.message.seat for record in history if record.topic is SENSOR} == {"A", "B"}
     assert {record.message.seat for record in history if record.topic is REACH} == {"A", "B"}
-    replayed = Session(KIND(parameters), CALM, VirtualClock(), 3)
+    replayed = Session(KIND(plan.parameters), CALM, VirtualClock(), 3)
     replayed.replay(history)
     assert replayed.ended

@@ -15,7 +15,7 @@ from sar_tui.framework.phrase_keys import PERFORMANCE, QUALITATIVE
 from sar_tui.framework.task import Task
 from sar_tui.motion.analysis import Window, analyse
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import imu, sessions
@@ -34,8 +34,7 @@ def reaching() -> type[Task]:
 
 
 def plan(seed: int, **parameters: object) -> Plan:
-    kind = reaching()
-    return Plan(kind, build(kind.Parameters, parameters), "calm", "SIM", seed, "simulated")
+    return make_plan(Catalogue(), reaching(), ["SIM"], parameters, seed=seed, mode="simulated")
 
 
 class Sample(NamedTuple):

@@ -10,12 +10,12 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.clock import SECOND, VirtualClock
 from sar_tui.framework.declaration import ParameterError, meta
 from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import build
+from sar_tui.framework.parameters import build, changed
 from sar_tui.framework.session import Session
 from sar_tui.framework.topics import REACH, SENSOR, WAITING
 from sar_tui.framework.trial_types import Again, Trial
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.sensors import sensor, sensors
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
@@ -65,7 +65,8 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def played(data: Path) -> str:
-    plan = Plan(TwoHands, parameters(), "calm", "P01", 5, "simulated", "P02")
+    settings = changed(parameters())
+    plan = make_plan(Catalogue(), TwoHands, ["P01", "P02"], settings, seed=5, mode="simulated")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sar_tui.runs.run.task_folder", lambda kind: Path(__file__).parent / "nowhere")
         return simulate(plan, PEOPLE["competent"], data, Catalogue(), partner=PEOPLE["poor"])

@@ -10,10 +10,9 @@ import pytest
 import sqlite_utils
 from filelock import FileLock
 
-from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
@@ -26,7 +25,7 @@ pytestmark = pytest.mark.xdist_group("users")
 
 
 def plan(keyboard: type[Task], seed: int, **parameters: object) -> Plan:
-    return Plan(keyboard, build(keyboard.Parameters, parameters), "calm", "SIM", seed, "simulated")
+    return make_plan(Catalogue(), keyboard, ["SIM"], parameters, seed=seed, mode="simulated")
 
 
 class Sample(NamedTuple):

@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 import sqlite_utils
 
-from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store.database import connect
 
 
@@ -22,6 +21,4 @@ def database(data: Path) -> Iterator[sqlite_utils.Database]:
 @pytest.fixture
 def plan(catalogue: Catalogue) -> Plan:
     """A short live session of P01."""
-    keyboard = catalogue.task("keyboard")
-    parameters = build(keyboard.Parameters, {"attempts": 2, "prompts_per_attempt": 3})
-    return Plan(keyboard, parameters, "calm", "P01", 11, "live")
+    return make_plan(catalogue, "keyboard", ["P01"], {"attempts": 2, "prompts_per_attempt": 3}, seed=11)

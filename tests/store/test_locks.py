@@ -31,12 +31,11 @@ KILLED = """
 import os, sys
 from pathlib import Path
 from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.run import Plan, start
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.run import start
 catalogue = Catalogue()
-keyboard = catalogue.task("keyboard")
-plan = Plan(keyboard, build(keyboard.Parameters, {}), "calm", "P01", 1, "live")
+plan = make_plan(catalogue, "keyboard", ["P01"], seed=1)
 run = start(plan, Path(sys.argv[1]), catalogue, VirtualClock(), lambda task, theme: [])
 run.begin()
 print(run.id, flush=True)

@@ -16,7 +16,7 @@ from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Situation, Stimulus
 from sar_tui.plugins import Catalogue, task_folder
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
@@ -77,10 +77,10 @@ def test_the_remarks_of_reaching_are_among_what_is_looked_at_and_none_asks_for_w
 def test_whoever_does_a_task_hears_no_number_in_feedback_in_words(
     name: str, person: str, code: str, data: Path
 ) -> None:
-    kind = Catalogue().task(name)
+    catalogue = Catalogue()
     wanted = {"language": code, "feedback_form": "qualitative", "feedback_schedule": "every"}
-    parameters = build(kind.Parameters, {**SETTINGS[name], **wanted})
-    session = simulate(Plan(kind, parameters, "calm", "P1", 3, "simulated"), PEOPLE[person], data, Catalogue())
+    plan = make_plan(catalogue, name, ["P1"], {**SETTINGS[name], **wanted}, seed=3, mode="simulated")
+    session = simulate(plan, PEOPLE[person], data, catalogue)
     database = connect(data)
     try:
         messages = [record.message for record in sessions.history(database, session)]
@@ -97,13 +97,13 @@ def test_whoever_does_a_task_hears_no_number_in_feedback_in_words(
 
 def told(data: Path, name: str, person: str, code: str = "es") -> Iterator[str]:
     """All that a simulated participant of a whole session reads and hears."""
-    kind = Catalogue().task(name)
-    parameters = build(kind.Parameters, {"language": code, "feedback_form": "both", **SETTINGS[name]})
-    plan = Plan(kind, parameters, "calm", "P1", 3, "simulated")
-    session = simulate(plan, PEOPLE[person], data, Catalogue())
+    catalogue = Catalogue()
+    settings = {"language": code, "feedback_form": "both", **SETTINGS[name]}
+    plan = make_plan(catalogue, name, ["P1"], settings, seed=3, mode="simulated")
+    session = simulate(plan, PEOPLE[person], data, catalogue)
     database = connect(data)
     try:
-        yield kind(parameters).instructions()
+        yield plan.task(plan.parameters).instructions()
         for record in sessions.history(database, session):
             match record.message:
                 case Waiting(attempt_name=attempt, goal=goal, notice=notice):

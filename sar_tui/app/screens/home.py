@@ -1,7 +1,6 @@
 """Home: who sits down, what they do, and what was done before."""
 
-import secrets
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from textual import on
 from textual.app import ComposeResult
@@ -12,15 +11,11 @@ from textual.widgets import Button, Footer, OptionList, Static
 from textual.widgets.option_list import Option
 
 from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
 from sar_tui.store import participants, sessions
 from sar_tui.store.database import StoreError
 from sar_tui.store.provenance import machine
-
-if TYPE_CHECKING:
-    from sar_tui.runs.plan import Plan
 
 _NEW = "+"
 _LOOK_SECONDS = 3.0
@@ -235,37 +230,35 @@ class HomeScreen(Screen[None]):
         if (chosen := self._participant_and_task()) is None:
             return
         who, task = chosen
-        kept = participants.settings(self.app.database, who, task.name)
-        theme = self._chosen("theme") or kept.theme
-        try:
-            parameters = build(task.Parameters, kept.parameters)
-        except ParameterError as error:
-            self.notify(f"The settings of {who} do not fit: {error}", severity="warning", timeout=15)
-            return
-        try:
-            participants.save_settings(self.app.database, who, task.name, participants.Settings(kept.parameters, theme))
-        except StoreError as error:
-            self.notify(str(error), severity="error", timeout=15)
-            return
-        from sar_tui.runs.plan import Plan
-
-        plan = Plan(task, parameters, theme, who, secrets.randbelow(2**31))
         if len(task.seats) == 1:
-            self.app.begin_session(plan)
-        else:
-            self._ask_for_second(plan)
-
-    def _ask_for_second(self, plan: "Plan") -> None:
-        """A task for two begins when it is known who sits on the right."""
-        import msgspec
-
+            self._begin(task, who)
+            return
         from sar_tui.app.screens.second_participant import SecondParticipantScreen
 
-        def chosen(code: str | None) -> None:
+        def second_chosen(code: str | None) -> None:
             if code:
-                self.app.begin_session(msgspec.structs.replace(plan, partner=code))
+                self._begin(task, who, code)
 
-        self.app.push_screen(SecondParticipantScreen(plan.participant), chosen)
+        self.app.push_screen(SecondParticipantScreen(who), second_chosen)
+
+    def _begin(self, task: type[Task], *codes: str) -> None:
+        """Plan the session from the first participant's saved settings, save the theme, and begin."""
+        from sar_tui.runs.plan import Failed, make_plan
+
+        saved = participants.settings(self.app.database, codes[0], task.name)
+        theme = self._chosen("theme") or saved.theme
+        try:
+            plan = make_plan(self.app.catalogue, task, codes, saved=saved, theme=theme)
+            kept = participants.Settings(saved.parameters, theme)
+            participants.save_settings(self.app.database, codes[0], task.name, kept)
+        except ParameterError as error:
+            self.notify(f"The settings of {codes[0]} do not fit: {error}", severity="warning", timeout=15)
+        except StoreError as error:
+            self.notify(str(error), severity="error", timeout=15)
+        except (PluginError, Failed) as error:
+            self.notify(str(error), severity="warning", timeout=15)
+        else:
+            self.app.begin_session(plan)
 
     @on(Button.Pressed, "#settings")
     def action_settings(self) -> None:
