@@ -201,7 +201,7 @@ def test_a_session_that_cannot_be_brought_back_leaves_its_participant_free(
     plan: Plan, data: Path, catalogue: Catalogue
 ) -> None:
     session = begin(plan, data, catalogue)
-    connect(data).execute("UPDATE events SET message=replace(message, 'Your goal', 'The goal')")
+    connect(data).execute("UPDATE events SET message=replace(message, '\"trials\":3', '\"trials\":4')")
     with pytest.raises(Failed, match="cannot be gone on with") as caught:
         resume(session, data, catalogue, VirtualClock(), lambda task, theme: [])
     assert "has changed since" in str(caught.value)
