@@ -1,12 +1,9 @@
-"""What waits for an operator, and what becomes of it when they decide."""
+"""Proposals that wait for an operator's decision."""
 
 from collections.abc import Callable
 
-import msgspec
-
-from sar_tui.framework.messages import Action, Decision, Ground, PendingApproval, Proposal
+from sar_tui.framework.messages import PendingApproval
 from sar_tui.framework.policies.arbitration import is_owed
-from sar_tui.framework.theme import Theme
 
 
 class PendingApprovals:
@@ -48,28 +45,3 @@ class PendingApprovals:
         for offer in gone:
             del self._waiting[offer.proposal.id]
         return gone
-
-
-def accepted(
-    proposal: Proposal, actor: str = "agent", ground: Ground = "mode", offer: PendingApproval | None = None, at: int = 0
-) -> Action:
-    """A proposal as it was made."""
-    said = {name: getattr(proposal, name) for name in proposal.__struct_fields__}
-    mode = offer.mode if offer else "autonomous"
-    return Action(**said, decision="accepted", actor=actor, mode=mode, ground=ground, decided=at)
-
-
-def edited(action: Action, decision: Decision, theme: Theme, at: int) -> Action:
-    """What an operator made of something; if they changed nothing, it is accepted as it was."""
-    changes: dict[str, object] = {}
-    if decision.valence is not None and decision.valence != action.valence:
-        manner = theme.manner(decision.valence)
-        changes |= {"valence": decision.valence, "face": manner.face, "tone": manner.tone, "degree": "clear"}
-        if action.gesture:
-            changes["gesture"] = manner.gesture
-    if decision.text is not None and decision.text != action.text:
-        changes |= {"text": decision.text, "spoken": theme.spoken(decision.text)}
-    if decision.gesture is not None and decision.gesture != action.gesture:
-        changes["gesture"] = decision.gesture
-    how = "edited" if changes else action.decision
-    return msgspec.structs.replace(action, **changes, decision=how, actor=decision.actor, ground="operator", decided=at)

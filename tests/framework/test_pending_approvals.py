@@ -4,9 +4,10 @@ from typing import Any
 
 import pytest
 
+from sar_tui.framework.actions import accepted, edited
 from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import Action, Decision, PendingApproval, Proposal
-from sar_tui.framework.pending_approvals import PendingApprovals, accepted, edited
+from sar_tui.framework.pending_approvals import PendingApprovals
 from sar_tui.framework.theme import Theme
 
 PRAISE = Proposal(
