@@ -57,8 +57,7 @@ def show_task(
 ) -> None:
     """Show what can be set for a task."""
     from sar_tui.framework.declaration import show
-    from sar_tui.framework.parameter_groups import grouped
-    from sar_tui.framework.parameters import fields
+    from sar_tui.framework.parameters import fields, grouped
 
     task = Home.of(context, data, tasks).catalogue().task(name)
     if as_json:

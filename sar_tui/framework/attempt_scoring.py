@@ -8,6 +8,15 @@ from msgspec.structs import replace
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import AttemptEnded, Feedback, FeedbackChoice, Outcome
 from sar_tui.framework.policies import feedback
+from sar_tui.framework.policies.judgement import (
+    RACED,
+    JudgedAttempt,
+    Judgement,
+    degree,
+    judge,
+    judge_race,
+    judge_summary,
+)
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Result, Score, Target
 
@@ -60,11 +69,11 @@ def score_seats(
     target = task.target(attempt.level)
     enough = task.parameters.min_accuracy
     scores = {seat: task.score(list(results[seat])) for seat in task.seats if results.get(seat)}
-    judgements = {seat: feedback.judge(score, task.metric, target, enough) for seat, score in scores.items()}
-    reported = feedback.judge_race(scores, judgements)
+    judgements = {seat: judge(score, task.metric, target, enough) for seat, score in scores.items()}
+    reported = judge_race(scores, judgements)
     seats, updated = {}, dict(histories)
     for seat, score in scores.items():
-        judged = feedback.Judged(score, target, judgements[seat].outcome)
+        judged = JudgedAttempt(score, target, judgements[seat])
         seats[seat], updated[seat] = _score_seat(
             task, attempt, seat, results[seat], judged, reported[seat], histories[seat]
         )
@@ -77,15 +86,15 @@ def _score_seat(
     attempt: AttemptFacts,
     seat: str,
     results: Sequence[Result],
-    judged: feedback.Judged,
-    judgement: feedback.Judgement,
+    judged: JudgedAttempt,
+    judgement: Judgement,
     history: feedback.History,
 ) -> tuple[SeatScore, feedback.History]:
     """Score an attempt for one seat. Returns the score and the seat's new history."""
     if not attempt.practice:
         history = feedback.remember(history, judged, task.parameters)
     choice = feedback.choose(history, judged, task.parameters, task.feedback_on, practice=attempt.practice)
-    if judgement.reason in feedback.RACED:
+    if judgement.reason in RACED:
         choice = replace(choice, degree="clear")
     message = _feedback(task, attempt, seat, results, judged.score, judgement, judged.target, choice, history)
     ended = AttemptEnded(
@@ -117,7 +126,7 @@ def _feedback(
     seat: str,
     results: Sequence[Result],
     score: Score,
-    judgement: feedback.Judgement,
+    judgement: Judgement,
     target: Target,
     choice: FeedbackChoice,
     history: feedback.History,
@@ -126,8 +135,8 @@ def _feedback(
     reached = int(judgement.outcome == "success")
     if choice.attempts > 1:
         enough = task.parameters.min_accuracy
-        judgement, mean, target, reached = feedback.judge_summary(history.recent, task.metric, enough)
-        choice = replace(choice, degree=feedback.degree(mean.metric, target))
+        judgement, mean, target, reached = judge_summary(history.recent, task.metric, enough)
+        choice = replace(choice, degree=degree(mean.metric, target))
         score = replace(score, metric=mean.metric)
     return Feedback(
         seat=seat,

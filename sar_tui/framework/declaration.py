@@ -37,6 +37,14 @@ def meta(
     return Meta(title=title, description=help or None, extra=extra, **bounds)
 
 
+class Settings(msgspec.Struct, frozen=True, kw_only=True):
+    """Base of a group of parameters, declared with ``meta``. Every one has a default."""
+
+    def problems(self) -> dict[str, str]:
+        """Return settings that do not fit together: parameter name to one clear sentence."""
+        return {}
+
+
 class ParameterError(ValueError):
     """One or more parameters cannot be. ``problems`` maps each name to one clear sentence."""
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 from sar_tui.framework.messages import AttemptEnded, Degree, Feedback, Form, RecalledAttempts, Valence
-from sar_tui.framework.policies.feedback import RACED
+from sar_tui.framework.policies.judgement import RACED
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Quality
 

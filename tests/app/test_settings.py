@@ -9,8 +9,7 @@ from textual.widget import Widget
 
 from sar_tui.app.screens.settings import SettingsScreen
 from sar_tui.framework.declaration import meta, show
-from sar_tui.framework.parameter_groups import grouped
-from sar_tui.framework.parameters import fields
+from sar_tui.framework.parameters import fields, grouped
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.choice import Choice

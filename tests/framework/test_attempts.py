@@ -12,7 +12,7 @@ from sar_tui.framework.attempt_state import AttemptScore
 from sar_tui.framework.attempts import Attempts
 from sar_tui.framework.clock import MS
 from sar_tui.framework.parameters import build
-from sar_tui.framework.policies.feedback import degree
+from sar_tui.framework.policies.judgement import degree
 from sar_tui.framework.trial_types import Result, Results, Target
 from tests.lifting_task import Lift
 

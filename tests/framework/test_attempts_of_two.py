@@ -7,7 +7,7 @@ import pytest
 from sar_tui.framework.attempt_state import AttemptScore
 from sar_tui.framework.attempts import Attempts
 from sar_tui.framework.parameters import build
-from sar_tui.framework.policies.feedback import Judgement, judge_race
+from sar_tui.framework.policies.judgement import Judgement, judge_race
 from sar_tui.framework.trial_types import Result, Score
 from tests.lifting_task import Lift
 

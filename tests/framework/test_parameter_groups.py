@@ -5,8 +5,7 @@ from typing import Annotated
 import pytest
 
 from sar_tui.framework.declaration import Field, meta
-from sar_tui.framework.parameter_groups import grouped
-from sar_tui.framework.parameters import TaskParameters, fields
+from sar_tui.framework.parameters import TaskParameters, fields, grouped
 
 
 class Parameters(TaskParameters, frozen=True, kw_only=True):

@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework.policies.feedback import RAREST
+from sar_tui.framework.policies.feedback.faded import RAREST
 from sar_tui.framework.session_phase import ASK_KEY
 from sar_tui.framework.topics import ALL, ATTEMPT_ENDED, FEEDBACK, KEY, PROPOSED
 from sar_tui.plugins import Catalogue

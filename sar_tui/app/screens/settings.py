@@ -10,8 +10,7 @@ from textual.screen import Screen
 from textual.widgets import Button, Footer, Static
 
 from sar_tui.framework.declaration import ParameterError, show
-from sar_tui.framework.parameter_groups import grouped
-from sar_tui.framework.parameters import build, changed, current_values
+from sar_tui.framework.parameters import build, changed, current_values, grouped
 from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
 from sar_tui.runs.plan import check_outputs

@@ -34,7 +34,6 @@ from sar_tui.framework.messages.base import (
     Policy,
     Reference,
     Role,
-    Schedule,
     SensorState,
     Valence,
 )
@@ -144,7 +143,6 @@ __all__ = [
     "Reference",
     "Remark",
     "Role",
-    "Schedule",
     "SensorChanged",
     "SensorState",
     "SessionEnded",

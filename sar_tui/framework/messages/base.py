@@ -6,7 +6,6 @@ import msgspec
 
 Valence = Literal["positive", "neutral", "negative"]
 Degree = Literal["slight", "clear", "strong"]
-Schedule = Literal["every", "faded", "bandwidth", "summary", "request", "none"]
 Form = Literal["qualitative", "quantitative", "both"]
 Reference = Literal["last attempt", "best attempt", "session's mean", "goal"]
 Kind = Literal[

@@ -4,7 +4,7 @@ from typing import Literal
 
 import msgspec
 
-from sar_tui.framework.messages.base import Degree, Form, Json, Message, Outcome, Reference, Schedule, Valence
+from sar_tui.framework.messages.base import Degree, Form, Json, Message, Outcome, Reference, Valence
 
 
 class Percept(Message, frozen=True, kw_only=True):
@@ -209,7 +209,7 @@ class FeedbackChoice(msgspec.Struct, frozen=True):
     the goal is still within the bandwidth, in the metric's unit. ``attempts``: how many attempts the answer sums up.
     """
 
-    schedule: Schedule
+    schedule: str
     due: bool
     why: str
     content: Literal["results", "performance", "both"]

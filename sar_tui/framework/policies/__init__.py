@@ -1,1 +1,1 @@
-"""Decisions as pure functions of (state, result), so that they can be read, tested and replayed."""
+"""Decisions as pure functions of state and result, so that they can be read, tested and replayed."""

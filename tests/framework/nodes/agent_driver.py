@@ -13,7 +13,7 @@ from sar_tui.framework.nodes.action_center import ActionCenter
 from sar_tui.framework.nodes.memory import Memory
 from sar_tui.framework.parameters import build
 from sar_tui.framework.phrase_keys import SITUATIONS
-from sar_tui.framework.policies import feedback
+from sar_tui.framework.policies import feedback, judgement
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, FEEDBACK, PROPOSED, SESSION
@@ -53,8 +53,8 @@ class Judge(Node):
         accuracy = done.correct / done.trials
         score = Score(done.metric, accuracy, done.correct, done.trials)
         target = self.task.target(done.level)
-        verdict = feedback.judge(score, self.task.metric, target, 0.0 if done.sums_up > 1 else 0.8)
-        judged = feedback.Judged(score, target, verdict.outcome)
+        verdict = judgement.judge(score, self.task.metric, target, 0.0 if done.sums_up > 1 else 0.8)
+        judged = judgement.JudgedAttempt(score, target, verdict)
         choice = feedback.choose(feedback.History(since=1), judged, self.task.parameters, self.task.feedback_on)
         choice = msgspec.structs.replace(choice, attempts=done.sums_up)
         facts: dict[str, Any] = {

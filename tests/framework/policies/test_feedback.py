@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.parameters import TaskParameters, build
-from sar_tui.framework.policies.feedback import Judgement, degree, judge
+from sar_tui.framework.policies.judgement import Judgement, degree, judge
 from sar_tui.framework.trial_types import Metric, Score, Target
 
 TIME = Metric("time", unit="ms", better="lower")

@@ -8,8 +8,10 @@ from hypothesis import strategies as st
 
 from sar_tui.framework.messages import FeedbackChoice
 from sar_tui.framework.parameters import TaskParameters, build
-from sar_tui.framework.policies import feedback
-from sar_tui.framework.policies.feedback import RAREST, History, Judged
+from sar_tui.framework.policies import feedback, judgement
+from sar_tui.framework.policies.feedback import History
+from sar_tui.framework.policies.feedback.faded import RAREST
+from sar_tui.framework.policies.judgement import JudgedAttempt
 from sar_tui.framework.trial_types import Metric, Score, Target
 
 TIME = Metric("time", unit="ms", better="lower")
@@ -24,13 +26,13 @@ def settings(schedule: str, **more: Any) -> TaskParameters:
     return build(TaskParameters, {"feedback_schedule": schedule, "threshold": GOAL, **more})
 
 
-def judged(metric: float | None, accuracy: float | None = 1.0, goal: float = GOAL) -> Judged:
+def judged(metric: float | None, accuracy: float | None = 1.0, goal: float = GOAL) -> JudgedAttempt:
     score, target = Score(metric, accuracy, 0, 20), Target(goal, 10.0)
-    return Judged(score, target, feedback.judge(score, TIME, target, 0.8).outcome)
+    return JudgedAttempt(score, target, judgement.judge(score, TIME, target, 0.8))
 
 
 def step(
-    history: History, attempt: Judged, parameters: TaskParameters, practice: bool = False
+    history: History, attempt: JudgedAttempt, parameters: TaskParameters, practice: bool = False
 ) -> tuple[History, FeedbackChoice]:
     """One attempt, as the course of a session takes it."""
     if not practice:
@@ -39,7 +41,7 @@ def step(
     return (feedback.answered(history) if choice.due and not practice else history), choice
 
 
-def chosen(parameters: TaskParameters, attempts: list[Judged]) -> list[FeedbackChoice]:
+def chosen(parameters: TaskParameters, attempts: list[JudgedAttempt]) -> list[FeedbackChoice]:
     history, choices = History(), []
     for attempt in attempts:
         history, choice = step(history, attempt, parameters)
@@ -89,7 +91,7 @@ def test_a_summary_holds_the_means_of_what_was_measured_and_counts_what_reached_
     attempts: list[tuple[float | None, float, float]],
 ) -> None:
     recent = tuple(judged(metric, accuracy, goal) for metric, goal, accuracy in attempts)
-    score, target, reached = feedback.summary(recent)
+    score, target, reached = judgement.summary(recent)
     measured = [(metric, goal) for metric, goal, _ in attempts if metric is not None]
     assert reached == sum(
         metric is not None and metric < goal and accuracy >= 0.8 for metric, goal, accuracy in attempts
@@ -113,7 +115,7 @@ def test_a_summary_neither_praises_what_was_mostly_missed_nor_consoles_for_what_
     attempts: list[tuple[float | None, float]],
 ) -> None:
     recent = tuple(judged(metric, accuracy) for metric, accuracy in attempts)
-    verdict, _, _, reached = feedback.judge_summary(recent, TIME, 0.8)
+    verdict, _, _, reached = judgement.judge_summary(recent, TIME, 0.8)
     if verdict.valence == "positive":
         assert 2 * reached >= len(recent)
     if verdict.valence == "negative":
@@ -252,7 +254,7 @@ def test_every_attempt_says_whether_it_is_answered_how_and_why(
         assert choice.why.endswith(".")
         assert choice.why[0].isupper() or choice.why[0].isdigit()
         failed = result is None or accuracy < 0.8
-        assert choice.degree == ("clear" if failed else feedback.degree(result, attempt.target))
+        assert choice.degree == ("clear" if failed else judgement.degree(result, attempt.target))
 
 
 @given(st.integers(2, 50), RESULTS)

@@ -1,0 +1,25 @@
+"""Feedback after every n-th attempt."""
+
+from typing import Annotated
+
+from sar_tui.framework.declaration import Settings, meta
+from sar_tui.framework.policies.feedback.policy import Decision, FeedbackPolicy, History, decide_every
+from sar_tui.framework.policies.judgement import JudgedAttempt
+
+
+class EverySettings(Settings, frozen=True, kw_only=True):
+    """Settings of the schedules ``every`` and ``summary``."""
+
+    feedback_every: Annotated[
+        int,
+        meta("Feedback every", "attempts", "For every and summary: the agent answers every so many attempts.",
+             ge=1, le=100, group="Feedback"),
+    ] = 1  # fmt: skip
+
+
+def decide(history: History, attempt: JudgedAttempt, settings: EverySettings) -> Decision:
+    """Return whether enough attempts have passed since the last answer."""
+    return decide_every(history.since, settings.feedback_every)
+
+
+POLICY = FeedbackPolicy(decide, EverySettings)

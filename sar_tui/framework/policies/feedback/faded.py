@@ -1,0 +1,34 @@
+"""Feedback that becomes rarer as successes outnumber failures."""
+
+from typing import Annotated
+
+from sar_tui.framework.declaration import Settings, meta
+from sar_tui.framework.policies.feedback.policy import Decision, FeedbackPolicy, History, decide_every
+from sar_tui.framework.policies.judgement import JudgedAttempt
+
+RAREST = 10
+"""The longest interval, in attempts."""
+
+
+class FadedSettings(Settings, frozen=True, kw_only=True):
+    """Settings of the schedule ``faded``."""
+
+    feedback_fade: Annotated[
+        int,
+        meta("Fading", "successes",
+             "For faded: so many more successes than failures make feedback rarer by one attempt.", ge=1, le=50,
+             group="Feedback"),
+    ] = 2  # fmt: skip
+
+
+def decide(history: History, attempt: JudgedAttempt, settings: FadedSettings) -> Decision:
+    """Return whether enough attempts have passed for the skill shown so far.
+
+    A success lengthens the interval only after the next answer; a failure shortens it at once.
+    """
+    ahead = min(history.paced_by, history.skill)
+    note = f"Successes outnumber failures by {history.skill}, at the last answer by {history.paced_by}."
+    return decide_every(history.since, min(RAREST, 1 + ahead // settings.feedback_fade), note)
+
+
+POLICY = FeedbackPolicy(decide, FadedSettings)

@@ -1,0 +1,13 @@
+"""No feedback."""
+
+from sar_tui.framework.declaration import Settings
+from sar_tui.framework.policies.feedback.policy import Decision, FeedbackPolicy, History
+from sar_tui.framework.policies.judgement import JudgedAttempt
+
+
+def decide(history: History, attempt: JudgedAttempt, settings: Settings) -> Decision:
+    """Return that nothing is due."""
+    return Decision(False, "No feedback is given.")
+
+
+POLICY = FeedbackPolicy(decide, answers_practice=False)

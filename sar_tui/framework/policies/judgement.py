@@ -1,0 +1,117 @@
+"""Judges attempts: success or failure, praise or consolation, and how warm."""
+
+from typing import Literal
+
+import msgspec
+
+from sar_tui.framework.messages import Degree, Outcome, Valence
+from sar_tui.framework.trial_types import Metric, Score, Target
+
+Reason = Literal["goal", "missed", "band", "accuracy", "empty", "won", "lost", "drawn"]
+RACED = ("won", "lost", "drawn")
+"""Reasons given for the result of a race."""
+SLIGHT, STRONG = 0.1, 0.25
+"""Distances from the goal, as shares of it: below the first is slight, from the second on strong."""
+ROUNDING = 1e-9
+"""Rounding error allowed in comparisons, as a share of the goal: 0.8 lies within 0.1 of 0.7."""
+
+
+class Judgement(msgspec.Struct, frozen=True):
+    """The result of judging an attempt. ``reason`` explains the valence (see `messages.Feedback`)."""
+
+    outcome: Outcome
+    valence: Valence
+    reason: Reason
+
+
+class JudgedAttempt(msgspec.Struct, frozen=True):
+    """The score of an attempt, its target, and the judgement of one by the other."""
+
+    score: Score
+    target: Target
+    judgement: Judgement
+
+    @property
+    def outcome(self) -> Outcome:
+        """Success or failure."""
+        return self.judgement.outcome
+
+    @property
+    def has_no_result(self) -> bool:
+        """True if too few responses were right, or none could be timed."""
+        return self.judgement.reason in ("empty", "accuracy")
+
+
+def judge(score: Score, metric: Metric, target: Target, min_accuracy: float) -> Judgement:
+    """Judge an attempt (thesis 4.2.1, 4.4.2).
+
+    Success: the metric is better than the threshold (equal is not) and the accuracy reaches its minimum.
+    Valence: positive on success, negative on failure, neutral within the band (bounds included) of the
+    threshold; below the minimum accuracy, or with nothing to average, always negative.
+    """
+    accurate = score.accuracy is None or score.accuracy >= min_accuracy
+    if score.metric is None:
+        return Judgement("failure", "negative", "empty" if accurate else "accuracy")
+    if not accurate:
+        return Judgement("failure", "negative", "accuracy")
+    success = metric.is_better(score.metric, target.threshold)
+    outcome: Outcome = "success" if success else "failure"
+    if abs(score.metric - target.threshold) <= target.neutral_band + ROUNDING * abs(target.threshold):
+        return Judgement(outcome, "neutral", "band")
+    return Judgement(outcome, "positive", "goal") if success else Judgement(outcome, "negative", "missed")
+
+
+def judge_race(scores: dict[str, Score], verdicts: dict[str, Judgement]) -> dict[str, Judgement]:
+    """What to tell those who raced: how often each was the first, whatever they reached.
+
+    Who was more often is praised, who was less often consoled; a draw is neutral. Whether the goal was reached, as
+    ``verdicts`` has it, stands; it is also what is told without a race, or where nobody won anything.
+    """
+    won = {seat: score.won for seat, score in scores.items() if score.won is not None}
+    most = max(won.values(), default=0)
+    if len(won) < 2 or not most:
+        return verdicts
+    is_drawn = min(won.values()) == most
+    told: dict[str, tuple[Valence, Reason]] = {
+        seat: ("neutral", "drawn") if is_drawn else ("positive", "won") if count == most else ("negative", "lost")
+        for seat, count in won.items()
+    }
+    return {seat: Judgement(verdicts[seat].outcome, *what) for seat, what in told.items()}
+
+
+def degree(metric: float | None, target: Target) -> Degree:
+    """How far a result lies from its goal, as a share of that: how warm praise or consolation is."""
+    if metric is None or not target.threshold:
+        return "clear"
+    share = abs(metric - target.threshold) / abs(target.threshold)
+    return "slight" if share < SLIGHT else "clear" if share < STRONG else "strong"
+
+
+def summary(recent: tuple[JudgedAttempt, ...]) -> tuple[Score, Target, int]:
+    """Some attempts as one: the means of their results, accuracies and goals, and how many reached theirs."""
+    measured = [judged for judged in recent if judged.score.metric is not None]
+    accuracies = [judged.score.accuracy for judged in recent if judged.score.accuracy is not None]
+    accuracy = sum(accuracies) / len(accuracies) if accuracies else None
+    reached = sum(judged.outcome == "success" for judged in recent)
+    if not measured:
+        return (Score(None, accuracy, 0, 0), recent[-1].target, reached)
+    mean = sum(judged.score.metric or 0.0 for judged in measured) / len(measured)
+    goal = sum(judged.target.threshold for judged in measured) / len(measured)
+    band = sum(judged.target.neutral_band for judged in measured) / len(measured)
+    return (Score(mean, accuracy, 0, 0), Target(goal, band), reached)
+
+
+def judge_summary(
+    recent: tuple[JudgedAttempt, ...], metric: Metric, min_accuracy: float
+) -> tuple[Judgement, Score, Target, int]:
+    """Judge some attempts as one, as ``judge`` does; but no praise where fewer than half reached their goal, and no
+    consolation where more than half did, whatever the mean: one very fast or slow attempt is not the rest.
+
+    Returns the judgement, the mean score, the mean goal, and how many reached theirs.
+    """
+    score, target, reached = summary(recent)
+    judged = judge(score, metric, target, min_accuracy)
+    against = {"positive": 2 * reached < len(recent), "negative": 2 * reached > len(recent), "neutral": False}
+    if against[judged.valence]:
+        judged = msgspec.structs.replace(judged, valence="neutral")
+    return judged, score, target, reached

@@ -1,0 +1,28 @@
+"""Settings of the agent and its outputs."""
+
+from typing import Annotated
+
+from sar_tui.framework.declaration import Settings, meta
+
+
+class AgentSettings(Settings, frozen=True, kw_only=True):
+    """Encouragement, outputs and speech."""
+
+    encouragement: Annotated[
+        bool,
+        meta("Encouragement", help="A kind word before an attempt that is harder than those before.", group="Agent"),
+    ] = True
+    outputs: Annotated[
+        tuple[str, ...],
+        meta("Outputs", help="What the agent speaks and moves with: screen, speech, tones, servo, ros://HOST.",
+             max_length=8, group="Agent"),
+    ] = ("screen",)  # fmt: skip
+    speech: Annotated[
+        str,
+        meta(
+            "Speech goes to",
+            help="sound: the loudspeaker. file:FOLDER: a WAV for each utterance.",
+            max_length=500,
+            group="Agent",
+        ),
+    ] = "sound"

@@ -1,0 +1,50 @@
+"""Settings of difficulty that every policy shares."""
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from sar_tui.framework.declaration import Settings, meta
+from sar_tui.framework.policies.difficulty import POLICIES
+
+if TYPE_CHECKING:
+    PolicyName = str
+else:
+    PolicyName = Literal[tuple(POLICIES)]
+
+
+class DifficultySettings(Settings, frozen=True, kw_only=True):
+    """Levels of a session, and the policy that chooses among them."""
+
+    start_level: Annotated[
+        int, meta("Start level", help="The level of the first attempt.", ge=1, le=100, group="Difficulty")
+    ] = 1
+    min_level: Annotated[
+        int, meta("Lowest level", help="The level never falls below this.", ge=1, le=100, group="Difficulty")
+    ] = 1
+    max_level: Annotated[
+        int,
+        meta(
+            "Highest level",
+            help="The level never rises above this, nor above the last level there is.",
+            ge=1,
+            le=100,
+            group="Difficulty",
+        ),
+    ] = 10
+    difficulty_policy: Annotated[
+        PolicyName,
+        meta(
+            "Difficulty",
+            help="consecutive: one level up or down after successes or failures in a row. fixed: stays.",
+            group="Difficulty",
+            renamed={"thesis": "consecutive"},
+        ),
+    ] = "consecutive"
+
+    def problems(self) -> dict[str, str]:
+        """Return why the levels do not fit together, by parameter."""
+        if self.min_level > self.max_level:
+            return {"min_level": f"Lowest level ({self.min_level}) is above the highest ({self.max_level})."}
+        if not self.min_level <= self.start_level <= self.max_level:
+            problem = f"Start level ({self.start_level}) has to lie between {self.min_level} and {self.max_level}."
+            return {"start_level": problem}
+        return {}

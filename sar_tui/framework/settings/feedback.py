@@ -1,0 +1,46 @@
+"""Settings of feedback that every schedule shares."""
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from sar_tui.framework.declaration import Settings, meta
+from sar_tui.framework.policies.feedback import POLICIES
+
+if TYPE_CHECKING:
+    ScheduleName = str
+else:
+    ScheduleName = Literal[tuple(POLICIES)]
+
+
+class ScheduleSettings(Settings, frozen=True, kw_only=True):
+    """The schedule of feedback."""
+
+    feedback_schedule: Annotated[
+        ScheduleName,
+        meta(
+            "Feedback",
+            help="every: each time, or each so many attempts. faded: less often with success. bandwidth: only away "
+            "from the goal. summary: of the last attempts. request: when the participant asks (Tab). none.",
+            group="Feedback",
+        ),
+    ] = "every"
+
+
+class FeedbackSettings(Settings, frozen=True, kw_only=True):
+    """Form, comparison and delay of feedback."""
+
+    feedback_form: Annotated[
+        Literal["qualitative", "quantitative", "both"],
+        meta("Feedback form", help="In words only, with figures, or both.", group="Feedback"),
+    ] = "both"
+    feedback_compared_with: Annotated[
+        Literal["last attempt", "best attempt", "session's mean", "goal"],
+        meta(
+            "Compared with",
+            help="What figures are held against: results at the same level, or the goal.",
+            group="Feedback",
+        ),
+    ] = "last attempt"
+    feedback_delay_ms: Annotated[
+        int,
+        meta("Feedback delay", "ms", "From the end of an attempt to its answer.", ge=0, le=60_000, group="Feedback"),
+    ] = 0
