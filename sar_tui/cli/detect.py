@@ -14,6 +14,7 @@ from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_na
 
 if TYPE_CHECKING:
     from sar_tui.motion.reach import Reach
+    from sar_tui.motion.repetitions import Repetitions
     from sar_tui.motion.samples import Recording
 
 _MOST_MISSING = 10
@@ -67,22 +68,26 @@ def detect(
         typer.Argument(metavar="FILE", help="FILE.csv or FILE.npz: t, wx,wy,wz, ax,ay,az.", show_default=False),
     ],
     detector: Annotated[DetectorName, detector_option("How to find the reaches.")] = "single-axis",
-    hand: Annotated[Hand, typer.Option(help="The hand that wears the sensor.")] = Hand.right,
-    rate: Annotated[Rate, typer.Option(help="What the file's angular rates are in.")] = Rate.radians,
-    acceleration: Annotated[Acceleration, typer.Option(help="And its accelerations.")] = Acceleration.metres,
+    hand: Annotated[Hand, typer.Option(help="The hand with the sensor.")] = Hand.right,
+    repetitions: Annotated[
+        bool, typer.Option("--repetitions", help="Count the repetitions of one exercise instead of finding reaches.")
+    ] = False,
+    rate: Annotated[Rate, typer.Option(help="Unit of the file's angular rates.")] = Rate.radians,
+    acceleration: Annotated[Acceleration, typer.Option(help="Unit of its accelerations.")] = Acceleration.metres,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Find the reaches in a recording, and measure them.
+    """Find and measure the reaches in a recording, or count the repetitions of an exercise.
 
-    Times are in seconds, as the file counts them.
+    Times are in seconds on the file's own time axis.
     """
     import msgspec
 
     from sar_tui.inputs.imu import SourceError
     from sar_tui.inputs.recording_file import Units, read_recording, refuse_degrees
     from sar_tui.motion import detection, samples
+    from sar_tui.motion.repetitions import find_repetitions
 
     units = msgspec.convert({"rate": rate.value, "acceleration": acceleration.value}, Units)
     try:
@@ -91,6 +96,9 @@ def detect(
         begin_ns = int(measured["at"][0])
         recording = samples.recording(measured, begin_ns)  # from 0: large times would cost precision
         _refuse_mostly_missing(file, recording)
+        if repetitions:
+            _report_repetitions(recording, find_repetitions(recording), begin_ns / 1e9, as_json)
+            return
         found = detection.detect(recording, detector, hand=hand.value)
     except (SourceError, ValueError) as error:
         raise Refused(str(error)) from error
@@ -109,6 +117,21 @@ def _refuse_mostly_missing(file: Path, recording: "Recording") -> None:
             f"{file} lasts {lasts_s:.4g} s, but holds samples for {measured_s:.4g} s of it: "
             "see that t is in seconds, or cut it where samples are missing."
         )
+
+
+def _report_repetitions(recording: "Recording", found: "Repetitions", begin_s: float, as_json: bool) -> None:
+    if as_json:
+        turns_s = [round(turn + begin_s, 3) for turn in found.turns_s]
+        rate_hz = round(recording.rate_hz, 3)
+        print_json({"rate_hz": rate_hz, "repetitions": found.count, "period_s": found.period_s, "turns_s": turns_s})
+        return
+    where = _where(recording)
+    if found.period_s is None:
+        sentence = f"No repetitions {where}: counting needs at least two of 0.5 to 10 s each, in one rhythm."
+    else:
+        number = "One repetition" if found.count == 1 else f"{found.count} repetitions"
+        sentence = f"{number} {where}, one every {found.period_s:.2f} s."
+    console().print(sentence, markup=False, soft_wrap=True)
 
 
 def _later(reach: "Reach", by_s: float) -> "Reach":
@@ -146,9 +169,13 @@ def _print(recording: "Recording", reaches: "Sequence[Reach]", detector: str) ->
     out.print(_sentence(recording, reaches, detector), markup=False, soft_wrap=True)
 
 
-def _sentence(recording: "Recording", reaches: "Sequence[Reach]", detector: str) -> str:
+def _where(recording: "Recording") -> str:
     lasts_s = float(recording.time_s[-1] - recording.time_s[0])
-    where = f"in {lasts_s:.1f} s at {recording.rate_hz:.4g} samples a second, by the {detector} detector"
+    return f"in {lasts_s:.1f} s at {recording.rate_hz:.4g} samples a second"
+
+
+def _sentence(recording: "Recording", reaches: "Sequence[Reach]", detector: str) -> str:
+    where = f"{_where(recording)}, by the {detector} detector"
     if not reaches:
         return f"No reach {where}."
     times = [reach.reach_time_s for reach in reaches]

@@ -1,4 +1,4 @@
-"""How many repetitions a rhythmic exercise has, one after the other without the rests that reaches have between."""
+"""Repetitions of a rhythmic exercise: movements out and back in a row, without the rests between reaches."""
 
 import math
 from itertools import pairwise
@@ -6,7 +6,8 @@ from itertools import pairwise
 import msgspec
 import numpy as np
 
-from sar_tui.motion.samples import Floats
+from sar_tui.motion.grid import even
+from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.turning_points import turning_points
 
 _SMOOTH_S = 0.1
@@ -22,11 +23,11 @@ _SMALLEST_RAD = 0.1
 
 
 class Repetitions(msgspec.Struct, frozen=True):
-    """The repetitions of one recording.
+    """Repetitions in one recording.
 
-    ``count``: how many, to the nearest whole one. ``period_s``: of the rhythm; None where there is none, and then
-    ``count`` is 0. ``turns_s``: of each repetition the middle of its way, where it turns back if the recording starts
-    at rest; s since the first sample.
+    ``count``: to the nearest whole repetition; 0 without a rhythm. ``period_s``: period of the rhythm; None without
+    one. ``turns_s``: the middle of each repetition, in s since the first sample. If the recording starts at rest, the
+    movement turns back there.
     """
 
     count: int
@@ -34,28 +35,45 @@ class Repetitions(msgspec.Struct, frozen=True):
     turns_s: tuple[float, ...] = ()
 
 
+def find_repetitions(recording: Recording) -> Repetitions:
+    """Count the repetitions in a recording, with ``turns_s`` on its time axis.
+
+    The samples are brought to an even grid first: missing ones are interpolated.
+    """
+    grid = even(recording)
+    if not len(grid.time_s):
+        return Repetitions(0)
+    acceleration = recording.acceleration
+    if acceleration is not None:
+        usable = np.isfinite(acceleration).all(axis=1)
+        time_s, axes = recording.time_s[usable], acceleration[usable].T
+        acceleration = np.column_stack([np.interp(grid.time_s, time_s, a) for a in axes]) if len(time_s) else None
+    found = count_repetitions(grid.rate, acceleration, grid.rate_hz)
+    return Repetitions(found.count, found.period_s, tuple(float(grid.time_s[0]) + turn for turn in found.turns_s))
+
+
 def count_repetitions(rate: Floats, acceleration: Floats | None, rate_hz: float) -> Repetitions:
-    """Count the repetitions of a rhythmic exercise: a limb that goes out and comes back, again and again.
+    """Count the repetitions of a rhythmic exercise, in which a limb repeatedly moves out and back.
 
-    1. Rhythm. The period is that of all axes together (gyroscope and accelerometer, each scaled to its own power), by
-       the normalised square difference of McLeod & Wyvill (2005), "A smarter way to find pitch": the first of its
-       peaks within 90 % of the highest, so that neither two repetitions nor a half are taken for one.
-    2. Angle. The limb's angle is the integral of the angular rate about the main axis of the rhythm (the first
-       principal component at this period), without its drift: what goes out comes back.
-    3. Swings. The angle is followed from turn to turn; a wobble of less than 35 % of a typical swing is part of the
-       swing it interrupts. Two swings are a repetition. A swing at either end that the recording cuts off counts as
-       the part that is there, in angle or in time, whichever is more; a rest there counts nothing.
+    1. Rhythm. The period of all axes together (gyroscope and accelerometer, each scaled to its own power) is found by
+       the normalised square difference of McLeod & Wyvill (2005), "A smarter way to find pitch". The first peak
+       within 90 % of the highest is taken, which avoids half and double periods.
+    2. Angle. The angular rate about the main axis of the rhythm (the first principal component at this period) is
+       integrated, and its drift is removed, because each movement out is followed by one back.
+    3. Swings. The angle is followed from turn to turn. A wobble of less than 35 % of a typical swing belongs to the
+       swing that it interrupts. Two swings are a repetition. A swing that the recording cuts off counts by the share
+       that was recorded, in angle or in time, whichever is larger. Rest at either end does not count.
 
-    So tempo and size may change on the way, and there may be pauses. It needs two repetitions at least, from 0.5 to
-    10 s each, that turn the sensor by 0.1 rad (6°) or more.
+    Tempo and amplitude may change, and there may be pauses. At least two repetitions are needed, of 0.5 to 10 s each,
+    that turn the sensor by 0.1 rad (6°) or more.
 
     Args:
         rate: angular rate, shape (n, 3), rad/s.
-        acceleration: shape (n, 3), any unit; None where there is none.
-        rate_hz: samples a second.
+        acceleration: shape (n, 3), any unit; None if not measured.
+        rate_hz: samples per second.
 
     Raises:
-        ValueError: a sample is not finite, or the lengths differ.
+        ValueError: if a sample is not finite, or the lengths differ.
     """
     _check(rate, acceleration)
     if not rate_hz > 0 or len(rate) < 2 * _PERIODS_S[0] * rate_hz:
@@ -80,19 +98,19 @@ def count_repetitions(rate: Floats, acceleration: Floats | None, rate_hz: float)
 
 def _check(rate: Floats, acceleration: Floats | None) -> None:
     if not np.isfinite(rate).all() or (acceleration is not None and not np.isfinite(acceleration).all()):
-        raise ValueError("A sample is not a number: leave such samples out, or fill them, before counting repetitions.")
+        raise ValueError("A sample is not a number: remove or interpolate such samples before counting repetitions.")
     if acceleration is not None and len(acceleration) != len(rate):
         raise ValueError(f"{len(rate)} samples of angular rate and {len(acceleration)} of acceleration do not match.")
 
 
 def _scaled(channels: Floats) -> Floats:
-    """Channels with a mean power of 1 together; as they are if all zero."""
+    """Return channels scaled to a joint mean power of 1; unchanged if all are zero."""
     power = float(np.mean(np.sum(channels**2, axis=1)))
     return channels / math.sqrt(power) if power > 0 else channels
 
 
 def _smoothed(channels: Floats, spread: float) -> Floats:
-    """Each column smoothed by a Gaussian, standard deviation ``spread`` samples; at the ends by what there is."""
+    """Smooth each column with a Gaussian of standard deviation ``spread`` samples, truncated at the ends."""
     count = len(channels)
     reach = min(math.ceil(4 * spread), count - 1)
     kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / spread) ** 2)
@@ -104,23 +122,23 @@ def _smoothed(channels: Floats, spread: float) -> Floats:
 
 
 def _period(channels: Floats, step_s: float) -> int | None:
-    """The period of all channels together, in samples; None where there is no rhythm."""
-    likeness = _likeness(channels)
+    """Return the period of all channels together, in samples; None without a rhythm."""
+    similarity = _similarity(channels)
     shortest, longest = (round(period / step_s) for period in _PERIODS_S)
-    likeness = likeness[: min(longest + 2, 2 * len(channels) // 3)]
-    signs = np.sign(likeness)
-    edges = [*(np.flatnonzero(np.diff(signs)) + 1), len(likeness)]
-    hills = [range(start, end) for start, end in pairwise(edges) if likeness[start] > 0]
-    tops = [hill.start + int(np.argmax(likeness[hill.start : hill.stop])) for hill in hills]
-    tops = [top for top in tops if shortest <= top < len(likeness) - 1]
-    highest = max((likeness[top] for top in tops), default=0.0)
+    similarity = similarity[: min(longest + 2, 2 * len(channels) // 3)]
+    signs = np.sign(similarity)
+    edges = [*(np.flatnonzero(np.diff(signs)) + 1), len(similarity)]
+    hills = [range(start, end) for start, end in pairwise(edges) if similarity[start] > 0]
+    tops = [hill.start + int(np.argmax(similarity[hill.start : hill.stop])) for hill in hills]
+    tops = [top for top in tops if shortest <= top < len(similarity) - 1]
+    highest = max((similarity[top] for top in tops), default=0.0)
     if highest < _RHYTHM:
         return None
-    return next(top for top in tops if likeness[top] >= _FIRST_PEAK * highest)
+    return next(top for top in tops if similarity[top] >= _FIRST_PEAK * highest)
 
 
-def _likeness(channels: Floats) -> Floats:
-    """How like itself the signal is after each lag, −1 to 1: the normalised square difference function."""
+def _similarity(channels: Floats) -> Floats:
+    """Return the normalised square difference function: self-similarity at each lag, −1 to 1."""
     count = len(channels)
     size = 2 ** math.ceil(math.log2(2 * count))
     power = np.sum(np.abs(np.fft.rfft(channels, size, axis=0)) ** 2, axis=1)
@@ -132,12 +150,12 @@ def _likeness(channels: Floats) -> Floats:
 
 
 def _main_axis(turning: Floats) -> Floats:
-    """The axis about which it turns most: the first principal component."""
+    """Return the axis of the most rotation: the first principal component."""
     return np.asarray(np.linalg.eigh(turning.T @ turning)[1][:, -1])
 
 
 def _without_drift(angle: Floats, period: int) -> Floats:
-    """The angle without what it gains from one turn to the next of the same kind: the gyroscope's bias."""
+    """Return the angle without its drift between turns of the same kind, which comes from the gyroscope's bias."""
     turns = np.array(turning_points(angle.tolist(), _TURN * _typical_swing(angle, period)))
     if len(turns) < 4:
         return angle
@@ -146,13 +164,13 @@ def _without_drift(angle: Floats, period: int) -> Floats:
 
 
 def _typical_swing(angle: Floats, period: int) -> float:
-    """How far it swings in a period, if up to most of the recording is rest."""
+    """Return the range of the angle in a typical period, even if most of the recording is rest."""
     windows = np.lib.stride_tricks.sliding_window_view(angle, period)
     return max(float(np.quantile(windows.max(axis=1) - windows.min(axis=1), _TYPICAL)), _SMALLEST_RAD)
 
 
 def _cycles(angle: Floats, period: int) -> tuple[Floats, Floats]:
-    """Instants, in samples, and how many repetitions there have been until each."""
+    """Return instants, in samples, and the number of repetitions up to each."""
     turns = turning_points(angle.tolist(), _TURN * _typical_swing(angle, period))
     if len(turns) < 3:
         return np.zeros(1), np.zeros(1)

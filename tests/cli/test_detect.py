@@ -18,6 +18,7 @@ from sar_tui.motion.detection import DETECTORS
 from sar_tui.motion.detector_names import STORED_NAMES
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.synthesis import TABLE_4_1
+from tests.motion.test_repetitions import WATCH_HZ, watch_sets
 from tests.program import Call
 
 SAMPLE = Path(sar_tui.__file__).parent.parent / "data" / "table-4.1.csv"
@@ -125,6 +126,54 @@ def test_on_the_left_hand_out_is_the_other_way(call: Call) -> None:
     right, left = (call("detect", SAMPLE, "--hand", hand, "--json").json["reaches"] for hand in ("right", "left"))
     assert all("reversed" in reach["flags"] for reach in left)
     assert not any("reversed" in reach["flags"] for reach in right)
+
+
+def swings(path: Path, count: int, begin: float = 0.0) -> Path:
+    """Write a recording in which the hand turns by a radian and back, ``count`` times in 2 s each."""
+    time = np.arange(0, 2 * count, 0.01)
+    rate = np.pi / 2 * np.sin(np.pi * time)
+    still = np.zeros_like(time)
+    np.savez(path, t=time + begin, wx=rate, wy=still, wz=still)
+    return path
+
+
+def test_repetitions_are_counted_in_a_sentence(call: Call, tmp_path: Path) -> None:
+    called = call("detect", swings(tmp_path / "swings.npz", 7), "--repetitions")
+    assert (called.code, called.err) == (0, "")
+    assert called.out == "7 repetitions in 14.0 s at 100 samples a second, one every 2.00 s.\n"
+
+
+def test_repetitions_as_json_have_times_of_the_file(call: Call, tmp_path: Path) -> None:
+    printed = call("detect", swings(tmp_path / "swings.npz", 7, begin=100.0), "--repetitions", "--json").json
+    assert set(printed) == {"rate_hz", "repetitions", "period_s", "turns_s"}
+    assert (printed["rate_hz"], printed["repetitions"]) == (100.0, 7)
+    assert printed["period_s"] == pytest.approx(2.0, abs=0.05)
+    assert printed["turns_s"] == pytest.approx([101.0 + 2 * number for number in range(7)], abs=0.1)
+
+
+def test_a_recording_without_a_rhythm_has_no_repetitions(call: Call, tmp_path: Path) -> None:
+    path = tmp_path / "still.npz"
+    rest = np.random.default_rng(1).normal(0, 0.01, (3, 1000))
+    np.savez(path, t=np.arange(1000) / 100, wx=rest[0], wy=rest[1], wz=rest[2])
+    called = call("detect", path, "--repetitions")
+    assert (called.code, called.err) == (0, "")
+    assert called.out == (
+        "No repetitions in 10.0 s at 100 samples a second: counting needs at least two of 0.5 to 10 s each, "
+        "in one rhythm.\n"
+    )
+    printed = call("detect", path, "--repetitions", "--json").json
+    assert (printed["repetitions"], printed["period_s"], printed["turns_s"]) == (0, None, [])
+
+
+def test_repetitions_of_a_recorded_exercise(call: Call, tmp_path: Path) -> None:
+    """A set of 20 repetitions, recorded at 50 Hz by a watch: the first of seglearn's data."""
+    path = tmp_path / "watch.npz"
+    whole = watch_sets()[0]
+    names = ("wx", "wy", "wz", "ax", "ay", "az")
+    columns = dict(zip(names, (*whole.rate.T, *whole.acceleration.T), strict=True))
+    np.savez(path, t=np.arange(len(whole.rate)) / WATCH_HZ, **columns)
+    called = call("detect", path, "--repetitions")
+    assert called.out.startswith("20 repetitions in ")
 
 
 def test_npz_files_are_read_too(call: Call, tmp_path: Path, recorded: list[Row]) -> None:

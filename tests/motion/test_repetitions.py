@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from sar_tui.motion.repetitions import Repetitions, count_repetitions
-from sar_tui.motion.samples import Floats
+from sar_tui.motion.repetitions import Repetitions, count_repetitions, find_repetitions
+from sar_tui.motion.samples import Floats, Recording
 
 WATCH_HZ = 50.0
 REGULAR = ("FEL", "ABD", "IR", "ER", "TRAP")
@@ -101,6 +101,20 @@ def test_a_sample_that_is_no_number_is_refused() -> None:
 def test_rate_and_acceleration_of_unequal_length_are_refused() -> None:
     with pytest.raises(ValueError, match="do not match"):
         count_repetitions(np.zeros((500, 3)), np.zeros((499, 3)), 100)
+
+
+def test_a_recording_may_start_late_and_miss_samples() -> None:
+    rate = noisy(swinging(np.arange(0, 8, 0.005), 100), seed=8)
+    time_s = 30 + np.arange(len(rate)) / 100
+    there = np.random.default_rng(8).random(len(rate)) > 0.2
+    there[400:430] = False
+    result = find_repetitions(Recording(time_s[there], rate[there], rate[there]))
+    assert result.count == 8
+    assert result.turns_s == pytest.approx([31 + 2 * number for number in range(8)], abs=0.3)
+
+
+def test_a_recording_without_samples_has_no_repetitions() -> None:
+    assert find_repetitions(Recording(np.empty(0), np.empty((0, 3)))) == Repetitions(0)
 
 
 class Set(NamedTuple):
