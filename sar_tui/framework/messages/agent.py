@@ -14,6 +14,22 @@ from sar_tui.framework.messages.base import (
     Valence,
 )
 
+__all__ = [
+    "Action",
+    "AgentActing",
+    "ArbiterState",
+    "Dropped",
+    "FillerDue",
+    "Halt",
+    "LevelDecided",
+    "OutputOpened",
+    "PendingApproval",
+    "Proposal",
+    "UnsaidFeedback",
+    "UnsaidFeedbackRequest",
+    "Utterance",
+]
+
 
 class Utterance(Message, frozen=True, kw_only=True):
     """What the agent says and does at once. ``text`` is shown, ``spoken`` said; where one is empty it is left out.

@@ -4,6 +4,25 @@ from typing import Literal
 
 import msgspec
 
+__all__ = [
+    "ActionPart",
+    "ControlledKind",
+    "Degree",
+    "Form",
+    "Ground",
+    "Json",
+    "Kind",
+    "Message",
+    "Mode",
+    "Outcome",
+    "PartState",
+    "Policy",
+    "Reference",
+    "Role",
+    "SensorState",
+    "Valence",
+]
+
 Valence = Literal["positive", "neutral", "negative"]
 Degree = Literal["slight", "clear", "strong"]
 Form = Literal["qualitative", "quantitative", "both"]

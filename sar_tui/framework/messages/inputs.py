@@ -5,6 +5,22 @@ from typing import Literal
 from sar_tui.framework.messages.base import ActionPart, Message, PartState, SensorState
 from sar_tui.framework.theme import Theme
 
+__all__ = [
+    "FocusChanged",
+    "ImuBlock",
+    "KeyPressed",
+    "OutputReport",
+    "OutputStopped",
+    "Pasted",
+    "SensorChanged",
+    "SessionStarted",
+    "Shown",
+    "StorageChanged",
+    "Stored",
+    "ThemeApplied",
+    "TimerFired",
+]
+
 
 class SessionStarted(Message, frozen=True, kw_only=True):
     """A run of the program begins on a session. ``run`` counts from 1; above 1 the session is resumed.

@@ -6,6 +6,30 @@ import msgspec
 
 from sar_tui.framework.messages.base import Degree, Form, Json, Message, Outcome, Reference, Valence
 
+__all__ = [
+    "AttemptEnded",
+    "AttemptStarted",
+    "CueGiven",
+    "Fault",
+    "Feedback",
+    "FeedbackChoice",
+    "KeyPerceived",
+    "LevelChanged",
+    "LevelReply",
+    "LevelRequest",
+    "Percept",
+    "Prompt",
+    "PromptVoided",
+    "ReachPerceived",
+    "Recall",
+    "RecalledAttempts",
+    "SessionEnded",
+    "Timing",
+    "TrialEnded",
+    "TrialMarked",
+    "Waiting",
+]
+
 
 class Percept(Message, frozen=True, kw_only=True):
     """What a person did, as a task sees it. ``at``: when; ``delay``: from then to its handling, in ns.

@@ -4,6 +4,18 @@ from typing import Literal
 
 from sar_tui.framework.messages.base import ControlledKind, Message, Mode, Role, Valence
 
+__all__ = [
+    "ActMissed",
+    "ActRefused",
+    "Decision",
+    "ModeChanged",
+    "NoteAdded",
+    "Operator",
+    "OperatorChanged",
+    "ProposalSeen",
+    "Remark",
+]
+
 
 class Operator(Message, frozen=True, kw_only=True):
     """An act that steers the session.
