@@ -6,8 +6,8 @@ import msgspec
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.messages import ControlledKind, Mode
-from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.policies import arbitration
+from sar_tui.framework.settings.operator import OperatorSettings
 from sar_tui.reports.record import Told, spans
 
 _NS = 1e9
@@ -87,7 +87,7 @@ class ModeTime(msgspec.Struct, frozen=True):
     unattended_s: float
 
 
-def mode_times(told: Iterable[Told], parameters: TaskParameters) -> list[ModeTime]:
+def mode_times(told: Iterable[Told], parameters: OperatorSettings) -> list[ModeTime]:
     """How long each mode was set, by kind, over all runs; modes that never were are left out."""
     told = list(told)
     known = spans(told)

@@ -7,8 +7,8 @@ import msgspec
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.messages import ControlledKind, Mode, Valence
-from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.policies import arbitration
+from sar_tui.framework.settings.operator import OperatorSettings
 from sar_tui.reports.record import Told
 
 Fate = Literal[
@@ -93,7 +93,7 @@ class ProposalLog:
         state: the modes that are set, and whether there is an operator, as the arbiter had them.
     """
 
-    def __init__(self, parameters: TaskParameters) -> None:
+    def __init__(self, parameters: OperatorSettings) -> None:
         self.cases: dict[str, Case] = {}
         self.state = arbitration.start(parameters)
         self._decisions: dict[str, tuple[int, m.Decision]] = {}
@@ -224,7 +224,7 @@ class ProposalLog:
         case.fate = "agent" if case.mode == "autonomous" or self.state.operated else "no_operator_done"
 
 
-def cases(told: Iterable[Told], parameters: TaskParameters) -> list[Case]:
+def cases(told: Iterable[Told], parameters: OperatorSettings) -> list[Case]:
     """All that was proposed in a session, in order, and what became of it."""
     docket = ProposalLog(parameters)
     for each in told:

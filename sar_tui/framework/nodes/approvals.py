@@ -11,9 +11,9 @@ from sar_tui.framework.action_queue import ActionQueue
 from sar_tui.framework.actions import accepted, edited, gesture_of
 from sar_tui.framework.messages import Action, Decision, Dropped, Ground, LevelDecided, PendingApproval, Proposal
 from sar_tui.framework.node import TimedNode, serves
-from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.pending_approvals import PendingApprovals
 from sar_tui.framework.policies import arbitration
+from sar_tui.framework.settings.operator import OperatorSettings
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import DECIDED, DROPPED, LEVEL_DECIDED, LEVEL_REQUEST, PENDING_APPROVAL
 
@@ -31,7 +31,7 @@ class Approvals(TimedNode, ABC):
     A mode for each kind of action says what has to wait (see `policies.arbitration`).
     """
 
-    def __init__(self, parameters: TaskParameters, theme: Theme) -> None:
+    def __init__(self, parameters: OperatorSettings, theme: Theme) -> None:
         super().__init__()
         self._parameters = parameters
         self._theme = theme

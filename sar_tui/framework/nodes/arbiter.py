@@ -19,7 +19,7 @@ from sar_tui.framework.messages import (
 )
 from sar_tui.framework.node import on, serves
 from sar_tui.framework.nodes.approvals import Approvals, is_level
-from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.settings.operator import OperatorSettings
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
     ACTING,
@@ -79,7 +79,7 @@ class Arbiter(Approvals):
         ARBITER_STATE,
     )
 
-    def __init__(self, parameters: TaskParameters, theme: Theme) -> None:
+    def __init__(self, parameters: OperatorSettings, theme: Theme) -> None:
         super().__init__(parameters, theme)
         self._announced: list[m.OutputOpened] = []
         self._outputs: list[m.OutputOpened] = []

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import KeyPerceived, KeyPressed, SessionStarted
 from sar_tui.framework.node import Node, on
-from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.settings.timing import TimingSettings
 from sar_tui.framework.topics import KEY, PERCEIVED, SESSION
 
 
@@ -21,7 +21,7 @@ class Perception(Node):
     name = "perception"
     emits = (PERCEIVED,)
 
-    def __init__(self, parameters: TaskParameters, seat_of: Callable[[str], str] | None = None) -> None:
+    def __init__(self, parameters: TimingSettings, seat_of: Callable[[str], str] | None = None) -> None:
         super().__init__()
         self._repeat_interval = parameters.repeat_interval_ms * MS
         self._seat_of = seat_of

@@ -10,7 +10,7 @@ import msgspec
 
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import ControlledKind, Ground, Kind, Mode, PendingApproval, Proposal
-from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.settings.operator import OperatorSettings
 
 RULED: dict[Kind, ControlledKind] = {
     "greeting": "instruction",
@@ -44,7 +44,7 @@ class Verdict(msgspec.Struct, frozen=True):
     offer: PendingApproval | None = None
 
 
-def start(parameters: TaskParameters) -> Arbitration:
+def start(parameters: OperatorSettings) -> Arbitration:
     """The modes a session begins with; nobody is there yet."""
     return Arbitration(
         {
@@ -63,7 +63,7 @@ def choose(state: Arbitration, kind: ControlledKind, mode: Mode) -> Arbitration:
 
 
 def rule(
-    state: Arbitration, parameters: TaskParameters, proposal: Proposal, now: int, level: int | None = None
+    state: Arbitration, parameters: OperatorSettings, proposal: Proposal, now: int, level: int | None = None
 ) -> Verdict:
     """What becomes of a proposal made at ``now`` (ns).
 
@@ -83,7 +83,7 @@ def rule(
     return Verdict("offer", offer=offer)
 
 
-def is_apart(state: Arbitration, parameters: TaskParameters, proposal: Proposal) -> bool:
+def is_apart(state: Arbitration, parameters: OperatorSettings, proposal: Proposal) -> bool:
     """Whether a proposal's gesture is ruled on apart from its words, because its mode is not the agent's own."""
     if not proposal.gesture or proposal.kind not in RULED:
         return False
