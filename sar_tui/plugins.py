@@ -103,13 +103,7 @@ def load_task(folder: Path) -> type[Task]:
         raise PluginError(f"There is no task.py in {folder}.")
     if not folder.name.isidentifier():
         raise PluginError(f"A task's folder is named like a Python name; {folder.name} is not.")
-    name = f"{_PACKAGE}.{folder.name}"
-    _make_package(_PACKAGE, [])
-    known = sys.modules.get(name)
-    if known is None or list(known.__path__) != [str(folder)]:
-        for loaded in [m for m in sys.modules if m == name or m.startswith(f"{name}.")]:
-            del sys.modules[loaded]
-        _make_package(name, [str(folder)])
+    name = _package_of(folder)
     try:
         importlib.invalidate_caches()
         module = importlib.import_module(f"{name}.task")
@@ -122,6 +116,32 @@ def load_task(folder: Path) -> type[Task]:
     if len(found) != 1:
         raise PluginError(f"{folder / 'task.py'} has to define one Task; it defines {len(found)}.")
     return _checked(found[0], folder.name)
+
+
+def view_module(task: type[Task]) -> types.ModuleType | None:
+    """Load the ``view.py`` beside a task's module; None if there is none. Raises PluginError."""
+    folder, (package, _, _) = task_folder(task), task.__module__.rpartition(".")
+    if not package or not (folder / "view.py").is_file():
+        return None
+    if package.startswith(f"{_PACKAGE}."):
+        package = _package_of(folder)
+    try:
+        importlib.invalidate_caches()
+        return importlib.import_module(f"{package}.view")
+    except (Exception, SystemExit) as error:
+        raise PluginError(f"The view of the task {task.name} cannot be loaded: {_why(error)}") from error
+
+
+def _package_of(folder: Path) -> str:
+    """Return the name under which a task folder's modules are imported; it is this folder's from here on."""
+    name = f"{_PACKAGE}.{folder.name}"
+    _make_package(_PACKAGE, [])
+    known = sys.modules.get(name)
+    if known is None or list(known.__path__) != [str(folder)]:
+        for loaded in [m for m in sys.modules if m == name or m.startswith(f"{name}.")]:
+            del sys.modules[loaded]
+        _make_package(name, [str(folder)])
+    return name
 
 
 def _from_entry_point(entry: EntryPoint) -> type[Task]:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sar_tui.app.guarded_view import GuardedView
 from sar_tui.app.screen_output import ScreenOutput, Stage
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.clock import SECOND, Clock, LiveClock
@@ -53,6 +54,7 @@ class LiveSession:
         self._peers: LinkNode | None = None
         self.keyboard = Keyboard()
         self.screen: ScreenOutput
+        self.view: GuardedView
         self.run: Run
         self._folder = folder
         self._catalogue = catalogue
@@ -72,10 +74,11 @@ class LiveSession:
             self._peers.welcome = session_welcome(task, self.run.id, self._link.link, self.run.participants)
 
     def _nodes(self, task: Task, theme: Theme) -> list[Node]:
-        """Keyboard, screen and the agent's other outputs; the motion sensors that the task needs; the link."""
+        """Keyboard, the task's view, screen and the agent's other outputs; the sensors the task needs; the link."""
         shows_agent = "screen" in task.parameters.outputs
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
-        outputs = [self.screen, *speaking(task, theme), *self._linked()]
+        self.view = GuardedView(task)
+        outputs = [self.view, self.screen, *speaking(task, theme), *self._linked()]
         if not task.sensed(task.parameters):
             return [self.keyboard, *outputs]
         from sar_tui.runs.sensors import sensing, sensors

@@ -12,7 +12,6 @@ from sar_tui.framework.messages import (
     OutputReport,
     Prompt,
     PromptVoided,
-    ReachPerceived,
     SessionEnded,
     Shown,
     TrialEnded,
@@ -28,7 +27,6 @@ from sar_tui.framework.topics import (
     CUE,
     MARKED,
     PROMPT,
-    REACH,
     REPORT,
     SESSION_ENDED,
     SHOWN,
@@ -51,9 +49,6 @@ class Stage(AgentStage, Protocol):
     def begin_attempt(self, started: AttemptStarted) -> None:
         """An attempt begins: be quiet from here on."""
 
-    def reached(self, reach: ReachPerceived) -> None:
-        """A reach was seen; it may be shown when the attempt is over."""
-
     def marked(self, marked: TrialMarked) -> None:
         """A therapist marked a trial."""
 
@@ -62,9 +57,6 @@ class Stage(AgentStage, Protocol):
 
     def clear_agent(self, face: str) -> None:
         """What the agent said is no longer meant."""
-
-    def won(self, seat: str) -> None:
-        """Who was the first in a trial of a race."""
 
     def end_attempt(self, ended: AttemptEnded) -> None:
         """An attempt is scored."""
@@ -102,10 +94,6 @@ class ScreenOutput(OutputNode):
         """The stage tells when a prompt reached the terminal; from any thread."""
         self.bus.post(SHOWN, shown)
 
-    @on(REACH)
-    def reach_perceived(self, reach: ReachPerceived) -> None:
-        self._stage.reached(reach)
-
     @on(MARKED)
     def trial_marked(self, marked: TrialMarked) -> None:
         self._stage.marked(marked)
@@ -114,8 +102,6 @@ class ScreenOutput(OutputNode):
     def trial_ended(self, trial: TrialEnded) -> None:
         self._stage.clear_prompt()
         self._stage.progress(trial.trial)
-        if trial.details.get("won") is True:
-            self._stage.won(trial.seat)
 
     @on(VOIDED)
     def voided(self, _: PromptVoided) -> None:

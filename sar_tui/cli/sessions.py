@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 from statistics import median
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +13,7 @@ from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from sar_tui.cli.tables import Findings
     from sar_tui.framework.trial_types import Metric
     from sar_tui.reports.output_summary import OutputSummary
 
@@ -96,10 +98,21 @@ def show(
         out.print(attempts_table(attempts, metric), end="\n\n")
         for seat in seats(attempts):
             _print_figure(out, attempts, seat, metric)
-    out.print(summary(attempts, metric), soft_wrap=True, end="\n\n")
+    out.print(summary(attempts, metric, _findings(home, found["task"])), soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
     _print_timing(out, found["machine"], trials)
     print_failed_outputs(out, outputs)
+
+
+def _findings(home: Home, name: str) -> "Findings":
+    """Return what adds a task's findings to a summary; nothing if the task is no longer installed."""
+    from sar_tui.plugins import PluginError
+    from sar_tui.widgets.task_view import stored_findings
+
+    try:
+        return partial(stored_findings, home.catalogue().task(name))
+    except PluginError:
+        return lambda *_: ()
 
 
 def print_failed_outputs(out: "Console", outputs: "Sequence[OutputSummary]") -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from enum import StrEnum
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -140,10 +141,12 @@ def simulate(
 
     from sar_tui.cli.sessions import print_failed_outputs
     from sar_tui.cli.tables import attempts_table, summary
+    from sar_tui.widgets.task_view import stored_findings
 
     out = console()
     out.print(attempts_table(rows, kind.metric))
-    out.print(f"{summary(rows, kind.metric)} Seed {plan.seed}. `sar-tui show {session}` shows more.", soft_wrap=True)
+    said = summary(rows, kind.metric, partial(stored_findings, kind))
+    out.print(f"{said} Seed {plan.seed}. `sar-tui show {session}` shows more.", soft_wrap=True)
     if operator is not None:
         out.print(f"`sar-tui report wizard {session}` tells what the operator did.", soft_wrap=True)
     print_failed_outputs(out, spoke)

@@ -1,17 +1,21 @@
 """Tables of attempts and of anything else, for people."""
 
-from collections.abc import Sequence
-from statistics import fmean
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from sar_tui.store.sessions import attempt_ended
+
 if TYPE_CHECKING:
+    from sar_tui.framework.messages import AttemptEnded
     from sar_tui.framework.trial_types import Metric
 
 Row = dict[str, Any]
+Findings = Callable[[Sequence["AttemptEnded"], "Metric"], Sequence[str]]
+"""Sentences that a task's view adds to a summary (`task_view.stored_findings`)."""
 _OUTCOMES = {"success": "● reached", "failure": "○ missed"}
 
 
@@ -60,11 +64,11 @@ def seats(rows: Sequence[Row]) -> list[str]:
     return sorted({row["seat"] for row in rows})
 
 
-def summary(rows: Sequence[Row], metric: "Metric") -> str:
-    """A session in a sentence, or one for each seat; practice does not count."""
+def summary(rows: Sequence[Row], metric: "Metric", findings: Findings = lambda *_: ()) -> str:
+    """Sum up a session in a few sentences, seat by seat where there are several; practice does not count."""
     if len(taken := seats(rows)) > 1:
         mine = {seat: [row for row in rows if row["seat"] == seat] for seat in taken}
-        return " ".join(f"Seat {seat}: {summary(own, metric)}" for seat, own in mine.items())
+        return " ".join(f"Seat {seat}: {summary(own, metric, findings)}" for seat, own in mine.items())
     scored = [row for row in rows if not row["practice"]]
     if not scored:
         return "No attempt was finished."
@@ -72,22 +76,10 @@ def summary(rows: Sequence[Row], metric: "Metric") -> str:
     levels = [row["level"] for row in scored]
     values = [row["metric"] for row in scored if row["metric"] is not None]
     mean = f", mean {metric.name.replace('_', ' ')} {metric.show(sum(values) / len(values))}" if values else ""
-    return (
-        f"{len(scored)} attempt{'s' if len(scored) > 1 else ''}, {reached} reached the goal, "
-        f"levels {min(levels)} to {max(levels)}{mean}.{_of_two(scored, metric)}"
+    return " ".join(
+        (
+            f"{len(scored)} attempt{'s' if len(scored) > 1 else ''}, {reached} reached the goal, "
+            f"levels {min(levels)} to {max(levels)}{mean}.",
+            *findings([attempt_ended(row) for row in scored], metric),
+        )
     )
-
-
-def _of_two(scored: Sequence[Row], metric: "Metric") -> str:
-    """What a task for two measures besides: who was ahead, how often both were together, what the cue did."""
-    trials = sum(row["trials"] for row in scored)
-    lines = []
-    for name, words in (("won", "Ahead"), ("together", "Together")):
-        if counts := [row["qualities"][name] for row in scored if name in row["qualities"]]:
-            lines.append(f" {words} in {round(sum(counts))} of {trials}.")
-    if effects := [
-        row["qualities"]["congruency_effect_ms"] for row in scored if "congruency_effect_ms" in row["qualities"]
-    ]:
-        mean = metric.show(fmean(effects))
-        lines.append(f" Congruency effect {mean}: incongruent minus congruent, mean of {len(effects)} attempts.")
-    return "".join(lines)

@@ -162,6 +162,10 @@ class Bus:
             self._inputs.append((topic, message))
             self.drain()
 
+    def report(self, owner: str, place: str, error: Exception) -> None:
+        """Record an exception that was caught elsewhere as a Fault: with this cascade, or else with the next."""
+        self._derived.append((FAULT, _fault(owner, place, error)))
+
     def post(self, topic: Topic[M], message: M) -> None:
         """Publish an input from any thread: it is delivered as soon as the owning thread is free."""
         if topic.origin != "input" or type(message) is not topic.type:
@@ -197,13 +201,13 @@ class Bus:
                 handler(message)
             except Exception as error:
                 if topic is not FAULT:
-                    self._derived.append((FAULT, _fault(owner, topic, error)))
+                    self._derived.append((FAULT, _fault(owner, topic.name, error)))
 
 
-def _fault(owner: str, topic: Topic[Any], error: Exception) -> Fault:
+def _fault(owner: str, topic: str, error: Exception) -> Fault:
     return Fault(
         node=owner,
-        topic=topic.name,
+        topic=topic,
         error=f"{type(error).__name__}: {error}",
         place=_place(error),
         trace="".join(traceback.format_exception(error)),

@@ -13,6 +13,7 @@ import sqlite_utils
 
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import host_now
+from sar_tui.framework.messages import AttemptEnded
 from sar_tui.framework.parameters import TaskParameters, current_values, fields
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ALL, PRESENCE
@@ -221,6 +222,27 @@ def stored_status(db: sqlite_utils.Database, session: str) -> str | None:
 def rows(db: sqlite_utils.Database, table: Table, session: str) -> list[Row]:
     """The rows of a session in one table, in their order."""
     return [_typed(table, row) for row in db.query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", (session,))]
+
+
+def attempt_ended(row: Row) -> AttemptEnded:
+    """Return the message that a row of `rows(db, "attempts", session)` was stored from."""
+    return AttemptEnded(
+        seat=row["seat"],
+        attempt=row["attempt"],
+        practice=row["practice"],
+        level=row["level"],
+        metric=row["metric"],
+        metric_unit=row["metric_unit"],
+        accuracy=row["accuracy"],
+        correct=row["correct"],
+        trials=row["trials"],
+        goal=row["goal"],
+        outcome=row["outcome"],
+        feedback=row["feedback"],
+        qualities=row["qualities"],
+        started=row["started_ns"],
+        ended=row["ended_ns"],
+    )
 
 
 def history(db: sqlite_utils.Database, session: str) -> Iterator[Record]:

@@ -15,8 +15,8 @@ from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.runs.plan import Plan
 
-_APP = Path(__file__).parent
-"""Where the translations of the app's words are."""
+_APP = Path(__file__).parents[1] / "app"
+"""The folder of the app's translations."""
 
 
 def app_language(code: str, texts: Mapping[str, str] = {}) -> Language:

@@ -79,6 +79,7 @@ async def test_it_leads_from_the_instructions_through_reaches_to_the_summary(dat
         assert driver.sees("Reaches 1 of 1")
         assert driver.sees("Attempts 1 of 2")
         assert driver.waiting.stage == "attempt"
+        assert all(driver.sees(words) for words in ("rad/s", " out ", " back ")), "the reach is drawn"
 
         await to_start(driver)
         await reach(driver)
@@ -86,6 +87,7 @@ async def test_it_leads_from_the_instructions_through_reaches_to_the_summary(dat
         assert driver.sees("Press Enter to see how it went.")
         await driver.see_the_summary()
         assert driver.sees("You did 2 attempts")
+        assert [fault.error for fault in driver.session.faults] == []
         await driver.press("enter")
         assert driver.app.return_code == 0
     assert stored(data, "SELECT status FROM sessions") == [("completed",)]

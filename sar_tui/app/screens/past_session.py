@@ -8,8 +8,10 @@ from textual.screen import Screen
 from textual.widgets import Footer, Static
 
 from sar_tui.app.screens.summary import Summary
-from sar_tui.framework.messages import AttemptEnded
+from sar_tui.plugins import PluginError
 from sar_tui.store import provenance, sessions
+from sar_tui.widgets.language import language_of
+from sar_tui.widgets.task_view import stored_facts
 
 
 class PastSessionScreen(Screen[None]):
@@ -28,31 +30,19 @@ class PastSessionScreen(Screen[None]):
         row = self._row
         began = sessions.local_time(row["started_at"])
         yield Static(f"{sessions.who(row)} · {row['task']} · {began} · {row['status']}", id="top", markup=False)
-        yield Summary(provenance.metric(row["software"]), id="summary")
+        metric = provenance.metric(row["software"])
+        try:
+            task = self.app.catalogue.task(row["task"])
+        except PluginError:  # it is no longer installed
+            yield Summary(metric, id="summary")
+        else:
+            tr = language_of(self.app)
+            yield Summary(metric, lambda attempts: stored_facts(task, attempts, metric, tr), id="summary")
         yield Footer()
 
     def on_mount(self) -> None:
-        attempts = [
-            AttemptEnded(
-                seat=row["seat"],
-                attempt=row["attempt"],
-                practice=row["practice"],
-                level=row["level"],
-                metric=row["metric"],
-                metric_unit=row["metric_unit"],
-                accuracy=row["accuracy"],
-                correct=row["correct"],
-                trials=row["trials"],
-                goal=row["goal"],
-                outcome=row["outcome"],
-                feedback=row["feedback"],
-                qualities=row["qualities"],
-                started=row["started_ns"],
-                ended=row["ended_ns"],
-            )
-            for row in sessions.rows(self.app.database, "attempts", self._row["id"])
-            if not row["practice"]
-        ]
+        rows = sessions.rows(self.app.database, "attempts", self._row["id"])
+        attempts = [sessions.attempt_ended(row) for row in rows if not row["practice"]]
         codes = {"A": self._row["participant"], "B": self._row["partner"]}
         seats = [seat for seat, code in codes.items() if code]
         each = [[one for one in attempts if one.seat == seat] for seat in seats]

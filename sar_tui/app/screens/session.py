@@ -1,7 +1,6 @@
 """The session's screen: what the participant sees, from the instructions to the summary."""
 
-from collections import Counter, deque
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from textual import events
 from textual.app import ComposeResult
@@ -21,7 +20,6 @@ from sar_tui.framework.messages import (
     AttemptStarted,
     Operator,
     Prompt,
-    ReachPerceived,
     Recall,
     SessionEnded,
     TrialMarked,
@@ -30,10 +28,8 @@ from sar_tui.framework.messages import (
 from sar_tui.framework.topics import RECALL
 from sar_tui.tui.gc_control import GcControl
 from sar_tui.widgets.big_prompt import BigPrompt
+from sar_tui.widgets.drawing import DrawingArea
 from sar_tui.widgets.progress_line import ProgressLine
-
-if TYPE_CHECKING:
-    from sar_tui.motion.trace import Trace
 
 _AWAITED = ("foreperiod", "storage", "response")
 """What a trial waits for when nothing on the screen may move."""
@@ -54,11 +50,8 @@ class SessionScreen(AgentScreen):
         self._waiting: Waiting | None = None
         self._last_key = ("", 0.0)
         self._shown: str | None = "message"
-        self._traces: deque[Trace] = deque(maxlen=3)
-        self._reaches = 0
         self._mark = ""
         self._press = ""
-        self._won: Counter[str] = Counter()
 
     @property
     def help_text(self) -> str:
@@ -83,15 +76,12 @@ class SessionScreen(AgentScreen):
             with Vertical(id="message"):
                 yield Static("", id="headline", markup=False)
                 yield Static("", id="text", markup=False)
-                if session.task.sensors and len(session.task.seats) == 1:
-                    from sar_tui.widgets.speed_trace import SpeedTrace  # loads numpy
-
-                    yield SpeedTrace(id="reaches")
+                yield DrawingArea(id="drawing")
                 yield Static("", id="enter", markup=False)
                 yield Static("", id="ask", markup=False)
-            yield BigPrompt(id="prompt", names=self._halves())
+            yield BigPrompt(id="prompt", draw=self._live.view.prompt_lines)
             yield PauseMenu(id="menu")
-            yield Summary(session.task.metric, id="summary")
+            yield Summary(session.task.metric, self._live.view.facts, id="summary")
         yield from self.compose_agent()
         with Horizontal(id="progress"):
             yield ProgressLine(id="trials")
@@ -176,9 +166,7 @@ class SessionScreen(AgentScreen):
         report_onset(self, self._live, prompt)
         if self._shown != "prompt":
             self._stage("prompt")
-        big = self.query_one(BigPrompt)
-        big.name_halves(self._halves(prompt.seat))
-        big.show(prompt.glyph, prompt.text, prompt.hint, prompt.halves)
+        self.query_one(BigPrompt).show(prompt)
 
     def clear_prompt(self) -> None:
         self._quiet.end_trial()
@@ -187,17 +175,6 @@ class SessionScreen(AgentScreen):
     def begin_attempt(self, started: AttemptStarted) -> None:
         self._quiet.begin_attempt()
         self._mark = ""
-        self._won.clear()
-
-    def reached(self, reach: ReachPerceived) -> None:
-        if reach.trace_marks:
-            from sar_tui.motion.trace import Trace
-
-            onset, arrival, departure, end = reach.trace_marks
-            marks = {"onset_s": onset, "arrival_s": arrival, "departure_s": departure, "end_s": end}
-            label = self.tr("reach {number}", number=self._reaches + 1)
-            self._traces.append(Trace(rate=list(reach.trace), rate_hz=reach.trace_hz, label=label, **marks))
-        self._reaches += 1
 
     def marked(self, marked: TrialMarked) -> None:
         titles = {mark.name: self.tr(mark.title) for mark in self._live.run.session.task.marks}
@@ -207,9 +184,6 @@ class SessionScreen(AgentScreen):
 
     def progress(self, done: int) -> None:
         self._count(done)
-
-    def won(self, seat: str) -> None:
-        self._won[seat] += 1
 
     def end_attempt(self, ended: AttemptEnded) -> None:
         self._quiet.end_attempt()
@@ -227,7 +201,7 @@ class SessionScreen(AgentScreen):
             return
         said = words(waiting, self._live.run.session.task)
         if waiting.stage == "trial" and waiting.what == "quiet":
-            self.query_one(BigPrompt).name_halves(self._halves(waiting.seat))
+            self.query_one(BigPrompt).redraw()
         if waiting.reason == "held":
             self.ask(self.tr("Please let go of the keys for a moment."))
         elif said is not None:
@@ -256,30 +230,9 @@ class SessionScreen(AgentScreen):
 
     # --- what stands where ------------------------------------------------------------------------------------
 
-    def _halves(self, turn: str = "") -> list[str]:
-        """Where two take part: whose each half of the screen is, whose turn it is, and who won how often."""
-        task = self._live.run.session.task
-        if len(task.seats) == 1:
-            return []
-        return [self._half(seat, is_turn=seat == turn) for seat in task.seats]
-
-    def _half(self, seat: str, *, is_turn: bool) -> str:
-        """Who are called by code read their place too, where there is room for both."""
-        task, won = self._live.run.session.task, self._won[seat]
-        place, name = task.seat_name(seat), task.called(seat)
-        words = "{who}"
-        if is_turn:
-            words = self.tr("[ {who}: your turn ]")
-        elif won:
-            words = self.tr("{who}, ahead: {count}")
-        in_full = words.format(who=f"{place} · {name}", count=won)
-        has_room = len(in_full) < self.app.size.width // 2
-        return in_full if name != place and has_room else words.format(who=name, count=won)
-
     def _begin_trials(self, waiting: Waiting) -> None:
         self._count(waiting.trial - 1)
         self._where(waiting)
-        self.query_one(BigPrompt).name_halves(self._halves(waiting.seat))
         self.query_one(BigPrompt).clear()
         self.clear_agent("listening")
         self._stage("prompt")
@@ -301,10 +254,8 @@ class SessionScreen(AgentScreen):
         for name, text in told.items():
             self.query_one(name, Static).update(text)
         self._press = said.press
-        for reaches in self.query("#reaches").results():
-            reaches.display = bool(self._traces) and waiting.stage in ("attempt", "review")
-            if reaches.display:
-                reaches.show(self._traces)  # type: ignore[attr-defined]
+        is_between = waiting.stage in ("attempt", "review")
+        self.query_one(DrawingArea).show(self._live.view.between_attempts() if is_between else None)
         self._stage("message")
 
     def _stage(self, name: str | None) -> None:

@@ -1,7 +1,6 @@
 """The closing summary: the metric and the level over attempts (the thesis' Figure 4.4), in words and as a plot."""
 
-from collections.abc import Sequence
-from statistics import fmean
+from collections.abc import Callable, Sequence
 
 from rich.text import Text
 from textual.app import ComposeResult
@@ -17,11 +16,22 @@ _GAP = 3
 
 
 class Summary(Vertical):
-    """What was done, for the participant and the therapist beside them."""
+    """Results of a session, for the participant and the therapist beside them.
 
-    def __init__(self, metric: Metric, id: str | None = None) -> None:
+    Args:
+        metric: of the task.
+        more_facts: sentences that the task's view adds for one seat's attempts.
+    """
+
+    def __init__(
+        self,
+        metric: Metric,
+        more_facts: Callable[[Sequence[AttemptEnded]], Sequence[str]] = lambda _: (),
+        id: str | None = None,
+    ) -> None:
         super().__init__(id=id)
         self._metric = metric
+        self._more_facts = more_facts
         self._attempts: tuple[Sequence[AttemptEnded], ...] = ()
         self._names: Sequence[str] = ()
 
@@ -52,14 +62,7 @@ class Summary(Vertical):
             if count != 1:
                 done = tr("Ended early, after {count} attempts", count=count)
         reached = [a.metric for a in attempts if a.outcome == "success" and a.metric is not None]
-        won = [a.qualities["won"] for a in attempts if "won" in a.qualities]
-        raced = tr("Ahead in {won} of {trials}.", won=round(sum(won)), trials=sum(a.trials for a in attempts))
-        both = [a.qualities["together"] for a in attempts if "together" in a.qualities]
-        joined = tr("Together in {count} of {trials}.", count=round(sum(both)), trials=sum(a.trials for a in attempts))
-        effects = [a.qualities["congruency_effect_ms"] for a in attempts if "congruency_effect_ms" in a.qualities]
-        slower = self._metric.show(fmean(effects)) if effects else ""
-        cued = tr("Reaction time where I looked to the other side, minus where I looked: {effect}.", effect=slower)
-        more = "".join(f" {line}" for line, has in ((raced, won), (joined, both), (cued, effects)) if has)
+        more = "".join(f" {fact}" for fact in self._more_facts(attempts))
         if not reached:
             return f"{done}.{more}"
         best = (min if self._metric.better == "lower" else max)(reached)

@@ -1,0 +1,87 @@
+"""A session's task view, so guarded that its faults are recorded and the participant sees the plain screen instead."""
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+from rich.text import Text
+
+from sar_tui.framework.bus import Bus
+from sar_tui.framework.messages import AttemptEnded, Prompt
+from sar_tui.framework.node import Node
+from sar_tui.framework.task import Task
+from sar_tui.tui.language import session_language
+from sar_tui.widgets.prompt_lines import Line, plain_lines
+from sar_tui.widgets.task_view import Colors, Drawing, TaskView, view_of
+
+R = TypeVar("R")
+
+
+class GuardedView(Node):
+    """Calls a task's view. A function of it that has raised once is not called again in this session.
+
+    Args:
+        task: the session's task.
+    """
+
+    name = TaskView.name
+
+    def __init__(self, task: Task) -> None:
+        super().__init__()
+        self._faults: list[tuple[str, Exception]] = []
+        self._failed: set[str] = set()
+        self._view = self._try("load", lambda: view_of(type(task))(task), TaskView(task))
+        self._view.name = self.name
+
+    def attach(self, bus: Bus) -> None:
+        """Attach the view to a bus, and report what has failed so far."""
+        super().attach(bus)
+        self._view.tr = session_language(self._view.task)
+        self._try("attach", lambda: self._view.attach(bus), None)
+        for place, error in self._faults:
+            bus.report(self.name, place, error)
+
+    def prompt_lines(self, prompt: Prompt | None, width: int, height: int) -> Sequence[Line]:
+        """Draw a prompt as the view does, or plainly."""
+
+        def draw() -> Sequence[Line]:
+            lines = [(str(text), bool(bold)) for text, bold in self._view.prompt_lines(prompt, width, height)]
+            if prompt and not any(prompt.text in text for text, _ in lines):
+                raise ValueError(f"no line of the prompt holds its text, {prompt.text!r}")
+            return lines
+
+        return self._try("prompt_lines", draw, None) or plain_lines(prompt, width, height)
+
+    def between_attempts(self) -> Drawing | None:
+        """Return what to draw between attempts; a drawing that fails is empty."""
+        drawing = self._try("between_attempts", self._view.between_attempts, None)
+        if drawing is None:
+            return None
+
+        def draw(width: int, height: int, colors: Colors) -> Text:
+            return self._try("drawing", lambda: _text(drawing(width, height, colors)), Text(""))
+
+        return draw
+
+    def facts(self, attempts: Sequence[AttemptEnded]) -> list[str]:
+        """Return the sentences that the view adds to a seat's summary."""
+        task, tr = self._view.task, self._view.tr
+        return self._try("facts", lambda: [str(fact) for fact in self._view.facts(attempts, task.metric, tr)], [])
+
+    def _try(self, place: str, call: Callable[[], R], fallback: R) -> R:
+        if place in self._failed:
+            return fallback
+        try:
+            return call()
+        except Exception as error:
+            self._failed.add(place)
+            if hasattr(self, "bus"):
+                self.bus.report(self.name, place, error)
+            else:
+                self._faults.append((place, error))
+            return fallback
+
+
+def _text(value: object) -> Text:
+    if not isinstance(value, Text):
+        raise TypeError(f"a drawing is a rich.text.Text, not {type(value).__name__}")
+    return value

@@ -1,0 +1,104 @@
+"""The contract of a task's view: what a task draws by itself during a session, in ``tasks/NAME/view.py``.
+
+A view is optional. It is loaded with the session's screen, before the session begins, and its module defines one
+`TaskView`. Nothing of it is a widget: the app owns the widgets, calls these functions and shows what they return, so
+that a view can neither change the layout during a trial nor disturb the onset's time stamp.
+
+A view that raises costs the participant nothing. The app falls back to the plain prompt, or to no drawing, and a
+`Fault` is recorded.
+"""
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+
+from rich.text import Text
+
+from sar_tui.framework.language import Language
+from sar_tui.framework.messages import AttemptEnded, Prompt
+from sar_tui.framework.node import Node
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Metric
+from sar_tui.plugins import PluginError, view_module
+from sar_tui.widgets.prompt_lines import Line, plain_lines
+
+Colors = Mapping[str, str]
+"""The theme's colours by Textual's names: ``accent``, ``foreground``, ``text-muted``, ``success``, ``warning`` …"""
+Drawing = Callable[[int, int, Colors], Text]
+"""Draws something in so many columns and rows."""
+
+
+class TaskView(Node):
+    """The plain view, and the base of a task's own.
+
+    It is a node that only listens: a method marked with ``@on(TOPIC)`` receives the session's messages before the
+    screen does, so that the view can keep what it wants to draw.
+
+    Args:
+        task: the session's task.
+
+    Attributes:
+        tr: the session's language: the words of the app, the task and the theme.
+    """
+
+    name = "view"
+
+    def __init__(self, task: Task) -> None:
+        super().__init__()
+        self.task = task
+        self.tr = task.tr
+
+    def prompt_lines(self, prompt: Prompt | None, width: int, height: int) -> Sequence[Line]:
+        """Draw a prompt, or the fixation point where it is None, as at most ``height`` lines of ``width`` cells.
+
+        One of the lines has to hold ``prompt.text`` unbroken: the prompt's onset is the moment at which the terminal
+        has received it.
+        """
+        return plain_lines(prompt, width, height)
+
+    def between_attempts(self) -> Drawing | None:
+        """Return what to draw below the text between two attempts and after the last one; None for nothing."""
+        return None
+
+    @classmethod
+    def facts(cls, attempts: Sequence[AttemptEnded], metric: Metric, tr: Language) -> list[str]:
+        """Return sentences that the summary adds for one seat, for the participant to read.
+
+        Args:
+            attempts: the scored attempts of that seat, of this session or of one in the database.
+            metric: of the task.
+            tr: the reader's language.
+        """
+        return []
+
+    @classmethod
+    def findings(cls, attempts: Sequence[AttemptEnded], metric: Metric) -> list[str]:
+        """Return the same for the researcher at the command line, in English."""
+        return cls.facts(attempts, metric, Language())
+
+
+def view_of(task: type[Task]) -> type[TaskView]:
+    """Return a task's own view, or the plain one. Raises PluginError if its view cannot be loaded."""
+    module = view_module(task)
+    if module is None:
+        return TaskView
+    own = [value for value in vars(module).values() if getattr(value, "__module__", None) == module.__name__]
+    views = [value for value in own if inspect.isclass(value) and issubclass(value, TaskView)]
+    if len(views) != 1:
+        raise PluginError(f"The view.py of the task {task.name} has to define one TaskView; it defines {len(views)}.")
+    return views[0]
+
+
+def stored_facts(task: type[Task], attempts: Sequence[AttemptEnded], metric: Metric, tr: Language) -> list[str]:
+    """Return a view's facts about a session in the database; none if the view fails."""
+    try:
+        return view_of(task).facts(attempts, metric, tr)
+    except Exception:  # of somebody else's code: the rest of the summary is still right
+        return []
+
+
+def stored_findings(task: type[Task], attempts: Sequence[AttemptEnded], metric: Metric) -> list[str]:
+    """Return a view's findings about a session in the database; none if the view fails."""
+    try:
+        return view_of(task).findings(attempts, metric)
+    except Exception:
+        return []

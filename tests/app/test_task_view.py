@@ -1,0 +1,172 @@
+"""A task's own view draws itself in a session; one that fails costs the participant nothing."""
+
+from pathlib import Path
+
+import pytest
+
+from sar_tui.plugins import Catalogue
+from tests.app.app_driver import AppDriver, plan, sit_down
+
+TASK = """
+from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Metric, Result, Stimulus
+
+
+class Sides(Task):
+    name = "sides"
+    title = "Sides"
+    summary = "Press the key of the side that is named."
+    metric = Metric("reaction_time", unit="ms", better="lower")
+
+    class Parameters(TaskParameters, frozen=True, kw_only=True):
+        prompts_per_attempt: int = 2
+
+    @property
+    def trials_per_attempt(self):
+        return self.parameters.prompts_per_attempt
+
+    def instructions(self):
+        return "Press the key."
+
+    def goal(self, level):
+        return "As fast as you can."
+
+    def stimulus(self, situation):
+        return Stimulus("f", "f", "Press: f", glyph="f")
+
+    def perceived(self, trial, percept):
+        return Result(
+            correct=percept.key == "f",
+            response=percept.key,
+            response_at=percept.at,
+            value=trial.latency_ms(percept.at),
+        )
+"""
+VIEW = """
+from rich.text import Text
+
+from sar_tui.framework.node import on
+from sar_tui.framework.topics import TRIAL
+from sar_tui.widgets.task_view import TaskView
+
+from .task import Sides
+
+
+class SidesView(TaskView):
+    def __init__(self, task):
+        super().__init__(task)
+        assert isinstance(task, Sides)
+        self.trials = 0
+
+    @on(TRIAL)
+    def trial_ended(self, trial):
+        self.trials += 1
+
+    def prompt_lines(self, prompt, width, height):
+        return [(f"<<< {prompt.text} >>>" if prompt else f"({self.trials} so far)", True)]
+
+    def between_attempts(self):
+        return lambda width, height, colors: Text(f"{self.trials} trials, drawn {width} wide", colors["accent"])
+
+    @classmethod
+    def facts(cls, attempts, metric, tr):
+        return [f"The view counts {sum(a.trials for a in attempts)}."]
+"""
+
+
+@pytest.fixture
+def own_tasks(tmp_path: Path) -> Path:
+    """A folder of tasks outside of the checkout, as `--tasks DIR` names it."""
+    folder = tmp_path / "mine" / "sides"
+    folder.mkdir(parents=True)
+    (folder / "task.py").write_text(TASK)
+    return folder.parent
+
+
+async def play(driver: AppDriver) -> list[str]:
+    """Do both attempts; returns the screens seen: a prompt, between attempts, the summary."""
+    prompt = await driver.to_first_prompt()
+    seen = [driver.text]
+    await driver.do_attempt(prompt)
+    seen.append(driver.text)
+    await driver.do_attempt(await driver.begin())
+    await driver.see_the_summary()
+    return [*seen, " ".join(driver.text.split())]
+
+
+async def test_a_task_outside_of_the_checkout_draws_its_prompt_between_attempts_and_in_the_summary(
+    data: Path, own_tasks: Path
+) -> None:
+    (own_tasks / "sides" / "view.py").write_text(VIEW)
+    catalogue = Catalogue(tasks=(own_tasks,))
+    async with sit_down(data, catalogue, plan(catalogue.task("sides"))) as driver:
+        prompt, between, summary = await play(driver)
+        assert "<<< Press: f >>>" in prompt
+        assert "2 trials, drawn" in between
+        assert "The view counts 4." in summary
+        assert [fault.error for fault in driver.session.faults] == []
+        await driver.press("enter")
+    async with sit_down(data, catalogue) as driver:
+        driver.app.screen.query_one("#recent").focus()
+        await driver.press("enter")
+        assert driver.screen_name == "PastSessionScreen"
+        assert driver.sees("The view counts 4.")
+
+
+async def test_without_a_view_the_plain_prompt_is_drawn(data: Path, own_tasks: Path) -> None:
+    catalogue = Catalogue(tasks=(own_tasks,))
+    async with sit_down(data, catalogue, plan(catalogue.task("sides"))) as driver:
+        prompt, between, summary = await play(driver)
+        assert "█" in prompt
+        assert [row.strip() for row in prompt.splitlines()].count("Press: f") == 1
+        assert "drawn" not in between
+        assert "The view" not in summary
+        assert [fault.error for fault in driver.session.faults] == []
+
+
+@pytest.mark.parametrize(
+    ("broken", "topic"),
+    [
+        ("raise RuntimeError('no such file')", "load"),
+        (VIEW.replace("class SidesView(TaskView)", "class SidesView"), "load"),
+        (VIEW.replace("self.trials = 0", "raise RuntimeError"), "load"),
+        (VIEW.replace("return [(f", "return [(prompt.nothing + f"), "prompt_lines"),
+        (VIEW.replace("{prompt.text}", "your prompt"), "prompt_lines"),
+        (VIEW.replace("return [(f", "return 3 #"), "prompt_lines"),
+        (VIEW.replace("self.trials += 1", "self.trial += 1"), "event_handler/trial"),
+        (VIEW.replace("colors['accent']", "colors['no colour']").replace('colors["accent"]', "1 / 0"), "drawing"),
+        (VIEW.replace("return lambda", "raise RuntimeError\n        return lambda"), "between_attempts"),
+        (VIEW.replace("for a in attempts", "for a in attempt"), "facts"),
+    ],
+)
+async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
+    data: Path, own_tasks: Path, broken: str, topic: str
+) -> None:
+    assert broken != VIEW
+    (own_tasks / "sides" / "view.py").write_text(broken)
+    catalogue = Catalogue(tasks=(own_tasks,))
+    async with sit_down(data, catalogue, plan(catalogue.task("sides"))) as driver:
+        prompt, between, summary = await play(driver)
+        assert "Press: f" in prompt
+        if topic in ("load", "prompt_lines"):
+            assert "█" in prompt
+        assert "Press Enter to begin attempt 2 of 2." in between
+        assert "You did 2 attempts" in summary
+        faults = driver.messages("framework/fault")
+        assert {fault["topic"] for fault in faults} == {topic}
+        assert {fault["node"] for fault in faults} == {"view"}
+        assert driver.stored("SELECT count(*) FROM trials WHERE correct") == [(4,)]
+
+
+async def test_a_session_whose_view_failed_is_resumed(data: Path, own_tasks: Path) -> None:
+    (own_tasks / "sides" / "view.py").write_text("raise RuntimeError('no such file')")
+    catalogue = Catalogue(tasks=(own_tasks,))
+    async with sit_down(data, catalogue, plan(catalogue.task("sides"))) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        session = driver.session_id
+    async with sit_down(data, catalogue, session) as driver:
+        assert driver.sees("Welcome back")
+        await driver.press("enter")
+        await driver.to_prompt() if driver.waiting.stage == "trial" else await driver.begin()
+        assert "█" in driver.text
