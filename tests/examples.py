@@ -1,7 +1,10 @@
-"""Number of examples that a property is tried with: all of them, or fewer for a quick run."""
+"""Number of examples that a behaviour is tried with: all of them, or fewer for a quick run."""
 
 import os
+from collections.abc import Iterable
+from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 QUICK = os.environ.get("SAR_TUI_TEST_EXAMPLES") == "few"
@@ -23,3 +26,10 @@ def load_profile() -> None:
     """Make 100 examples, or 20 of them in a quick run, the default of every property."""
     settings.register_profile("sar-tui", examples(100))
     settings.load_profile("sar-tui")
+
+
+def first(number: int, values: Iterable[Any]) -> list[Any]:
+    """Return the values as parameters of a test; all after the first few are slow."""
+    return [
+        value if place < number else pytest.param(value, marks=pytest.mark.slow) for place, value in enumerate(values)
+    ]

@@ -145,6 +145,8 @@ class ScriptedParticipant:
             if time.monotonic_ns() >= until or self.terminal.ended:
                 return False
             self.terminal.read(min(due - SPIN, until))
+        if self.terminal.ended:
+            return False
         while time.monotonic_ns() < due:
             pass
         response = self.terminal.press(key)

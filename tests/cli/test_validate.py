@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.validation import reach, table_4_1
+from sar_tui.validation import feedback, reach, table_4_1
 from sar_tui.validation.registry import VALIDATIONS
 from tests.program import Call
 
@@ -65,6 +65,12 @@ def test_modularity_is_counted_for_each_task(call: Call) -> None:
     assert rows["reaching"]["strict_shared"] < rows["keyboard"]["strict_shared"]
 
 
+@pytest.fixture
+def three_seeds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(feedback, "SEEDS", range(1, 4))
+
+
+@pytest.mark.usefixtures("three_seeds")
 def test_the_thesis_feedback_is_drawn_counted_and_judged(call: Call) -> None:
     called = call("validate", "--only", "figure-4.14")
     assert (called.code, called.err) == (0, "")

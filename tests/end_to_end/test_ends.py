@@ -17,7 +17,14 @@ def _answer(terminal: Terminal, prompts: int) -> None:
     ScriptedParticipant(terminal, random_answers(5, 120, 180)).run(prompts)
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+@pytest.mark.parametrize(
+    ("number", "code"),
+    [
+        (signal.SIGTERM, 143),
+        pytest.param(signal.SIGINT, 130, marks=pytest.mark.slow),
+        pytest.param(signal.SIGHUP, 129, marks=pytest.mark.slow),
+    ],
+)
 def test_a_signal_ends_the_session_in_order(data: Path, number: int, code: int) -> None:
     with Terminal(run_command(data, prompts_per_attempt=8, attempts=2)) as terminal:
         _answer(terminal, 3)

@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from sar_tui.framework.clock import MS
 from sar_tui.framework.parameters import build
 from sar_tui.framework.random_streams import RandomStreams
@@ -12,14 +14,16 @@ from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
 from tests.end_to_end.participant_terminal import command, only_session, rows, run_command, see_the_summary
 
-KILLS = 20
-PROMPTS, ATTEMPTS = 8, 8
+PROMPTS = 8
 
 
-def test_twenty_kills_lose_no_acknowledged_trial_and_change_no_prompt(data: Path, catalogue: Catalogue) -> None:
+@pytest.mark.parametrize(("kills", "attempts"), [(3, 3), pytest.param(20, 8, marks=pytest.mark.slow)])
+def test_kills_lose_no_acknowledged_trial_and_change_no_prompt(
+    data: Path, catalogue: Catalogue, kills: int, attempts: int
+) -> None:
     pressed = 0
-    start = run_command(data, prompts_per_attempt=PROMPTS, attempts=ATTEMPTS)
-    for kill in range(KILLS):
+    start = run_command(data, prompts_per_attempt=PROMPTS, attempts=attempts)
+    for kill in range(kills):
         with Terminal(start if kill == 0 else command("resume", only_session(data), "--data", str(data))) as terminal:
             terminal.wait_for("Enter")
             moment = terminal.read_at + round(RandomStreams("kill", kill).uniform("moment") * 2000 * MS)
@@ -33,16 +37,16 @@ def test_twenty_kills_lose_no_acknowledged_trial_and_change_no_prompt(data: Path
         pressed = kept[0]
 
     with Terminal(command("resume", only_session(data), "--data", str(data))) as terminal:
-        ScriptedParticipant(terminal, random_answers(99, 60, 120)).run(PROMPTS * ATTEMPTS - pressed)
+        ScriptedParticipant(terminal, random_answers(99, 60, 120)).run(PROMPTS * attempts - pressed)
         see_the_summary(terminal)
         terminal.press("enter")
         assert terminal.wait() == 0
 
     assert rows(data, "SELECT status FROM sessions") == [("completed",)]
     levels = [level for (level,) in rows(data, "SELECT level FROM attempts ORDER BY attempt")]
-    assert levels == list(range(1, ATTEMPTS + 1)), "all answers are right and fast"
+    assert levels == list(range(1, attempts + 1)), "all answers are right and fast"
     trials = rows(data, "SELECT attempt, trial, stimulus FROM trials ORDER BY attempt, trial")
-    assert [(a, t) for a, t, _ in trials] == [(a, t) for a in range(1, ATTEMPTS + 1) for t in range(1, PROMPTS + 1)]
+    assert [(a, t) for a, t, _ in trials] == [(a, t) for a in range(1, attempts + 1) for t in range(1, PROMPTS + 1)]
     assert trials == _prompts_it_would_have_had(data, catalogue)
 
 

@@ -11,10 +11,11 @@ import pytest
 
 from sar_tui.motion.repetitions import Repetitions, count_repetitions, find_repetitions
 from sar_tui.motion.samples import Floats, Recording
+from tests.examples import QUICK
 
 WATCH_HZ = 50.0
 REGULAR = ("FEL", "ABD", "IR", "ER", "TRAP")
-SEEDS = range(10)
+SEEDS = range(3 if QUICK else 10)
 
 
 def swinging(cycles: Floats, rate_hz: float, axis: tuple[float, float, float] = (0.2, -0.4, 0.9)) -> Floats:

@@ -15,6 +15,7 @@ from sar_tui.framework.topics import ATTEMPT_ENDED, CUE, FEEDBACK, KEY, PERCEIVE
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
 from sar_tui.simulation.person import PEOPLE
+from tests.examples import first
 
 POLICIES = ("alternate", "race", "cooperative", "joint attention")
 SEEDS = range(20)
@@ -63,7 +64,7 @@ def play(policy: str, seed: int, left: str = "average", right: str = "poor", **m
     return Played(tuple(records))
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", first(4, SEEDS))
 @pytest.mark.parametrize("policy", POLICIES)
 def test_each_row_is_of_who_did_it_and_each_answer_for_whom_it_is_about(policy: str, seed: int) -> None:
     played = play(policy, seed)
@@ -85,14 +86,14 @@ def test_each_row_is_of_who_did_it_and_each_answer_for_whom_it_is_about(policy: 
         assert answer.gaze == {"A": "left", "B": "right"}[attempt.seat]
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", first(4, SEEDS))
 def test_in_turn_each_does_half_of_the_prompts_and_never_the_others(seed: int) -> None:
     trials = play("alternate", seed).all(TRIAL)
     assert [trial.seat for trial in trials] == list("ABABABBABABA")
     assert all(trial.details["asked"] == trial.stimulus for trial in trials)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", first(4, SEEDS))
 def test_in_a_race_the_first_right_response_wins_and_the_answers_follow(seed: int) -> None:
     played = play("race", seed)
     for left, right in zip(played.all(TRIAL, seat="A"), played.all(TRIAL, seat="B"), strict=True):
@@ -116,7 +117,7 @@ def test_who_is_faster_wins_most_races() -> None:
     assert won["B"] > 4 * won["A"]
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", first(4, SEEDS))
 def test_together_both_have_one_result_and_one_outcome(seed: int) -> None:
     played = play("cooperative", seed)
     for left, right in zip(played.all(ATTEMPT_ENDED, seat="A"), played.all(ATTEMPT_ENDED, seat="B"), strict=True):

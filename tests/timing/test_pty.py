@@ -178,6 +178,7 @@ def test_a_participant_leaves_when_the_program_is_killed(bare: Terminal) -> None
     def answer(number: int, expected: str) -> tuple[float, str]:
         if number == 2:
             bare.kill()
+            bare.wait()
         return 5, expected
 
     assert len(ScriptedParticipant(bare, answer).run(12)) == 2
