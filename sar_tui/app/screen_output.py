@@ -124,7 +124,7 @@ class ScreenOutput(OutputNode):
     @on(REPORT)
     def reported(self, report: OutputReport) -> None:
         """A voice, whichever output's it is, moves the mouth; one that fails is put on the screen."""
-        if report.deed != "say" or report.state == "queued":
+        if report.part != "say" or report.state == "queued":
             return
         voice = (report.output, report.action)
         if report.state == "started":

@@ -53,17 +53,17 @@ class ActionQueue:
         """When the next of what is not due yet falls due (ns), if anything is."""
         return min((action.due for action in self._waiting if action.due > now), default=None)
 
-    def begin(self, action: Action, open_deeds: Iterable[tuple[str, ActionPart]]) -> None:
-        """Its turn has come. ``open_deeds``: which outputs do what for it; without any it is over at once."""
+    def begin(self, action: Action, open_parts: Iterable[tuple[str, ActionPart]]) -> None:
+        """Its turn has come. ``open_parts``: which outputs do what for it; without any it is over at once."""
         self._waiting.remove(action)
-        self._open = set(open_deeds)
+        self._open = set(open_parts)
         self.current = action if self._open else None
 
-    def close(self, action: str, output: str, deed: ActionPart) -> bool:
+    def close(self, action: str, output: str, part: ActionPart) -> bool:
         """An output is done with its part; True if with that the action is over."""
         if self.current is None or self.current.id != action:
             return False
-        self._open.discard((output, deed))
+        self._open.discard((output, part))
         if self._open:
             return False
         self.current = None

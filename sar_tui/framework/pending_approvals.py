@@ -18,18 +18,18 @@ class PendingApprovals:
         return tuple(self._waiting.values())
 
     @property
-    def is_owing(self) -> bool:
+    def is_awaited(self) -> bool:
         """Whether the session waits for one of them."""
         return any(map(is_owed, self._waiting.values()))
 
     @property
     def next_deadline(self) -> int | None:
         """When the next of them is decided without an operator (ns)."""
-        return min((offer.deadline for offer in self._waiting.values() if offer.deadline is not None), default=None)
+        return min((one.deadline for one in self._waiting.values() if one.deadline is not None), default=None)
 
-    def add(self, offer: PendingApproval) -> None:
+    def add(self, pending: PendingApproval) -> None:
         """Let a proposal wait; one of the same id takes its place."""
-        self._waiting[offer.proposal.id] = offer
+        self._waiting[pending.proposal.id] = pending
 
     def take(self, id: str) -> PendingApproval | None:
         """It waits no longer; None where it does not."""
@@ -37,11 +37,11 @@ class PendingApprovals:
 
     def take_due(self, now: int) -> tuple[PendingApproval, ...]:
         """Those whose time is over."""
-        return self.clear(lambda offer: offer.deadline is not None and offer.deadline <= now)
+        return self.clear(lambda pending: pending.deadline is not None and pending.deadline <= now)
 
     def clear(self, gives_up: Callable[[PendingApproval], bool] = lambda _: True) -> tuple[PendingApproval, ...]:
         """Some of them wait no longer; returns those."""
         gone = tuple(filter(gives_up, self._waiting.values()))
-        for offer in gone:
-            del self._waiting[offer.proposal.id]
+        for pending in gone:
+            del self._waiting[pending.proposal.id]
         return gone

@@ -1,4 +1,8 @@
-"""The vocabulary of the whole system: every topic and service, by name."""
+"""Every topic and service of the system, by name.
+
+Databases and recordings hold these names, so a name never changes, even where its constant is called otherwise now:
+``theme/worn``, ``arbiter/offered``, ``arbiter/standing``, ``arbiter/stalling``, ``arbiter/level_ruled``.
+"""
 
 from typing import Any
 
@@ -58,4 +62,4 @@ LEVEL_REQUEST = Service("arbiter/rule", m.LevelRequest, m.LevelReply)
 UNSAID_FEEDBACK = Service("arbiter/unsaid", m.UnsaidFeedbackRequest, m.UnsaidFeedback)
 
 ALL: dict[str, Topic[Any]] = {topic.name: topic for topic in (*vars().values(), FAULT) if isinstance(topic, Topic)}
-"""Topics by name, to read back what was recorded."""
+"""Topics by name, to read recorded messages."""

@@ -68,7 +68,7 @@ class Commands:
     def pending(self) -> tuple[PendingApproval, ...]:
         """What waits for an operator, as far as is known, what presses first; nothing while the link is down."""
         state = self.state
-        return proposal_view.by_urgency(state.arbiter.offers) if state.arbiter and state.is_connected else ()
+        return proposal_view.by_urgency(state.arbiter.pending) if state.arbiter and state.is_connected else ()
 
     def refusal(self) -> str:
         """Why an act would not be heeded; empty where it would."""

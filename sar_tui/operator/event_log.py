@@ -254,7 +254,7 @@ def _presence(changed: OperatorChanged, me: str) -> tuple[str, Tone]:
 
 def _dropped(dropped: Dropped, before: ArbiterState | None) -> tuple[str, Tone] | None:
     """A veto, and what only the operator does, are nobody's news; nor is a filler that was not needed."""
-    waited = (*(approval.proposal for approval in before.offers), *before.queued) if before else ()
+    waited = (*(approval.proposal for approval in before.pending), *before.queued) if before else ()
     kind = next((each.kind for each in waited if each.id == dropped.id), "proposal")
     words = _DROPPED.get(dropped.reason)
     if not words or kind == "filler":
@@ -274,7 +274,7 @@ def _level_ruled(ruled: LevelDecided, me: str, before: ArbiterState | None) -> t
 
     What an operator approved stands in the log already, as their act; what they did not stop needs none of them.
     """
-    offers = before.offers if before else ()
+    offers = before.pending if before else ()
     mode = next((approval.mode for approval in offers if approval.proposal.id == ruled.id), "")
     if ruled.decision == "accepted" and (ruled.ground == "operator" or mode == "veto"):
         return None

@@ -268,7 +268,7 @@ def _acts(state: SessionState, acting: AgentActing) -> SessionState:
 
 
 def _reported(state: SessionState, report: OutputReport) -> SessionState:
-    if report.deed == "say" and report.state in ("started", "failed"):
+    if report.part == "say" and report.state in ("started", "failed"):
         return replace(state, voice=report.detail or "it failed" if report.state == "failed" else "")
     return state
 

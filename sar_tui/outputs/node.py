@@ -220,5 +220,5 @@ class OutputNode(Node):
 
     def _report(self, action: str, deed: ActionPart, state: PartState, at: int, detail: str = "") -> None:
         self.bus.post(
-            REPORT, m.OutputReport(action=action, output=self.name, deed=deed, state=state, at=at, detail=detail)
+            REPORT, m.OutputReport(action=action, output=self.name, part=deed, state=state, at=at, detail=detail)
         )

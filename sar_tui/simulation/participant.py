@@ -91,7 +91,7 @@ class SimulatedParticipant(Node):
     def answered(self, action: Action) -> None:
         """Words appear at once."""
         for state in _SEEN:
-            self.emit(REPORT, OutputReport(action=action.id, output="screen", deed="show", state=state, at=self.now))
+            self.emit(REPORT, OutputReport(action=action.id, output="screen", part="show", state=state, at=self.now))
 
     def _press(self, key: str, at: int) -> Handle:
         return self.bus.clock.call_at(at, lambda: self.emit(KEY, KeyPressed(key=key, at=at)))

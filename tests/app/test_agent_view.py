@@ -144,7 +144,7 @@ async def test_no_words_stand_while_a_response_is_awaited_and_nothing_moves(calm
         watcher.link.welcome()
         watcher.link.tell(ACTION, said("Well done!", gesture="wave"))
         watcher.link.tell(WAITING, IN_A_TRIAL)
-        watcher.link.tell(REPORT, OutputReport(action="a1", output="speech", deed="say", state="started", at=0))
+        watcher.link.tell(REPORT, OutputReport(action="a1", output="speech", part="say", state="started", at=0))
         assert "Well done!" not in await watcher.see()
         assert not watcher.moves
 
@@ -239,7 +239,7 @@ async def test_a_voice_moves_the_mouth(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome(outputs=["screen", "speech"])
         watcher.link.tell(ACTION, said("Well done!", face="speaking"))
-        told = {"action": "a1", "output": "speech", "deed": "say", "at": 0}
+        told = {"action": "a1", "output": "speech", "part": "say", "at": 0}
         watcher.link.tell(REPORT, OutputReport(**told, state="started"))
         assert watcher.moves
         watcher.link.tell(REPORT, OutputReport(**told, state="done"))

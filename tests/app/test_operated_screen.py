@@ -21,7 +21,7 @@ async def to_offer(driver: AppDriver) -> m.PendingApproval:
     driver.session.bus.post(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
     await driver.do_attempt(await driver.to_first_prompt())
     await driver.wait(1500)
-    return standing[-1].offers[0]
+    return standing[-1].pending[0]
 
 
 async def decide(driver: AppDriver, offer: m.PendingApproval, verdict: str, **how: object) -> None:

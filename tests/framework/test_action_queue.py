@@ -128,8 +128,8 @@ class AgendaMachine(RuleBasedStateMachine):
     def wait(self, passed: int) -> None:
         self.now += passed
 
-    @rule(deeds=st.sets(st.sampled_from(sorted(OPEN))))
-    def take_a_turn(self, deeds: set[tuple[str, ActionPart]]) -> None:
+    @rule(parts=st.sets(st.sampled_from(sorted(OPEN))))
+    def take_a_turn(self, parts: set[tuple[str, ActionPart]]) -> None:
         chosen = self.queue.next(self.now)
         ready = [waiting for waiting in self.waiting.values() if waiting.due <= self.now]
         if chosen is None:
@@ -140,10 +140,10 @@ class AgendaMachine(RuleBasedStateMachine):
         if self.current is not None:
             assert chosen.policy == "interrupt"
             assert chosen.priority >= self.current.priority
-        self.queue.begin(chosen, deeds)
+        self.queue.begin(chosen, parts)
         del self.waiting[chosen.id]
-        self.open = set(deeds)
-        self.current = chosen if deeds else None
+        self.open = set(parts)
+        self.current = chosen if parts else None
 
     @precondition(lambda self: self.current is not None)
     @rule(part=st.sampled_from(sorted(OPEN)), mine=st.booleans())

@@ -111,8 +111,8 @@ def action(id: str, **other: Any) -> m.Action:
     return m.Action(**told | {"decision": "accepted", "actor": "agent", "decided": START} | other)
 
 
-def arbiter_state(*offers: m.PendingApproval, **other: Any) -> m.ArbiterState:
-    return m.ArbiterState(**{"modes": MODES, "operated": True, "offers": offers} | other)
+def arbiter_state(*pending: m.PendingApproval, **other: Any) -> m.ArbiterState:
+    return m.ArbiterState(**{"modes": MODES, "operated": True, "pending": pending} | other)
 
 
 def trial(number: int, stimulus: str, ms: float | None, *, correct: bool = True, seat: str = "A") -> m.TrialEnded:

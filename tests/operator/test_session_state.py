@@ -171,7 +171,7 @@ def test_what_was_refused_or_missed_or_fell_away_is_told_in_a_line() -> None:
 
 
 def test_a_voice_that_fails_is_told_until_it_sounds_again() -> None:
-    failed = m.OutputReport(action="a1", output="speech", deed="say", state="failed", at=0, detail="no loudspeaker")
+    failed = m.OutputReport(action="a1", output="speech", part="say", state="failed", at=0, detail="no loudspeaker")
     state = after((t.REPORT, failed))
     assert "No voice: no loudspeaker" in status_view.activity(state, 60).plain
     assert state.receive([b.frame(t.REPORT, replace(failed, state="started"))]).voice == ""

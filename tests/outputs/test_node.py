@@ -87,7 +87,7 @@ class Stage:
         self.clock.advance(ns)
 
     def states(self, action: str = "a1", deed: ActionPart = "say") -> list[str]:
-        return [report.state for report in self.reports if (report.action, report.deed) == (action, deed)]
+        return [report.state for report in self.reports if (report.action, report.part) == (action, deed)]
 
 
 def asked(stage: Stage) -> list[tuple[str, ...]]:
@@ -124,7 +124,7 @@ def test_an_action_is_done_look_and_tone_first() -> None:
         ("gesture", "a1", "wave"),
         ("say", "a1", "Well done!"),
     ]
-    assert [(report.deed, report.state) for report in stage.reports] == [
+    assert [(report.part, report.state) for report in stage.reports] == [
         (deed, "queued") for deed in ("show", "gaze", "tone", "gesture", "say")
     ]
 
@@ -176,7 +176,7 @@ def test_what_raises_has_failed_and_the_rest_goes_on(deed: ActionPart) -> None:
     stage.act(**EVERY_PART)
     assert {what[0] for what in asked(stage)} == EVERYTHING
     failed = [report for report in stage.reports if report.state == "failed"]
-    assert [(report.deed, report.detail) for report in failed] == [(deed, f"RuntimeError: no {deed} today.")]
+    assert [(report.part, report.detail) for report in failed] == [(deed, f"RuntimeError: no {deed} today.")]
     assert stage.states(deed=deed) == ["queued", "failed"]
 
 

@@ -131,7 +131,7 @@ class AgentView:
 
     def _report(self, report: OutputReport) -> None:
         """The session's own voice moves the mouth."""
-        if report.deed != "say" or report.state == "queued":
+        if report.part != "say" or report.state == "queued":
             return
         voice = (report.output, report.action)
         if report.state == "started":

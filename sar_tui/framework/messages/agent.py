@@ -102,16 +102,16 @@ class LevelDecided(Message, frozen=True, kw_only=True):
     at: int
 
 
-class ArbiterState(Message, frozen=True, kw_only=True):
+class ArbiterState(Message, frozen=True, kw_only=True, rename={"pending": "offers"}):
     """How the arbiter stands, whole, after each change: what an operator who has just come has to know.
 
-    ``modes``: as they are set; ``operated``: whether there is an operator, so that they hold. ``offers`` wait for one;
+    ``modes``: as they are set; ``operated``: whether there is an operator, so that they hold. ``pending`` wait for one;
     ``queued`` is decided and waits for its turn; ``current`` is under way.
     """
 
     modes: dict[ControlledKind, Mode]
     operated: bool
-    offers: tuple[PendingApproval, ...] = ()
+    pending: tuple[PendingApproval, ...] = ()
     queued: tuple[Action, ...] = ()
     current: Action | None = None
 
@@ -161,11 +161,11 @@ class OutputOpened(Message, frozen=True, kw_only=True):
     can: tuple[ActionPart, ...]
 
 
-class AgentActing(Message, frozen=True, kw_only=True):
-    """Whether the agent speaks or moves, so that no prompt is shown meanwhile.
+class AgentActing(Message, frozen=True, kw_only=True, rename={"awaits_operator": "owing"}):
+    """Whether the agent speaks or moves; no prompt is shown meanwhile.
 
-    ``owing``: an operator decides on an answer, or on the level, within a set time: the session waits for that.
+    ``awaits_operator``: an operator has a set time to decide on feedback or on the level, and the session waits.
     """
 
     acting: bool
-    owing: bool = False
+    awaits_operator: bool = False

@@ -121,7 +121,7 @@ class TimerFired(Message, frozen=True, kw_only=True):
     due: int
 
 
-class OutputReport(Message, frozen=True, kw_only=True):
+class OutputReport(Message, frozen=True, kw_only=True, rename={"part": "deed"}):
     """An output tells what became of a part of an action. ``detail`` says why it failed.
 
     ``queued``: the output has taken it on; ``started``: it can be heard or seen; then ``done``, ``aborted`` (stopped
@@ -130,7 +130,7 @@ class OutputReport(Message, frozen=True, kw_only=True):
 
     action: str
     output: str
-    deed: ActionPart
+    part: ActionPart
     state: PartState
     at: int
     detail: str = ""

@@ -246,7 +246,7 @@ class Arbiter(Approvals):
 
     @on(REPORT)
     def reported(self, report: m.OutputReport) -> None:
-        if report.state in _OVER and self._queue.close(report.action, report.output, report.deed):
+        if report.state in _OVER and self._queue.close(report.action, report.output, report.part):
             self._begin_next()
 
     def timer(self, name: str, late: int) -> None:
@@ -266,7 +266,7 @@ class Arbiter(Approvals):
 
     def _begin_next(self) -> None:
         """Let those act whose turn it is."""
-        held = _AFTER_FEEDBACK if self._pending.is_owing else ()
+        held = _AFTER_FEEDBACK if self._pending.is_awaited else ()
         while not self._is_closed and (action := self._queue.next(self.now, held)):
             if current := self._queue.current:
                 self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
@@ -285,12 +285,12 @@ class Arbiter(Approvals):
 
     def _parts(self, utterance: Utterance) -> list[tuple[str, ActionPart]]:
         """Which outputs have something to do for it that takes a while."""
-        wanted = {deed for deed in LASTING if getattr(utterance, _FIELDS[deed])}
-        return [(opened.output, deed) for opened in self._outputs for deed in opened.can if deed in wanted]
+        wanted = {part for part in LASTING if getattr(utterance, _FIELDS[part])}
+        return [(opened.output, part) for opened in self._outputs for part in opened.can if part in wanted]
 
     def _publish_state(self) -> None:
         """Tell what is another than before: whether the agent acts; and to operators, how things stand."""
-        acting = m.AgentActing(acting=self._queue.is_acting, owing=self._pending.is_owing)
+        acting = m.AgentActing(acting=self._queue.is_acting, awaits_operator=self._pending.is_awaited)
         if acting != self._acting:
             self._acting = acting
             self.emit(ACTING, acting)
@@ -299,7 +299,7 @@ class Arbiter(Approvals):
         state = m.ArbiterState(
             modes=self._rules.modes,
             operated=self._rules.operated,
-            offers=self._pending.waiting,
+            pending=self._pending.waiting,
             queued=self._queue.waiting,
             current=self._queue.current,
         )
@@ -315,7 +315,7 @@ class Arbiter(Approvals):
 
 
 _FIELDS: dict[ActionPart, str] = {"say": "spoken", "gesture": "gesture", "gaze": "gaze", "tone": "tone"}
-"""What of a saying each deed takes."""
+"""What of a saying each part takes."""
 
 
 def _who(reason: str, actor: str) -> str:

@@ -97,8 +97,8 @@ class AttemptFlow(TrialFlow):
     def agent_acted(self, agent: m.AgentActing) -> None:
         """Wait for an operator's decision on feedback or level as for delayed feedback."""
         super().agent_acted(agent)
-        was_pending, self._is_decision_pending = self._is_decision_pending, agent.owing
-        if was_pending and not agent.owing and self._phase is Phase.ANSWER:
+        was_pending, self._is_decision_pending = self._is_decision_pending, agent.awaits_operator
+        if was_pending and not agent.awaits_operator and self._phase is Phase.ANSWER:
             self._await_answer()
         self._wait_for_decision()
 

@@ -87,8 +87,8 @@ class Floor:
         made = [proposal(name, **how) for name in names]
         self.bus.publish(TOLD, Told(proposals=tuple(made)))
 
-    def report(self, action: str, state: Any = "done", output: str = "speech", deed: m.ActionPart = "say") -> None:
-        told = m.OutputReport(action=action, output=output, deed=deed, state=state, at=self.clock.now())
+    def report(self, action: str, state: Any = "done", output: str = "speech", part: m.ActionPart = "say") -> None:
+        told = m.OutputReport(action=action, output=output, part=part, state=state, at=self.clock.now())
         self.bus.publish(REPORT, told)
 
     def stop(self, at: int = 0) -> None:
@@ -197,8 +197,8 @@ def test_the_more_important_goes_before_what_came_earlier(floor: Floor) -> None:
 def test_an_action_is_over_when_every_output_has_done_its_part_of_it() -> None:
     floor = Floor({"speech": ("say",), "robot": ("gesture", "gaze", "say"), "screen": ("show",)})
     floor.propose("a", gesture="wave")
-    for output, deed in (("speech", "say"), ("robot", "say"), ("robot", "gaze"), ("screen", "show")):
-        floor.report("a", "done", output, deed)  # type: ignore[arg-type]
+    for output, part in (("speech", "say"), ("robot", "say"), ("robot", "gaze"), ("screen", "show")):
+        floor.report("a", "done", output, part)  # type: ignore[arg-type]
         assert floor.acting == [True], "its gesture goes on"
     floor.report("a", "done", "robot", "gesture")
     assert floor.acting == [True, False]

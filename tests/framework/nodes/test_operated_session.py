@@ -95,7 +95,10 @@ def test_words_of_the_operator_before_an_answer_falls_due_change_nothing_of_the_
     known = len(driver.all(WAITING))
     driver.session.bus.publish(REMARK, m.Remark(text="Take your time.", actor="operator.ana"))
     driver.wait(3000)
-    assert [(agent.acting, agent.owing) for agent in driver.all(ACTING)[-2:]] == [(True, False), (False, False)]
+    assert [(one.acting, one.awaits_operator) for one in driver.all(ACTING)[-2:]] == [
+        (True, False),
+        (False, False),
+    ]
     assert len(driver.all(WAITING)) == known
     driver.wait(10_000)
     assert [waiting.stage for waiting in driver.all(WAITING)[known:]] == ["attempt"]
@@ -231,13 +234,13 @@ def test_a_level_that_a_marked_trial_no_longer_calls_for_is_asked_for_no_longer(
     driver.begin_lifts()
     driver.lift()
     driver.lift()
-    assert [offer.proposal.id for offer in driver.last(ARBITER_STATE).offers] == ["l1"]
+    assert [offer.proposal.id for offer in driver.last(ARBITER_STATE).pending] == ["l1"]
     driver.operate("mark", reason="caught")
-    assert driver.last(ARBITER_STATE).offers == ()
+    assert driver.last(ARBITER_STATE).pending == ()
     decide(driver, "l1", "accept")
     assert (driver.waiting.stage, driver.waiting.level) == ("attempt", 1)
     driver.operate("mark", reason="caught")
-    assert [offer.proposal.id for offer in driver.last(ARBITER_STATE).offers] == ["l2"], "the mark was taken back"
+    assert [offer.proposal.id for offer in driver.last(ARBITER_STATE).pending] == ["l2"], "the mark was taken back"
     decide(driver, "l2", "accept")
     assert driver.waiting.level == 2
 
@@ -277,7 +280,7 @@ def lifted(calm: Theme, task: type[Task] = Lift, **settings: Any) -> LiftDriver:
 
 
 def offers(driver: LoopDriver) -> list[str]:
-    return [offer.proposal.id for offer in driver.last(ARBITER_STATE).offers]
+    return [offer.proposal.id for offer in driver.last(ARBITER_STATE).pending]
 
 
 @pytest.mark.parametrize("attempts", [2, 3])
@@ -305,7 +308,7 @@ def test_a_mark_that_changes_no_outcome_leaves_the_level_as_the_operator_ruled(
     assert driver.waiting.level == level
     driver.lift()
     driver.lift()
-    assert [offer.level for offer in driver.last(ARBITER_STATE).offers] == [level + 1], "the next step is from there"
+    assert [offer.level for offer in driver.last(ARBITER_STATE).pending] == [level + 1], "the next step is from there"
 
 
 def test_a_mark_that_changes_no_outcome_leaves_the_level_waiting(calm: Theme) -> None:
@@ -400,7 +403,7 @@ def test_of_two_a_mark_that_changes_the_outcome_of_both_asks_once_for_what_it_ca
     driver = lifted(calm, Couple, start_level=3, operator_difficulty="approve", operator_time_ms=60_000)
     levels = []
     for _ in range(3):
-        (offer,) = driver.last(ARBITER_STATE).offers
+        (offer,) = driver.last(ARBITER_STATE).pending
         levels.append((offer.proposal.id, offer.level))
         driver.operate("mark", reason="caught")
     assert levels == [("l1", 4), ("l2", 2), ("l3", 4)]
@@ -410,7 +413,7 @@ def test_of_two_only_who_was_not_answered_yet_is_answered_anew(calm: Theme) -> N
     driver = lifted(calm, Couple, operator_feedback="approve", operator_time_ms=60_000)
     decide(driver, offers(driver)[0], "accept")
     driver.operate("mark", reason="caught")
-    assert [(offer.seat, offer.proposal.valence) for offer in driver.last(ARBITER_STATE).offers] == [("B", "negative")]
+    assert [(offer.seat, offer.proposal.valence) for offer in driver.last(ARBITER_STATE).pending] == [("B", "negative")]
     assert {one.seat: one.feedback for one in driver.all(ATTEMPT_ENDED)} == {"A": "positive", "B": "negative"}
     decide(driver, offers(driver)[0], "accept")
     assert [(action.seat, action.valence) for action in feedback(driver)] == [("A", "positive"), ("B", "negative")]

@@ -70,9 +70,9 @@ class Room(Floor):
         return told
 
     @property
-    def owing(self) -> bool:
+    def awaits_operator(self) -> bool:
         told = self.all(ACTING)
-        return bool(told and told[-1].owing)
+        return bool(told and told[-1].awaits_operator)
 
 
 # --- the four modes -----------------------------------------------------------------------------------------------
@@ -140,7 +140,7 @@ def test_under_manual_nothing_is_said_until_the_operator_takes_it_up() -> None:
     assert room.said == []
     room.decide("a2", "accept")
     assert room.acted == ["a2"]
-    assert not room.owing
+    assert not room.awaits_operator
 
 
 def test_what_is_edited_is_said_in_the_operators_words_and_in_the_manner_of_their_valence() -> None:
@@ -182,7 +182,7 @@ def test_after_a_fixed_delay_an_operator_has_until_then_and_no_longer() -> None:
     room = Room(operator_feedback="approve", operator_time_ms=10_000)
     due = room.clock.now() + 3 * SECOND
     room.propose("a1", due=due, seat="B")
-    (offer,) = room.standing.offers
+    (offer,) = room.standing.pending
     assert (offer.deadline, offer.seat) == (due, "B")
     room.clock.advance(3 * SECOND)
     assert room.acted == ["a1"]
@@ -204,16 +204,16 @@ def test_after_a_fixed_delay_its_moment_does_not_tell_who_decided(mode: str, dec
 def test_the_session_waits_while_an_answer_is_owed_and_no_longer() -> None:
     room = Room(operator_feedback="approve")
     room.propose("a1")
-    assert room.owing
+    assert room.awaits_operator
     room.decide("a1", "veto")
-    assert not room.owing
+    assert not room.awaits_operator
 
 
 def test_the_session_waits_for_no_kind_word() -> None:
     room = Room(operator_encouragement="approve")
     room.propose("a1", kind="encouragement")
-    assert [offer.proposal.id for offer in room.standing.offers] == ["a1"]
-    assert not room.owing
+    assert [offer.proposal.id for offer in room.standing.pending] == ["a1"]
+    assert not room.awaits_operator
 
 
 def test_whose_answers_are_still_to_be_said_can_be_asked() -> None:
@@ -396,12 +396,12 @@ def test_when_the_operator_is_lost_what_waited_is_decided_at_once(mode: str, los
     room.propose("a1")
     room.operator("lost", operated=False)
     assert room.acted == acted
-    assert not room.owing
+    assert not room.awaits_operator
     room.operator("joined", operated=True)
     room.report("a1")
     room.propose("a2")
     assert room.acted == acted
-    assert room.standing.offers[-1].proposal.id == "a2"
+    assert room.standing.pending[-1].proposal.id == "a2"
 
 
 # --- switched live, and told ----------------------------------------------------------------------------------------
@@ -435,10 +435,10 @@ def test_operators_are_told_how_everything_stands() -> None:
     standing = room.standing
     assert standing.operated
     assert standing.modes["feedback"] == "approve"
-    (offer,) = standing.offers
+    (offer,) = standing.pending
     assert (offer.proposal.id, offer.mode, offer.otherwise) == ("a1", "approve", "act")
     room.decide("a1", "accept")
-    assert room.standing.offers == ()
+    assert room.standing.pending == ()
     assert room.standing.current is not None
     assert room.standing.current.id == "a1"
 
@@ -563,7 +563,7 @@ def test_after_the_last_attempt_nobody_is_asked_and_what_an_operator_holds_stays
 def test_a_change_of_level_waits_for_an_operator() -> None:
     room = Room(operator_difficulty="approve")
     assert not room.ask_for_level(2, 3)
-    assert room.owing
+    assert room.awaits_operator
     room.decide("l1", "accept")
     (ruled,) = room.all(LEVEL_DECIDED)
     assert (ruled.level, ruled.decision, ruled.actor) == (3, "accepted", "operator.ana")
