@@ -8,7 +8,7 @@ import msgspec
 
 import sar_tui
 from sar_tui.framework.language import language, read_words, slot_problem
-from sar_tui.framework.number_words import holds_number
+from sar_tui.framework.phrase_keys import holds_number
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue, PluginError, task_folder
 

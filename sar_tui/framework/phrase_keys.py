@@ -1,14 +1,14 @@
-"""What the agent can be asked to say: the situations a theme has wordings for, and the slots those may use."""
+"""The phrases of a theme: their keys, the slots each may use, and the rule that phrases in words hold no number."""
 
+import re
 import string
-
-from sar_tui.framework.number_words import holds_number
+import unicodedata
 
 FIGURES = frozenset({"value", "goal", "difference", "percent", "correct", "trials", "reached", "attempts"})
-"""The slots that hold a number."""
+"""Slots that hold a number."""
 _VALENCES = ("positive", "neutral", "negative")
 
-SITUATIONS: dict[str, set[str]] = {
+PHRASE_KEYS: dict[str, set[str]] = {
     # what has no result in it
     "greeting": set(),
     "welcome_back": set(),
@@ -62,19 +62,59 @@ SITUATIONS: dict[str, set[str]] = {
     "performance_worsened_figures": {"aim", "percent", "reference"},
     "performance_same_figures": {"aim", "percent", "reference"},
 }
-"""By name: the slots a wording may use."""
+"""Slots that a wording may use, by the key of its phrase."""
 
-PERFORMANCE = tuple(name for name in SITUATIONS if name.startswith("performance_"))
-QUANTITATIVE = tuple(name for name, slots in SITUATIONS.items() if slots & FIGURES)
-QUALITATIVE = tuple(name for name in SITUATIONS if name not in QUANTITATIVE)
+PERFORMANCE = tuple(name for name in PHRASE_KEYS if name.startswith("performance_"))
+QUANTITATIVE = tuple(name for name, slots in PHRASE_KEYS.items() if slots & FIGURES)
+QUALITATIVE = tuple(name for name in PHRASE_KEYS if name not in QUANTITATIVE)
 
 VOCABULARY = ("last_attempt", "last_at_level", "best_attempt", "session_mean", "goal")
-"""What the slot ``reference`` is filled with."""
+"""Words for the slot ``reference``."""
+
+
+# --- numbers in a text ----------------------------------------------------------------------------------------
+
+_SPELLED = {
+    "en": """zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen
+        seventeen eighteen nineteen twenty thirty forty fifty sixty seventy eighty ninety hundred hundreds thousand
+        thousands million millions half halves quarter quarters once twice thrice first second third thirds fourth fifth
+        sixth seventh eighth ninth tenth dozen dozens couple pair double triple percent""",
+    "es": """cero uno dos tres cuatro cinco seis siete ocho nueve diez once doce trece catorce quince dieciséis
+        diecisiete dieciocho diecinueve veinte veintiuno veintiuna veintiún veintidós veintitrés veinticuatro
+        veinticinco veintiséis veintisiete veintiocho veintinueve treinta cuarenta cincuenta sesenta setenta ochenta
+        noventa cien ciento cientos doscientos trescientos cuatrocientos quinientos seiscientos setecientos ochocientos
+        novecientos doscientas trescientas cuatrocientas quinientas seiscientas setecientas ochocientas novecientas mil
+        miles millón millones mitad medio media tercio tercios cuarto cuarta cuartos primer primero primera segundo
+        segunda tercer tercero tercera quinto quinta sexto sexta séptimo séptima octavo octava noveno novena décimo
+        décima docena docenas par doble triple""",
+}
+"""Number words by language. Spanish un and una are left out: they are articles, too."""
+
+
+def _folded(text: str) -> str:
+    """Return a text in lower case, without accents."""
+    parts = unicodedata.normalize("NFKD", text.lower())
+    return "".join(character for character in parts if not unicodedata.combining(character))
+
+
+_NUMBER_WORDS = {language: frozenset(_folded(words).split()) for language, words in _SPELLED.items()}
+"""The same, folded as `holds_number` compares them."""
+
+
+def holds_number(text: str, language: str = "en") -> bool:
+    """Return whether a text holds a number, in digits or in words; the words are known for English and Spanish."""
+    if any(unicodedata.category(character).startswith("N") for character in text):
+        return True
+    known = _NUMBER_WORDS.get(language.partition("-")[0], frozenset())
+    return not known.isdisjoint(re.findall(r"[^\W\d_]+", _folded(text)))
+
+
+# --- one wording ----------------------------------------------------------------------------------------------
 
 
 def wording_problems(situation: str, wording: str, language: str) -> list[str]:
-    """What is wrong with a wording for a situation, a sentence each."""
-    slots = SITUATIONS[situation]
+    """Return what is wrong with a wording for a situation, one sentence each."""
+    slots = PHRASE_KEYS[situation]
     where = f"A wording for {situation} ({language})"
     try:
         parts = [part[1:] for part in string.Formatter().parse(wording) if part[1] is not None]

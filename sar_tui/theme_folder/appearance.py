@@ -1,5 +1,6 @@
 """``theme.toml``: how the agent looks, moves and sounds."""
 
+import tomllib
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -8,9 +9,20 @@ from msgspec import Meta
 
 from sar_tui.framework.contrast import contrast, cut, is_color
 from sar_tui.framework.gesture import GESTURES, Gesture, Keyframe
-from sar_tui.framework.theme import FACES, GAZES, GROUNDS, MANNERS, TONES, Colors, Manner, Note, Theme, Voice
+from sar_tui.framework.theme import (
+    FACES,
+    GAZES,
+    GROUNDS,
+    MANNERS,
+    TONES,
+    Colors,
+    Manner,
+    Note,
+    Theme,
+    ThemeError,
+    Voice,
+)
 from sar_tui.theme_folder.faces import drawing_problems, fitted
-from sar_tui.theme_folder.toml import printable, read_toml
 
 LEAST_CONTRAST = 4.5
 """What text has to keep at least to be legible, whatever a theme asks for (WCAG 2.2, AA)."""
@@ -22,6 +34,8 @@ _SETTINGS = {
 }
 _TABLES = ("colors", "faces", "voice", "manner", "gestures", "tones", "images")
 _NOTES = Annotated[tuple[Note, ...], Meta(min_length=1, max_length=8)]
+_LONGEST = 60
+"""Letters of a name that an error message quotes."""
 _BLACK, _WHITE = "#000000", "#ffffff"
 
 
@@ -30,6 +44,21 @@ class Look(msgspec.Struct, frozen=True):
 
     parts: dict[str, Any]
     told: dict[str, list[str]]
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """What a file says. Raises ThemeError: it is missing, or not TOML; one sentence."""
+    try:
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except FileNotFoundError as error:
+        raise ThemeError(f"There is no {path.name}.") from error
+    except OSError as error:
+        raise ThemeError(f"{path.name} cannot be read: {error.strerror}.") from error
+    except UnicodeDecodeError as error:
+        line = path.read_bytes()[: error.start].count(b"\n") + 1
+        raise ThemeError(f"{path.name} is not UTF-8 text from line {line} on; save it as UTF-8.") from error
+    except (ValueError, RecursionError) as error:
+        raise ThemeError(f"{path.name} is not TOML: {error}.") from error
 
 
 def read_look(folder: Path, base: Theme | None) -> Look:
@@ -91,7 +120,7 @@ class _Reader:
         elif name == "minimum_contrast" and _is_below(self._table[name], LEAST_CONTRAST):
             least = f"{LEAST_CONTRAST:g}, below which text is hard to read"
             self.told["settings"].append(
-                f"minimum_contrast is {printable(str(self._table[name]))}; it has to be at least {least}."
+                f"minimum_contrast is {_printable(str(self._table[name]))}; it has to be at least {least}."
             )
         else:
             value = self._converted("settings", name, self._table[name], _SETTINGS[name])
@@ -155,7 +184,7 @@ class _Reader:
             if name not in FACES:
                 self.told["faces"].append(f"images.{name} is not an expression; these are: {', '.join(FACES)}.")
             elif not isinstance(file, str) or (path := _file(folder, file)) is None:
-                self.told["faces"].append(f"There is no image {printable(str(file))} for {name}.")
+                self.told["faces"].append(f"There is no image {_printable(str(file))} for {name}.")
             elif not path.is_relative_to(folder):
                 self.told["faces"].append(f"The image {file} for {name} has to lie in the theme's folder.")
             else:
@@ -228,3 +257,9 @@ def _is_below(value: object, least: float) -> bool:
 def _legible(colors: Colors) -> str:
     """Black or white, whichever is seen better on both grounds."""
     return max((_BLACK, _WHITE), key=lambda one: min(contrast(one, getattr(colors, ground)) for ground in GROUNDS))
+
+
+def _printable(name: str) -> str:
+    """A name as it can stand in a sentence: not too long, and nothing in it that a terminal would obey."""
+    cut = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}…"
+    return "".join(character if character.isprintable() else "�" for character in cut)

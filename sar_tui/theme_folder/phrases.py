@@ -5,10 +5,9 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.framework.number_words import holds_number
-from sar_tui.framework.phrase_keys import SITUATIONS, VOCABULARY, wording_problems
+from sar_tui.framework.phrase_keys import PHRASE_KEYS, VOCABULARY, holds_number, wording_problems
 from sar_tui.framework.theme import ENGLISH, Theme
-from sar_tui.theme_folder.toml import read_toml
+from sar_tui.theme_folder.appearance import read_toml
 
 _TABLES = {"vocabulary": VOCABULARY, "units": ()}
 """The tables of words in a file of phrases, and what has to be in each."""
@@ -59,9 +58,11 @@ def _phrases(
     sources: list[tuple[str, dict[str, Any]]], base: Theme | None, told: list[str]
 ) -> tuple[dict[str, tuple[str, ...]], tuple[str, ...]]:
     spoken, own = sources[0]
-    told += [f"{name} is not a situation ({spoken})." for name in own if name not in SITUATIONS and name not in _TABLES]
+    told += [
+        f"{name} is not a situation ({spoken})." for name in own if name not in PHRASE_KEYS and name not in _TABLES
+    ]
     found, english = {}, []
-    for situation in SITUATIONS:
+    for situation in PHRASE_KEYS:
         for language, source in sources:
             wordings = _wordings(situation, source.get(situation, ()), language, told)
             if not wordings:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from sar_tui.framework.language import slot_problem, words_files
-from sar_tui.theme_folder.toml import read_toml
+from sar_tui.theme_folder.appearance import read_toml
 
 
 def screen_texts(folder: Path, language: str) -> tuple[dict[str, str], list[str]]:

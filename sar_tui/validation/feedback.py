@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 from functools import partial
 
-from sar_tui.framework.number_words import holds_number
+from sar_tui.framework.phrase_keys import holds_number
 from sar_tui.validation.feedback_drawing import draw
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 from sar_tui.validation.simulated import SEEDS, Laboratory, Simulated, laboratory

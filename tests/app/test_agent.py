@@ -6,7 +6,7 @@ import pytest
 from textual.color import Color
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.phrase_keys import PERFORMANCE, SITUATIONS
+from sar_tui.framework.phrase_keys import PERFORMANCE, PHRASE_KEYS
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue
@@ -350,9 +350,9 @@ async def test_the_longest_words_fit_beside_the_agent_and_leave_room_for_what_to
     name: str, language: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     theme = catalogue.theme(name, language)
-    answers = [each for each in SITUATIONS if each.split("_")[0] in ("positive", "neutral", "negative")]
-    in_words = [each for each in answers if not SITUATIONS[each]]
-    in_figures = [each for each in answers if SITUATIONS[each]]
+    answers = [each for each in PHRASE_KEYS if each.split("_")[0] in ("positive", "neutral", "negative")]
+    in_words = [each for each in answers if not PHRASE_KEYS[each]]
+    in_figures = [each for each in answers if PHRASE_KEYS[each]]
     performance = [each for each in PERFORMANCE if each.endswith("figures")]
     words = " ".join(longest(theme, each) for each in (in_words, in_figures, performance))
     more = longest(theme, ["rest", "encouragement"])

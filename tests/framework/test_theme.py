@@ -10,8 +10,7 @@ from rich.cells import cell_len
 from text_to_num import alpha2digit
 
 from sar_tui.framework.gesture import GESTURES, JOINTS
-from sar_tui.framework.number_words import holds_number
-from sar_tui.framework.phrase_keys import FIGURES, QUALITATIVE, QUANTITATIVE, SITUATIONS
+from sar_tui.framework.phrase_keys import FIGURES, PHRASE_KEYS, QUALITATIVE, QUANTITATIVE, holds_number
 from sar_tui.framework.theme import FACES, MANNERS, Manner, Note, Theme
 from sar_tui.plugins import Catalogue, user_folder
 from sar_tui.theme_folder import languages, read_theme
@@ -81,7 +80,7 @@ def test_the_shipped_themes_are_these(catalogue: Catalogue) -> None:
 
 def test_every_shipped_theme_is_whole_in_every_language(theme: Theme) -> None:
     assert theme.repairs == ()
-    assert set(theme.phrases) == set(SITUATIONS)
+    assert set(theme.phrases) == set(PHRASE_KEYS)
     assert set(theme.faces) == set(FACES)
     assert set(theme.gestures) == set(GESTURES)
     assert theme.units
@@ -116,11 +115,11 @@ def test_no_wording_exaggerates_or_speaks_of_healing(theme: Theme) -> None:
 
 
 def test_every_wording_is_short_enough_for_one_breath(theme: Theme) -> None:
-    assert [text for situation in SITUATIONS for text in said(theme, situation) if len(text) > BREATH] == []
+    assert [text for situation in PHRASE_KEYS for text in said(theme, situation) if len(text) > BREATH] == []
 
 
 def test_every_wording_is_whole_sentences(theme: Theme) -> None:
-    for situation in SITUATIONS:
+    for situation in PHRASE_KEYS:
         for text in said(theme, situation):
             assert re.match(r"[¡¿]?[A-ZÁÉÍÓÚ\d]", text), text
             assert text[-1] in ".!?", text
@@ -197,7 +196,7 @@ def test_words_hold_no_number_and_figures_always_do_whatever_the_result(
 
 
 def test_the_wordings_in_words_fill_no_slot_with_a_figure() -> None:
-    assert all(not SITUATIONS[situation] & FIGURES for situation in QUALITATIVE)
+    assert all(not PHRASE_KEYS[situation] & FIGURES for situation in QUALITATIVE)
 
 
 @pytest.mark.parametrize(

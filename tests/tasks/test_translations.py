@@ -10,8 +10,8 @@ from sar_tui.checks.task_translations import declared, numbers, problems, remark
 from sar_tui.framework import language as module
 from sar_tui.framework.language import language, read_words, slot_problem
 from sar_tui.framework.messages import Action, Feedback, Prompt, Waiting
-from sar_tui.framework.number_words import holds_number
 from sar_tui.framework.parameters import build
+from sar_tui.framework.phrase_keys import holds_number
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Situation, Stimulus

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.gesture import GESTURES
-from sar_tui.framework.phrase_keys import SITUATIONS, VOCABULARY
+from sar_tui.framework.phrase_keys import PHRASE_KEYS, VOCABULARY
 from sar_tui.framework.theme import FACES, MANNERS, Manner, Theme, ThemeError, Voice
 from sar_tui.plugins import Catalogue, PluginError, load_theme
 from sar_tui.theme_folder import files, languages, may_have_images, read, read_theme
@@ -65,7 +65,7 @@ def as_toml(value: object) -> str:
 def worn(folder: Path, language: str = "en") -> Theme:
     """The theme as a session wears it: filled up from calm."""
     theme = load_theme(folder, language)
-    assert all(theme.phrases[situation] for situation in SITUATIONS)
+    assert all(theme.phrases[situation] for situation in PHRASE_KEYS)
     assert all(theme.faces[face] for face in FACES)
     assert all(not theme.gestures[gesture].problems(gesture) for gesture in GESTURES)
     assert all(theme.vocabulary[name] for name in VOCABULARY)
@@ -474,7 +474,7 @@ def test_an_empty_theme_is_the_default_one_under_its_own_name(tmp_path: Path, ca
     assert (theme.name, theme.title) == ("bare", "bare")
     assert theme.phrases == calm.phrases
     assert theme.faces == calm.faces
-    assert len(theme.repairs) > len(SITUATIONS)
+    assert len(theme.repairs) > len(PHRASE_KEYS)
 
 
 # --- files that cannot be read ---------------------------------------------------------------------------------------

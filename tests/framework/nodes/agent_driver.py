@@ -12,7 +12,7 @@ from sar_tui.framework.node import Node, on
 from sar_tui.framework.nodes.action_center import ActionCenter
 from sar_tui.framework.nodes.memory import Memory
 from sar_tui.framework.parameters import build
-from sar_tui.framework.phrase_keys import SITUATIONS
+from sar_tui.framework.phrase_keys import PHRASE_KEYS
 from sar_tui.framework.policies import feedback, judgement
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
@@ -133,7 +133,7 @@ def spelling(theme: Theme) -> Theme:
     """The theme with one wording for each situation, which names it and all its slots: read them with ``spelled``."""
     phrases = {
         situation: ("".join((f"<{situation}", *(f";{slot}={{{slot}}}" for slot in sorted(slots)), ">")),)
-        for situation, slots in SITUATIONS.items()
+        for situation, slots in PHRASE_KEYS.items()
     }
     return msgspec.structs.replace(theme, phrases=phrases)
 

@@ -6,9 +6,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from sar_tui.framework.number_words import holds_number
 from sar_tui.framework.parameters import TaskParameters, build
-from sar_tui.framework.phrase_keys import QUALITATIVE, QUANTITATIVE
+from sar_tui.framework.phrase_keys import QUALITATIVE, QUANTITATIVE, holds_number
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.trial_types import Metric
