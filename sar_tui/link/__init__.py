@@ -1,1 +1,1 @@
-"""The same topics between processes and machines: who may listen, who may act, and how they reach the session."""
+"""The session's topics between processes and machines: discovery, certificates, admission and transport."""

@@ -1,7 +1,7 @@
-"""The certificate authority of a data folder: it vouches for the host, and for whoever was invited.
+"""Certificate authority of a data folder: it issues the host's certificate and those of invited guests.
 
-It lives in ``<data folder>/link``, open to this user alone, and is made with the first invitation. Its key never
-leaves the folder. A guest's key leaves it in the invitation and is kept nowhere else.
+Its files are in ``<data folder>/link``, private to this user, and are created with the first invitation. Its key never
+leaves the folder. A guest's key is written to the invitation only.
 """
 
 import contextlib
@@ -25,17 +25,17 @@ if TYPE_CHECKING:
     from sar_tui.link import certificates
 
 FOLDER = "link"
-LONGEST_DAYS = 366
+MAX_DAYS = 366
 _AUTHORITY_DAYS = 20 * 365
 _HOST_DAYS = 366
 _RENEW_DAYS = 31
-"""A host's certificate that would end sooner is made anew when a session begins."""
-_PATIENCE_SECONDS = 5
-_ALWAYS = ("localhost", "127.0.0.1", "::1")
+"""A host's certificate that expires sooner is renewed when a session starts."""
+_LOCK_TIMEOUT_S = 5
+_LOCAL_NAMES = ("localhost", "127.0.0.1", "::1")
 
 
 class IssuedInvitation(msgspec.Struct, frozen=True, kw_only=True):
-    """An invitation that was given out; ``fingerprint``: SHA-256 of its certificate. Times are UTC."""
+    """Register entry of an invitation; ``fingerprint``: SHA-256 of its certificate. Times are UTC."""
 
     name: str
     role: Role
@@ -50,7 +50,7 @@ class IssuedInvitation(msgspec.Struct, frozen=True, kw_only=True):
         return Guest(self.name, self.role)
 
     def state(self, now: datetime) -> str:
-        """``good``, ``expired`` or ``revoked``."""
+        """Return ``good``, ``expired`` or ``revoked``."""
         if self.revoked is not None:
             return "revoked"
         return "expired" if self.expires <= now else "good"
@@ -62,7 +62,7 @@ class _Register(msgspec.Struct, frozen=True):
 
 
 class Authority:
-    """The authority of a data folder; use ``opened`` or ``made``."""
+    """Certificate authority of a data folder; use ``open`` or ``open_or_create``."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -72,15 +72,15 @@ class Authority:
 
     @classmethod
     def exists(cls, data: Path) -> bool:
-        """Whether anybody was ever invited."""
+        """Return whether the data folder has an authority."""
         return cls(data / FOLDER)._register.is_file()
 
     @classmethod
     def open(cls, data: Path) -> "Authority":
-        """The authority that there is. Raises LinkError: there is none, or it cannot be read."""
+        """Open the authority. Raises LinkError if there is none or it cannot be read."""
         if not cls.exists(data):
             raise LinkError(
-                "Nobody has been invited yet, so nobody could come over the network. "
+                "Nobody has been invited yet, so nobody could join over the network. "
                 "First: sar-tui link invite operator --name NAME --host HOST"
             )
         authority = cls(data / FOLDER)
@@ -89,38 +89,38 @@ class Authority:
 
     @classmethod
     def open_or_create(cls, data: Path) -> "Authority":
-        """The authority, made if there is none yet. Raises LinkError: it cannot be written or read."""
+        """Open the authority, and create it if needed. Raises LinkError if it cannot be written or read."""
         authority = cls(data / FOLDER)
-        with authority._alone():
+        with authority._locked():
             if not authority._register.is_file():
-                authority._make()
+                authority._create()
         authority._load()
         return authority
 
     @property
     def link(self) -> str:
-        """The id of the link over the network: the same for each session of this data folder."""
+        """Id of the link over the network, the same for all sessions of this data folder."""
         return self._load().link
 
     @property
     def invitations(self) -> tuple[IssuedInvitation, ...]:
-        """All that were given out, oldest first."""
+        """All invitations, oldest first."""
         return self._load().invitations
 
     def guests(self, now: datetime | None = None) -> tuple[Guest, ...]:
-        """Who may come: invited, not revoked, not expired."""
+        """Return the guests whose invitations are neither revoked nor expired."""
         at = now or datetime.now(UTC)
         return tuple(issued.guest for issued in self.invitations if issued.state(at) == "good")
 
     def invite(self, guest: Guest, where: Sequence[Endpoint], days: int, now: datetime | None = None) -> Invitation:
-        """Make a certificate for somebody, and write down that it was made.
+        """Issue a certificate for a guest and register it.
 
         Args:
-            days: for how long it is good, 1 to 366.
+            days: for how long it is valid, 1 to 366.
 
         Raises:
-            LinkError: the name cannot be one, or is taken, or no guest could come there. A name that was revoked stays
-                taken until its certificate has expired: the certificate that was lost says the same name.
+            LinkError: the name is invalid or taken, or an endpoint cannot be used. A revoked name stays taken until its
+                certificate expires, as the revoked certificate has the same name.
         """
         need_packages()
         from sar_tui.link import certificates
@@ -128,10 +128,10 @@ class Authority:
         at = (now or datetime.now(UTC)).replace(microsecond=0)
         if not re.fullmatch(NAME, guest.name):
             raise LinkError(
-                f"{guest.name!r} cannot be a guest's name: letters, digits, - and _, at most 32, such as anna or lab-2."
+                f"{guest.name!r} cannot be a guest's name. Use at most 32 letters, digits, - and _, as in lab-2."
             )
-        if not 1 <= days <= LONGEST_DAYS:
-            raise LinkError(f"An invitation is good for 1 to {LONGEST_DAYS} days, not {days}.")
+        if not 1 <= days <= MAX_DAYS:
+            raise LinkError(f"An invitation is valid for 1 to {MAX_DAYS} days, not {days}.")
         for end in where:
             if ":" in end.host:
                 raise LinkError(
@@ -139,18 +139,18 @@ class Authority:
                     "Give this machine's name, or its IPv4 address."
                 )
         expires = at + timedelta(days=days)
-        with self._alone():
+        with self._locked():
             register = self._load()
             for other in register.invitations:
                 if other.name.casefold() == guest.name.casefold() and other.expires > at:
                     raise LinkError(_taken(other, at))
-            own = self._own()
-            made = certificates.guest(own, str(guest), at, expires)
+            own = self._load_pair()
+            pair = certificates.issue_guest(own, str(guest), at, expires)
             issued = IssuedInvitation(
                 name=guest.name,
                 role=guest.role,
                 endpoints=tuple(str(end) for end in where),
-                fingerprint=certificates.fingerprint(made.certificate),
+                fingerprint=certificates.fingerprint(pair.certificate),
                 issued=at,
                 expires=expires,
             )
@@ -161,13 +161,13 @@ class Authority:
             link=register.link,
             endpoints=issued.endpoints,
             expires=expires,
-            credentials=Credentials(own.certificate, made.certificate, made.key),
+            credentials=Credentials(own.certificate, pair.certificate, pair.key),
         )
 
     def revoke(self, name: str, now: datetime | None = None) -> IssuedInvitation:
-        """Let somebody in no longer, from the next session on. Raises LinkError: nobody of that name could come."""
+        """Revoke an invitation from the next session on. Raises LinkError if there is no valid one of that name."""
         at = (now or datetime.now(UTC)).replace(microsecond=0)
-        with self._alone():
+        with self._locked():
             register = self._load()
             for number, issued in enumerate(register.invitations):
                 if issued.name.casefold() == name.casefold() and issued.state(at) == "good":
@@ -175,25 +175,25 @@ class Authority:
                     changed = (*register.invitations[:number], revoked, *register.invitations[number + 1 :])
                     self._save(_Register(register.link, changed))
                     return revoked
-        good = ", ".join(guest.name for guest in self.guests(at))
-        known = f"There is: {good}." if good else "There is no invitation that is good now."
-        raise LinkError(f"There is no invitation for {name} that could be revoked. {known}")
+        names = ", ".join(guest.name for guest in self.guests(at))
+        known = f"Valid invitations: {names}." if names else "No invitation is valid now."
+        raise LinkError(f"There is no valid invitation for {name}. {known}")
 
     def forget(self, guest: Guest) -> None:
-        """Strike out the latest invitation of somebody: its file could not be written, so nobody has it."""
-        with self._alone():
+        """Remove the latest invitation of a guest from the register, as its file could not be written."""
+        with self._locked():
             register = self._load()
-            kept = list(register.invitations)
-            for number in reversed(range(len(kept))):
-                if kept[number].guest == guest:
-                    del kept[number]
+            invitations = list(register.invitations)
+            for number in reversed(range(len(invitations))):
+                if invitations[number].guest == guest:
+                    del invitations[number]
                     break
-            self._save(_Register(register.link, tuple(kept)))
+            self._save(_Register(register.link, tuple(invitations)))
 
     def host_files(self, listen: Iterable[Endpoint], now: datetime | None = None) -> TlsFiles:
-        """A host's certificate for the names that it is invited to and listens under, made anew where need be.
+        """Return the host's certificate for all names in invitations and in ``listen``, renewed if needed.
 
-        Raises LinkError: it cannot be written.
+        Raises LinkError if it cannot be written.
         """
         need_packages()
         from sar_tui.link import certificates
@@ -201,39 +201,39 @@ class Authority:
         at = (now or datetime.now(UTC)).replace(microsecond=0)
         files = TlsFiles(self._certificate, self._folder / "host.pem", self._folder / "host.key")
         invited = (parse_endpoint(text).host for issued in self.invitations for text in issued.endpoints)
-        names = list(dict.fromkeys([*_ALWAYS, *invited, *(end.host for end in listen)]))
-        with self._alone():
-            own = self._own()
+        names = list(dict.fromkeys([*_LOCAL_NAMES, *invited, *(end.host for end in listen)]))
+        with self._locked():
+            own = self._load_pair()
             try:
-                held = certificates.Pair(files.certificate.read_text(), files.key.read_text())
+                pair = certificates.CertificatePair(files.certificate.read_text(), files.key.read_text())
             except (OSError, ValueError):
-                held = None
+                pair = None
             soon = at + timedelta(days=_RENEW_DAYS)
-            if held is None or not certificates.serves(held, own.certificate, names, soon):
-                made = certificates.host(own, names, at, _HOST_DAYS)
-                self._put(files.key, made.key)
-                self._put(files.certificate, made.certificate)
+            if pair is None or not certificates.is_valid_for_host(pair, own.certificate, names, soon):
+                issued = certificates.issue_host(own, names, at, _HOST_DAYS)
+                self._write(files.key, issued.key)
+                self._write(files.certificate, issued.certificate)
         return files
 
-    def _make(self) -> None:
+    def _create(self) -> None:
         need_packages()
         from sar_tui.link import certificates
 
         link = secrets.token_hex(6)
         at = datetime.now(UTC).replace(microsecond=0)
-        own = certificates.authority(f"sar-tui link {link}", at, _AUTHORITY_DAYS)
-        self._put(self._key, own.key)
-        self._put(self._certificate, own.certificate)
+        own = certificates.create_authority(f"sar-tui link {link}", at, _AUTHORITY_DAYS)
+        self._write(self._key, own.key)
+        self._write(self._certificate, own.certificate)
         self._save(_Register(link))
 
-    def _own(self) -> "certificates.Pair":
+    def _load_pair(self) -> "certificates.CertificatePair":
         from sar_tui.link import certificates
 
         try:
-            own = certificates.Pair(self._certificate.read_text(), self._key.read_text())
+            own = certificates.CertificatePair(self._certificate.read_text(), self._key.read_text())
         except (OSError, ValueError):
             raise self._damaged() from None
-        if not certificates.fits(own):
+        if not certificates.is_pair(own):
             raise self._damaged()
         return own
 
@@ -244,34 +244,34 @@ class Authority:
             raise self._damaged() from None
 
     def _save(self, register: _Register) -> None:
-        self._put(self._register, msgspec.json.format(msgspec.json.encode(register), indent=1).decode() + "\n")
+        self._write(self._register, msgspec.json.format(msgspec.json.encode(register), indent=1).decode() + "\n")
 
-    def _put(self, path: Path, text: str) -> None:
-        """Write a file that is there whole or not at all, readable to this user alone."""
-        half = path.with_name(f"{path.name}.{secrets.token_hex(4)}")
+    def _write(self, path: Path, text: str) -> None:
+        """Write a file atomically, readable only by this user."""
+        temporary = path.with_name(f"{path.name}.{secrets.token_hex(4)}")
         try:
-            with os.fdopen(os.open(half, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+            with os.fdopen(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
                 file.write(text)
                 file.flush()
                 os.fsync(file.fileno())
-            half.replace(path)
+            temporary.replace(path)
         except OSError as error:
             with contextlib.suppress(OSError):
-                half.unlink()
+                temporary.unlink()
             raise self._unwritable(error) from None
 
     @contextlib.contextmanager
-    def _alone(self) -> Iterator[None]:
-        """One program at a time."""
+    def _locked(self) -> Iterator[None]:
+        """Hold the folder's lock, so that one program at a time changes it."""
         try:
             self._folder.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
             self._folder.mkdir(exist_ok=True, mode=0o700)
             if os.name == "posix":
                 self._folder.chmod(0o700)
-            lock = filelock.FileLock(self._folder / "lock", timeout=_PATIENCE_SECONDS, mode=0o600)
+            lock = filelock.FileLock(self._folder / "lock", timeout=_LOCK_TIMEOUT_S, mode=0o600)
             lock.acquire()
         except filelock.Timeout:
-            raise LinkError(f"Another program is at work in {self._folder}. Try again in a moment.") from None
+            raise LinkError(f"Another program is using {self._folder}. Try again in a moment.") from None
         except OSError as error:
             raise self._unwritable(error) from None
         try:
@@ -284,18 +284,18 @@ class Authority:
 
     def _damaged(self) -> LinkError:
         return LinkError(
-            f"What certificates are made with, in {self._folder}, is damaged or cannot be read. Restore that folder "
-            "from a backup; or move it away, and invite everybody anew."
+            f"The certificate authority in {self._folder} is damaged or cannot be read. Restore that folder from a "
+            "backup; or move it away, and make all invitations again."
         )
 
 
 def _taken(other: IssuedInvitation, at: datetime) -> str:
     if other.state(at) == "revoked":
         return (
-            f"The name {other.name} was revoked, and stays taken until {other.expires:%Y-%m-%d}: the invitation that "
-            f"was revoked says the same name. Choose another, such as {other.name[:30]}-2."
+            f"The name {other.name} was revoked and stays taken until {other.expires:%Y-%m-%d}, as the revoked "
+            f"invitation has the same name. Choose another, such as {other.name[:30]}-2."
         )
     return (
-        f"{other.name} has an invitation already, as {other.role}, good until {other.expires:%Y-%m-%d}. Choose another "
-        f"name, or revoke that one: sar-tui link revoke {other.name}"
+        f"{other.name} already has an invitation, as {other.role}, valid until {other.expires:%Y-%m-%d}. Choose "
+        f"another name, or revoke that one: sar-tui link revoke {other.name}"
     )

@@ -1,4 +1,4 @@
-"""Keeps the link's process for as long as a session may need it: started before the app, started anew if it dies."""
+"""Runs the broker process of a session: starts it before the app, and restarts it if it dies."""
 
 import contextlib
 import queue
@@ -17,81 +17,85 @@ from sar_tui.link.errors import LinkError
 from sar_tui.link.protocol import BrokerCommand, BrokerEvent, BrokerStarted, Heartbeat, ProtocolError, Setup
 
 PROGRAM = child_process.python("sar_tui.link.broker")
-_MOST_WAITING = 200
-_OPENS_S = 20.0
-_SILENT_S = 2.0
-"""A broker that has not told anything for so long hangs: or for longer, where a peer may be silent for longer."""
-_STEADY_S = 30.0
-"""One that lived for so long is worth another try, however often others died before."""
-_MOST_RESTARTS = 5
-_PAUSE_S = 0.2
-_CLOSES_S = 2.0
+_MAX_QUEUED = 200
+_START_TIMEOUT_S = 20.0
+_SILENCE_TIMEOUT_S = 2.0
+"""A broker that is silent for longer is killed; the timeout is longer where peers may be silent for longer."""
+_STABLE_S = 30.0
+"""The count of restarts begins again after a broker has lived for so long."""
+_MAX_RESTARTS = 5
+_RESTART_DELAY_S = 0.2
+_CLOSE_TIMEOUT_S = 2.0
 
 _SILENT = "The link's process did not answer within {:.0f} s."
-_ENDED = "The link's process ended; another takes its place."
-_GIVEN_UP = "The link's process ended time and again: there is no link for the rest of this session."
+_ENDED = "The link's process ended and is restarted."
+_GIVEN_UP = "The link's process ended repeatedly. There is no link for the rest of this session."
 
 
 class _Child:
-    """One process, with a thread that writes to it and one that hears it. ``heard`` gets None when it has ended."""
+    """One process, with a thread that writes to it and one that reads from it.
+
+    ``on_event`` is called with each event, and with None when the process has ended.
+    """
 
     def __init__(
-        self, setup: Setup, heard: "Callable[[_Child, BrokerEvent | None], object]", program: Sequence[str]
+        self, setup: Setup, on_event: "Callable[[_Child, BrokerEvent | None], object]", program: Sequence[str]
     ) -> None:
         self._process: subprocess.Popen[bytes] = child_process.start(program)
         assert self._process.stdin
         assert self._process.stdout
-        self._orders: IO[bytes] = self._process.stdin
-        self._news: IO[bytes] = self._process.stdout
-        self._heard = heard
-        self._outbox: queue.Queue[Outgoing | BrokerCommand | None] = queue.Queue(_MOST_WAITING)
+        self._commands: IO[bytes] = self._process.stdin
+        self._events: IO[bytes] = self._process.stdout
+        self._on_event = on_event
+        self._outbox: queue.Queue[Outgoing | BrokerCommand | None] = queue.Queue(_MAX_QUEUED)
         self._outbox.put(setup)
         self.pid = self._process.pid
         self._threads = [
             threading.Thread(target=run, name=name, daemon=True)
-            for run, name in ((self._write, "link orders"), (self._listen, "link news"))
+            for run, name in ((self._write, "link commands"), (self._read, "link events"))
         ]
         for thread in self._threads:
             thread.start()
 
-    def send(self, what: "Outgoing | BrokerCommand | None") -> bool:
-        """Queue it for the writing thread; None for the end. False where there is no room."""
+    def send(self, message: "Outgoing | BrokerCommand | None") -> bool:
+        """Queue a message for the writing thread, or None to end it; False if the queue is full."""
         try:
-            self._outbox.put_nowait(what)
+            self._outbox.put_nowait(message)
         except queue.Full:
             return False
         return True
 
     def kill(self) -> None:
-        """End it at once, or see that it has ended."""
+        """Kill the process, if it still runs."""
         child_process.kill(self._process)
 
-    def ends_within(self, seconds: float) -> None:
-        """Wait for it to end by itself."""
+    def wait(self, seconds: float) -> None:
+        """Wait until the process ends, at most ``seconds``."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(seconds)
 
     def _write(self) -> None:
-        with contextlib.suppress(OSError), self._orders:
-            while (what := self._outbox.get()) is not None:
-                data = memoryview(protocol.pack_frame(what if isinstance(what, BrokerCommand) else what.order()))
+        with contextlib.suppress(OSError), self._commands:
+            while (message := self._outbox.get()) is not None:
+                command = message if isinstance(message, BrokerCommand) else message.to_command()
+                data = memoryview(protocol.pack_frame(command))
                 while data:
-                    data = data[self._orders.write(data) :]
+                    data = data[self._commands.write(data) :]
 
-    def _listen(self) -> None:
-        with contextlib.suppress(OSError, ProtocolError), self._news:
-            while (news := protocol.read_frame(self._news, BrokerEvent)) is not None:
-                self._heard(self, news)
+    def _read(self) -> None:
+        with contextlib.suppress(OSError, ProtocolError), self._events:
+            while (event := protocol.read_frame(self._events, BrokerEvent)) is not None:
+                self._on_event(self, event)
         self.kill()
         self.send(None)
-        self._heard(self, None)
+        self._on_event(self, None)
 
 
 class BrokerProcess:
-    """The link of a session, from when it is opened until it is closed.
+    """The broker process of a session; a ``Channel``.
 
     Args:
-        setup: what the process is told, each time it is started.
+        setup: sent to the process each time it is started.
         program: its command line.
     """
 
@@ -99,101 +103,101 @@ class BrokerProcess:
         self.link = setup.link
         self._setup, self._program = setup, program
         self._lock = threading.RLock()
-        self._hear: BrokerListener | None = None
+        self._listener: BrokerListener | None = None
         self._early: deque[BrokerEvent | BrokerEnded] = deque(maxlen=1_000)
         self._opened = threading.Event()
-        self._why: str | None = None
+        self._error: str | None = None
         self._child: _Child | None = None
-        self._started = self._heard_at = 0.0
+        self._started_at = self._last_event_at = 0.0
         self._restarts = 0
         self._is_closed = False
 
     @property
     def pid(self) -> int | None:
-        """The process that holds the link now."""
+        """Process id of the current broker."""
         return self._child.pid if self._child else None
 
     def open(self) -> None:
-        """Start the process. Raises LinkError where it cannot listen as it was told."""
+        """Start the process. Raises LinkError if it cannot listen as configured."""
         try:
             self._start()
         except OSError as error:
             raise LinkError(f"The link's process cannot be started: {error.strerror or error}.") from error
-        if not self._opened.wait(_OPENS_S):
-            self._why = _SILENT.format(_OPENS_S)
-        if self._why:
+        if not self._opened.wait(_START_TIMEOUT_S):
+            self._error = _SILENT.format(_START_TIMEOUT_S)
+        if self._error:
             self.close()
-            raise LinkError(self._why)
+            raise LinkError(self._error)
 
-    def listen(self, hear: BrokerListener) -> None:
+    def listen(self, listener: BrokerListener) -> None:
         """See `Channel`."""
         with self._lock:
-            self._hear = hear
+            self._listener = listener
             while self._early:
-                hear(self._early.popleft())
+                listener(self._early.popleft())
 
-    def send(self, what: Outgoing) -> bool:
+    def send(self, message: Outgoing) -> bool:
         """See `Channel`."""
         child = self._child
-        return child is not None and child.send(what)
+        return child is not None and child.send(message)
 
     def check(self) -> None:
         """See `Channel`."""
         child = self._child
-        patience_s = max(_SILENT_S, self._setup.patience / SECOND)
-        if child and time.monotonic() - self._heard_at > patience_s:
-            self._heard_at = time.monotonic()
+        timeout_s = max(_SILENCE_TIMEOUT_S, self._setup.lost_after / SECOND)
+        if child and time.monotonic() - self._last_event_at > timeout_s:
+            self._last_event_at = time.monotonic()
             threading.Thread(target=child.kill, daemon=True).start()
 
     def close(self) -> None:
-        """Tell peers that the session is over, and end the process. Harmless twice."""
+        """Tell peers that the session is over, and end the process. May be called twice."""
         with self._lock:
             self._is_closed = True
             child, self._child = self._child, None
         if child:
             if child.send(protocol.Publish(0, protocol.encode(protocol.LinkClosed()))) and child.send(None):
-                child.ends_within(_CLOSES_S)
+                child.wait(_CLOSE_TIMEOUT_S)
             child.kill()
 
     def _start(self) -> None:
         with self._lock:
             if not self._is_closed:
-                self._started = self._heard_at = time.monotonic()
-                self._child = _Child(self._setup, self._heard, self._program)
+                self._started_at = self._last_event_at = time.monotonic()
+                self._child = _Child(self._setup, self._received, self._program)
 
-    def _heard(self, child: _Child, news: BrokerEvent | None) -> None:
-        """On the child's listening thread."""
-        self._heard_at = time.monotonic()
-        if news is None:
+    def _received(self, child: _Child, event: BrokerEvent | None) -> None:
+        """Handle an event on the child's reading thread."""
+        self._last_event_at = time.monotonic()
+        if event is None:
             self._ended()
-        elif isinstance(news, BrokerStarted) and not self._opened.is_set():
-            self._why = news.why
+        elif isinstance(event, BrokerStarted) and not self._opened.is_set():
+            self._error = event.error
             self._opened.set()
-        elif not isinstance(news, Heartbeat | BrokerStarted):
-            self._tell(news)
+        elif not isinstance(event, Heartbeat | BrokerStarted):
+            self._notify(event)
 
-    def _tell(self, news: BrokerEvent | BrokerEnded) -> None:
+    def _notify(self, event: BrokerEvent | BrokerEnded) -> None:
         with self._lock:
-            if self._hear:
-                self._hear(news)
+            if self._listener:
+                self._listener(event)
             else:
-                self._early.append(news)
+                self._early.append(event)
 
     def _ended(self) -> None:
-        """Start another, unless that was tried too often; on the thread that heard of the end."""
+        """Restart the broker, up to ``_MAX_RESTARTS`` times; on the child's reading thread."""
         with self._lock:
             if self._is_closed:
                 return
             self._child = None
         if not self._opened.is_set():
-            self._why = self._why or "The link's process ended at once."
+            self._error = self._error or "The link's process ended at once."
             self._opened.set()
             return
-        self._restarts = 0 if time.monotonic() - self._started > _STEADY_S else self._restarts + 1
-        if self._restarts <= _MOST_RESTARTS:
-            self._tell(BrokerEnded(_ENDED))
-            time.sleep(_PAUSE_S * self._restarts)
+        self._restarts = 0 if time.monotonic() - self._started_at > _STABLE_S else self._restarts + 1
+        if self._restarts <= _MAX_RESTARTS:
+            self._notify(BrokerEnded(_ENDED))
+            time.sleep(_RESTART_DELAY_S * self._restarts)
             with contextlib.suppress(OSError):
                 self._start()
                 return
-        self._tell(BrokerEnded(_GIVEN_UP, is_final=True))
+        self._notify(BrokerEnded(_GIVEN_UP, is_final=True))

@@ -1,4 +1,7 @@
-"""What the participant's program hands to the link's process, and hears from it; made small here, encoded elsewhere."""
+"""Interface between the participant's program and the broker process.
+
+Messages are put together here and encoded on another thread.
+"""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
@@ -10,45 +13,44 @@ from sar_tui.link.protocol import BrokerCommand, BrokerEvent
 
 
 class OutgoingBatch(NamedTuple):
-    """What happened, to everybody; the batches are numbered from 1."""
+    """Messages of the bus for all peers; batches are numbered from 1."""
 
     number: int
     records: Sequence[Record]
 
-    def order(self) -> BrokerCommand:
-        """As the broker takes it."""
-        return protocol.Publish(
-            self.number, protocol.encode(protocol.Batch(self.number, protocol.encode_frames(self.records)))
-        )
+    def to_command(self) -> BrokerCommand:
+        """Encode it as a command to the broker."""
+        batch = protocol.Batch(self.number, protocol.encode_frames(self.records))
+        return protocol.Publish(self.number, protocol.encode(batch))
 
 
 class OutgoingSnapshot(NamedTuple):
-    """How things stand after that batch, to one peer."""
+    """State of the session after batch ``number``, for one peer."""
 
     name: str
     number: int
     welcome: Welcome
     records: Sequence[Record]
 
-    def order(self) -> BrokerCommand:
-        """As the broker takes it."""
-        greeting = protocol.Snapshot(self.number, self.welcome, protocol.encode_frames(self.records))
-        return protocol.SendTo(self.name, protocol.encode(greeting))
+    def to_command(self) -> BrokerCommand:
+        """Encode it as a command to the broker."""
+        snapshot = protocol.Snapshot(self.number, self.welcome, protocol.encode_frames(self.records))
+        return protocol.SendTo(self.name, protocol.encode(snapshot))
 
 
 class OutgoingSamples(NamedTuple):
-    """A sensor's samples."""
+    """Samples of the sensor at a seat."""
 
     seat: str
     samples: bytes
 
-    def order(self) -> BrokerCommand:
-        """As the broker takes it."""
+    def to_command(self) -> BrokerCommand:
+        """Encode it as a command to the broker."""
         return protocol.SensorSamples(self.seat, self.samples)
 
 
 class BrokerEnded(NamedTuple):
-    """The link's process ended, or was ended. ``is_final``: it could not be started anew."""
+    """The broker process ended. ``is_final``: it could not be restarted."""
 
     detail: str
     is_final: bool = False
@@ -59,13 +61,13 @@ BrokerListener = Callable[[BrokerEvent | BrokerEnded], object]
 
 
 class Channel(Protocol):
-    """The link's process, as a node sees it."""
+    """Connection of a node to the broker process."""
 
-    def listen(self, hear: BrokerListener) -> None:
-        """Have ``hear`` told what comes, and what came before, on any thread."""
+    def listen(self, listener: BrokerListener) -> None:
+        """Call ``listener`` on any thread with each event, and first with those that came before."""
 
-    def send(self, what: Outgoing) -> bool:
-        """Put it on its way, at once; False, and it is gone, where too much is on its way already."""
+    def send(self, message: Outgoing) -> bool:
+        """Queue a message without blocking; False, and it is dropped, if the queue is full."""
 
     def check(self) -> None:
-        """End a process that no longer answers, so that another takes its place."""
+        """Kill a broker process that no longer answers, so that it is restarted."""

@@ -1,6 +1,6 @@
-"""A panel's side of the link: what the session tells comes in on the panel's own loop, what an operator does goes out.
+"""A panel's side of the link: receives the session's messages on the panel's event loop, and sends operators' acts.
 
-All that may wait is done on other threads: a panel never stands still because of the link.
+Everything that may block runs on other threads, so that the panel never freezes.
 """
 
 import asyncio
@@ -25,186 +25,187 @@ from sar_tui.link.transport import ConnectionTarget, Received, Transport, connec
 
 M = TypeVar("M", bound=Message)
 
-BEAT_S = 0.15
-"""How often a panel gives a sign of life, from its own loop: one that hangs gives none. However short a silence a
-session is set to take for a loss, a few signs come within it."""
-SILENT = 2 * SECOND
-"""A session that has told nothing for so long is lost; it answers every sign of life."""
+PING_INTERVAL_S = 0.15
+"""Several pings fit into the shortest ``operator_lost_ms``. They are sent from the panel's own loop, so that a panel
+that hangs is noticed."""
+SILENCE_TIMEOUT = 2 * SECOND
+"""A session that is silent for longer is lost, as it answers every ping (ns)."""
 
-_LONGEST_NAME = 32
-_SILENT = "Nothing is heard from the session."
+_MAX_NAME = 32
+_SILENT = "The session does not answer."
 _OVER = "The session is over."
 
 
 def connect(
-    where: JoinableSession | Invitation, name: str, role: Role, hear: PeerListener, loop: asyncio.AbstractEventLoop
+    where: JoinableSession | Invitation, name: str, role: Role, listener: PeerListener, loop: asyncio.AbstractEventLoop
 ) -> Peer:
-    """Join a session: one of this machine (see `folder.live_sessions`), or another's that one was invited to.
+    """Join a session, on this machine (see ``discovery.live_sessions``) or by invitation.
 
     Args:
         where: the session.
-        name: what to be called there, as far as a key can say it; with an invitation, name and role are what that says.
+        name: the peer's name; characters that a key cannot hold are replaced. An invitation overrides name and role.
         role: operator or observer.
-        hear: is told all that comes, in order, on ``loop``, first that the link is ``connecting``.
-        loop: the panel's.
+        listener: called on ``loop`` with each event, in order, first with the state ``connecting``.
+        loop: the panel's event loop.
 
     Raises:
-        LinkError: what the link needs is not installed.
+        LinkError: the link's packages are not installed.
     """
     if isinstance(where, Invitation):
         name, role = where.name, where.role
-    returns = isinstance(where, JoinableSession)
-    return _Client(connection_target(where), f"{role}.{part_of_key(name)}", role, hear, loop, returns=returns)
+    rejoins = isinstance(where, JoinableSession)
+    return _Client(connection_target(where), f"{role}.{to_key_part(name)}", role, listener, loop, rejoins=rejoins)
 
 
-def part_of_key(name: str) -> str:
-    """A name as it can be a part of a key: ``jörg m.`` becomes ``j-rg-m``."""
-    return re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-_")[:_LONGEST_NAME] or "somebody"
+def to_key_part(name: str) -> str:
+    """Return a name as it can be part of a key: ``jörg m.`` becomes ``j-rg-m``."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-_")[:_MAX_NAME] or "somebody"
 
 
 class _Client:
-    """See `peer.Peer`. Everything here happens on the panel's loop; the line has threads of its own.
+    """Implements ``Peer``. Everything here runs on the panel's loop; the transport has threads of its own.
 
-    ``returns``: what is over may be resumed, and is joined again then. An invitation opens whatever session is there
-    next, which may be another person's.
+    ``rejoins``: rejoin the session if it is resumed. Not so with an invitation, which opens whatever session runs next,
+    perhaps another person's.
     """
 
     def __init__(
         self,
-        ways: ConnectionTarget,
+        target: ConnectionTarget,
         name: str,
         role: Role,
-        hear: PeerListener,
+        listener: PeerListener,
         loop: asyncio.AbstractEventLoop,
         *,
-        returns: bool,
+        rejoins: bool,
     ) -> None:
-        self.name, self.role, self._returns = name, role, returns
-        self._hear, self._loop = hear, loop
-        self._who = secrets.token_hex(8)
+        self.name, self.role, self._rejoins = name, role, rejoins
+        self._listener, self._loop = listener, loop
+        self._id = secrets.token_hex(8)
         self._clock = RemoteClock()
-        self._state = Connection("connecting")
-        self._is_let_in = False
+        self._connection = Connection("connecting")
+        self._is_admitted = False
         self._number: int | None = None
-        self._heard_at = 0
+        """Number of the last batch; None if a snapshot is needed."""
+        self._received_at = 0
         self._is_closed = False
-        self._goodbye: int | None = None
-        self._line = Transport(ways, name, self._arrived_elsewhere)
-        loop.call_soon(self._begin)
+        self._goodbye_at: int | None = None
+        self._transport = Transport(target, name, self._receive_from_thread)
+        loop.call_soon(self._start)
 
     def send(self, topic: Topic[M], message: M) -> None:
-        """See `Peer`. What is sent while there is no link is lost: done later, it would come as a surprise."""
+        """See `Peer`. Without a connection the act is dropped: done later, it would come as a surprise."""
         if topic.name not in protocol.OPERATOR_TOPICS:
-            raise ValueError(f"{topic.name} is not among what an operator may send")
-        self._act(topic.name, protocol.encode(message))
+            raise ValueError(f"An operator may not send {topic.name}.")
+        self._send_act(topic.name, protocol.encode(message))
 
     def take_control(self) -> None:
         """See `Peer`."""
-        self._act(protocol.TAKE_CONTROL, protocol.encode(None))
+        self._send_act(protocol.TAKE_CONTROL, protocol.encode(None))
 
     def now(self) -> int:
         """See `Peer`."""
         return self._clock.now()
 
     def close(self) -> None:
-        """See `Peer`. Harmless twice."""
+        """See `Peer`. May be called twice."""
         if not self._is_closed:
             self._is_closed = True
-            self._goodbye = host_now()
-            self._line.send_hello(protocol.encode(Ping(self._who, self._goodbye, leaves=True)))
-            self._line.close(awaits_answer=self._state.state == "connected")
+            self._goodbye_at = host_now()
+            self._transport.send_ping(protocol.encode(Ping(self._id, self._goodbye_at, is_leaving=True)))
+            self._transport.close(awaits_answer=self._connection.state == "connected")
 
     # --- on the loop --------------------------------------------------------------------------------------------
 
-    def _begin(self) -> None:
+    def _start(self) -> None:
         if self._is_closed:
             return
-        self._hear(self._state)
-        self._line.open()
-        self._beat()
+        self._listener(self._connection)
+        self._transport.open()
+        self._tick()
 
-    def _act(self, topic: str, message: bytes) -> None:
-        if self._state.state == "connected":
-            self._line.send_act(protocol.encode(protocol.ActRequest(self._who, topic, msgspec.Raw(message))))
+    def _send_act(self, topic: str, message: bytes) -> None:
+        if self._connection.state == "connected":
+            self._transport.send_act(protocol.encode(protocol.ActRequest(self._id, topic, msgspec.Raw(message))))
 
-    def _beat(self) -> None:
+    def _tick(self) -> None:
         if self._is_closed:
             return
-        if self._state.state == "connected" and host_now() - self._heard_at > SILENT:
+        if self._connection.state == "connected" and host_now() - self._received_at > SILENCE_TIMEOUT:
             self._lost(_SILENT)
-        self._say_hello()
-        self._loop.call_later(BEAT_S, self._beat)
+        self._ping()
+        self._loop.call_later(PING_INTERVAL_S, self._tick)
 
-    def _say_hello(self) -> None:
-        self._line.send_hello(protocol.encode(Ping(self._who, host_now(), wants=self._number is None)))
+    def _ping(self) -> None:
+        self._transport.send_ping(protocol.encode(Ping(self._id, host_now(), wants_snapshot=self._number is None)))
 
     def _lost(self, why: str) -> None:
-        self._is_let_in, self._number = False, None
-        if self._state.state in ("connected", "lost"):
-            self._turn(Connection("lost", why))
+        self._is_admitted, self._number = False, None
+        if self._connection.state in ("connected", "lost"):
+            self._set_connection(Connection("lost", why))
 
-    def _turn(self, state: Connection) -> None:
-        if state != self._state:
-            self._state = state
-            self._hear(state)
+    def _set_connection(self, connection: Connection) -> None:
+        if connection != self._connection:
+            self._connection = connection
+            self._listener(connection)
 
-    def _arrived_elsewhere(self, arrived: Received) -> None:
-        """From the line's threads."""
-        if isinstance(arrived, Pong) and arrived.ping == self._goodbye:
-            self._line.let_go()
-        with contextlib.suppress(RuntimeError):  # the loop is closed, and with it the panel
-            self._loop.call_soon_threadsafe(self._arrived, arrived)
+    def _receive_from_thread(self, received: Received) -> None:
+        """Called on the transport's threads."""
+        if isinstance(received, Pong) and received.ping_sent_at == self._goodbye_at:
+            self._transport.acknowledge()
+        with contextlib.suppress(RuntimeError):  # the loop, and the panel with it, is closed
+            self._loop.call_soon_threadsafe(self._receive, received)
 
-    def _arrived(self, arrived: Received) -> None:
+    def _receive(self, received: Received) -> None:
         if self._is_closed:
             return
-        match arrived:
+        match received:
             case Connection(state="connecting", why=why):
-                if self._state.state == "connecting":
-                    self._turn(Connection("connecting", why))
+                if self._connection.state == "connecting":
+                    self._set_connection(Connection("connecting", why))
             case Connection(state="connected"):
-                self._say_hello()
+                self._ping()
             case Connection(why=why):
                 self._lost(why)
             case Pong():
-                self._answered(arrived)
+                self._receive_pong(received)
             case _:
-                self._told(arrived)
+                self._receive_message(received)
 
-    def _answered(self, pong: Pong) -> None:
-        if pong.who != self._who:
+    def _receive_pong(self, pong: Pong) -> None:
+        if pong.client_id != self._id:
             return
-        self._heard_at = host_now()
-        self._is_let_in = not pong.refusal
+        self._received_at = host_now()
+        self._is_admitted = not pong.refusal
         if pong.refusal:
             self._number = None
-            self._turn(Connection("connecting", pong.refusal))
+            self._set_connection(Connection("connecting", pong.refusal))
             return
         self._clock.update(pong)
         if self._number is not None and pong.number > self._number:
-            self._number = None  # something did not come through: the next sign of life asks for it
+            self._number = None  # a batch was lost: the next ping asks for a snapshot
 
-    def _told(self, told: Any) -> None:
-        self._heard_at = host_now()
-        match told:
-            case Snapshot(number=number, welcome=welcome, frames=frames) if self._is_let_in:  # else another's
+    def _receive_message(self, message: Any) -> None:
+        self._received_at = host_now()
+        match message:
+            case Snapshot(number=number, welcome=welcome, frames=frames) if self._is_admitted:  # else another program's
                 self._number = number
-                self._turn(Connection("connected"))
-                self._hear(welcome)
-                self._hear(protocol.decode_frames(frames, ALL))
+                self._set_connection(Connection("connected"))
+                self._listener(welcome)
+                self._listener(protocol.decode_frames(frames, ALL))
             case Batch(number=number, frames=frames) if self._number is not None and number > self._number:
                 if number != self._number + 1:
-                    self._number = None  # one is missing: what comes has to wait until all is told anew
-                    self._say_hello()
+                    self._number = None  # one is missing: ignore batches until the snapshot
+                    self._ping()
                     return
                 self._number = number
-                if heard := protocol.decode_frames(frames, ALL):
-                    self._hear(heard)
+                if decoded := protocol.decode_frames(frames, ALL):
+                    self._listener(decoded)
             case MotionTraces(traces=traces) if self._number is not None:
                 for trace in traces:
-                    self._hear(trace)
+                    self._listener(trace)
             case LinkClosed():
-                self._is_let_in, self._number = False, None
-                self._turn(Connection("ended", _OVER))
-                if not self._returns:
+                self._is_admitted, self._number = False, None
+                self._set_connection(Connection("ended", _OVER))
+                if not self._rejoins:
                     self.close()

@@ -1,14 +1,14 @@
-"""Who of several operators acts: pure bookkeeping of who is there, and who holds the baton."""
+"""Lock that decides which of several operators controls the session."""
 
 from sar_tui.framework.messages import Role
 
 
 class ControlLock:
-    """Held by at most one operator. The first to come gets it; when its holder is gone, another who is there does.
+    """Lock held by at most one operator: the first to join, and after its holder leaves, the next one present.
 
     Attributes:
-        peers: who is there, operators and observers, in the order in which they came.
-        holder: who has it; empty where nobody does.
+        peers: roles of the operators and observers present, in the order in which they joined.
+        holder: name of the operator in control, or empty.
     """
 
     def __init__(self) -> None:
@@ -16,24 +16,24 @@ class ControlLock:
         self.holder = ""
 
     def join(self, name: str, role: Role) -> None:
-        """Somebody came."""
+        """Add a peer."""
         self.peers[name] = role
-        self._hand_on()
+        self._assign()
 
     def leave(self, name: str) -> None:
-        """Somebody is gone, or no longer heard."""
+        """Remove a peer that left or was lost."""
         self.peers.pop(name, None)
         if self.holder == name:
             self.holder = ""
-            self._hand_on()
+            self._assign()
 
     def take(self, name: str) -> bool:
-        """An operator takes it, whoever had it; False where that is none, or not there."""
+        """Give control to an operator, even if another has it; False if no such operator is present."""
         if self.peers.get(name) != "operator":
             return False
         self.holder = name
         return True
 
-    def _hand_on(self) -> None:
+    def _assign(self) -> None:
         if not self.holder:
             self.holder = next((name for name, role in self.peers.items() if role == "operator"), "")

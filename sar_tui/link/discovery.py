@@ -1,7 +1,7 @@
-"""Where sessions that an operator on the same machine may join leave their sockets: a folder of this user's alone.
+"""Discovery of sessions on the same machine, through a folder that is private to this user.
 
-Each has three files by the session's id: ``ID.sock``, which zenoh makes; ``ID.json``, which says what it is; and
-``ID.live``, locked for as long as the program runs, however it ends.
+Each session has three files there: ``ID.sock``, made by Zenoh; ``ID.json``, its description; and ``ID.live``, a lock
+held for as long as its program runs.
 """
 
 import contextlib
@@ -17,15 +17,15 @@ import msgspec
 
 from sar_tui.link.errors import LinkError
 
-LONGEST_PATH = 100
-"""Bytes; the system allows a socket's path 108 (Linux) or 104 (macOS)."""
-_LARGEST = 64 * 1024
-_PATIENCE_SECONDS = 0.5
-"""For so long a lock that is taken is asked for again: ``live`` of another program takes it for a moment."""
+MAX_PATH_BYTES = 100
+"""For a socket's path, the system allows 108 bytes (Linux) or 104 (macOS)."""
+_MAX_FILE_BYTES = 64 * 1024
+_LOCK_TIMEOUT_S = 0.5
+"""``live_sessions`` in another program may hold the lock for a moment."""
 
 
 class JoinableSession(msgspec.Struct, frozen=True):
-    """A session that an operator can join: ``link`` is the id of its link, ``pid`` of the participant's program."""
+    """Session that an operator can join: ``link`` is the id of its link, ``pid`` that of its program."""
 
     session: str
     task: str
@@ -34,15 +34,15 @@ class JoinableSession(msgspec.Struct, frozen=True):
 
     @property
     def socket(self) -> Path:
-        """Where it listens."""
+        """Path of its socket."""
         return socket_path(self.session)
 
 
 def socket_folder() -> Path:
-    """The folder, made if need be: ``$XDG_RUNTIME_DIR/sar-tui``, else ``sar-tui-UID`` among the temporary files.
+    """Return the folder, created if needed: ``$XDG_RUNTIME_DIR/sar-tui``, else ``sar-tui-UID`` in the temporary folder.
 
     Raises:
-        LinkError: this system has no Unix sockets, or the folder is not this user's alone.
+        LinkError: this system has no Unix sockets, or the folder is not private to this user.
     """
     if os.name != "posix":
         raise LinkError(
@@ -59,28 +59,30 @@ def socket_folder() -> Path:
             folder.mkdir(mode=0o700)
         found = folder.lstat()
     except OSError as error:
-        raise LinkError(f"{folder}, the place for an operator's socket, cannot be made: {error.strerror}.") from None
-    reason = _unsafe(found)
+        raise LinkError(
+            f"{folder}, the folder for an operator's socket, cannot be created: {error.strerror}."
+        ) from None
+    reason = _why_unsafe(found)
     if reason:
-        raise LinkError(f"{folder} {reason}, so no session can be steered through it safely. Remove it and try again.")
+        raise LinkError(f"{folder} {reason}, so it is not safe to use. Remove it and try again.")
     return folder
 
 
 def socket_path(session: str) -> Path:
-    """Where a session listens. Raises LinkError: as ``place``, or the path is too long for a socket."""
+    """Return the path of a session's socket. Raises LinkError as ``socket_folder``, or if the path is too long."""
     if not re.fullmatch(r"[A-Za-z0-9_-]+", session):
         raise LinkError(f"{session!r} is not a session's id.")
     path = socket_folder() / f"{session}.sock"
-    if len(os.fsencode(path)) > LONGEST_PATH:
+    if len(os.fsencode(path)) > MAX_PATH_BYTES:
         raise LinkError(
-            f"{path} is too long for a socket's path. Set XDG_RUNTIME_DIR to a folder of yours with a short name."
+            f"{path} is too long for a socket's path. Set XDG_RUNTIME_DIR to a folder of yours with a short path."
         )
     return path
 
 
 @contextlib.contextmanager
 def announce(live: JoinableSession) -> Iterator[Path]:
-    """Let operators find a session for as long as the block runs; its socket's path.
+    """Announce a session for the duration of the block; yields the path of its socket.
 
     Raises:
         LinkError: as ``socket_path``, or another program announces that session.
@@ -88,9 +90,9 @@ def announce(live: JoinableSession) -> Iterator[Path]:
     path = socket_path(live.session)
     lock = filelock.FileLock(path.with_suffix(".live"), mode=0o600)
     try:
-        lock.acquire(timeout=_PATIENCE_SECONDS)
+        lock.acquire(timeout=_LOCK_TIMEOUT_S)
     except filelock.Timeout:
-        raise LinkError(f"Another program lets operators join the session {live.session}.") from None
+        raise LinkError(f"Another program already runs the session {live.session} with an operator.") from None
     except OSError as error:
         raise LinkError(f"{path.parent} cannot be written to: {error.strerror}.") from None
     try:
@@ -107,36 +109,36 @@ def announce(live: JoinableSession) -> Iterator[Path]:
 
 
 def live_sessions() -> list[JoinableSession]:
-    """The sessions that can be joined now, by id. What a program that was killed left is cleared away.
+    """Return the sessions that can be joined, ordered by id, and remove files left behind by killed programs.
 
-    Raises LinkError: as ``place``.
+    Raises LinkError as ``socket_folder``.
     """
     found = []
     for description in sorted(socket_folder().glob("*.json")):
-        if _cleared_if_over(description.with_suffix(".sock")):
+        if _clear_if_over(description.with_suffix(".sock")):
             continue
         with contextlib.suppress(OSError, msgspec.MsgspecError):
             with description.open("rb") as file:
-                live = msgspec.json.decode(file.read(_LARGEST), type=JoinableSession)
+                live = msgspec.json.decode(file.read(_MAX_FILE_BYTES), type=JoinableSession)
             if live.session == description.stem:
                 found.append(live)
     return found
 
 
-def _unsafe(found: os.stat_result) -> str:
+def _why_unsafe(found: os.stat_result) -> str:
     if stat.S_ISLNK(found.st_mode):
-        return "is a link to another place"
+        return "is a symbolic link"
     if not stat.S_ISDIR(found.st_mode):
         return "is not a folder"
     if found.st_uid != os.getuid():
         return "belongs to somebody else"
     if stat.S_IMODE(found.st_mode) & 0o077:
-        return "is open to others"
+        return "is accessible to others"
     return ""
 
 
-def _cleared_if_over(socket: Path) -> bool:
-    """Whether no program announces that session any more; what it left is taken away then."""
+def _clear_if_over(socket: Path) -> bool:
+    """Remove the files of a session that no program announces any more, and return whether they were removed."""
     lock = filelock.FileLock(socket.with_suffix(".live"), mode=0o600)
     try:
         lock.acquire(blocking=False)
@@ -150,7 +152,7 @@ def _cleared_if_over(socket: Path) -> bool:
 
 
 def _clear(socket: Path) -> None:
-    """Take away what belongs to a session. Zenoh keeps a lock of its own beside its socket."""
+    """Remove a session's files, and the lock that Zenoh keeps beside its socket."""
     for suffix in (".json", ".half", ".sock", ".sock.lock", ".live"):
         with contextlib.suppress(OSError):
             socket.with_suffix(suffix).unlink()

@@ -1,4 +1,4 @@
-"""How a hand moves, for an eye to follow: a sensor's samples thinned out. Loads numpy, and so is loaded late."""
+"""Sensor samples downsampled for a plot in the panel. Imports numpy, so it is imported late."""
 
 import math
 
@@ -8,38 +8,38 @@ from sar_tui.framework.clock import SECOND
 from sar_tui.link.peer import MotionTrace
 from sar_tui.motion.samples import Samples, unpack
 
-EVERY = SECOND // 12
-"""A trace is sent no more often than this (ns)."""
-MOST_POINTS = 50
+INTERVAL = SECOND // 12
+"""Shortest time between two traces of a seat (ns)."""
+MAX_POINTS = 50
 _POINTS_HZ = 60.0
-"""An eye sees no more than this; a panel's plot shows less."""
+"""Finer than a panel's plot can show."""
 
 
 class Downsampler:
-    """The traces of one session's sensors, by seat."""
+    """Traces of one session's motion sensors, by seat."""
 
     def __init__(self) -> None:
-        self._waiting: dict[str, list[Samples]] = {}
-        self._sent: dict[str, int] = {}
+        self._pending: dict[str, list[Samples]] = {}
+        self._sent_at: dict[str, int] = {}
 
-    def hear(self, seat: str, data: bytes) -> None:
-        """Take samples on. Raises ValueError where these are none."""
+    def add(self, seat: str, data: bytes) -> None:
+        """Add packed samples. Raises ValueError if they cannot be unpacked."""
         if len(samples := unpack(data)):
-            self._waiting.setdefault(seat, []).append(samples)
+            self._pending.setdefault(seat, []).append(samples)
 
     def due(self, now: int) -> list[MotionTrace]:
-        """What may be sent by ``now`` (ns)."""
-        seats = [seat for seat in self._waiting if now - self._sent.get(seat, -EVERY) >= EVERY]
-        self._sent |= dict.fromkeys(seats, now)
-        return [_trace(seat, np.concatenate(self._waiting.pop(seat))) for seat in seats]
+        """Return the traces to send at ``now`` (ns)."""
+        seats = [seat for seat in self._pending if now - self._sent_at.get(seat, -INTERVAL) >= INTERVAL]
+        self._sent_at |= dict.fromkeys(seats, now)
+        return [_trace(seat, np.concatenate(self._pending.pop(seat))) for seat in seats]
 
 
 def _trace(seat: str, samples: Samples) -> MotionTrace:
-    """The norm of the angular rate, in means of as many samples as leave few enough points."""
+    """Return the norm of the angular rate, averaged over as many samples as needed to keep to ``MAX_POINTS``."""
     speeds = np.linalg.norm(samples["rate"].astype(float), axis=1)
     seconds = float(samples["at"][-1] - samples["at"][0]) / SECOND
     rate_hz = (len(samples) - 1) / seconds if seconds > 0 else _POINTS_HZ
-    stride = max(math.ceil(len(speeds) / MOST_POINTS), math.ceil(rate_hz / _POINTS_HZ))
+    stride = max(math.ceil(len(speeds) / MAX_POINTS), math.ceil(rate_hz / _POINTS_HZ))
     points = [float(np.mean(speeds[start : start + stride])) for start in range(0, len(speeds), stride)]
     return MotionTrace(
         seat=seat,

@@ -1,4 +1,4 @@
-"""What of a session goes out to its peers, and what a peer that comes late has to know of it."""
+"""Messages of the bus that are sent to peers, and the snapshot for a peer that joins late."""
 
 from collections import deque
 from typing import Any
@@ -9,109 +9,109 @@ from sar_tui.framework.messages import ImuBlock, Message
 from sar_tui.framework.topics import IMU, PRESENCE, PROMPT, SHOWN, TRIAL, VOIDED
 
 SENT: tuple[Topic[Any], ...] = (
-    # how the session stands and what the participant sees
+    # state of the session, and what the participant sees
     t.SESSION, t.THEME, t.WAITING, t.LEVEL, t.ATTEMPT_STARTED, t.CUE, t.PROMPT, t.SHOWN, t.VOIDED, t.FOCUS,
     t.SENSOR, t.STORAGE, t.SESSION_ENDED,
-    # how they do; keys and percepts stay here, for a trial tells what came of them
+    # results; keys and percepts are not sent, as a trial holds their outcome
     t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.FEEDBACK,
-    # what the agent would say, says and has said
+    # what the agent proposes and does
     t.PROPOSED, t.PENDING_APPROVAL, t.ARBITER_STATE, t.FILLER_DUE, t.LEVEL_DECIDED, t.MISSED,
     t.ACTION, t.DROPPED, t.HALT, t.ACTING,
     t.OUTPUT, t.REPORT, t.STOPPED,
-    # what operators did, so that each sees what came of it, and what the others do
+    # what operators did, so that each sees the outcome and what the others do
     t.OPERATOR, t.DECISION, t.REMARK, t.MODE, t.PROPOSAL_SEEN, t.NOTE_ADDED, t.PRESENCE, t.REFUSED,
 )  # fmt: skip
-"""Faults stay here, too: their traces tell of the machine, and WAITING tells of a session that is broken."""
+"""Faults are not sent: their tracebacks reveal details of the machine, and WAITING says that a session is broken."""
 
 _LATEST: tuple[Topic[Any], ...] = (
     *(topic for topic in SENT if topic.keep),
     t.ATTEMPT_STARTED, t.PROMPT, t.SHOWN, t.FOCUS, t.SENSOR, t.STORAGE, t.SESSION_ENDED, t.OUTPUT,
 )  # fmt: skip
-"""Of these a late peer is told the last, of each seat and output."""
+"""A snapshot holds the last message of each seat and output."""
 _HISTORY: tuple[Topic[Any], ...] = (
     t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.PROPOSED, t.PENDING_APPROVAL, t.ACTION, t.DROPPED, t.LEVEL_DECIDED,
     t.NOTE_ADDED,
 )  # fmt: skip
-"""Of each of these a late peer is told the last few."""
-_REMEMBERED = 40
-_MOST_WAITING = 2_000
-_MOST_BLOCKS = 500
+"""A snapshot holds the last ``_HISTORY_LENGTH`` messages of each topic."""
+_HISTORY_LENGTH = 40
+_MAX_PENDING = 2_000
+_MAX_BLOCKS = 500
 
-_sent = {topic.name for topic in SENT}
-_latest = {topic.name for topic in _LATEST}
+_sent_names = {topic.name for topic in SENT}
+_latest_names = {topic.name for topic in _LATEST}
 
 
 class SessionFeed:
-    """A tap on the bus that only puts aside: what it costs the session is an append.
+    """Tap on the bus that collects messages for peers; to the session it costs an append.
 
     Attributes:
-        awaits_onset: a prompt is on its way to the screen, so that nothing else should be done now.
-        missed: more has happened than was taken, and the oldest of it is gone.
+        awaits_onset: True while a prompt is on its way to the screen, when nothing else should run.
+        missed: True if messages were dropped because too many were pending.
     """
 
     def __init__(self) -> None:
-        self._waiting: deque[Record] = deque()
-        self._blocks: deque[ImuBlock] = deque(maxlen=_MOST_BLOCKS)
+        self._pending: deque[Record] = deque()
+        self._blocks: deque[ImuBlock] = deque(maxlen=_MAX_BLOCKS)
         self._last: dict[tuple[str, str, str], Record] = {}
-        self._history: dict[str, deque[Record]] = {topic.name: deque(maxlen=_REMEMBERED) for topic in _HISTORY}
+        self._history: dict[str, deque[Record]] = {topic.name: deque(maxlen=_HISTORY_LENGTH) for topic in _HISTORY}
         self.awaits_onset = False
         self.missed = False
 
     @property
     def has_news(self) -> bool:
-        """Whether there is something to take."""
-        return bool(self._waiting or self._blocks)
+        """True if messages or samples are pending."""
+        return bool(self._pending or self._blocks)
 
-    def hear(self, cascade: list[Record]) -> None:
-        """Take on a cascade."""
+    def add(self, cascade: list[Record]) -> None:
+        """Add a cascade of messages."""
         for record in cascade:
             name = record.topic.name
             if record.topic is IMU and isinstance(record.message, ImuBlock):
                 self._blocks.append(record.message)
-            elif name in _sent:
-                self._waiting.append(record)
-                if name in _latest:
-                    self._last[_place(record.topic, record.message)] = record
+            elif name in _sent_names:
+                self._pending.append(record)
+                if name in _latest_names:
+                    self._last[_slot(record.topic, record.message)] = record
                 if name in self._history:
                     self._history[name].append(record)
                 if record.topic is PROMPT:
                     self.awaits_onset = True
                 elif record.topic in (SHOWN, VOIDED, TRIAL):
                     self.awaits_onset = False
-        while len(self._waiting) > _MOST_WAITING:
-            self._waiting.popleft()
+        while len(self._pending) > _MAX_PENDING:
+            self._pending.popleft()
             self.missed = True
 
-    def keep(self, topic: Topic[Any], message: Message) -> None:
-        """What a topic that is kept held before there was this tap: a resumed session's."""
-        if topic is not PRESENCE:  # who was there then is not there now
-            self._last.setdefault(_place(topic, message), Record(0, 0, topic, message))
+    def add_kept(self, topic: Topic[Any], message: Message) -> None:
+        """Add the last value of a kept topic from before this tap, as in a resumed session."""
+        if topic is not PRESENCE:  # nobody who was present then is present now
+            self._last.setdefault(_slot(topic, message), Record(0, 0, topic, message))
 
-    def forget(self) -> None:
-        """Nobody is there to whom the news would go."""
-        self._waiting.clear()
+    def clear(self) -> None:
+        """Drop what is pending, as there are no peers."""
+        self._pending.clear()
         self._blocks.clear()
 
     def take(self) -> list[Record]:
-        """All that has happened since it was last asked."""
-        taken = list(self._waiting)
-        self._waiting.clear()
+        """Return and remove the pending messages."""
+        taken = list(self._pending)
+        self._pending.clear()
         self.missed = False
         return taken
 
     def take_samples(self) -> dict[str, bytes]:
-        """The motion sensors' samples since, by seat."""
+        """Return and remove the pending motion sensor samples, by seat."""
         taken: dict[str, bytes] = {}
         for block in self._blocks:
             taken[block.seat] = taken.get(block.seat, b"") + block.samples
         self._blocks.clear()
         return taken
 
-    def story(self) -> list[Record]:
-        """How things stand, and how they came to: for a peer that knows nothing yet."""
-        told = [*self._last.values(), *(record for records in self._history.values() for record in records)]
-        return sorted(told, key=lambda record: record.seq)
+    def snapshot(self) -> list[Record]:
+        """Return the state of the session and its recent history, for a peer that has just joined."""
+        records = [*self._last.values(), *(record for history in self._history.values() for record in history)]
+        return sorted(records, key=lambda record: record.seq)
 
 
-def _place(topic: Topic[Any], message: Message) -> tuple[str, str, str]:
+def _slot(topic: Topic[Any], message: Message) -> tuple[str, str, str]:
     return topic.name, message.seat, getattr(message, "output", "")

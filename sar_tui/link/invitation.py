@@ -1,7 +1,7 @@
-"""An invitation: the one file that lets a person on another machine watch or steer a session.
+"""Invitations: files that let a person on another machine watch or operate a session.
 
-The file is a key: it holds the private key of the certificate that was made for its bearer. Whoever has the file is
-that operator or observer, until it expires or is revoked.
+The file contains the private key of the guest's certificate. Anyone who has the file can join as that operator or
+observer until it expires or is revoked.
 """
 
 import contextlib
@@ -19,17 +19,17 @@ from sar_tui.link.settings import Credentials, Endpoint, Guest, parse_endpoint
 FORMAT = "sar-tui invitation"
 VERSION = 1
 SUFFIX = ".sar-link"
-LARGEST = 64 * 1024
-"""Bytes; an invitation has about 2,500."""
+MAX_FILE_BYTES = 64 * 1024
+"""An invitation has about 2,500 bytes."""
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,31}\Z"
-"""What a guest may be called: a part of a key, of a certificate, and of a file's name."""
+"""Pattern of a guest's name, which is used in keys, certificates and file names."""
 
 
 class Invitation(msgspec.Struct, frozen=True, kw_only=True):
-    """Who is invited, where to, and with what.
+    """Contents of an invitation.
 
-    ``link``: the id of the host's link; ``endpoints``: where the host can be reached, to be tried in order;
-    ``expires``: when the certificate does.
+    ``link``: the id of the host's link; ``endpoints``: the host's addresses, to be tried in order; ``expires``: of the
+    certificate.
     """
 
     role: Role
@@ -49,24 +49,24 @@ class Invitation(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def file_name(guest: Guest) -> str:
-    """What an invitation's file is called unless told otherwise: ``operator-anna.sar-link``."""
+    """Return the default name of an invitation's file: ``operator-anna.sar-link``."""
     return f"{guest.role}-{guest.name}{SUFFIX}"
 
 
 def write(invitation: Invitation, path: Path) -> None:
-    """Make the file, readable to this user alone.
+    """Write the file, readable only by this user.
 
     Raises:
-        LinkError: there is a file of that name already, or it cannot be made.
+        LinkError: the file exists already, or cannot be written.
     """
     plain = {"format": FORMAT, "version": VERSION, **msgspec.to_builtins(invitation)}
     text = msgspec.json.format(msgspec.json.encode(plain), indent=1) + b"\n"
     try:
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     except FileExistsError:
-        raise LinkError(f"{path} is there already, and is left as it is. Give another name with --to.") from None
+        raise LinkError(f"{path} already exists. Give another name with --to.") from None
     except OSError as error:
-        raise LinkError(f"{path} cannot be made: {error.strerror}.") from None
+        raise LinkError(f"{path} cannot be created: {error.strerror}.") from None
     try:
         with os.fdopen(descriptor, "wb") as file:
             file.write(text)
@@ -77,11 +77,11 @@ def write(invitation: Invitation, path: Path) -> None:
 
 
 def read(path: Path, now: datetime | None = None) -> Invitation:
-    """Read an invitation, and see that it is whole and still good.
+    """Read an invitation and check that it is intact and has not expired.
 
     Raises:
-        LinkError: there is no such file, it is not an invitation, is damaged, of a newer version, for a role unknown to
-            this one, or has expired; or what certificates are read with is not installed.
+        LinkError: the file is missing, not an invitation, damaged, of a newer version, for an unknown role, or has
+            expired; or the link's packages are not installed.
     """
     invitation = _decoded(_content(path), path)
     need_packages()
@@ -100,14 +100,14 @@ def read(path: Path, now: datetime | None = None) -> Invitation:
 def _content(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
-            content = file.read(LARGEST + 1)
+            content = file.read(MAX_FILE_BYTES + 1)
     except FileNotFoundError:
         raise LinkError(f"There is no file {path}.") from None
     except OSError as error:
         raise LinkError(f"{path} cannot be read: {error.strerror}.") from None
-    if FORMAT.encode() not in content[:200] or len(content) > LARGEST:
+    if FORMAT.encode() not in content[:200] or len(content) > MAX_FILE_BYTES:
         raise LinkError(
-            f"{path} is not an invitation. Those are made by `sar-tui link invite`, and end in {SUFFIX} as a rule."
+            f"{path} is not an invitation. Invitations are made by `sar-tui link invite`, and usually end in {SUFFIX}."
         )
     return content
 
@@ -129,4 +129,4 @@ def _decoded(content: bytes, path: Path) -> Invitation:
 
 
 def _damaged(path: Path) -> LinkError:
-    return LinkError(f"The invitation {path} is damaged. Copy it again, whole, or ask for a new one.")
+    return LinkError(f"The invitation {path} is damaged. Copy it again, or ask for a new one.")

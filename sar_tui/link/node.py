@@ -1,4 +1,4 @@
-"""The link on the bus: what happens goes out to peers, and what the operator with the baton does comes in."""
+"""Node that links the bus to the broker process: sends messages to peers, and publishes the operator's acts."""
 
 import functools
 from typing import Any, ClassVar
@@ -25,27 +25,27 @@ from sar_tui.link.protocol import (
     RequestRefused,
     SnapshotRequested,
 )
-from sar_tui.link.rate_limit import RepeatThrottle
+from sar_tui.link.rate_limit import ReportThrottle
 
-AFTER = 40 * MS
-"""What happens goes out this much later, together with what has happened by then."""
-PROMPT_PATIENCE = 500 * MS
-"""A prompt that is on its way holds everything back, but no longer than this."""
-OLDEST = 60 * SECOND
-"""An act can have been this long ago, as its stamp tells; an older stamp is taken to be wrong."""
-_CHECK = SECOND
-_NO_BATON = "Another operator holds the baton."
+BATCH_DELAY = 40 * MS
+"""Messages are sent this long after the first of a batch."""
+MAX_PROMPT_DELAY = 500 * MS
+"""Nothing is sent while a prompt is on its way to the screen, but no longer than this."""
+MAX_ACT_AGE = 60 * SECOND
+"""Older stamps of acts are moved up to this age, as they must be wrong."""
+_CHECK_INTERVAL = SECOND
+_NOT_IN_CONTROL = "Another operator holds the baton."
 _NO_SEAT = "There is no such seat in this session."
 
 
 class LinkNode(Node):
-    """Stands between the bus and the process that holds the link; it decides who of several operators acts.
+    """Stands between the bus and the broker process, and decides which operator is in control.
 
     Args:
-        channel: the process.
+        channel: to the broker process.
 
     Attributes:
-        welcome: what the session is, to be set before it begins; each peer is told its own name and role with it.
+        welcome: description of the session, to be set before it starts; each peer gets it with its own name and role.
     """
 
     welcome: Welcome
@@ -66,153 +66,153 @@ class LinkNode(Node):
         super().__init__()
         self._channel = channel
         self._feed = SessionFeed()
-        self._baton = ControlLock()
+        self._control = ControlLock()
         self._number = 0
-        self._refused: RepeatThrottle[tuple[str, str, str]] = RepeatThrottle()
-        self._to_greet: dict[str, None] = {}
-        self._is_due = self._is_detached = False
-        self._held_since: int | None = None
+        self._refused: ReportThrottle[tuple[str, str, str]] = ReportThrottle()
+        self._need_snapshot: dict[str, None] = {}
+        self._is_scheduled = self._is_detached = False
+        self._delayed_since: int | None = None
 
     def attach(self, bus: Bus) -> None:
-        """Join a bus, and let the link's process talk."""
+        """Join a bus and start to listen to the broker process."""
         super().attach(bus)
         for topic in SENT:
             if topic.keep:
-                bus.subscribe(topic, functools.partial(self._feed.keep, topic), self.name)
+                bus.subscribe(topic, functools.partial(self._feed.add_kept, topic), self.name)
         bus.tap(self._tapped)
-        self._channel.listen(lambda news: bus.clock.call_soon(lambda: self.hear(news)))
+        self._channel.listen(lambda event: bus.clock.call_soon(lambda: self.receive(event)))
         self._check()
 
     def detach(self) -> None:
-        """Send what is left, and hear no more. The process is its opener's to end."""
+        """Send what is pending and ignore the broker process from now on. Its opener closes it."""
         if hasattr(self, "bus") and not self._is_detached:
             self._send()
             self._is_detached = True
 
-    # --- what comes in -----------------------------------------------------------------------------------------
+    # --- from the broker process -------------------------------------------------------------------------------
 
-    def hear(self, news: BrokerEvent | BrokerEnded) -> None:
-        """Take news of the link's process, on the bus' own thread."""
+    def receive(self, event: BrokerEvent | BrokerEnded) -> None:
+        """Handle an event of the broker process, on the bus' own thread."""
         if self._is_detached:
             return
-        match news:
+        match event:
             case PeerJoined(name=name):
-                self._came(name)
+                self._peer_joined(name)
             case PeerLeft(name=name, state=state, detail=detail):
-                self._gone(name, state, detail)
+                self._peer_left(name, state, detail)
             case SnapshotRequested(name=name):
-                self._to_greet[name] = None
+                self._need_snapshot[name] = None
                 self._schedule(0)
             case ActReceived(name=name, topic=protocol.TAKE_CONTROL):
-                self._take_baton(name)
+                self._take_control(name)
             case ActReceived():
-                self._acted(news)
+                self._act_received(event)
             case RequestRefused(name=name, what=what, why=why, count=count):
-                self._tell_refused(name, what, why, count)
+                self._report_refused(name, what, why, count)
             case BrokerEnded(detail=detail, is_final=is_final):
-                for name in list(self._baton.peers):
-                    self._gone(name, "lost", detail)
+                for name in list(self._control.peers):
+                    self._peer_left(name, "lost", detail)
                 if is_final:
                     self._refuse("link", "the link", detail)
 
-    def _came(self, name: str) -> None:
+    def _peer_joined(self, name: str) -> None:
         role = role_of(name)
-        if role is None or name in self._baton.peers:
+        if role is None or name in self._control.peers:
             return
-        holder = self._baton.holder
-        self._baton.join(name, role)
-        self._tell(name, role, "joined")
-        self._tell_holder(holder)
+        holder = self._control.holder
+        self._control.join(name, role)
+        self._report_presence(name, role, "joined")
+        self._report_holder(holder)
 
-    def _gone(self, name: str, state: str, detail: str) -> None:
-        if (role := self._baton.peers.get(name)) is None:
+    def _peer_left(self, name: str, state: str, detail: str) -> None:
+        if (role := self._control.peers.get(name)) is None:
             return
-        holder = self._baton.holder
-        self._baton.leave(name)
-        self._to_greet.pop(name, None)
-        self._tell(name, role, "left" if state == "left" else "lost", detail)
-        self._tell_holder(holder)
+        holder = self._control.holder
+        self._control.leave(name)
+        self._need_snapshot.pop(name, None)
+        self._report_presence(name, role, "left" if state == "left" else "lost", detail)
+        self._report_holder(holder)
 
-    def _take_baton(self, name: str) -> None:
-        holder = self._baton.holder
-        if self._baton.take(name):
-            self._tell_holder(holder)
+    def _take_control(self, name: str) -> None:
+        holder = self._control.holder
+        if self._control.take(name):
+            self._report_holder(holder)
         else:
-            self._refuse(name, protocol.TAKE_CONTROL, "Only an operator who is there can take it.")
+            self._refuse(name, protocol.TAKE_CONTROL, "Only an operator who is connected can take it.")
 
-    def _acted(self, acted: ActReceived) -> None:
-        """Post an act of the operator who may act; it carries their name, and a time at which it can have been."""
-        if acted.name != self._baton.holder:
-            if acted.topic != PROPOSAL_SEEN.name:  # another's panel shows what is offered, too
-                self._refuse(acted.name, acted.topic, _NO_BATON)
+    def _act_received(self, received: ActReceived) -> None:
+        """Publish an act of the operator in control, with their name and a plausible stamp."""
+        if received.name != self._control.holder:
+            if received.topic != PROPOSAL_SEEN.name:  # each operator's panel shows proposals
+                self._refuse(received.name, received.topic, _NOT_IN_CONTROL)
             return
         try:
-            act: Any = protocol.decode_act(acted.topic, acted.message)
+            act: Any = protocol.decode_act(received.topic, received.message)
         except ProtocolError as error:
-            self._refuse(acted.name, acted.topic, str(error))
+            self._refuse(received.name, received.topic, str(error))
             return
         if self.welcome.participants and act.seat not in self.welcome.participants:
-            self._refuse(acted.name, acted.topic, _NO_SEAT)
+            self._refuse(received.name, received.topic, _NO_SEAT)
             return
         now = self.bus.clock.now()
-        at = now if not act.at else min(now, max(act.at, now - OLDEST))
-        self.emit(protocol.OPERATOR_TOPICS[acted.topic], msgspec.structs.replace(act, actor=acted.name, at=at))
+        at = now if not act.at else min(now, max(act.at, now - MAX_ACT_AGE))
+        self.emit(protocol.OPERATOR_TOPICS[received.topic], msgspec.structs.replace(act, actor=received.name, at=at))
 
     def _refuse(self, name: str, what: str, why: str) -> None:
-        """Tell of it; what is refused again and again, once a second."""
+        """Report that a request was refused, at most once a second if it is repeated."""
         if count := self._refused.add((name, what, why), self.bus.clock.now()):
-            self._tell_refused(name, what, why, count)
+            self._report_refused(name, what, why, count)
 
-    def _tell_refused(self, name: str, what: str, why: str, count: int) -> None:
+    def _report_refused(self, name: str, what: str, why: str, count: int) -> None:
         self.emit(REFUSED, m.ActRefused(actor=name, what=what, why=why, count=count))
 
-    def _tell_holder(self, before: str) -> None:
-        """Tell who has the baton, if that is another one than before."""
-        holder = self._baton.holder
+    def _report_holder(self, before: str) -> None:
+        """Report who is in control, if that changed."""
+        holder = self._control.holder
         if holder and holder != before:
-            self._tell(holder, "operator", "baton")
+            self._report_presence(holder, "operator", "baton")
 
-    def _tell(self, name: str, role: m.Role, state: Any, detail: str = "") -> None:
+    def _report_presence(self, name: str, role: m.Role, state: Any, detail: str = "") -> None:
         changed = m.OperatorChanged(
             actor=name,
             role=role,
             state=state,
-            operated=bool(self._baton.holder),
-            holder=self._baton.holder,
+            operated=bool(self._control.holder),
+            holder=self._control.holder,
             detail=detail,
-            peers=dict(self._baton.peers),
+            peers=dict(self._control.peers),
         )
         self.emit(PRESENCE, changed)
 
-    # --- what goes out -----------------------------------------------------------------------------------------
+    # --- to the peers ------------------------------------------------------------------------------------------
 
     def _tapped(self, cascade: list[Record]) -> None:
-        self._feed.hear(cascade)
-        if not self._baton.peers:
-            self._feed.forget()
+        self._feed.add(cascade)
+        if not self._control.peers:
+            self._feed.clear()
         elif self._feed.has_news:
-            self._schedule(AFTER)
+            self._schedule(BATCH_DELAY)
 
-    def _schedule(self, after: int) -> None:
-        if not self._is_due and not self._is_detached:
-            self._is_due = True
+    def _schedule(self, delay: int) -> None:
+        if not self._is_scheduled and not self._is_detached:
+            self._is_scheduled = True
             clock = self.bus.clock
-            clock.call_at(clock.now() + after, self._due)
+            clock.call_at(clock.now() + delay, self._send_due)
 
-    def _due(self) -> None:
-        """Send, unless a prompt is on its way to the screen: then a little later."""
-        self._is_due = False
+    def _send_due(self) -> None:
+        """Send, or wait a little longer if a prompt is on its way to the screen."""
+        self._is_scheduled = False
         if self._is_detached:
             return
         now = self.bus.clock.now()
-        self._held_since = (self._held_since or now) if self._feed.awaits_onset else None
-        if self._held_since is not None and now - self._held_since < PROMPT_PATIENCE:
-            self._schedule(AFTER)
+        self._delayed_since = (self._delayed_since or now) if self._feed.awaits_onset else None
+        if self._delayed_since is not None and now - self._delayed_since < MAX_PROMPT_DELAY:
+            self._schedule(BATCH_DELAY)
             return
         self._send()
 
     def _send(self) -> None:
-        """Hand over what has happened, and greet who has to be greeted; what was lost is made good by a greeting."""
+        """Send pending messages, and snapshots to new peers; after a loss, to all peers."""
         missed = self._feed.missed
         if records := self._feed.take():
             self._number += 1
@@ -220,20 +220,20 @@ class LinkNode(Node):
         for seat, samples in self._feed.take_samples().items():
             self._channel.send(OutgoingSamples(seat, samples))
         if missed:
-            self._to_greet |= dict.fromkeys(self._baton.peers)
-        story = self._feed.story() if self._to_greet else []
-        for name in list(self._to_greet):
+            self._need_snapshot |= dict.fromkeys(self._control.peers)
+        snapshot = self._feed.snapshot() if self._need_snapshot else []
+        for name in list(self._need_snapshot):
             welcome = msgspec.structs.replace(self.welcome, name=name, role=role_of(name) or "observer")
-            if self._channel.send(OutgoingSnapshot(name, self._number, welcome, story)):
-                del self._to_greet[name]
-        if self._to_greet:
+            if self._channel.send(OutgoingSnapshot(name, self._number, welcome, snapshot)):
+                del self._need_snapshot[name]
+        if self._need_snapshot:
             self._schedule(SECOND)
 
     def _check(self) -> None:
-        """See from time to time that the link's process answers, and tell what was refused meanwhile."""
+        """Check regularly that the broker process answers, and report what was refused since."""
         if not self._is_detached:
             self._channel.check()
             clock = self.bus.clock
             for (name, what, why), count in self._refused.due(clock.now()):
-                self._tell_refused(name, what, why, count)
-            clock.call_at(clock.now() + _CHECK, self._check)
+                self._report_refused(name, what, why, count)
+            clock.call_at(clock.now() + _CHECK_INTERVAL, self._check)

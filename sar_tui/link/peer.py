@@ -1,4 +1,4 @@
-"""What crosses the link, and what a panel needs of it: whoever watches or steers a session from another program."""
+"""Interface between a panel and a session in another program: what a peer receives, and what it can send."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeVar
@@ -15,7 +15,7 @@ M = TypeVar("M", bound=Message)
 
 
 class Frame(NamedTuple):
-    """A message of the session's bus as it crosses the link: its number, the time of its cascade (ns), its topic."""
+    """Message of the session's bus, with its sequence number and the time of its cascade (ns)."""
 
     seq: int
     at: int
@@ -24,18 +24,18 @@ class Frame(NamedTuple):
 
 
 class MarkKey(msgspec.Struct, frozen=True):
-    """A therapist's mark: its name, and what it is called."""
+    """Mark that a therapist can set: its name and its title."""
 
     name: str
     title: str
 
 
 class Welcome(msgspec.Struct, frozen=True):
-    """What a session tells a peer that has just come: what it is, and how it stands.
+    """Description of a session, sent to a peer that has just joined; the frames of its snapshot follow.
 
-    ``link``: the link's id; ``name`` and ``role``: who the peer is to the session. ``unit`` and ``decimals``: of the
-    metric. ``spoken_names``: what the agent calls each of several participants, by seat. ``parameters``: of the task, as
-    plain values. The frames of kept topics and of what happened last follow.
+    ``link``: the link's id. ``name``, ``role``: the peer's, as the session knows it. ``unit``, ``decimals``: of the
+    metric. ``spoken_names``: how the agent addresses each of several participants, by seat. ``parameters``: of the
+    task, as plain values.
     """
 
     link: str
@@ -86,7 +86,7 @@ def session_welcome(task: "Task", session: str, link: str, participants: dict[st
 
 
 class MotionTrace(msgspec.Struct, frozen=True):
-    """How fast a hand turns, for an eye to follow: ``rates`` in rad/s, ``hz`` of them a second, up to ``at`` (ns)."""
+    """Downsampled angular rate of a hand: ``rates`` in rad/s at ``hz`` Hz, the last of them at ``at`` (ns)."""
 
     seat: str
     at: int
@@ -95,36 +95,36 @@ class MotionTrace(msgspec.Struct, frozen=True):
 
 
 class Connection(NamedTuple):
-    """How the link is: ``state``, and why. ``ended``: over, and it will not come back."""
+    """State of the link, and the reason for it. ``ended``: the session is over."""
 
     state: Literal["connecting", "connected", "lost", "ended"]
     why: str = ""
 
 
 PeerEvent = Welcome | list[Frame] | MotionTrace | Connection
-"""What a peer is told, in order, on the thread of the loop that it was made on."""
+"""Received by a peer, in order, on the thread of the loop that it was made on."""
 
 
 class Peer(Protocol):
-    """A link to a session, from another program. Made with a function that hears what comes."""
+    """Link to a session in another program. It is made with a listener that receives each ``PeerEvent``."""
 
     name: str
     role: Role
 
     def send(self, topic: Topic[M], message: M) -> None:
-        """Send an act: one of the ``operator/`` topics. The session puts in who it was, and checks everything.
+        """Send an operator's act: a message of one of the ``operator/`` topics.
 
-        ``at`` of the message is on the session's clock: see ``now``.
+        The session checks it and fills in who sent it. The message's ``at`` is on the session's clock, see ``now``.
         """
 
     def take_control(self) -> None:
-        """Hold the baton from here on, whoever has it."""
+        """Take control of the session from whichever operator has it."""
 
     def now(self) -> int:
-        """The session's clock (ns), as well as it is known: read off the same host's, or estimated from pings."""
+        """Return the session's time (ns): exact on the same machine, else estimated from pings."""
 
     def close(self) -> None:
-        """Say goodbye, and let go."""
+        """Leave the session and close the connection."""
 
 
 PeerListener = Callable[[PeerEvent], None]

@@ -1,52 +1,51 @@
-"""Who is at the link: pure bookkeeping of signs of life."""
+"""Peers that are at the link, tracked by their heartbeats."""
 
 from typing import Literal
 
-Heard = Literal["joined", "there", "taken", "full"]
-MOST_PEERS = 16
-"""More than these are not let in."""
+HeartbeatResult = Literal["joined", "present", "taken", "full"]
+MAX_PEERS = 16
 
 
 class Presence:
-    """The peers that were heard of lately, by name.
+    """Peers that sent a heartbeat lately, by name.
 
-    A name belongs to one program at a time, known by an id that it drew for itself (``who``): a second one that calls
-    itself the same is not let in for as long as the first lives.
+    A name belongs to one program at a time, identified by a random id (``client_id``): a second program with the same
+    name is not admitted while the first is present.
 
     Args:
-        patience: a peer that was not heard of for so long (ns) is lost.
+        lost_after: silence (ns) after which a peer is lost.
     """
 
-    def __init__(self, patience: int) -> None:
-        self._patience = patience
-        self._heard: dict[str, tuple[str, int]] = {}
+    def __init__(self, lost_after: int) -> None:
+        self._lost_after = lost_after
+        self._peers: dict[str, tuple[str, int]] = {}
 
     def __contains__(self, name: str) -> bool:
-        return name in self._heard
+        return name in self._peers
 
-    def is_there(self, name: str, who: str) -> bool:
-        """Whether this very program is at the link."""
-        return name in self._heard and self._heard[name][0] == who
+    def is_present(self, name: str, client_id: str) -> bool:
+        """Return whether this very program is at the link."""
+        return name in self._peers and self._peers[name][0] == client_id
 
-    def hear(self, name: str, who: str, now: int) -> Heard:
-        """A sign of life: ``taken`` where another program has that name, ``full`` where there are too many."""
-        if name in self._heard:
-            if self._heard[name][0] != who:
+    def heartbeat(self, name: str, client_id: str, now: int) -> HeartbeatResult:
+        """Record a heartbeat; ``taken`` if another program has that name, ``full`` if there are too many peers."""
+        if name in self._peers:
+            if self._peers[name][0] != client_id:
                 return "taken"
-            self._heard[name] = (who, now)
-            return "there"
-        if len(self._heard) >= MOST_PEERS:
+            self._peers[name] = (client_id, now)
+            return "present"
+        if len(self._peers) >= MAX_PEERS:
             return "full"
-        self._heard[name] = (who, now)
+        self._peers[name] = (client_id, now)
         return "joined"
 
     def leave(self, name: str) -> bool:
-        """It is gone; False if it was not there."""
-        return self._heard.pop(name, None) is not None
+        """Remove a peer; False if it was not present."""
+        return self._peers.pop(name, None) is not None
 
-    def overdue(self, now: int) -> list[str]:
-        """Who has not been heard of for too long: they are lost now."""
-        lost = [name for name, (_, at) in self._heard.items() if now - at > self._patience]
+    def expire(self, now: int) -> list[str]:
+        """Remove and return the peers that have been silent for too long."""
+        lost = [name for name, (_, at) in self._peers.items() if now - at > self._lost_after]
         for name in lost:
-            del self._heard[name]
+            del self._peers[name]
         return lost

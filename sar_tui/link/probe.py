@@ -1,4 +1,4 @@
-"""Tries once to reach a session, in a process of its own: only there can be read what zenoh says of a refusal."""
+"""Probes whether a session admits a guest, in a child process: only there can Zenoh's log of a refusal be read."""
 
 import os
 import subprocess
@@ -8,20 +8,20 @@ from sar_tui.drivers import child_process
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.refusals import GUEST_LOG, log_environment, why_not_connected
 
-_PATIENCE_SECONDS = 10.0
-_ANSWER_SECONDS = 2.0
-_CAME_IN, _LET_IN = "came in", "was let in"
-NOT_LET_IN = (
-    "The session there does not let this invitation in: it was revoked, or made after that session began. Ask for a "
-    "new one, or have the session begun anew."
+_TIMEOUT_S = 10.0
+_ANSWER_TIMEOUT_S = 2.0
+_CONNECTED, _ADMITTED = "connected", "admitted"
+NOT_ADMITTED = (
+    "The session there does not accept this invitation: it was revoked, or made after that session began. Ask for a "
+    "new one, or have the session restarted."
 )
 
 
 def probe(settings: str, link: str) -> None:
-    """See whether a session lets a guest in, who connects with these settings to that link. Takes up to ten seconds.
+    """Connect once to a link with a guest's Zenoh settings. Takes up to ten seconds.
 
     Raises:
-        LinkError: it does not; why, as far as it can be known.
+        LinkError: the session does not admit the guest; the message says why, as far as is known.
     """
     need_packages()
     with subprocess.Popen(
@@ -34,18 +34,18 @@ def probe(settings: str, link: str) -> None:
         errors="replace",
     ) as child:
         try:
-            log, _ = child.communicate(f"{link}\n{settings}", timeout=_PATIENCE_SECONDS)
+            log, _ = child.communicate(f"{link}\n{settings}", timeout=_TIMEOUT_S)
         except subprocess.TimeoutExpired:
             child.kill()
             raise LinkError("The session there does not answer.") from None
-    said = log.splitlines()
-    if _LET_IN in said:
+    lines = log.splitlines()
+    if _ADMITTED in lines:
         return
-    raise LinkError(NOT_LET_IN if _CAME_IN in said else why_not_connected(log))
+    raise LinkError(NOT_ADMITTED if _CONNECTED in lines else why_not_connected(log))
 
 
 def main() -> None:
-    """The child: the link's id and settings on standard input, the log and the outcome on standard output."""
+    """Run the child: reads the link's id and settings from standard input, prints Zenoh's log and the outcome."""
     import zenoh
 
     from sar_tui.link.settings import LinkKeys, config
@@ -57,9 +57,9 @@ def main() -> None:
     except zenoh.ZError:
         return
     with session:
-        print(_CAME_IN, flush=True)
-        if any(reply.ok for reply in session.liveliness().get(LinkKeys(link).out, timeout=_ANSWER_SECONDS)):
-            print(_LET_IN, flush=True)
+        print(_CONNECTED, flush=True)
+        if any(reply.ok for reply in session.liveliness().get(LinkKeys(link).broadcast, timeout=_ANSWER_TIMEOUT_S)):
+            print(_ADMITTED, flush=True)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""What crosses the link, as bytes: MessagePack over Zenoh, and in frames with a length over the pipes to the broker.
+"""Messages of the link: MessagePack over Zenoh, and length-prefixed frames over the pipes to the broker.
 
-Nothing here trusts what it reads: a message is decoded into exactly its type, or it is refused in words.
+Input is never trusted: a message is decoded into exactly its type, or refused with a reason.
 """
 
 import struct
@@ -19,44 +19,44 @@ T = TypeVar("T")
 M = TypeVar("M", bound=Message)
 
 MAX_ACT_BYTES = 20_000
-"""Bytes of a message from a peer; more are refused unread."""
+"""Longer messages from a peer are refused unread."""
 MAX_NOTE_CHARS = 4_000
 MAX_TEXT_CHARS = 1_000
-"""Characters of a note; and of any other text: words to be said, the name of a phrase or of a mark."""
+"""For every text but a note: an utterance, the name of a phrase or of a mark."""
 MAX_FRAME_BYTES = 16_000_000
-"""Bytes between the program and its broker; a greeting carries a whole theme."""
+"""Between the program and its broker; a snapshot carries a whole theme."""
 
 OPERATOR_TOPICS: dict[str, Topic[Any]] = {
     topic.name: topic for topic in (OPERATOR, DECISION, REMARK, MODE, PROPOSAL_SEEN, NOTE_ADDED)
 }
-"""What an operator may send."""
+"""Topics that an operator may publish on."""
 TAKE_CONTROL = "baton"
-"""In the place of a topic: an operator takes the baton."""
+"""Sent in place of a topic to take control of the session."""
 
 
 class ProtocolError(ValueError):
-    """What came cannot be taken; ``why`` in a few plain words, none of them the sender's."""
+    """A message is refused; the text says why in plain words, none of them the sender's."""
 
 
 class _LinkMessage(msgspec.Struct, frozen=True, tag_field="is", tag=str.lower):
-    """One message of the link itself."""
+    """Base of the messages of the link itself."""
 
 
 # --- from the session to its peers ---------------------------------------------------------------------------
 
 EncodedFrame = tuple[int, int, str, msgspec.Raw]
-"""A frame as it crosses: number, time, name of the topic, message."""
+"""Sequence number, time (ns), name of the topic, message."""
 
 
 class Batch(_LinkMessage, frozen=True):
-    """What happened, to everybody. ``number`` counts batches, so that a peer sees when one is missing."""
+    """Messages of the bus, sent to all peers; ``number`` counts batches, so that a peer notices a missing one."""
 
     number: int
     frames: list[EncodedFrame]
 
 
 class Snapshot(_LinkMessage, frozen=True):
-    """How things stand, to one peer: all that happened up to batch ``number``, as far as it matters now."""
+    """State of the session after batch ``number``, sent to one peer."""
 
     number: int
     welcome: Welcome
@@ -64,28 +64,29 @@ class Snapshot(_LinkMessage, frozen=True):
 
 
 class MotionTraces(_LinkMessage, frozen=True):
-    """How hands move, to everybody."""
+    """Movement of the participants' hands, sent to all peers."""
 
     traces: list[MotionTrace]
 
 
 class Pong(_LinkMessage, frozen=True):
-    """The answer to a Ping. ``ping``: as it came. ``clock``: the session's, when it was answered (ns).
+    """Answer to a ``Ping``.
 
-    ``host``: on which machine's clock that is. ``number``: of the last batch. ``who``: whom it answers, of several
-    that have a name. ``refusal``: why that one is not let in.
+    ``ping_sent_at``: the ping's ``sent_at``. ``session_time``: when it was answered (ns), on the clock named by
+    ``clock_id``. ``number``: of the last batch. ``client_id``: the program that is answered, as several may use one
+    name. ``refusal``: why that program is not admitted.
     """
 
-    ping: int
-    clock: int
-    host: str
+    ping_sent_at: int
+    session_time: int
+    clock_id: str
     number: int
-    who: str
+    client_id: str
     refusal: str = ""
 
 
 class LinkClosed(_LinkMessage, frozen=True):
-    """The session is over, to everybody."""
+    """The session is over; sent to all peers."""
 
 
 SessionMessage = Batch | Snapshot | MotionTraces | Pong | LinkClosed
@@ -95,21 +96,22 @@ SessionMessage = Batch | Snapshot | MotionTraces | Pong | LinkClosed
 
 
 class Ping(_LinkMessage, frozen=True):
-    """A sign of life. ``who`` is the program's own id; ``ping`` its clock (ns).
+    """Heartbeat of a peer.
 
-    ``wants``: it has to be told how things stand. ``leaves``: it is going.
+    ``client_id``: a random id of the program. ``sent_at``: on its clock (ns). ``wants_snapshot``: the peer does not
+    know the state of the session. ``is_leaving``: the peer is about to close.
     """
 
-    who: str
-    ping: int
-    wants: bool = False
-    leaves: bool = False
+    client_id: str
+    sent_at: int
+    wants_snapshot: bool = False
+    is_leaving: bool = False
 
 
 class ActRequest(_LinkMessage, frozen=True):
-    """What an operator does: ``topic`` is one of ``OPERATOR_TOPICS``, or ``TAKE_CONTROL``."""
+    """An operator's message for one of ``OPERATOR_TOPICS``, or ``TAKE_CONTROL``."""
 
-    who: str
+    client_id: str
     topic: str
     message: msgspec.Raw = msgspec.Raw(b"\xc0")
 
@@ -118,34 +120,34 @@ class ActRequest(_LinkMessage, frozen=True):
 
 
 class Setup(_LinkMessage, frozen=True):
-    """The first frame. ``settings``: as `settings.host_settings` makes them. ``link``: its id.
+    """First frame to the broker.
 
-    ``patience``: a peer that was silent for so long (ns) is lost. ``guests``: who may come over the network; None
-    where it does not listen there.
+    ``settings``: from ``settings.host_settings``. ``link``: the link's id. ``lost_after``: silence (ns) after which a
+    peer is lost. ``guests``: those admitted over the network; None if it does not listen there.
     """
 
     settings: str
     link: str
-    patience: int
+    lost_after: int
     guests: tuple[str, ...] | None = None
 
 
 class Publish(_LinkMessage, frozen=True):
-    """Send this to everybody; it is a Batch of that number."""
+    """Send a payload, which is batch ``number``, to all peers."""
 
     number: int
     payload: bytes
 
 
 class SendTo(_LinkMessage, frozen=True):
-    """Send this to one peer."""
+    """Send a payload to one peer."""
 
     name: str
     payload: bytes
 
 
 class SensorSamples(_LinkMessage, frozen=True):
-    """A sensor's samples, as `motion.samples.pack` lays them out: peers are sent what an eye can follow of them."""
+    """Sensor samples packed by ``motion.samples.pack``; the broker downsamples them for peers."""
 
     seat: str
     samples: bytes
@@ -158,23 +160,23 @@ BrokerCommand = Setup | Publish | SendTo | SensorSamples
 
 
 class BrokerStarted(_LinkMessage, frozen=True):
-    """It listens; or it does not: ``why``."""
+    """The broker listens, or cannot: then ``error`` says why."""
 
-    why: str = ""
+    error: str = ""
 
 
 class Heartbeat(_LinkMessage, frozen=True):
-    """The broker lives."""
+    """The broker is alive."""
 
 
 class PeerJoined(_LinkMessage, frozen=True):
-    """A peer is there."""
+    """A peer was admitted."""
 
     name: str
 
 
 class PeerLeft(_LinkMessage, frozen=True):
-    """A peer is not there any more: ``left``, or ``lost`` for a reason."""
+    """A peer ``left``, or was ``lost`` for the reason in ``detail``."""
 
     name: str
     state: Literal["left", "lost"]
@@ -182,13 +184,13 @@ class PeerLeft(_LinkMessage, frozen=True):
 
 
 class SnapshotRequested(_LinkMessage, frozen=True):
-    """A peer has to be greeted."""
+    """A peer needs a snapshot."""
 
     name: str
 
 
 class ActReceived(_LinkMessage, frozen=True):
-    """An operator's act, looked at and found well."""
+    """An operator sent a valid act."""
 
     name: str
     topic: str
@@ -196,7 +198,7 @@ class ActReceived(_LinkMessage, frozen=True):
 
 
 class RequestRefused(_LinkMessage, frozen=True):
-    """What a peer sent was refused, so often since it was last told."""
+    """Requests of a peer were refused; ``count`` since the last report."""
 
     name: str
     what: str
@@ -211,7 +213,7 @@ _decoders: dict[Any, msgspec.msgpack.Decoder[Any]] = {}
 
 
 def decode(data: bytes, kind: Any) -> Any:
-    """Read a message of a type. Raises WireError for anything else."""
+    """Decode a message of a type. Raises ProtocolError for anything else."""
     if kind not in _decoders:
         _decoders[kind] = msgspec.msgpack.Decoder(kind)
     try:
@@ -221,14 +223,14 @@ def decode(data: bytes, kind: Any) -> Any:
 
 
 def encode_frames(records: Iterable[Record]) -> list[EncodedFrame]:
-    """Messages of the bus, ready to cross."""
+    """Encode messages of the bus."""
     return [(each.seq, each.at, each.topic.name, msgspec.Raw(encode(each.message))) for each in records]
 
 
-def decode_frames(crossed: Iterable[EncodedFrame], topics: dict[str, Topic[Any]]) -> list[Frame]:
-    """The inverse. What another version of the program alone knows is left out."""
+def decode_frames(encoded: Iterable[EncodedFrame], topics: dict[str, Topic[Any]]) -> list[Frame]:
+    """Decode messages of the bus; those that only another version of the program knows are skipped."""
     found = []
-    for seq, at, name, raw in crossed:
+    for seq, at, name, raw in encoded:
         if topic := topics.get(name):
             try:
                 found.append(Frame(seq, at, topic, decode(bytes(raw), topic.type)))
@@ -238,56 +240,56 @@ def decode_frames(crossed: Iterable[EncodedFrame], topics: dict[str, Topic[Any]]
 
 
 def decode_act(topic: str, raw: msgspec.Raw) -> Message:
-    """An operator's act, decoded into its type and looked at. Raises WireError."""
+    """Decode and check an operator's act. Raises ProtocolError."""
     if topic not in OPERATOR_TOPICS:
-        raise ProtocolError("It is not among what an operator may send.")
+        raise ProtocolError("An operator may not send it.")
     message: Message = decode(bytes(raw), OPERATOR_TOPICS[topic].type)
     for field in message.__struct_fields__:
         if isinstance(value := getattr(message, field), str):
             is_note = topic == NOTE_ADDED.name and field == "text"
-            most = MAX_NOTE_CHARS if is_note else MAX_TEXT_CHARS
-            if len(value) > most:
-                raise ProtocolError(f"A text is longer than {most} characters.")
+            longest = MAX_NOTE_CHARS if is_note else MAX_TEXT_CHARS
+            if len(value) > longest:
+                raise ProtocolError(f"A text is longer than {longest} characters.")
             if not all(_is_plain(each) for each in value if not (is_note and each in "\n\t")):
-                raise ProtocolError("A text holds control characters.")
-    if isinstance(message, Operator) and message.command == "pause" and message.reason not in _PAUSES:
-        raise ProtocolError("That is no reason for a pause.")
+                raise ProtocolError("A text contains control characters.")
+    if isinstance(message, Operator) and message.command == "pause" and message.reason not in _PAUSE_REASONS:
+        raise ProtocolError("That is not a valid reason for a pause.")
     return message
 
 
 def _is_plain(character: str) -> bool:
-    """No control character, and nothing that turns the direction of the text around it."""
-    return unicodedata.category(character) not in ("Cc", "Cs", "Zl", "Zp") and character not in _TURNS
+    """Return whether it is neither a control character nor one that changes the direction of text."""
+    return unicodedata.category(character) not in ("Cc", "Cs", "Zl", "Zp") and character not in _BIDI_CONTROLS
 
 
-_TURNS = "".join(map(chr, (*range(0x202A, 0x202F), *range(0x2066, 0x206A))))
+_BIDI_CONTROLS = "".join(map(chr, (*range(0x202A, 0x202F), *range(0x2066, 0x206A))))
 
-_PAUSES = ("", "tired", "pain", "finished")
-"""What an operator can say of a pause: other reasons are the session's own, and it acts on them."""
+_PAUSE_REASONS = ("", "tired", "pain", "finished")
+"""Reasons that an operator may give; the session acts on others, such as a lost sensor, by itself."""
 
 _LENGTH = struct.Struct("<I")
 
 
-def pack_frame(part: BrokerCommand | BrokerEvent) -> bytes:
-    """A frame for a pipe."""
-    body = encode(part)
+def pack_frame(message: BrokerCommand | BrokerEvent) -> bytes:
+    """Encode a message as a frame for a pipe."""
+    body = encode(message)
     return _LENGTH.pack(len(body)) + body
 
 
 def read_frame(pipe: IO[bytes], kind: Any) -> Any:
-    """The next frame of a pipe, or None at its end. Raises WireError for one that is none; OSError."""
-    head = _exactly(pipe, _LENGTH.size)
+    """Return the next message of a pipe, or None at its end. Raises ProtocolError, OSError."""
+    head = _read_exactly(pipe, _LENGTH.size)
     if head is None:
         return None
     (length,) = _LENGTH.unpack(head)
     if length > MAX_FRAME_BYTES:
         raise ProtocolError("A frame is too long.")
-    body = _exactly(pipe, length)
+    body = _read_exactly(pipe, length)
     return None if body is None else decode(body, kind)
 
 
-def _exactly(pipe: IO[bytes], length: int) -> bytes | None:
-    """So many bytes; None if the pipe ends before."""
+def _read_exactly(pipe: IO[bytes], length: int) -> bytes | None:
+    """Return ``length`` bytes, or None if the pipe ends first."""
     parts: list[bytes] = []
     while length:
         if not (part := pipe.read(length)):

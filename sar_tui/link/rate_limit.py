@@ -1,4 +1,4 @@
-"""How fast a peer may be: pure counting of what it sends, and of what was refused of it."""
+"""Rate limits: a token bucket for what peers send, and a throttle for reports of what was refused."""
 
 from collections.abc import Hashable
 from typing import Generic, TypeVar
@@ -9,52 +9,52 @@ K = TypeVar("K", bound=Hashable)
 
 
 class TokenBucket:
-    """A token bucket: ``rate`` things a second, and ``burst`` of them at once after a quiet spell."""
+    """Token bucket: ``rate`` tokens per second, at most ``burst`` at once."""
 
     def __init__(self, rate: float, burst: int) -> None:
         self._rate, self._burst = rate, burst
-        self._left = float(burst)
+        self._tokens = float(burst)
         self._at: int | None = None
 
     def take(self, now: int) -> bool:
-        """Whether one more is within the pace at ``now`` (ns, never going back)."""
+        """Take a token at ``now`` (ns, never decreasing); False if there is none."""
         if self._at is not None:
-            self._left = min(self._burst, self._left + (now - self._at) / SECOND * self._rate)
+            self._tokens = min(self._burst, self._tokens + (now - self._at) / SECOND * self._rate)
         self._at = now
-        if self._left < 1:
+        if self._tokens < 1:
             return False
-        self._left -= 1
+        self._tokens -= 1
         return True
 
 
-class RepeatThrottle(Generic[K]):
-    """Tells of what happens again and again: at once the first time, then once in ``every`` ns, with how often.
+class ReportThrottle(Generic[K]):
+    """Limits reports of a repeated event: the first at once, then one per ``interval`` (ns) with a count.
 
-    It knows no more than ``most`` things at a time: what is beyond them is not told until there is room again.
+    It tracks at most ``max_keys`` events at a time and drops others until there is room.
     """
 
-    def __init__(self, every: int = SECOND, most: int = 100) -> None:
-        self._every, self._most = every, most
-        self._told: dict[K, int] = {}
+    def __init__(self, interval: int = SECOND, max_keys: int = 100) -> None:
+        self._interval, self._max_keys = interval, max_keys
+        self._reported_at: dict[K, int] = {}
         self._counts: dict[K, int] = {}
 
     def add(self, key: K, now: int) -> int:
-        """It happened at ``now``: how often since it was last told, or 0 where it is not time to tell yet."""
-        if key not in self._told and len(self._told) >= self._most:
+        """Count an event; return its count since the last report if a report is due, else 0."""
+        if key not in self._reported_at and len(self._reported_at) >= self._max_keys:
             return 0
         self._counts[key] = self._counts.get(key, 0) + 1
         return self._take(key, now)
 
     def due(self, now: int) -> list[tuple[K, int]]:
-        """What has happened since it was last told, and may be told by now; the rest is forgotten in time."""
+        """Return the events to report now, with their counts, and forget those that stopped."""
         found = [(key, count) for key in list(self._counts) if (count := self._take(key, now))]
-        over = [key for key, told in self._told.items() if key not in self._counts and now - told >= self._every]
+        over = [key for key, at in self._reported_at.items() if key not in self._counts and now - at >= self._interval]
         for key in over:
-            del self._told[key]
+            del self._reported_at[key]
         return found
 
     def _take(self, key: K, now: int) -> int:
-        if key in self._told and now - self._told[key] < self._every:
+        if key in self._reported_at and now - self._reported_at[key] < self._interval:
             return 0
-        self._told[key] = now
+        self._reported_at[key] = now
         return self._counts.pop(key)

@@ -53,10 +53,10 @@ class RemoteClock:
     def update(self, pong: Pong, received_at: int | None = None) -> None:
         """Add a ping's answer, received at ``received_at`` (default: now) on this program's clock (ns)."""
         at = self._own() if received_at is None else received_at
-        if pong.host != self._remote_id:  # the session's machine was restarted
-            self._remote_id = pong.host
+        if pong.clock_id != self._remote_id:  # the session's machine was restarted
+            self._remote_id = pong.clock_id
             self._pings.clear()
-        if at < pong.ping:
+        if at < pong.ping_sent_at:
             return
-        self._pings.append((at - pong.ping, pong.clock - (at + pong.ping) // 2))
-        self._offset = 0 if pong.host == self._own_id else min(self._pings)[1]
+        self._pings.append((at - pong.ping_sent_at, pong.session_time - (at + pong.ping_sent_at) // 2))
+        self._offset = 0 if pong.clock_id == self._own_id else min(self._pings)[1]

@@ -1,4 +1,4 @@
-"""Opens the link of a session: where it was asked to listen, and nowhere else."""
+"""Opens the link of a session on a Unix socket, on the network, or both."""
 
 import contextlib
 import os
@@ -15,39 +15,39 @@ from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.protocol import Setup
 from sar_tui.link.settings import Endpoint, TlsFiles, host_settings, parse_endpoint
 
-_WHY = (
+_EXPLANATIONS = (
     ("Address already in use", "Another program listens there already. Choose another port, such as {host}:7448."),
-    ("Permission denied", "That port is not for everybody. Choose one above 1023."),
+    ("Permission denied", "That port is reserved. Choose one above 1023."),
     ("Cannot assign requested address", "This computer has no such address."),
     ("failed to lookup address", "This computer has no such address."),
 )
-"""What the system says, and what to tell of it."""
+"""The system's errors, and their explanations."""
 
 
 class ListenOptions(NamedTuple):
-    """Where a session listens: for ``operator`` programs of the same user, and at an ``end`` on the network."""
+    """Where a session listens: on a Unix socket for this user's ``operator``, and at a network ``end``."""
 
     operator: bool
     end: Endpoint | None
 
     @classmethod
     def parse(cls, *, operator: bool, listen: str | None) -> "ListenOptions":
-        """As it was asked for. Raises LinkError where ``listen`` is no place."""
+        """Parse the options of the command line. Raises LinkError if ``listen`` is not an address."""
         return cls(operator, None if listen is None else parse_endpoint(listen))
 
 
 @contextlib.contextmanager
 def open_link(data: Path, session: str, task: str, listening: ListenOptions, lost_ms: int) -> Iterator[BrokerProcess]:
-    """The link of a session for as long as the block runs.
+    """Open the link of a session for the duration of the block.
 
     Args:
-        data: the data folder, whose authority vouches for whoever comes over the network.
-        session, task: what it is, for operators on this machine to find it.
-        listening: where. A socket is in a folder of this user's alone; the network takes certificates.
-        lost_ms: an operator who was silent for so long is lost.
+        data: the data folder, whose certificate authority admits guests over the network.
+        session, task: shown to operators on this machine.
+        listening: where to listen. The socket's folder is private to this user; the network requires certificates.
+        lost_ms: silence after which an operator is lost (ms).
 
     Raises:
-        LinkError: it cannot be opened as asked.
+        LinkError: the link cannot be opened as asked.
     """
     need_packages()
     ends: tuple[Endpoint, ...] = (listening.end,) if listening.end else ()
@@ -67,19 +67,19 @@ def open_link(data: Path, session: str, task: str, listening: ListenOptions, los
             )
         settings = host_settings(link, socket=socket, listen=ends, files=files, guests=guests)
         names = tuple(str(guest) for guest in guests) if authority else None
-        host = BrokerProcess(Setup(settings, link, lost_ms * MS, names))
+        broker = BrokerProcess(Setup(settings, link, lost_ms * MS, names))
         try:
-            host.open()
+            broker.open()
         except LinkError as error:
-            raise LinkError(_words(str(error), ends)) from error
-        stack.callback(host.close)
-        yield host
+            raise LinkError(_explain(str(error), ends)) from error
+        stack.callback(broker.close)
+        yield broker
 
 
-def _words(why: str, ends: Sequence[Endpoint]) -> str:
-    """Why it cannot listen, from what Zenoh says."""
+def _explain(error: str, ends: Sequence[Endpoint]) -> str:
+    """Return why the link cannot listen, from Zenoh's error."""
     if ends:
-        for part, words in _WHY:
-            if re.search(part, why, re.IGNORECASE):
-                return f"The session cannot listen on {ends[0]}. {words.format(host=ends[0].host)}"
-    return f"The link cannot be opened. {why}"
+        for part, explanation in _EXPLANATIONS:
+            if re.search(part, error, re.IGNORECASE):
+                return f"The session cannot listen on {ends[0]}. {explanation.format(host=ends[0].host)}"
+    return f"The link cannot be opened. {error}"

@@ -1,7 +1,7 @@
-"""Zenoh's settings: where a session listens, whom it lets in, and what each may send and hear.
+"""Zenoh's settings: where a session listens, whom it admits, and what each peer may send and receive.
 
-A host listens exactly where it is told to and looks for nobody; a peer listens nowhere. Everything that is not allowed
-by name is denied, in both directions: zenoh drops it in the host's network thread, before any of our code sees it.
+A host listens only at the given addresses and searches for nobody; a peer does not listen. Everything that is not
+explicitly allowed is denied, in both directions: Zenoh drops it in the host's network thread, before our code sees it.
 """
 
 import base64
@@ -20,60 +20,61 @@ if TYPE_CHECKING:
     import zenoh
 
 PORT = 7447
-"""Where a session listens unless told otherwise: the port that is registered for zenoh."""
+"""Default port, the one registered for Zenoh."""
 LEASE_MS = 1000
-"""A peer that has not been heard for so long is gone: frozen, or cut off."""
+"""Silence after which Zenoh drops a connection."""
 RETRY_MS = (250, 1000)
-"""A peer that lost its host knocks again after the first, then ever more slowly, down to once in the second."""
-LONGEST_MESSAGE = 4 * 2**20
-"""Bytes; zenoh would put together a message of 1 GiB for whoever sends one."""
-MOST_SESSIONS = 64
+"""Shortest and longest delay before a peer reconnects; it doubles each time."""
+MAX_MESSAGE_BYTES = 4 * 2**20
+"""Zenoh's default is 1 GiB."""
+MAX_SESSIONS = 64
 
-_CHUNK = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
-"""One part of a key: nothing in it is a separator or a wildcard to zenoh."""
+_KEY_PART = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+"""One part of a key, without Zenoh's separator and wildcards."""
 _HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9.-]*[A-Za-z0-9])?")
 
 
 class Guest(NamedTuple):
-    """Somebody outside of the session's own program, as a host knows them."""
+    """Invited operator or observer."""
 
     name: str
     role: Role
 
     def __str__(self) -> str:
-        """As in keys, and as the common name of the certificate: ``operator.anna``."""
+        """Return the name used in keys and as the certificate's common name: ``operator.anna``."""
         return f"{self.role}.{self.name}"
 
 
 class LinkKeys(NamedTuple):
-    """Where each message of a link goes."""
+    """Zenoh key expressions of a link."""
 
     link: str
 
     @property
-    def everything(self) -> str:
+    def all(self) -> str:
+        """All keys of the link."""
         return f"sar-tui/{self.link}/**"
 
     @property
-    def out(self) -> str:
-        """From the session to everybody."""
+    def broadcast(self) -> str:
+        """From the session to all peers."""
         return f"sar-tui/{self.link}/out"
 
     def act(self, peer: str) -> str:
-        """What an operator does. ``*``: any of them."""
+        """From an operator to the session. ``*``: any operator."""
         return f"sar-tui/{self.link}/act/{peer}"
 
-    def hello(self, peer: str) -> str:
-        """Signs of life, and clock pings. ``*``: anybody's."""
+    def ping(self, peer: str) -> str:
+        """Heartbeats and clock pings from a peer to the session. ``*``: any peer."""
         return f"sar-tui/{self.link}/hello/{peer}"
 
-    def back(self, peer: str) -> str:
+    def reply(self, peer: str) -> str:
         """From the session to one peer."""
         return f"sar-tui/{self.link}/back/{peer}"
 
 
 class Endpoint(NamedTuple):
-    """A host's name or address, and its port."""
+    """Host name or address, and port."""
 
     host: str
     port: int
@@ -83,12 +84,12 @@ class Endpoint(NamedTuple):
 
     @property
     def locator(self) -> str:
-        """As zenoh writes it."""
+        """The endpoint as a Zenoh locator."""
         return f"tls/{self}"
 
 
 class TlsFiles(NamedTuple):
-    """Where a host's certificate and key lie, and the certificate of the authority that it trusts."""
+    """Paths of a host's certificate and key, and of the certificate of the authority that it trusts."""
 
     authority: Path
     certificate: Path
@@ -96,7 +97,7 @@ class TlsFiles(NamedTuple):
 
 
 class Credentials(msgspec.Struct, frozen=True):
-    """A peer's own certificate and key, and the certificate of the authority that it trusts; all PEM."""
+    """Certificate and key of a peer, and the certificate of the authority that it trusts; all PEM."""
 
     authority: str
     certificate: str
@@ -107,7 +108,7 @@ class Credentials(msgspec.Struct, frozen=True):
 
 
 def parse_endpoint(text: str) -> Endpoint:
-    """Read ``HOST``, ``HOST:PORT``, an address, or ``[IPv6]:PORT``, with or without ``tls/`` before it.
+    """Parse ``HOST``, ``HOST:PORT``, an address, or ``[IPv6]:PORT``, with or without a leading ``tls/``.
 
     Raises LinkError.
     """
@@ -116,7 +117,7 @@ def parse_endpoint(text: str) -> Endpoint:
     if plain.startswith("["):
         host, closed, rest = plain[1:].partition("]")
         if not closed or (rest and not rest.startswith(":")):
-            raise LinkError(f"{text} is not a place on the network. {example}")
+            raise LinkError(f"{text} is not a network address. {example}")
         port = rest[1:] if rest else str(PORT)
     elif plain.count(":") > 1:
         host, port = plain, str(PORT)
@@ -124,9 +125,9 @@ def parse_endpoint(text: str) -> Endpoint:
         host, colon, port = plain.partition(":")
         port = port if colon else str(PORT)
     if not (port.isascii() and port.isdigit() and 1 <= int(port) <= 65535):
-        raise LinkError(f"{text} has no port that there could be: it is a number from 1 to 65535. {example}")
+        raise LinkError(f"{text} has no valid port, which is a number from 1 to 65535. {example}")
     if not (_is_address(host) or (_HOST.fullmatch(host) and len(host) <= 253)):
-        raise LinkError(f"{text} is not a place on the network. {example}")
+        raise LinkError(f"{text} is not a network address. {example}")
     return Endpoint(host, int(port))
 
 
@@ -146,28 +147,26 @@ def host_settings(
     files: TlsFiles | None = None,
     guests: Iterable[Guest] = (),
 ) -> str:
-    """A session's side, as JSON: it listens on a Unix socket, on the network, on both, or (nothing given) nowhere.
+    """Return a session's settings as JSON: it listens on a Unix socket, on the network, on both, or nowhere.
 
-    A router, as zenoh calls it: peers talk to it and to nobody else. To be a peer itself would bring zenoh's machinery
-    for peers that find each other, and nothing here.
-
-    The JSON holds paths and no key, so that no message of zenoh's can tell one.
+    The session is a router in Zenoh's terms, so that peers talk to it alone. The JSON contains paths but no private
+    key, so that no message of Zenoh's can reveal one.
 
     Args:
-        files: needed to listen on the network; a peer without a certificate of that authority is not let in.
-        guests: who may say and hear anything on the network. On the Unix socket, whose folder only this user can
-            enter, all of the link is open.
+        files: needed to listen on the network; a peer without a certificate of that authority is rejected.
+        guests: those admitted over the network. On the Unix socket, in a folder that only this user can enter,
+            everything is allowed.
     """
     locators = [end.locator for end in listen]
     if socket is not None:
         locators.append(f"unixsock-stream/{socket}")
     settings = _common("router")
     settings["listen"] = {"endpoints": locators, "exit_on_failure": True}
-    settings["transport"]["unicast"] = {"max_sessions": MOST_SESSIONS}
-    settings["access_control"] = _access(LinkKeys(_chunk(link)), list(guests))
+    settings["transport"]["unicast"] = {"max_sessions": MAX_SESSIONS}
+    settings["access_control"] = _access(LinkKeys(_key_part(link)), list(guests))
     if listen:
         if files is None:
-            raise ValueError("to listen on the network takes certificates")
+            raise ValueError("listening on the network needs certificates")
         settings["transport"]["link"]["tls"] = {
             "enable_mtls": True,
             "root_ca_certificate": str(files.authority),
@@ -179,15 +178,15 @@ def host_settings(
 
 
 def socket_settings(socket: Path) -> str:
-    """A peer's side on the same machine, as JSON."""
+    """Return the settings of a peer on the same machine, as JSON."""
     return _client(f"unixsock-stream/{socket}", {})
 
 
 def network_settings(where: Endpoint, credentials: Credentials) -> str:
-    """A peer's side on another machine, as JSON. It holds the peer's key: keep it in memory, and out of logs.
+    """Return the settings of a peer on another machine, as JSON. They contain its private key: keep them out of logs.
 
-    The host's certificate has to be of our authority, made for a host (the authority makes no second kind that could
-    pass for one), and has to name the host that was asked for: whoever has a peer's certificate cannot play the host.
+    The host's certificate must be issued by our authority for a host and name the host that was asked for, so that no
+    other peer can pose as the host.
     """
     return _client(
         where.locator,
@@ -203,7 +202,7 @@ def network_settings(where: Endpoint, credentials: Credentials) -> str:
 
 
 def config(settings: str) -> "zenoh.Config":
-    """The settings, as zenoh takes them. Raises LinkError: zenoh is not installed."""
+    """Return the settings as a Zenoh configuration. Raises LinkError if Zenoh is not installed."""
     try:
         import zenoh
     except ImportError:
@@ -212,7 +211,7 @@ def config(settings: str) -> "zenoh.Config":
 
 
 def _client(locator: str, tls: dict[str, Any]) -> str:
-    """The first attempt is made once and fails at once, to be told; a link that was there once is sought for ever."""
+    """Return settings that fail at once if the first attempt does, but reconnect for ever after that."""
     settings = _common("client")
     first, longest = RETRY_MS
     settings["connect"] = {
@@ -240,25 +239,24 @@ def _common(mode: str) -> dict[str, Any]:
             "link": {
                 "protocols": ["tls", "unixsock-stream"],
                 "tx": {"lease": LEASE_MS, "keep_alive": 4},
-                "rx": {"max_message_size": LONGEST_MESSAGE},
+                "rx": {"max_message_size": MAX_MESSAGE_BYTES},
             },
             "shared_memory": {"enabled": False},
         },
     }
 
 
-_SEND = ["put"]
-_HEAR = ["declare_subscriber"]
-_BE_THERE = ["liveliness_token"]
+_PUBLISH = ["put"]
+_SUBSCRIBE = ["declare_subscriber"]
+_ANNOUNCE = ["liveliness_token"]
 _WATCH = ["declare_liveliness_subscriber", "liveliness_query"]
 _IN, _OUT = ["ingress"], ["egress"]
 
 
 def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
-    """Who may do what. What stands in no rule is denied: delete, queries and replies for all, acts for an observer.
+    """Return Zenoh's access control. Whatever no rule allows is denied: delete, queries, replies, observers' acts.
 
-    A rule allows what lies within its keys as a whole: to send to, or listen on, a wildcard that reaches any further is
-    denied.
+    A key expression must lie completely within a rule's keys: a wildcard that reaches further is denied.
     """
     rules: list[dict[str, Any]] = []
     subjects: list[dict[str, Any]] = []
@@ -275,26 +273,26 @@ def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
     both = _IN + _OUT
     policy(
         {"id": "same user", "link_protocols": ["unixsock-stream"]},
-        [allow("same user", _SEND + _HEAR + _BE_THERE + _WATCH, both, [keys.everything])],
+        [allow("same user", _PUBLISH + _SUBSCRIBE + _ANNOUNCE + _WATCH, both, [keys.all])],
     )
-    told = [
-        allow("what the session hears is no secret", _HEAR + _WATCH, _OUT, [keys.act("*"), keys.hello("*")]),
-        allow("the session is there", _WATCH, _IN, [keys.out]),
-        allow("the session says so", _BE_THERE, _OUT, [keys.out]),
+    shared = [
+        allow("the session subscribes", _SUBSCRIBE + _WATCH, _OUT, [keys.act("*"), keys.ping("*")]),
+        allow("guests watch the session", _WATCH, _IN, [keys.broadcast]),
+        allow("the session announces itself", _ANNOUNCE, _OUT, [keys.broadcast]),
     ]
     for guest in guests:
-        _chunk(guest.name)
-        name = _chunk(str(guest))
-        sends = [keys.hello(name), *([keys.act(name)] if guest.role == "operator" else [])]
-        hears = [keys.out, keys.back(name)]
+        _key_part(guest.name)
+        name = _key_part(str(guest))
+        sends = [keys.ping(name), *([keys.act(name)] if guest.role == "operator" else [])]
+        receives = [keys.broadcast, keys.reply(name)]
         policy(
             {"id": name, "cert_common_names": [name], "link_protocols": ["tls"]},
             [
-                *told,
-                allow(f"{name} sends", _SEND, _IN, sends),
-                allow(f"{name} asks to hear", _HEAR, _IN, hears),
-                allow(f"{name} hears", _SEND, _OUT, hears),
-                allow(f"{name} is there", _BE_THERE, _IN, [keys.hello(name)]),
+                *shared,
+                allow(f"{name} sends", _PUBLISH, _IN, sends),
+                allow(f"{name} subscribes", _SUBSCRIBE, _IN, receives),
+                allow(f"{name} receives", _PUBLISH, _OUT, receives),
+                allow(f"{name} announces itself", _ANNOUNCE, _IN, [keys.ping(name)]),
             ],
         )
     return {
@@ -306,9 +304,9 @@ def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
     }
 
 
-def _chunk(text: str) -> str:
-    if not _CHUNK.fullmatch(text):
-        raise ValueError(f"{text!r} cannot be a part of a key")
+def _key_part(text: str) -> str:
+    if not _KEY_PART.fullmatch(text):
+        raise ValueError(f"{text!r} cannot be part of a key")
     return text
 
 

@@ -1,4 +1,4 @@
-"""A panel's connection itself: Zenoh, on threads of its own. It knows bytes and keys, and not what they mean."""
+"""A panel's Zenoh connection, on threads of its own. It carries encoded messages."""
 
 import contextlib
 import itertools
@@ -21,32 +21,32 @@ if TYPE_CHECKING:
     import zenoh
 
 _RETRY_S = 0.5
-_MOST_WAITING = 200
-_CLOSES_S = 1.0
-_ANSWERED_S = 0.5
+_MAX_QUEUED = 200
+_CLOSE_TIMEOUT_S = 1.0
+_GOODBYE_TIMEOUT_S = 0.5
 
-_TELLS_S = 15.0
-"""How often it is looked into why there is no connection, which takes another process."""
+_PROBE_INTERVAL_S = 15.0
+"""Time between two probes of why there is no connection; each takes another process."""
 _NO_SESSION = "The session does not answer: it may be over."
-_LETS_IN_S = 1.5
-"""Who has come in, and sees nothing of the session by then, is not let in: it tells strangers nothing of itself."""
+_ADMISSION_TIMEOUT_S = 1.5
+"""A peer that is connected but sees nothing of the session for so long was not admitted."""
 
 Received = SessionMessage | Connection
 
 
 class ConnectionTarget(NamedTuple):
-    """How a session can be reached: the id of its link, and Zenoh's settings for each place where it may be.
+    """A session to connect to: its link's id, and Zenoh settings for each address to try.
 
-    ``socket``: on this machine.
+    ``socket``: if it is on this machine.
     """
 
     link: str
-    places: tuple[str, ...]
+    settings: tuple[str, ...]
     socket: Path | None = None
 
 
 def connection_target(where: JoinableSession | Invitation) -> ConnectionTarget:
-    """The ways to a session. Raises LinkError: what the link needs is not installed."""
+    """Return how to connect to a session. Raises LinkError if the link's packages are not installed."""
     need_packages()
     if isinstance(where, JoinableSession):
         return ConnectionTarget(where.link, (socket_settings(where.socket),), where.socket)
@@ -54,65 +54,65 @@ def connection_target(where: JoinableSession | Invitation) -> ConnectionTarget:
 
 
 class Transport:
-    """Opens the connection, again and again until it can be; Zenoh keeps it then, and seeks it when it breaks.
+    """Opens the connection, retrying until it succeeds; from then on Zenoh reconnects by itself.
 
     Args:
-        ways: to the session.
-        name: of the peer, as in keys.
-        arrived: is given what comes, on any thread.
+        target: the session.
+        name: the peer's name, as in keys.
+        on_receive: called on any thread with what is received.
     """
 
-    def __init__(self, ways: ConnectionTarget, name: str, arrived: Callable[[Received], object]) -> None:
-        self._ways, self._arrived = ways, arrived
-        self._keys = LinkKeys(ways.link)
+    def __init__(self, target: ConnectionTarget, name: str, on_receive: Callable[[Received], object]) -> None:
+        self._target, self._on_receive = target, on_receive
+        self._keys = LinkKeys(target.link)
         self._name = name
-        self._outbox: queue.Queue[tuple[str, bytes] | None] = queue.Queue(_MOST_WAITING)
+        self._outbox: queue.Queue[tuple[str, bytes] | None] = queue.Queue(_MAX_QUEUED)
         self._closed = threading.Event()
-        self._answered = threading.Event()
-        self._is_let_in = False
+        self._acknowledged = threading.Event()
+        self._is_admitted = False
         self._thread = threading.Thread(target=self._run, name="link", daemon=True)
 
     def open(self) -> None:
-        """Begin."""
+        """Start to connect."""
         self._thread.start()
 
-    def send_hello(self, payload: bytes) -> None:
-        """Send a sign of life; it is left out where too much waits already."""
-        self._put(self._keys.hello(self._name), payload)
+    def send_ping(self, payload: bytes) -> None:
+        """Send a heartbeat; it is dropped if the queue is full."""
+        self._put(self._keys.ping(self._name), payload)
 
     def send_act(self, payload: bytes) -> None:
-        """Send an act."""
+        """Send an act; it is dropped if the queue is full."""
         self._put(self._keys.act(self._name), payload)
 
     def close(self, *, awaits_answer: bool) -> None:
-        """Send what waits, and let go; not for longer than a moment.
+        """Send what is queued and close the connection, within about a second.
 
-        ``awaits_answer``: only once ``let_go`` is called, or what was sent last may be overtaken by the end.
+        ``awaits_answer``: wait for ``acknowledge``; otherwise closing may overtake the last message.
         """
         if not awaits_answer:
-            self.let_go()
+            self.acknowledge()
         self._closed.set()
-        self._outbox_put(None)
+        self._enqueue(None)
         if self._thread.ident:
-            self._thread.join(_CLOSES_S)
+            self._thread.join(_CLOSE_TIMEOUT_S)
 
-    def let_go(self) -> None:
-        """What was sent last has come to the session; on any thread."""
-        self._answered.set()
+    def acknowledge(self) -> None:
+        """Let ``close`` finish: the session has received the last message. Thread-safe."""
+        self._acknowledged.set()
 
     def _put(self, key: str, payload: bytes) -> None:
         if not self._closed.is_set() or self._thread.is_alive():
-            self._outbox_put((key, payload))
+            self._enqueue((key, payload))
 
-    def _outbox_put(self, what: "tuple[str, bytes] | None") -> None:
+    def _enqueue(self, message: "tuple[str, bytes] | None") -> None:
         with contextlib.suppress(queue.Full):
-            self._outbox.put_nowait(what)
+            self._outbox.put_nowait(message)
 
-    # --- on the line's thread -------------------------------------------------------------------------------------
+    # --- on the transport's thread --------------------------------------------------------------------------------
 
     def _run(self) -> None:
-        told_at = time.monotonic() - _TELLS_S + _RETRY_S / 2  # a session that is just beginning is there next time
-        for settings in itertools.cycle(self._ways.places):
+        probed_at = time.monotonic() - _PROBE_INTERVAL_S + _RETRY_S / 2  # not at once: the session may be starting
+        for settings in itertools.cycle(self._target.settings):
             if self._closed.is_set():
                 return
             if session := self._try(settings):
@@ -121,13 +121,13 @@ class Transport:
                 finally:
                     session.close()  # type: ignore[no-untyped-call]
                 return
-            if time.monotonic() - told_at > _TELLS_S:
-                self._arrived(Connection("connecting", self._why_not(settings)))
-                told_at = time.monotonic()
+            if time.monotonic() - probed_at > _PROBE_INTERVAL_S:
+                self._on_receive(Connection("connecting", self._failure_reason(settings)))
+                probed_at = time.monotonic()
             self._closed.wait(_RETRY_S)
 
     def _try(self, settings: str) -> "zenoh.Session | None":
-        """Open Zenoh; None where that cannot be."""
+        """Open Zenoh, or return None."""
         import zenoh
 
         try:
@@ -135,47 +135,47 @@ class Transport:
         except zenoh.ZError:
             return None
 
-    def _why_not(self, settings: str) -> str:
-        """Why there is no connection: Zenoh tells only its log, which can be read only in another process."""
-        if self._ways.socket:
+    def _failure_reason(self, settings: str) -> str:
+        """Return why there is no connection, if known."""
+        if self._target.socket:
             return _NO_SESSION
         from sar_tui.link.probe import probe
 
         try:
-            probe(settings, self._ways.link)
+            probe(settings, self._target.link)
         except LinkError as error:
             return str(error)
         return ""
 
     def _serve(self, session: "zenoh.Session") -> None:
-        """Send what there is to send; signs of life come by all the time, so that this never sleeps for long."""
+        """Send what is queued until closed. Heartbeats keep the queue moving, so this never blocks for long."""
         import zenoh
 
-        from sar_tui.link.probe import NOT_LET_IN
+        from sar_tui.link.probe import NOT_ADMITTED
 
         keys, name = self._keys, self._name
-        held: list[Any] = [
+        declared: list[Any] = [
             session.declare_subscriber(key, zenoh.handlers.Callback(self._received, indirect=False))
-            for key in (keys.out, keys.back(name))
+            for key in (keys.broadcast, keys.reply(name))
         ]
-        held.append(session.liveliness().declare_token(keys.hello(name)))
-        watch = zenoh.handlers.Callback(self._seen, indirect=False)
-        held.append(session.liveliness().declare_subscriber(keys.out, watch, history=True))
-        told_by = time.monotonic() + _LETS_IN_S
-        while (parcel := self._outbox.get()) is not None:
-            if not self._is_let_in and time.monotonic() > told_by:
-                self._arrived(Connection("connecting", _NO_SESSION if self._ways.socket else NOT_LET_IN))
-                told_by += _TELLS_S
+        declared.append(session.liveliness().declare_token(keys.ping(name)))
+        handler = zenoh.handlers.Callback(self._liveliness_changed, indirect=False)
+        declared.append(session.liveliness().declare_subscriber(keys.broadcast, handler, history=True))
+        report_at = time.monotonic() + _ADMISSION_TIMEOUT_S
+        while (message := self._outbox.get()) is not None:
+            if not self._is_admitted and time.monotonic() > report_at:
+                self._on_receive(Connection("connecting", _NO_SESSION if self._target.socket else NOT_ADMITTED))
+                report_at += _PROBE_INTERVAL_S
             with contextlib.suppress(zenoh.ZError):
-                session.put(*parcel, congestion_control=zenoh.CongestionControl.BLOCK, express=True)
-        self._answered.wait(_ANSWERED_S)  # before what is held is let go of, which tells the session so
+                session.put(*message, congestion_control=zenoh.CongestionControl.BLOCK, express=True)
+        self._acknowledged.wait(_GOODBYE_TIMEOUT_S)  # before the token is dropped, which looks like a lost connection
 
     def _received(self, sample: "zenoh.Sample") -> None:
-        with contextlib.suppress(ProtocolError):  # of a newer version, or damaged: the numbers tell what is missing
-            self._arrived(protocol.decode(sample.payload.to_bytes(), SessionMessage))
+        with contextlib.suppress(ProtocolError):  # of a newer version, or damaged: batch numbers show what is missing
+            self._on_receive(protocol.decode(sample.payload.to_bytes(), SessionMessage))
 
-    def _seen(self, sample: "zenoh.Sample") -> None:
-        """The session's side of the link is there, or gone."""
+    def _liveliness_changed(self, sample: "zenoh.Sample") -> None:
+        """Handle that the session's end of the link appeared or disappeared."""
         state: Literal["connected", "lost"] = "lost" if "DELETE" in str(sample.kind) else "connected"
-        self._is_let_in = self._is_let_in or state == "connected"
-        self._arrived(Connection(state, "" if state == "connected" else "The connection broke."))
+        self._is_admitted = self._is_admitted or state == "connected"
+        self._on_receive(Connection(state, "" if state == "connected" else "The connection broke."))

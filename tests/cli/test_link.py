@@ -52,8 +52,8 @@ def test_an_invitation_is_told_as_json_without_its_key(call: Call, here: Path) -
     [
         ({"role": "king"}, "There is: operator, observer"),
         ({"name": "anna b"}, "cannot be a guest's name"),
-        ({"host": "lab pc"}, "not a place on the network"),
-        ({"host": "lab-pc:0"}, "no port"),
+        ({"host": "lab pc"}, "not a network address"),
+        ({"host": "lab-pc:0"}, "no valid port"),
     ],
 )
 def test_who_cannot_be_invited_is_told_and_nothing_is_made(
@@ -70,7 +70,7 @@ def test_an_invitation_for_too_many_days_is_refused(call: Call) -> None:
     assert (called.code, "1 to 366 days" in called.err) == (2, True)
 
 
-def test_a_file_that_is_there_is_left_and_the_name_stays_free(call: Call, here: Path) -> None:
+def test_a_file_that_exists_is_left_and_the_name_stays_free(call: Call, here: Path) -> None:
     (here / "operator-anna.sar-link").write_text("mine")
     assert invited(call).code == 2
     assert (here / "operator-anna.sar-link").read_text() == "mine"
@@ -106,7 +106,7 @@ def test_an_invitation_is_taken_back(call: Call, tmp_path: Path) -> None:
     assert "no longer" in called.out
     assert Authority.open(tmp_path / "data").guests() == ()
     again = call("link", "revoke", "anna")
-    assert (again.code, "no invitation for anna" in again.err) == (2, True)
+    assert (again.code, "no valid invitation for anna" in again.err) == (2, True)
 
 
 def test_who_was_never_invited_cannot_be_revoked(call: Call) -> None:
@@ -123,7 +123,10 @@ def test_an_invitation_is_checked_against_the_session_that_it_leads_to(call: Cal
     authority = Authority.open(here / "data")
     files = authority.host_files([where])
     settings = host_settings(authority.link, listen=[where], files=files, guests=authority.guests())
-    with zenoh.open(config(settings)) as session, session.liveliness().declare_token(LinkKeys(authority.link).out):
+    with (
+        zenoh.open(config(settings)) as session,
+        session.liveliness().declare_token(LinkKeys(authority.link).broadcast),
+    ):
         assert "✓" in call("link", "check", "operator-anna.sar-link").out
         checked = call("link", "check", "operator-anna.sar-link", "--json")
     assert checked.code == 0

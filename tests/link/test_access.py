@@ -12,7 +12,7 @@ from sar_tui.link.authority import Authority
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.peer import Connection
-from sar_tui.link.probe import NOT_LET_IN, probe
+from sar_tui.link.probe import NOT_ADMITTED, probe
 from sar_tui.link.settings import (
     Credentials,
     Endpoint,
@@ -53,8 +53,8 @@ def settings_of(invited: Invitation, **changes: object) -> str:
 
 def last_word(host: FakeBroker, at: House, guest: zenoh.Session, name: str) -> list[str]:
     """What the host heard until the guest's greeting: all that it sent before came, or never will."""
-    guest.put(at.keys.hello(name), b"the last word")
-    assert eventually(lambda: (at.keys.hello(name), b"the last word") in host.heard)
+    guest.put(at.keys.ping(name), b"the last word")
+    assert eventually(lambda: (at.keys.ping(name), b"the last word") in host.heard)
     return [key for key, payload in host.heard if payload != b"the last word"]
 
 
@@ -64,21 +64,21 @@ def last_word(host: FakeBroker, at: House, guest: zenoh.Session, name: str) -> l
 def test_an_operator_with_the_right_certificate_acts_and_hears(at: House, host: FakeBroker) -> None:
     heard: list[bytes] = []
     with visiting(at.anna) as [anna]:
-        anna.declare_subscriber(at.keys.out, lambda s: heard.append(bytes(s.payload)))
-        anna.declare_subscriber(at.keys.back("operator.anna"), lambda s: heard.append(bytes(s.payload)))
+        anna.declare_subscriber(at.keys.broadcast, lambda s: heard.append(bytes(s.payload)))
+        anna.declare_subscriber(at.keys.reply("operator.anna"), lambda s: heard.append(bytes(s.payload)))
         anna.put(at.keys.act("operator.anna"), b"veto")
         assert eventually(lambda: (at.keys.act("operator.anna"), b"veto") in host.heard)
 
         def both_came() -> bool:
-            host.session.put(at.keys.out, b"to all")
-            host.session.put(at.keys.back("operator.anna"), b"to anna")
+            host.session.put(at.keys.broadcast, b"to all")
+            host.session.put(at.keys.reply("operator.anna"), b"to anna")
             return {b"to all", b"to anna"} <= set(heard)
 
         assert eventually(both_came)
 
 
 def test_an_operator_is_seen_to_come_and_to_go(at: House, host: FakeBroker) -> None:
-    key = at.keys.hello("operator.anna")
+    key = at.keys.ping("operator.anna")
     with visiting(at.anna) as [anna]:
         token = anna.liveliness().declare_token(key)
         assert eventually(lambda: host.there == [key])
@@ -110,16 +110,16 @@ def test_with_an_expired_certificate_nobody_gets_in(at: House, host: FakeBroker)
 def test_a_panel_that_is_not_let_in_is_told_so_soon(
     at: House, host: FakeBroker, is_new: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(transport, "_LETS_IN_S", 0.2)
+    monkeypatch.setattr(transport, "_ADMISSION_TIMEOUT_S", 0.2)
     invitation = at.authority.invite(Guest("newcomer", "operator"), [at.where], 30) if is_new else at.gone
     arrived: list[object] = []
     panel = transport.Transport(transport.connection_target(invitation), str(invitation.guest), arrived.append)
     panel.open()
     try:
-        assert eventually(lambda: panel.send_hello(b"hello") or arrived)
+        assert eventually(lambda: panel.send_ping(b"hello") or arrived)
     finally:
         panel.close(awaits_answer=False)
-    assert arrived == [Connection("connecting", NOT_LET_IN)]
+    assert arrived == [Connection("connecting", NOT_ADMITTED)]
     assert host.heard == []
 
 
@@ -159,7 +159,7 @@ def test_an_observer_cannot_act_whatever_it_sends(at: House, host: FakeBroker, m
     keys = at.keys
     targets = [
         *(keys.act(name) for name in ("observer.eve", "operator.anna", "*", "**")),
-        *(keys.hello("operator.anna"), keys.back("operator.anna"), keys.out, keys.everything, "**", "other/thing"),
+        *(keys.ping("operator.anna"), keys.reply("operator.anna"), keys.broadcast, keys.all, "**", "other/thing"),
     ]
     connect = {"endpoints": [at.where.locator], "timeout_ms": 2000, "exit_on_failure": True}
     with zenoh.open(config(settings_of(at.eve, mode=mode, connect=connect))) as eve:
@@ -172,51 +172,51 @@ def test_an_observer_cannot_act_whatever_it_sends(at: House, host: FakeBroker, m
         publisher = eve.declare_publisher(keys.act("operator.anna"))
         publisher.put(b"by a publisher")
         publisher.delete()
-        token = eve.liveliness().declare_token(keys.hello("operator.anna"))
+        token = eve.liveliness().declare_token(keys.ping("operator.anna"))
         eve.declare_queryable("**", lambda query: query.reply(query.key_expr, b"evil"))
-        assert not [reply for reply in host.session.get(keys.out, timeout=0.02) if reply.ok]
+        assert not [reply for reply in host.session.get(keys.broadcast, timeout=0.02) if reply.ok]
         assert last_word(host, at, eve, "observer.eve") == []
         token.undeclare()
     assert host.there == []
-    assert [asked for asked in host.asked if asked != keys.out] == []
+    assert [asked for asked in host.asked if asked != keys.broadcast] == []
 
 
 def test_an_operator_cannot_act_under_anothers_name(at: House, host: FakeBroker) -> None:
     with visiting(at.anna) as [anna]:
         anna.put(at.keys.act("operator.ben"), b"not mine")
         anna.put(at.keys.act("*"), b"everybody's")
-        anna.put(at.keys.hello("operator.ben"), b"I am Ben")
+        anna.put(at.keys.ping("operator.ben"), b"I am Ben")
         assert last_word(host, at, anna, "operator.anna") == []
 
 
 def test_what_is_for_one_guest_or_from_one_is_heard_by_no_other(at: House, host: FakeBroker) -> None:
     heard: list[str] = []
     with visiting(at.anna, at.eve) as [anna, eve]:
-        for key in ("**", at.keys.everything, at.keys.act("*"), at.keys.back("operator.anna"), at.keys.hello("*")):
+        for key in ("**", at.keys.all, at.keys.act("*"), at.keys.reply("operator.anna"), at.keys.ping("*")):
             eve.declare_subscriber(key, lambda s: heard.append(str(s.key_expr)))
-        eve.declare_subscriber(at.keys.out, lambda s: heard.append(str(s.key_expr)))
+        eve.declare_subscriber(at.keys.broadcast, lambda s: heard.append(str(s.key_expr)))
         anna.put(at.keys.act("operator.anna"), b"veto")
-        host.session.put(at.keys.back("operator.anna"), b"to anna")
+        host.session.put(at.keys.reply("operator.anna"), b"to anna")
 
         def reached() -> bool:
-            host.session.put(at.keys.out, b"to all")
-            return at.keys.out in heard
+            host.session.put(at.keys.broadcast, b"to all")
+            return at.keys.broadcast in heard
 
         assert eventually(reached)
-    assert set(heard) == {at.keys.out}
+    assert set(heard) == {at.keys.broadcast}
 
 
 def test_who_was_revoked_neither_acts_nor_hears(at: House, host: FakeBroker) -> None:
     heard: list[str] = []
     told: list[str] = []
     with visiting(at.gone, at.anna) as [gone, anna]:
-        gone.declare_subscriber(at.keys.out, lambda s: heard.append(str(s.key_expr)))
-        anna.declare_subscriber(at.keys.out, lambda s: told.append(str(s.key_expr)))
+        gone.declare_subscriber(at.keys.broadcast, lambda s: heard.append(str(s.key_expr)))
+        anna.declare_subscriber(at.keys.broadcast, lambda s: told.append(str(s.key_expr)))
         gone.put(at.keys.act("operator.gone"), b"still here")
-        gone.put(at.keys.hello("operator.gone"), b"still here")
+        gone.put(at.keys.ping("operator.gone"), b"still here")
 
         def reached() -> bool:
-            host.session.put(at.keys.out, b"to all")
+            host.session.put(at.keys.broadcast, b"to all")
             return bool(told)
 
         assert eventually(reached)
@@ -235,8 +235,8 @@ def test_where_nobody_is_invited_nobody_can_do_anything(at: House, tmp_path: Pat
     ):
         session.declare_subscriber("**", lambda s: heard.append(str(s.key_expr)))
         anna.put(at.keys.act("operator.anna"), b"veto")
-        anna.put(at.keys.hello("operator.anna"), b"hello")
-        assert not list(anna.liveliness().get(at.keys.out, timeout=0.2))
+        anna.put(at.keys.ping("operator.anna"), b"hello")
+        assert not list(anna.liveliness().get(at.keys.broadcast, timeout=0.2))
     assert heard == []
 
 
@@ -258,7 +258,7 @@ def test_on_the_same_machine_the_link_is_open_and_nothing_else(tmp_path: Path) -
 @pytest.fixture
 def present(at: House, host: FakeBroker) -> Iterator[None]:
     """The host says that its session is there."""
-    token = host.session.liveliness().declare_token(at.keys.out)
+    token = host.session.liveliness().declare_token(at.keys.broadcast)
     yield
     token.undeclare()
 

@@ -31,15 +31,15 @@ class Bench:
     def __init__(self) -> None:
         self.told: list[BrokerEvent] = []
         self.answers: list[tuple[str, SessionMessage]] = []
-        self.driver = Admission(
+        self.admission = Admission(
             2 * SECOND, self.told.append, lambda name, answer: self.answers.append((name, answer)), "here"
         )
 
     def hello(self, name: str, now: int, who: str = "1", *, wants: bool = False, leaves: bool = False) -> None:
-        self.driver.hello(name, protocol.encode(Ping(who, 77, wants, leaves)), now)
+        self.admission.receive_ping(name, protocol.encode(Ping(who, 77, wants, leaves)), now)
 
     def act(self, name: str, now: int, message: Message = NOTE, topic: str = NOTE_ADDED.name, who: str = "1") -> None:
-        self.driver.act(
+        self.admission.receive_act(
             name, protocol.encode(protocol.ActRequest(who, topic, msgspec.Raw(protocol.encode(message)))), now
         )
 
@@ -54,7 +54,7 @@ def bench() -> Bench:
 
 
 def test_a_peer_that_says_hello_has_come_and_is_answered_with_the_clock(bench: Bench) -> None:
-    bench.driver.number = 5
+    bench.admission.number = 5
     bench.hello(ANNA, 3 * SECOND, wants=True)
     assert bench.take() == [PeerJoined(ANNA), SnapshotRequested(ANNA)]
     assert bench.answers == [(ANNA, Pong(77, 3 * SECOND, "here", 5, "1"))]
@@ -70,14 +70,14 @@ def test_a_peer_that_leaves_has_left_and_one_that_is_silent_is_lost(bench: Bench
     bench.hello(ANNA, 0)
     bench.hello(OLAF, 0)
     bench.hello(OLAF, 0, leaves=True)
-    bench.driver.tick(2 * SECOND + 1)
-    assert bench.take()[2:] == [PeerLeft(OLAF, "left"), PeerLeft(ANNA, "lost", "Nothing was heard for 2000 ms.")]
+    bench.admission.tick(2 * SECOND + 1)
+    assert bench.take()[2:] == [PeerLeft(OLAF, "left"), PeerLeft(ANNA, "lost", "No heartbeat for 2000 ms.")]
 
 
 def test_a_peer_whose_connection_breaks_is_lost_at_once(bench: Bench) -> None:
     bench.hello(ANNA, 0)
-    bench.driver.gone(ANNA)
-    bench.driver.gone(ANNA)
+    bench.admission.disconnect(ANNA)
+    bench.admission.disconnect(ANNA)
     assert bench.take()[1:] == [PeerLeft(ANNA, "lost", "The connection broke.")]
 
 
@@ -97,7 +97,7 @@ def test_a_second_program_of_a_name_is_told_so_and_cannot_act(bench: Bench) -> N
     bench.hello(ANNA, 1, who="2", wants=True)
     bench.act(ANNA, 2, who="2")
     assert isinstance(pong := bench.answers[-1][1], Pong)
-    assert (pong.who, "has this name" in pong.refusal) == ("2", True)
+    assert (pong.client_id, "name is in use" in pong.refusal) == ("2", True)
     assert [type(news) for news in bench.take()] == [PeerJoined, RequestRefused]
 
 
@@ -118,11 +118,11 @@ def test_who_has_no_name_is_refused(bench: Bench, name: str) -> None:
 
 
 def test_what_does_not_decode_is_refused(bench: Bench) -> None:
-    bench.driver.act(ANNA, b"\xc1nonsense", 0)
-    bench.driver.hello(ANNA, b"", 0)
+    bench.admission.receive_act(ANNA, b"\xc1nonsense", 0)
+    bench.admission.receive_ping(ANNA, b"", 0)
     assert bench.take() == [
         RequestRefused(ANNA, "an act", "It cannot be read.", 1),
-        RequestRefused(ANNA, "a sign of life", "It cannot be read.", 1),
+        RequestRefused(ANNA, "a heartbeat", "It cannot be read.", 1),
     ]
 
 
@@ -136,7 +136,7 @@ def test_of_ten_thousand_acts_in_a_second_a_few_are_handed_on_and_the_rest_are_c
     bench.take()
     for number in range(10_000):
         bench.act(ANNA, number * SECOND // 10_000)
-    bench.driver.tick(2 * SECOND)
+    bench.admission.tick(2 * SECOND)
     told = bench.take()
     handed_on = [news for news in told if isinstance(news, ActReceived)]
     refused = [news for news in told if isinstance(news, RequestRefused)]

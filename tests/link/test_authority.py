@@ -99,7 +99,7 @@ def test_what_could_not_be_handed_out_leaves_its_name_free(authority: Authority)
 
 def test_nobody_can_be_revoked_who_is_not_invited(authority: Authority) -> None:
     authority.invite(ANNA, [HERE], 30)
-    with pytest.raises(LinkError, match="There is: anna"):
+    with pytest.raises(LinkError, match="Valid invitations: anna"):
         authority.revoke("ben")
 
 

@@ -33,15 +33,15 @@ class Transport:
 
     def __init__(self, ways: object, name: str, arrived: Callable[[Received], object]) -> None:
         self.name, self.arrived = name, arrived
-        self.hellos: list[Ping] = []
+        self.pings: list[Ping] = []
         self.acts: list[ActRequest] = []
         self.is_closed = False
         self.made.append(self)
 
     def open(self) -> None: ...
 
-    def send_hello(self, payload: bytes) -> None:
-        self.hellos.append(protocol.decode(payload, Ping))
+    def send_ping(self, payload: bytes) -> None:
+        self.pings.append(protocol.decode(payload, Ping))
 
     def send_act(self, payload: bytes) -> None:
         self.acts.append(protocol.decode(payload, ActRequest))
@@ -50,7 +50,7 @@ class Transport:
         self.is_closed = True
         self.awaits_answer = awaits_answer
 
-    def let_go(self) -> None:
+    def acknowledge(self) -> None:
         self.awaits_answer = False
 
 
@@ -71,7 +71,7 @@ class Panel:
 
     def pong(self, number: int = 0, refusal: str = "") -> Pong:
         """The answer to its first sign of life."""
-        return Pong(0, 0, "elsewhere", number, self.line.hellos[0].who, refusal)
+        return Pong(0, 0, "elsewhere", number, self.line.pings[0].client_id, refusal)
 
     async def welcomed(self) -> None:
         await self.arrives(self.pong(), Snapshot(3, WELCOME, protocol.encode_frames([level(1)])))
@@ -82,7 +82,7 @@ class Panel:
         return [frame.message.level for frame in frames if isinstance(frame.message, m.LevelChanged)]
 
     def wants(self) -> bool:
-        return self.line.hellos[-1].wants
+        return self.line.pings[-1].wants_snapshot
 
 
 def level(number: int) -> Record:
@@ -137,8 +137,8 @@ async def test_an_act_is_sent_as_it_is_while_there_is_a_link_and_else_not_at_all
     panel.peer.send(NOTE_ADDED, note)
     panel.peer.take_control()
     sent = panel.line.acts
-    assert [(act.topic, act.who) for act in sent] == [
-        (topic, panel.line.hellos[0].who) for topic in (NOTE_ADDED.name, protocol.TAKE_CONTROL)
+    assert [(act.topic, act.client_id) for act in sent] == [
+        (topic, panel.line.pings[0].client_id) for topic in (NOTE_ADDED.name, protocol.TAKE_CONTROL)
     ]
     assert protocol.decode_act(sent[0].topic, sent[0].message) == note
 
@@ -207,10 +207,10 @@ async def test_who_closes_says_goodbye_and_waits_until_that_is_heard(panel: Pane
     await panel.welcomed()
     panel.peer.close()
     panel.peer.close()
-    *_, hello = panel.line.hellos
-    assert [hello.leaves for hello in panel.line.hellos].count(True) == 1
+    *_, hello = panel.line.pings
+    assert [hello.is_leaving for hello in panel.line.pings].count(True) == 1
     assert (panel.line.is_closed, panel.line.awaits_answer) == (True, True)
-    await panel.arrives(Pong(hello.ping, 0, "h", 3, hello.who))
+    await panel.arrives(Pong(hello.sent_at, 0, "h", 3, hello.client_id))
     assert not panel.line.awaits_answer
 
 
@@ -219,7 +219,7 @@ async def test_who_closes_says_goodbye_and_waits_until_that_is_heard(panel: Pane
     [("anna", "anna"), ("jörg m.", "j-rg-m"), ("*/**", "somebody"), ("", "somebody"), ("x" * 99, "x" * 32)],
 )
 def test_a_name_is_a_part_of_a_key_whatever_it_is(name: str, part: str) -> None:
-    assert client.part_of_key(name) == part
+    assert client.to_key_part(name) == part
 
 
 async def test_who_closes_without_a_link_waits_for_nothing(panel: Panel) -> None:
@@ -230,4 +230,4 @@ async def test_who_closes_without_a_link_waits_for_nothing(panel: Panel) -> None
 def test_a_few_signs_of_life_come_within_the_shortest_silence_that_a_session_takes_for_a_loss() -> None:
     (lost,) = [field for field in fields(TaskParameters) if field.name == "operator_lost_ms"]
     assert lost.ge is not None
-    assert lost.ge >= 3 * 1000 * client.BEAT_S
+    assert lost.ge >= 3 * 1000 * client.PING_INTERVAL_S

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sar_tui.framework.clock import MS, SECOND
-from sar_tui.link.downsample import EVERY, MOST_POINTS, Downsampler
+from sar_tui.link.downsample import INTERVAL, MAX_POINTS, Downsampler
 from sar_tui.motion.samples import SAMPLE, pack
 
 
@@ -18,25 +18,25 @@ def block(start: int, count: int, rate_hz: float, speed: float) -> bytes:
 
 @pytest.mark.parametrize("rate_hz", [50, 250, 1000])
 def test_a_second_of_any_sensor_is_a_dozen_small_traces_of_its_speed(rate_hz: int) -> None:
-    glimpse, traces = Downsampler(), []
+    downsampler, traces = Downsampler(), []
     for start in range(0, SECOND, 40 * MS):
-        glimpse.hear("B", block(start, rate_hz // 25, rate_hz, 2.5))
-        traces += glimpse.due(start + 40 * MS)
-    assert 5 < len(traces) <= SECOND // EVERY + 1
+        downsampler.add("B", block(start, rate_hz // 25, rate_hz, 2.5))
+        traces += downsampler.due(start + 40 * MS)
+    assert 5 < len(traces) <= SECOND // INTERVAL + 1
     assert {trace.seat for trace in traces} == {"B"}
-    assert all(0 < len(trace.rates) <= MOST_POINTS for trace in traces)
+    assert all(0 < len(trace.rates) <= MAX_POINTS for trace in traces)
     assert {rate for trace in traces for rate in trace.rates} == {2.5}
     assert all(trace.hz <= 61 for trace in traces[1:])
     assert traces[-1].at <= SECOND
 
 
 def test_samples_that_waited_for_long_are_still_few_points() -> None:
-    glimpse = Downsampler()
-    glimpse.hear("A", block(0, 5000, 1000, 1.0))
-    (trace,) = glimpse.due(5 * SECOND)
-    assert len(trace.rates) == MOST_POINTS
+    downsampler = Downsampler()
+    downsampler.add("A", block(0, 5000, 1000, 1.0))
+    (trace,) = downsampler.due(5 * SECOND)
+    assert len(trace.rates) == MAX_POINTS
 
 
 def test_what_is_no_samples_is_refused() -> None:
     with pytest.raises(ValueError, match="size"):
-        Downsampler().hear("A", b"abc")
+        Downsampler().add("A", b"abc")

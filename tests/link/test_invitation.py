@@ -55,16 +55,16 @@ def test_its_file_is_this_users_alone_and_named_after_the_guest(anna: Invitation
     assert file_name(anna.guest) == "operator-anna.sar-link"
 
 
-def test_a_file_that_is_there_is_left_as_it_is(anna: Invitation, tmp_path: Path) -> None:
+def test_a_file_that_exists_is_left_as_it_is(anna: Invitation, tmp_path: Path) -> None:
     taken = tmp_path / "taken.sar-link"
     taken.write_text("mine")
-    with pytest.raises(LinkError, match="there already"):
+    with pytest.raises(LinkError, match="already exists"):
         write(anna, taken)
     assert taken.read_text() == "mine"
 
 
 def test_a_file_that_cannot_be_made_is_told(anna: Invitation, tmp_path: Path) -> None:
-    with pytest.raises(LinkError, match="cannot be made"):
+    with pytest.raises(LinkError, match="cannot be created"):
         write(anna, tmp_path / "no" / "folder.sar-link")
 
 

@@ -225,8 +225,8 @@ async def test_of_ten_thousand_messages_few_reach_the_program_and_an_operator_st
     note = msgspec.Raw(protocol.encode(m.NoteAdded(text="flood")))
     act = protocol.encode(protocol.ActRequest("1", NOTE_ADDED.name, note))
     reached: list[object] = []
-    hear = sitting.node.hear
-    sitting.node.hear = lambda news: (reached.append(news), hear(news))  # type: ignore[method-assign,assignment]
+    hear = sitting.node.receive
+    sitting.node.receive = lambda news: (reached.append(news), hear(news))  # type: ignore[method-assign,assignment]
 
     def flood() -> None:
         with zenoh.open(config(socket_settings(sitting.live.socket))) as session:
@@ -256,7 +256,7 @@ async def test_each_thing_that_cannot_be_taken_is_refused_and_logged(sitting: Si
     with zenoh.open(config(socket_settings(sitting.live.socket))) as session:
         for key in ("act/operator.anna", "act/nobody", "act/*"):
             session.put(f"sar-tui/{sitting.live.link}/{key}", b"nonsense")
-        whys = ("20000 bytes", "4000 characters", "control characters", "cannot be read", "who it is from")
+        whys = ("20000 bytes", "4000 characters", "control characters", "cannot be read", "who sent it")
         await until(lambda: all(any(why in each.why for each in sitting.of(REFUSED)) for why in whys))
     assert sitting.of(NOTE_ADDED) == []
 

@@ -160,13 +160,13 @@ def test_a_stamp_is_held_to_the_last_minute(bench: Bench, said_ms: int, stored_m
     bench.hear(PeerJoined(ANNA))
     now = bench.clock.now()
     act = m.NoteAdded(text="x", at=now + said_ms * MS)
-    bench.node.hear(ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(act))))
+    bench.node.receive(ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(act))))
     assert bench.of(NOTE_ADDED)[0].at == now + stored_ms * MS
 
 
 def test_an_act_without_a_stamp_happens_as_it_comes(bench: Bench) -> None:
     bench.hear(PeerJoined(ANNA))
-    bench.node.hear(ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(m.NoteAdded(text="x")))))
+    bench.node.receive(ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(m.NoteAdded(text="x")))))
     assert bench.of(NOTE_ADDED)[0].at == bench.clock.now()
 
 
@@ -353,7 +353,7 @@ def test_what_a_full_channel_did_not_take_is_made_good_by_a_greeting_to_all(benc
                [record.message for record in greeting.records] for greeting in bench.greetings())  # fmt: skip
 
 
-def test_the_process_is_looked_after_for_as_long_as_the_node_is_there(bench: Bench) -> None:
+def test_the_process_is_looked_after_for_as_long_as_the_node_is_attached(bench: Bench) -> None:
     bench.clock.advance(10 * SECOND)
     checks = bench.channel.checks
     assert checks >= 10

@@ -43,8 +43,8 @@ def test_a_frame_of_a_topic_that_is_not_known_or_not_as_it_should_be_is_left_out
 @pytest.mark.parametrize(
     ("topic", "message", "why"),
     [
-        (KEY.name, m.KeyPressed(key="f", at=1), "not among what an operator may send"),
-        ("no/topic", NOTE, "not among what an operator may send"),
+        (KEY.name, m.KeyPressed(key="f", at=1), "An operator may not send it"),
+        ("no/topic", NOTE, "An operator may not send it"),
         (DECISION.name, NOTE, "cannot be read"),
         (NOTE_ADDED.name, {"text": 5}, "cannot be read"),
         (NOTE_ADDED.name, m.NoteAdded(text="x" * 4001), "longer than 4000 characters"),
@@ -54,7 +54,7 @@ def test_a_frame_of_a_topic_that_is_not_known_or_not_as_it_should_be_is_left_out
         (REMARK.name, m.Remark(text="turned \u202e round"), "control characters"),
         (NOTE_ADDED.name, m.NoteAdded(text="bell \a"), "control characters"),
         (NOTE_ADDED.name, m.NoteAdded(actor="\0"), "control characters"),
-        (OPERATOR.name, m.Operator(command="pause", reason="sensor"), "no reason for a pause"),
+        (OPERATOR.name, m.Operator(command="pause", reason="sensor"), "not a valid reason"),
     ],
 )
 def test_an_act_that_is_not_as_it_should_be_is_refused_in_words(topic: str, message: Message, why: str) -> None:

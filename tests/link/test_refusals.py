@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import zenoh
 
-from sar_tui.link.refusals import HOST_LOG, Refusal, Refusals, log_environment, why_not_connected
+from sar_tui.link.refusals import HOST_LOG, Refusal, RefusalLog, log_environment, why_not_connected
 from sar_tui.link.settings import host_settings
 from tests.link.tls_fixtures import house, visiting
 
@@ -32,8 +32,8 @@ EVE = f"{ZID} on Interface(lo)+CertCommonName(observer.eve)+Transport(Tls)+{ZID}
 
 
 @pytest.fixture
-def log() -> Refusals:
-    return Refusals(["operator.anna", "observer.eve"])
+def log() -> RefusalLog:
+    return RefusalLog(["operator.anna", "observer.eve"])
 
 
 @pytest.mark.parametrize(
@@ -54,51 +54,51 @@ def log() -> Refusals:
         ("received fatal alert: UnknownCA.", "it does not trust this host's certificate"),
         ("peer is incompatible: SupportedVersionsExtensionRequired.", "its TLS is too old"),
         ("received corrupt message of type InvalidContentType.", "it does not speak TLS"),
-        ("tls handshake eof.", "it hung up before it said who it is"),
-        ("something that no version said so far.", "it could not prove who it is"),
+        ("tls handshake eof.", "it closed the connection before it identified itself"),
+        ("something that no version said so far.", "it could not identify itself"),
     ],
 )
-def test_a_connection_that_was_not_accepted_is_told_with_its_reason(log: Refusals, said: str, why: str) -> None:
-    assert log.heard(TLS + said + HINT) == Refusal("connection", "", why)
+def test_a_connection_that_was_not_accepted_is_told_with_its_reason(log: RefusalLog, said: str, why: str) -> None:
+    assert log.parse(TLS + said + HINT) == Refusal("connection", "", why)
 
 
-def test_who_may_come_is_no_refusal(log: Refusals) -> None:
-    assert log.heard(EVE_CAME) is None
-    assert log.heard(EVE_OPENED) is None
+def test_who_may_come_is_no_refusal(log: RefusalLog) -> None:
+    assert log.parse(EVE_CAME) is None
+    assert log.parse(EVE_OPENED) is None
 
 
 def test_who_was_revoked_is_refused_by_name() -> None:
-    assert Refusals(["operator.anna"]).heard(EVE_CAME) == Refusal(
+    assert RefusalLog(["operator.anna"]).parse(EVE_CAME) == Refusal(
         "connection", "observer.eve", "its invitation was revoked, or is not known here"
     )
 
 
-def test_a_message_that_was_denied_is_told_with_who_sent_it(log: Refusals) -> None:
+def test_a_message_that_was_denied_is_told_with_who_sent_it(log: RefusalLog) -> None:
     line = f"{ACL}{EVE} is unauthorized to Put (ingress) on {KEY}"
-    assert log.heard(line) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
+    assert log.parse(line) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
 
 
 @pytest.mark.parametrize(
     ("act", "place", "why"),
     [
-        ("Liveliness Query", "out", "it may not see whether there is what the session tells"),
+        ("Liveliness Query", "out", "it may not see whether there is the messages of the session"),
         ("Declare/Undeclare Subscriber", "act/*", "it may not listen to the acts of anybody"),
-        ("Put", "hello/operator.ben", "it may not send among the signs of life of operator.ben"),
+        ("Put", "hello/operator.ben", "it may not send among the heartbeats of operator.ben"),
         ("Put", "elsewhere", "it may not send among “sar-tui/1422cbb3724b/elsewhere”"),
-        ("Something New", "out", "it may not something new what the session tells"),
+        ("Something New", "out", "it may not something new the messages of the session"),
     ],
 )
-def test_what_was_denied_is_told_in_words(log: Refusals, act: str, place: str, why: str) -> None:
-    refusal = log.heard(f"{ACL}{EVE} is unauthorized to {act} (ingress) on sar-tui/1422cbb3724b/{place}")
+def test_what_was_denied_is_told_in_words(log: RefusalLog, act: str, place: str, why: str) -> None:
+    refusal = log.parse(f"{ACL}{EVE} is unauthorized to {act} (ingress) on sar-tui/1422cbb3724b/{place}")
     assert refusal == Refusal("message", "observer.eve", why)
 
 
-def test_a_denial_that_names_nobody_is_told_with_who_the_connection_belongs_to(log: Refusals) -> None:
+def test_a_denial_that_names_nobody_is_told_with_who_the_connection_belongs_to(log: RefusalLog) -> None:
     line = f"{ACL}Using cached result: {ZID} is unauthorized to Put (ingress) on {KEY}"
-    assert log.heard(line) == Refusal("message", "", "it may not send among the acts of operator.anna")
-    log.heard(EVE_CAME)
-    log.heard(EVE_OPENED)
-    assert log.heard(line) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
+    assert log.parse(line) == Refusal("message", "", "it may not send among the acts of operator.anna")
+    log.parse(EVE_CAME)
+    log.parse(EVE_OPENED)
+    assert log.parse(line) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
 
 
 @pytest.mark.parametrize(
@@ -115,44 +115,44 @@ def test_a_denial_that_names_nobody_is_told_with_who_the_connection_belongs_to(l
         "",
     ],
 )
-def test_what_was_allowed_and_all_else_is_no_refusal(log: Refusals, line: str) -> None:
-    assert log.heard(line) is None
+def test_what_was_allowed_and_all_else_is_no_refusal(log: RefusalLog, line: str) -> None:
+    assert log.parse(line) is None
 
 
-def test_what_zenoh_judges_beforehand_is_no_refusal_and_what_then_happens_is(log: Refusals) -> None:
-    assert log.heard(f"{ACL}ACL (ingress): caching permissions for `{KEY}` ...") is None
+def test_what_zenoh_judges_beforehand_is_no_refusal_and_what_then_happens_is(log: RefusalLog) -> None:
+    assert log.parse(f"{ACL}ACL (ingress): caching permissions for `{KEY}` ...") is None
     for act in ("Query", "Reply", "Put", "Delete", "Declare/Undeclare Queryable"):
-        assert log.heard(f"{ACL}{EVE} is unauthorized to {act} (ingress) on {KEY}") is None
-    assert log.heard(f"{ACL}{EVE} is authorized to Liveliness Query (ingress) on {KEY}") is None
+        assert log.parse(f"{ACL}{EVE} is unauthorized to {act} (ingress) on {KEY}") is None
+    assert log.parse(f"{ACL}{EVE} is authorized to Liveliness Query (ingress) on {KEY}") is None
     done = f"{ACL}{EVE} is unauthorized to Put (ingress) on {KEY}"
-    assert log.heard(done) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
+    assert log.parse(done) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
 
 
-def test_a_link_that_ends_with_its_certificate_is_told(log: Refusals) -> None:
-    log.heard(EVE_CAME)
+def test_a_link_that_ends_with_its_certificate_is_told(log: RefusalLog) -> None:
+    log.parse(EVE_CAME)
     ended = (
         "2026-11-21T19:29:12.001263Z  WARN acc-0 ThreadId(04) zenoh_link_commons::tls::expiration: Closing TLS link "
         "127.0.0.1:50529 => 127.0.0.1:39750 : remote certificate chain expired"
     )
-    assert log.heard(ended) == Refusal("connection", "observer.eve", "its invitation has expired")
+    assert log.parse(ended) == Refusal("connection", "observer.eve", "its invitation has expired")
 
 
-def test_what_a_guest_wrote_into_a_key_is_fit_to_be_printed(log: Refusals) -> None:
+def test_what_a_guest_wrote_into_a_key_is_fit_to_be_printed(log: RefusalLog) -> None:
     line = f"{ACL}{EVE} is unauthorized to Put (ingress) on a\x1b[31m{'x' * 1000}"
-    refusal = log.heard(line)
+    refusal = log.parse(line)
     assert refusal is not None
     assert refusal.why.isprintable()
     assert len(refusal.why) < 200
 
 
-def test_however_many_come_little_is_remembered(log: Refusals) -> None:
+def test_however_many_come_little_is_remembered(log: RefusalLog) -> None:
     for port in range(10_000):
-        log.heard(EVE_CAME.replace("39750", str(port)))
-    log.heard(EVE_CAME)
-    log.heard(EVE_OPENED)
+        log.parse(EVE_CAME.replace("39750", str(port)))
+    log.parse(EVE_CAME)
+    log.parse(EVE_OPENED)
     line = f"{ACL}Using cached result: {ZID} is unauthorized to Put (ingress) on {KEY}"
-    assert log.heard(line) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
-    assert len(log._at) < 100
+    assert log.parse(line) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
+    assert len(log._guest_at) < 100
 
 
 # --- a guest's side --------------------------------------------------------------------------------------------------
@@ -170,7 +170,7 @@ SOURCE = " at /src/io/zenoh-links/zenoh-link-tls/src/unicast.rs:226."
         (
             "Can not create a new TLS link bound to IpAddress(V4(Ipv4Addr([127, 0, 0, 1]))): invalid peer certificate: "
             "UnknownIssuer",
-            "is not the host",
+            "is not the one that made",
         ),
         (
             "Can not create a new TLS link bound to IpAddress(V4(Ipv4Addr([127, 0, 0, 1]))): [127.0.0.1:1: Connection "
@@ -233,8 +233,8 @@ def test_a_real_hosts_log_tells_who_was_refused_and_why(tmp_path: Path) -> None:
             rest, _ = host.communicate(timeout=20)
         finally:
             host.kill()
-    log = Refusals(map(str, at.authority.guests()))
-    refused = [refusal for line in rest.splitlines() if (refusal := log.heard(line))]
+    log = RefusalLog(map(str, at.authority.guests()))
+    refused = [refusal for line in rest.splitlines() if (refusal := log.parse(line))]
     assert Refusal("message", "observer.eve", "it may not send among the acts of observer.eve") in refused
     assert Refusal("message", "observer.eve", "it may not send among the acts of operator.anna") in refused
     assert Refusal("connection", "operator.gone", "its invitation was revoked, or is not known here") in refused

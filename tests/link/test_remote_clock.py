@@ -16,7 +16,7 @@ class Watch:
         return self.now
 
 
-def ping(clock: RemoteClock, watch: Watch, there: int, back: int, host: str = "there") -> None:
+def ping(clock: RemoteClock, watch: Watch, there: int, back: int, host: str = "present") -> None:
     """A ping that takes so long (ns) to get there, and back."""
     sent = watch.now
     watch.now += there + back

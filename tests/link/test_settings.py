@@ -137,8 +137,8 @@ def test_only_what_stands_in_a_rule_is_allowed_and_an_observers_rules_hold_no_ac
         }
 
     keys = LinkKeys("abc")
-    assert sends("operator.anna") == {keys.act("operator.anna"), keys.hello("operator.anna")}
-    assert sends("observer.eve") == {keys.hello("observer.eve")}
+    assert sends("operator.anna") == {keys.act("operator.anna"), keys.ping("operator.anna")}
+    assert sends("observer.eve") == {keys.ping("observer.eve")}
 
 
 # --- guests ----------------------------------------------------------------------------------------------------------

@@ -78,7 +78,7 @@ class FakeBroker:
         self._held = (
             session.declare_subscriber("**", lambda s: self.heard.append((str(s.key_expr), bytes(s.payload)))),
             session.declare_queryable("**", lambda q: self.asked.append(str(q.key_expr))),
-            session.liveliness().declare_subscriber(keys.hello("*"), lambda s: self.there.append(str(s.key_expr))),
+            session.liveliness().declare_subscriber(keys.ping("*"), lambda s: self.there.append(str(s.key_expr))),
         )
 
 

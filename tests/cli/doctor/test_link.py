@@ -55,7 +55,7 @@ def test_a_folder_that_is_open_to_others_needs_care(runtime: Path) -> None:
     (runtime / "sar-tui").chmod(0o755)
     found = operator_here()
     assert found.state == "care"
-    assert "is open to others" in found.found
+    assert "is accessible to others" in found.found
 
 
 def test_a_folder_in_which_no_socket_can_be_opened_needs_care(runtime: Path, monkeypatch: pytest.MonkeyPatch) -> None:
