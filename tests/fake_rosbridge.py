@@ -19,7 +19,7 @@ from websockets.exceptions import ConnectionClosed
 DEADLINE_S = 20.0
 """How long to wait for another thread before a test fails."""
 REPORT = "/sar_tui/report"
-DEEDS = {"speech": "say", "gesture": "gesture", "gaze": "gaze"}
+PARTS = {"speech": "say", "gesture": "gesture", "gaze": "gaze"}
 KNOWN_TYPES = ("std_msgs/String", "sensor_msgs/Imu")
 Manner = Literal["obliging", "silent", "slow", "failing", "muddled", "breaking off", "terse"]
 
@@ -37,12 +37,12 @@ class RosBridge:
 
     Its robot is ``obliging`` (begins and ends whatever it is asked for), ``silent`` (hears, and says nothing), ``slow``
     (begins, and never ends), ``failing``, ``muddled`` (answers with nonsense), ``breaking off`` (begins, and aborts),
-    or ``terse`` (obliging, but names neither what it answers nor which deed). All but the silent one tell of what a
+    or ``terse`` (obliging, but names neither what it answers nor which part). All but the silent one tell of what a
     stop ended.
 
     Args:
         manner: of the robot.
-        lasts_s: how long an obliging robot takes over a deed.
+        lasts_s: how long an obliging robot takes over a part.
 
     Attributes:
         received: every message of a client, in order.
@@ -179,7 +179,7 @@ class RosBridge:
             asked = json.loads(data)
         except ValueError:
             asked = {}
-        names = {"id": asked.get("id", ""), "deed": DEEDS.get(what, "")} if self.manner != "terse" else {}
+        names = {"id": asked.get("id", ""), "deed": PARTS.get(what, "")} if self.manner != "terse" else {}
         if what == "stop":
             for stopped in under_way:
                 await self._report(stopped, "aborted")

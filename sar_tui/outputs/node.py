@@ -14,7 +14,7 @@ from sar_tui.outputs.output import Output, OutputError, Report
 from sar_tui.outputs.report_validation import heard, told_by, words
 
 GIVES_UP = 20 * SECOND
-"""An output that has not told what became of a deed by then is told to stop; speaking takes longer with the text."""
+"""An output that has not told what became of a part by then is told to stop; speaking takes longer with the text."""
 PER_CHARACTER = 150 * MS
 STILL = 2 * SECOND
 """What an output has not told to be over by then, after it was told to stop, is taken to have failed."""
@@ -24,7 +24,7 @@ _Key = tuple[str, ActionPart]
 
 
 class _Open(NamedTuple):
-    """A deed that is not over: since when, and what gives it up."""
+    """A part that is not over: since when, and what gives it up."""
 
     since: int
     give_up: Handle
@@ -41,7 +41,7 @@ class _Stop:
 
 
 class OutputNode(Node):
-    """Stands between the loop and an output: each deed is reported as ``queued``, and once as over, whatever it does.
+    """Stands between the loop and an output: each part is reported as ``queued``, and once as over, whatever it does.
 
     An output that raises, or never answers, has failed; the session goes on.
 
@@ -87,8 +87,8 @@ class OutputNode(Node):
                 self.output.close()
 
     @on(THEME)
-    def wear(self, worn: m.ThemeApplied) -> None:
-        self.output.wear(worn.theme)
+    def apply_theme(self, worn: m.ThemeApplied) -> None:
+        self.output.apply_theme(worn.theme)
 
     @on(ACTION)
     def act(self, action: m.Action) -> None:
@@ -145,25 +145,25 @@ class OutputNode(Node):
             clock.call_at(clock.now() + STILL, lambda: self._never_still(lasting))
         self._tell_if_still()
 
-    def _do(self, action: str, deed: ActionPart, *what: str) -> None:
-        if deed in self._can:
-            self._begin(action, deed, *what)
+    def _do(self, action: str, part: ActionPart, *what: str) -> None:
+        if part in self._can:
+            self._begin(action, part, *what)
 
-    def _begin(self, action: str, deed: ActionPart, *what: str) -> None:
+    def _begin(self, action: str, part: ActionPart, *what: str) -> None:
         now = self.bus.clock.now()
-        self._report(action, deed, "queued", now)
-        limit = GIVES_UP + PER_CHARACTER * (len(what[0]) if deed == "say" else 0)
-        give_up = self.bus.clock.call_at(now + limit, lambda: self._give_up(action, deed))
-        if deed == "show":  # words stand for as long as nothing takes their place
+        self._report(action, part, "queued", now)
+        limit = GIVES_UP + PER_CHARACTER * (len(what[0]) if part == "say" else 0)
+        give_up = self.bus.clock.call_at(now + limit, lambda: self._give_up(action, part))
+        if part == "show":  # words stand for as long as nothing takes their place
             give_up.cancel()
-        self._open[action, deed] = _Open(now, give_up)
+        self._open[action, part] = _Open(now, give_up)
         if self._unopened:
-            self._end(action, deed, "failed", self._unopened)
+            self._end(action, part, "failed", self._unopened)
             return
         try:
-            getattr(self.output, deed)(action, *what)
+            getattr(self.output, part)(action, *what)
         except Exception as error:
-            self._end(action, deed, "failed", f"{told_by(error)}.")
+            self._end(action, part, "failed", f"{told_by(error)}.")
 
     # --- what the output tells -------------------------------------------------------------------------------
 
@@ -183,26 +183,26 @@ class OutputNode(Node):
                 self._report(*key, said.state, said.at, said.detail)
 
     def _meant(self, report: Report) -> dict[_Key, _Open]:
-        """Which deeds a report is about: all of its action, where there is no such deed."""
-        action, deed = getattr(report, "action", None), getattr(report, "deed", None)
-        known = isinstance(deed, str) and deed in get_args(ActionPart)
-        return {key: held for key, held in self._open.items() if key[0] == action and (key[1] == deed or not known)}
+        """Which parts a report is about: all of its action, where there is no such part."""
+        action, part = getattr(report, "action", None), getattr(report, "part", None)
+        known = isinstance(part, str) and part in get_args(ActionPart)
+        return {key: held for key, held in self._open.items() if key[0] == action and (key[1] == part or not known)}
 
-    def _end(self, action: str, deed: ActionPart, state: PartState, detail: str = "", at: int | None = None) -> None:
-        if held := self._open.pop((action, deed), None):
+    def _end(self, action: str, part: ActionPart, state: PartState, detail: str = "", at: int | None = None) -> None:
+        if held := self._open.pop((action, part), None):
             held.give_up.cancel()
             ended = self.bus.clock.now() if at is None else at
-            self._report(action, deed, state, ended, detail)
+            self._report(action, part, state, ended, detail)
             stop = self._stopping
-            if stop and stop.left.pop((action, deed), None):
+            if stop and stop.left.pop((action, part), None):
                 stop.at = max(stop.at, ended)
                 if state != "done" and detail:
                     stop.details.append(detail)
                 self._tell_if_still()
 
-    def _give_up(self, action: str, deed: ActionPart) -> None:
-        if (action, deed) in self._open and not self._closed:
-            self._end(action, deed, "failed", "It did not tell what became of it.")
+    def _give_up(self, action: str, part: ActionPart) -> None:
+        if (action, part) in self._open and not self._closed:
+            self._end(action, part, "failed", "It did not tell what became of it.")
             with contextlib.suppress(Exception):  # it has failed already
                 self.output.stop(action)
 
@@ -218,7 +218,7 @@ class OutputNode(Node):
             detail = " ".join(dict.fromkeys(stop.details))
             self.bus.post(STOPPED, m.OutputStopped(output=self.name, asked=stop.asked, at=stop.at, detail=detail))
 
-    def _report(self, action: str, deed: ActionPart, state: PartState, at: int, detail: str = "") -> None:
+    def _report(self, action: str, part: ActionPart, state: PartState, at: int, detail: str = "") -> None:
         self.bus.post(
-            REPORT, m.OutputReport(action=action, output=self.name, part=deed, state=state, at=at, detail=detail)
+            REPORT, m.OutputReport(action=action, output=self.name, part=part, state=state, at=at, detail=detail)
         )

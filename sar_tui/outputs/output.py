@@ -1,7 +1,7 @@
 """The contract of an output: a medium through which the agent reaches the participant."""
 
 from collections.abc import Callable
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from sar_tui.framework.clock import Clock
 from sar_tui.framework.messages import ActionPart, PartState
@@ -11,54 +11,60 @@ Gaze = Literal["ahead", "left", "right", "up", "down"]
 
 
 class Report(NamedTuple):
-    """What became of a deed: ``action`` and ``deed`` say which, ``at`` when (ns of the session's clock).
+    """State of one part of an action at a time ``at`` (ns of the session's clock).
 
-    ``state``: ``started`` (it can be heard or seen), ``done``, ``aborted`` (stopped before its end: when it was still;
-    a ``detail`` says why it may not be), ``failed`` (``detail`` says why, and what to do about it).
+    ``state``: ``started`` (it can be heard or seen), ``done``, ``aborted`` (stopped before its end; ``at`` is when it
+    was still, and ``detail`` says why it may not be), ``failed`` (``detail`` says why, and what to do about it).
     """
 
     action: str
-    deed: ActionPart
+    part: ActionPart
     state: PartState
     at: int
     detail: str = ""
 
 
 class Output:
-    """A medium. Subclass it, name it, say what it ``can`` do, and override those methods; the rest is never called.
+    """A medium. Subclass it, set ``name`` and ``can``, and override the methods of those parts; no others are called.
 
-    Each deed that is asked for is reported once as over (``done``, ``aborted`` or ``failed``), and before that as
-    ``started`` if it ever began; ``tell`` may be called from any thread. What is asked for while something is under
-    way waits its turn (within one kind of deed). No method waits for a device, or raises for one that is missing:
-    what is asked of it then fails. ``stop`` makes everything still at once, and each deed aborted; after it the
-    output can be used again.
+    Report each part once as over (``done``, ``aborted`` or ``failed``), and before that as ``started`` if it began;
+    ``report`` may be called from any thread. Queue requests that arrive while another one of the same part is under
+    way. Never wait for a device, and never raise if one is missing: report the part as failed. ``stop`` halts
+    everything at once, and each part is aborted; the output can be used again afterwards.
     """
 
     name: str
-    """What it is called in settings and in the log."""
+    """Its name in settings and in the log."""
     can: frozenset[ActionPart] = frozenset()
-    """Which of ``say``, ``show``, ``gesture``, ``gaze`` and ``tone`` it does."""
+    """The parts of an action that it performs: ``say``, ``show``, ``gesture``, ``gaze``, ``tone``."""
 
-    def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
-        """Get ready. ``theme`` has the language, the voice, the gestures; ``clock`` the time of all reports."""
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "wear" in vars(cls):
+            raise OutputError(
+                f"{cls.__name__} is written for an earlier version of sar-tui: rename its method wear to apply_theme."
+            )
+
+    def open(self, theme: Theme, clock: Clock, report: Callable[[Report], None]) -> None:
+        """Get ready. ``theme`` has the language, voice and gestures; ``clock`` gives the time of all reports."""
         self.clock = clock
-        self._tell = tell
-        self.wear(theme)
+        self._send_report = report
+        self.apply_theme(theme)
 
-    def wear(self, theme: Theme) -> None:
-        """Take on a theme: at the beginning, and again whenever it is edited. What is under way may go on as it was."""
+    def apply_theme(self, theme: Theme) -> None:
+        """Use a theme: on opening, and again whenever it is edited. Parts under way may finish with the old one."""
         self.theme = theme
 
     def say(self, action: str, text: str) -> None:
-        """Speak ``text``, as it is to be spoken."""
+        """Speak ``text``, which is written as it is to be spoken."""
         raise NotImplementedError
 
     def show(self, action: str, text: str, face: str) -> None:
-        """Put up words and an expression (one of `theme.FACES`). Done when others take their place."""
+        """Display a text and an expression (one of `theme.FACES`). Done when others replace them."""
         raise NotImplementedError
 
     def gesture(self, action: str, name: str) -> None:
-        """Move through one of the theme's gestures."""
+        """Perform one of the theme's gestures."""
         raise NotImplementedError
 
     def gaze(self, action: str, where: str) -> None:
@@ -66,22 +72,25 @@ class Output:
         raise NotImplementedError
 
     def tone(self, action: str, name: str) -> None:
-        """Sound one of the theme's short tones."""
+        """Play one of the theme's short tones."""
         raise NotImplementedError
 
     def stop(self, action: str = "") -> None:
-        """Be still: one action, or all of them. Harmless when nothing is under way.
+        """Stop one action, or all of them. Harmless if nothing is under way.
 
-        Raises OutputError, a clear sentence for the log, if something may be going on that no deed tells of any more.
+        Raises OutputError, a clear sentence for the log, if something that is no longer reported may still go on.
         """
 
     def close(self) -> None:
-        """Be still, and let go of devices, threads and processes. Nothing is reported afterwards. Harmless twice."""
+        """Stop, and release devices, threads and processes. Nothing is reported afterwards. May be called twice."""
 
-    def tell(self, action: str, deed: ActionPart, state: PartState, detail: str = "") -> None:
-        """Report what became of a deed, now."""
-        self._tell(Report(action, deed, state, self.clock.now(), detail))
+    def report(self, action: str, part: ActionPart, state: PartState, detail: str = "") -> None:
+        """Report the present state of a part."""
+        self._send_report(Report(action, part, state, self.clock.now(), detail))
+
+    tell = report
+    """Its name in earlier versions, for outputs that were written for them."""
 
 
 class OutputError(Exception):
-    """An output cannot be made from what was asked for; one or two clear sentences."""
+    """An output cannot be made as requested. The message is one or two clear sentences."""

@@ -20,8 +20,8 @@ def heard(report: Any, since: int, now: int) -> Report | None:
         since, now: the time it tells of lies between these (ns).
     """
     try:
-        said = Report(report.action, report.deed, report.state, int(report.at), words(report.detail))
-        known = said.deed in get_args(ActionPart) and said.state in get_args(PartState)
+        said = Report(report.action, report.part, report.state, int(report.at), words(report.detail))
+        known = said.part in get_args(ActionPart) and said.state in get_args(PartState)
     except Exception:
         return None
     return said if known and since <= said.at <= now + AHEAD else None

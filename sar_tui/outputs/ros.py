@@ -12,10 +12,10 @@ from sar_tui.framework.clock import MS, SECOND, Clock, Handle
 from sar_tui.framework.messages import ActionPart, PartState
 from sar_tui.framework.theme import Theme
 from sar_tui.outputs.output import Output, OutputError, Report
-from sar_tui.outputs.ros_topics import STRING, Answer, parse_address, plain, understand
+from sar_tui.outputs.ros_topics import STRING, RobotReport, parse_address, plain, read_report
 
 PATIENCE = 3 * SECOND
-"""How long after the beginning a deed may wait for the first connection."""
+"""How long after the beginning a part may wait for the first connection."""
 SETTLE = 500 * MS
 """How long after a connection nothing is sent: on a ROS system it takes a moment until a new publisher is heard."""
 ANSWER = 2 * SECOND
@@ -23,7 +23,7 @@ ANSWER = 2 * SECOND
 CONFIRM = 1500 * MS
 """How long it may take to tell that it has stopped; less than `node.STILL`, so that this is what is told of it."""
 LONGEST = 15 * SECOND
-"""How much longer a deed may take than it should."""
+"""How much longer a part may take than it should."""
 A_CHARACTER = 100 * MS
 """How long speaking one takes, at the slowest."""
 
@@ -31,8 +31,8 @@ A_CHARACTER = 100 * MS
 class _Asked:
     """Something the robot is to do."""
 
-    def __init__(self, action: str, deed: ActionPart, topic: str, message: dict[str, str], lasts: int) -> None:
-        self.action, self.deed, self.topic, self.message, self.lasts = action, deed, topic, message, lasts
+    def __init__(self, action: str, part: ActionPart, topic: str, message: dict[str, str], lasts: int) -> None:
+        self.action, self.part, self.topic, self.message, self.lasts = action, part, topic, message, lasts
         self.sent: int | None = None
         self.started: int | None = None
         self.is_stopping = False
@@ -62,10 +62,10 @@ class Ros(Output):
         self._stop_owed = self._was_lost = False
         self._muddle = ""
 
-    def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
+    def open(self, theme: Theme, clock: Clock, report: Callable[[Report], None]) -> None:
         """Connect in the background. What is asked for in the first moments waits for the connection."""
         self.close()
-        super().open(theme, clock, tell)
+        super().open(theme, clock, report)
         self._begin()
         self._patience = clock.now() + PATIENCE
         topics = self._topics
@@ -89,7 +89,7 @@ class Ros(Output):
         """Have the robot move; it is told the theme's keyframes too."""
         gesture = self.theme.gestures.get(name)
         if gesture is None:
-            self.tell(action, "gesture", "failed", f"The theme {self.theme.name} has no gesture {plain(name)}.")
+            self.report(action, "gesture", "failed", f"The theme {self.theme.name} has no gesture {plain(name)}.")
             return
         moves = {"gesture": name, "keyframes": gesture.keyframes}
         self._ask(action, "gesture", self._topics.gesture, moves, name, gesture.duration_ms * MS)
@@ -141,11 +141,11 @@ class Ros(Output):
 
     def _hear(self, bridge: Bridge, message: Any) -> None:
         at = self.clock.now()
-        answer = understand(message)
-        if isinstance(answer, str):
-            self._muddle = f" A report of it could not be understood: {answer}."
+        report = read_report(message)
+        if isinstance(report, str):
+            self._muddle = f" A report of it could not be understood: {report}."
         else:
-            self.clock.call_soon(partial(self._heard, bridge, answer, at))
+            self.clock.call_soon(partial(self._heard, bridge, report, at))
 
     # --- on the clock's thread ------------------------------------------------------------------------------
 
@@ -167,40 +167,40 @@ class Ros(Output):
             self._end(asked, "failed", now, f"The connection to the robot at {self._address} was lost meanwhile.")
         self._advance_all(bridge)
 
-    def _heard(self, bridge: Bridge, answer: Answer, at: int) -> None:
+    def _heard(self, bridge: Bridge, report: RobotReport, at: int) -> None:
         if bridge is not self._bridge:
             return
         sent = [asked for asked in self._under_way if asked.sent is not None and asked.sent <= at]
-        about = [asked for asked in sent if self._is_about(answer, asked.action, asked.deed)]
+        about = [asked for asked in sent if self._is_about(report, asked.action, asked.part)]
         begun = [asked for asked in about if asked.started is not None]
         waiting = [asked for asked in about if asked.started is None]
-        for asked in (waiting if answer.state == "started" else begun + waiting)[:1]:
-            if asked.started is None and answer.state in ("started", "done"):
+        for asked in (waiting if report.state == "started" else begun + waiting)[:1]:
+            if asked.started is None and report.state in ("started", "done"):
                 asked.started = at
                 self._report(asked, "started", at)
-            if answer.state != "started":
-                why = answer.detail or ("The robot failed." if answer.state == "failed" else "")
-                self._end(asked, "aborted" if asked.is_stopping and not why else answer.state, at, why)
-                self._advance(asked.deed)
+            if report.state != "started":
+                why = report.detail or ("The robot failed." if report.state == "failed" else "")
+                self._end(asked, "aborted" if asked.is_stopping and not why else report.state, at, why)
+                self._advance(asked.part)
 
-    def _ask(self, action: str, deed: ActionPart, topic: str, what: dict[str, Any], bare: str, lasts: int) -> None:
+    def _ask(self, action: str, part: ActionPart, topic: str, what: dict[str, Any], bare: str, lasts: int) -> None:
         if self._bridge is None:
             return
         message = self._topics.message(self._id(action), what, bare)
-        self._lines[deed].append(_Asked(action, deed, topic, message, lasts))
-        self._advance(deed)
+        self._lines[part].append(_Asked(action, part, topic, message, lasts))
+        self._advance(part)
 
     def _look_again(self, bridge: Bridge, when: int) -> None:
         self.clock.call_at(when, partial(self._advance_all, bridge, when))
 
     def _advance_all(self, bridge: Bridge, due: int = 0) -> None:
         if bridge is self._bridge:
-            for deed in self._lines:
-                self._advance(deed, due)
+            for part in self._lines:
+                self._advance(part, due)
 
-    def _advance(self, deed: ActionPart, due: int = 0) -> None:
+    def _advance(self, part: ActionPart, due: int = 0) -> None:
         """Send what is next, if its turn has come; or tell that it cannot be. It is as late as ``due`` at least."""
-        line, bridge = self._lines[deed], cast(Bridge, self._bridge)
+        line, bridge = self._lines[part], cast(Bridge, self._bridge)
         while line and line[0].sent is None:
             asked, now = line[0], max(self.clock.now(), due)
             if not bridge.problem and self._is_to_wait(bridge, now):
@@ -217,7 +217,7 @@ class Ros(Output):
         return now < self._ready_at
 
     def _overdue(self, bridge: Bridge, asked: _Asked) -> None:
-        line, now = self._lines[asked.deed], self.clock.now()
+        line, now = self._lines[asked.part], self.clock.now()
         if bridge is not self._bridge or not line or line[0] is not asked:
             return
         state: PartState = "failed"
@@ -231,7 +231,7 @@ class Ros(Output):
         else:
             why = f"The robot at {self._address} began, and did not tell that it was done."
         self._end(asked, state, now, why + self._muddle)
-        self._advance(asked.deed)
+        self._advance(asked.part)
 
     def _set_timer(self, asked: _Asked, when: int, ring: Callable[[], None]) -> None:
         if asked.timer:
@@ -239,13 +239,13 @@ class Ros(Output):
         asked.timer = self.clock.call_at(when, ring)
 
     def _end(self, asked: _Asked, state: PartState, at: int, detail: str = "") -> None:
-        self._lines[asked.deed].remove(asked)
+        self._lines[asked.part].remove(asked)
         if asked.timer:
             asked.timer.cancel()
         self._report(asked, state, at, detail)
 
     def _report(self, asked: _Asked, state: PartState, at: int, detail: str = "") -> None:
-        self._tell(Report(asked.action, asked.deed, state, at, detail))
+        self._send_report(Report(asked.action, asked.part, state, at, detail))
 
     # --- stopping, and small things --------------------------------------------------------------------------
 
@@ -253,9 +253,9 @@ class Ros(Output):
         message = self._topics.message(action and self._id(action), {}, "stop")
         return cast(Bridge, self._bridge).publish(self._topics.stop, message)
 
-    def _is_about(self, answer: Answer, action: str, deed: ActionPart) -> bool:
-        unnamed = self._topics.form == "text" and not answer.id
-        return (unnamed or answer.id == self._id(action)) and answer.deed in ("", deed)
+    def _is_about(self, report: RobotReport, action: str, part: ActionPart) -> bool:
+        unnamed = self._topics.form == "text" and not report.id
+        return (unnamed or report.id == self._id(action)) and report.part in ("", part)
 
     def _id(self, action: str) -> str:
         """What an action is called towards the robot: nothing late of an earlier session is taken for this one's."""

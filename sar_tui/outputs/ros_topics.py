@@ -1,4 +1,4 @@
-"""What goes to a robot on a ROS system, and what comes from it: topics, and messages of ``std_msgs/String``."""
+"""Topics and messages (``std_msgs/String``) to and from a robot on a ROS system."""
 
 from typing import Any, Literal
 
@@ -15,9 +15,9 @@ _EXAMPLE = (
 
 
 class Topics(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What may follow the question mark of an address.
+    """Options after the question mark of an address.
 
-    ``form``: each message is JSON, with an id that the robot names in its reports; or the bare text (or name).
+    ``form``: each message is JSON, with an id that the robot repeats in its reports; or only the text (or name).
     """
 
     speech: TopicName = "/sar_tui/speech"
@@ -27,43 +27,47 @@ class Topics(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     stop: TopicName = "/sar_tui/stop"
     form: Literal["json", "text"] = "json"
 
-    def message(self, identity: str, what: dict[str, Any], bare: str) -> dict[str, str]:
-        """A message: ``what`` with the id of what it belongs to, or ``bare``."""
-        return {"data": bare if self.form == "text" else msgspec.json.encode({"id": identity} | what).decode()}
+    def message(self, identity: str, fields: dict[str, Any], text: str) -> dict[str, str]:
+        """Return a message: ``fields`` with the id of their action, or ``text`` if that is the form."""
+        return {"data": text if self.form == "text" else msgspec.json.encode({"id": identity} | fields).decode()}
 
 
-class Answer(msgspec.Struct, frozen=True):
-    """What a robot reports. In bare text, without an id, it is about what has been under way for longest."""
+class RobotReport(msgspec.Struct, frozen=True):
+    """A robot's report. In the form ``text``, without an id, it is about the oldest request that is under way.
+
+    ``deed`` is the name of ``part`` in the protocol; robots may use either.
+    """
 
     state: Literal["started", "done", "failed", "aborted"]
     id: str = ""
+    part: Literal["say", "gesture", "gaze", ""] = ""
     deed: Literal["say", "gesture", "gaze", ""] = ""
     detail: str = ""
 
 
 def parse_address(address: str) -> tuple[Address, Topics]:
-    """Read the address of a robot. Raises OutputError, which tells what there may be."""
+    """Read the address of a robot. Raises OutputError, with an example."""
     try:
         found = parse(address, _EXAMPLE)
         topics = msgspec.convert(found.options, Topics)
     except AddressError as error:
         raise OutputError(str(error)) from error
     except msgspec.ValidationError as error:
-        raise OutputError(f'The address "{address}" cannot be understood ({error}). Say {_EXAMPLE}.') from error
+        raise OutputError(f'The address "{address}" cannot be understood ({error}). Use {_EXAMPLE}.') from error
     if found.path.strip("/"):
-        raise OutputError(f'"{found.path}" has no meaning in the address of a robot. Say {_EXAMPLE}.')
+        raise OutputError(f'"{found.path}" has no meaning in the address of a robot. Use {_EXAMPLE}.')
     return found, topics
 
 
-def understand(message: Any) -> Answer | str:
-    """What a robot reports, or why that cannot be understood."""
+def read_report(message: Any) -> RobotReport | str:
+    """Return a robot's report, or the reason why it cannot be read."""
     try:
-        answer = msgspec.json.decode(msgspec.convert(message, dict[str, str])["data"], type=Answer)
+        report = msgspec.json.decode(msgspec.convert(message, dict[str, str])["data"], type=RobotReport)
     except (msgspec.MsgspecError, KeyError, UnicodeError) as error:
         return plain(str(error))
-    return msgspec.structs.replace(answer, detail=plain(answer.detail))
+    return msgspec.structs.replace(report, part=report.part or report.deed, detail=plain(report.detail))
 
 
 def plain(text: str) -> str:
-    """A robot's words, fit for a line of the log and the screen."""
+    """Return a robot's text, fit for one line of the log and the screen."""
     return "".join(character if character.isprintable() else " " for character in text)[:200]

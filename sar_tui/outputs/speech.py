@@ -30,12 +30,12 @@ class Speech(Output):
     def __init__(self, sound: Sound) -> None:
         self._sound = sound
 
-    def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
-        self._sound.join("say", clock, tell)
-        super().open(theme, clock, tell)
+    def open(self, theme: Theme, clock: Clock, report: Callable[[Report], None]) -> None:
+        self._sound.join("say", clock, report)
+        super().open(theme, clock, report)
 
-    def wear(self, theme: Theme) -> None:
-        super().wear(theme)
+    def apply_theme(self, theme: Theme) -> None:
+        super().apply_theme(theme)
         self._sound.get_ready("say", self._voicing)
 
     def say(self, action: str, text: str) -> None:

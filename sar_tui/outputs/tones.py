@@ -21,12 +21,12 @@ class Tones(Output):
     def __init__(self, sound: Sound) -> None:
         self._sound = sound
 
-    def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
-        self._sound.join("tone", clock, tell)
-        super().open(theme, clock, tell)
+    def open(self, theme: Theme, clock: Clock, report: Callable[[Report], None]) -> None:
+        self._sound.join("tone", clock, report)
+        super().open(theme, clock, report)
 
-    def wear(self, theme: Theme) -> None:
-        super().wear(theme)
+    def apply_theme(self, theme: Theme) -> None:
+        super().apply_theme(theme)
         self._sound.get_ready("tone", tones=[theme.notes(name) for name in TONES])
 
     def tone(self, action: str, name: str) -> None:

@@ -33,7 +33,7 @@ class OutputSummary(msgspec.Struct):
 def output_summaries(database: sqlite_utils.Database, session: str) -> list[OutputSummary]:
     """The outputs of a session, in the order in which they were opened; none in sessions without an agent's outputs.
 
-    Of each deed the last that was told of it counts.
+    Of each part the last report counts.
     """
     opened: dict[str, OutputSummary] = {}
     last: dict[tuple[str, str, str], dict[str, Any]] = {}

@@ -26,7 +26,7 @@ class Voice(Output):
     def stop(self, action: str = "") -> None:
         self.stops.append(action)
         for asked, _ in self.asked[self._over :]:
-            self.tell(asked, "say", "aborted")
+            self.report(asked, "say", "aborted")
         self._over = len(self.asked)
 
     def close(self) -> None:
@@ -34,19 +34,19 @@ class Voice(Output):
 
     async def begin(self, driver: AppDriver) -> None:
         """What was asked last begins to sound."""
-        self.tell(self.asked[-1][0], "say", "started")
+        self.report(self.asked[-1][0], "say", "started")
         await driver.settle()
 
     async def end(self, driver: AppDriver) -> None:
         """It has been said to its end."""
         self._over = len(self.asked)
-        self.tell(self.asked[-1][0], "say", "done")
+        self.report(self.asked[-1][0], "say", "done")
         await driver.settle()
 
     async def fail(self, driver: AppDriver) -> None:
         """It could not be said."""
         self._over = len(self.asked)
-        self.tell(self.asked[-1][0], "say", "failed", "The loudspeaker is gone.")
+        self.report(self.asked[-1][0], "say", "failed", "The loudspeaker is gone.")
         await driver.settle()
 
 

@@ -123,8 +123,8 @@ async def test_the_agent_looks_to_a_side_in_one_frame_and_is_still_while_the_res
             await driver.wait(200)
         assert frames == []
         reports = [one for one in driver.messages("output/report") if one["action"].startswith("cue-")]
-        for deed in ("gaze", "gesture"):
-            assert [one["state"] for one in reports if one["deed"] == deed] == ["queued", "started", "done"]
+        for part in ("gaze", "gesture"):
+            assert [one["state"] for one in reports if one["deed"] == part] == ["queued", "started", "done"]
 
 
 async def test_nothing_tells_before_the_prompt_on_which_side_it_will_come_but_the_agents_look(

@@ -55,7 +55,7 @@ def test_every_output_wears_it_too() -> None:
     puppet = Puppet()
     driver = LoopDriver(KEYBOARD, CALM, extra=[OutputNode(puppet, "puppet", CALM)], **SET_UP)
     driver.session.wear(edited(CALM, "Splendid", name="edited"))
-    assert [what[1] for what in puppet.asked if what[0] == "wear"] == ["calm", "calm", "edited"]
+    assert [what[1] for what in puppet.asked if what[0] == "apply_theme"] == ["calm", "calm", "edited"]
 
 
 def test_the_tasks_own_words_are_the_themes_where_it_has_some(driver: LoopDriver) -> None:

@@ -21,7 +21,7 @@ WAIT_S = 30.0
 """How long to wait for another thread or process before a check fails."""
 OVER = ("done", "aborted", "failed")
 _LIVES = ([], ["started"], ["aborted"], ["failed"], *(["started", end] for end in OVER))
-"""All that may be reported of a deed: what never began is never done."""
+"""All that may be reported of a part: what never began is never done."""
 
 THEME = Theme(
     name="bench",
@@ -75,7 +75,7 @@ class Rig:
     Args:
         output: not yet open.
         clock: what it lives by. On a virtual one time passes while the rig waits for something, and only then.
-        lasting: which of its deeds take time by themselves, rather than being over at once or when others follow.
+        lasting: which of its parts take time by themselves, rather than being over at once or when others follow.
     """
 
     def __init__(self, output: Output, clock: Clock, lasting: Sequence[ActionPart]) -> None:
@@ -91,27 +91,27 @@ class Rig:
         with self._lock:
             self.reports.append(report)
 
-    def ask(self, deed: ActionPart, action: str, what: str | None = None) -> None:
+    def ask(self, part: ActionPart, action: str, what: str | None = None) -> None:
         """Have it do something, which does not matter where ``what`` is left open."""
-        self.asked.append((action, deed))
-        what = _WHAT[deed] if what is None else what
-        getattr(self.output, deed)(action, what, *(["happy"] if deed == "show" else []))
+        self.asked.append((action, part))
+        what = _WHAT[part] if what is None else what
+        getattr(self.output, part)(action, what, *(["happy"] if part == "show" else []))
 
-    def ask_much(self, deed: ActionPart, action: str) -> None:
+    def ask_much(self, part: ActionPart, action: str) -> None:
         """Have it do something that takes long enough to be stopped."""
-        self.ask(deed, action, "One word after the other. " * 20 if deed == "say" else None)
+        self.ask(part, action, "One word after the other. " * 20 if part == "say" else None)
 
-    def states(self, action: str, deed: ActionPart) -> list[str]:
-        """What it reported of a deed, in order."""
-        return [report.state for report in list(self.reports) if (report.action, report.deed) == (action, deed)]
+    def states(self, action: str, part: ActionPart) -> list[str]:
+        """What it reported of a part, in order."""
+        return [report.state for report in list(self.reports) if (report.action, report.part) == (action, part)]
 
-    def ended(self, action: str, deed: ActionPart) -> bool:
-        """Whether a deed is over, as often as it was asked for."""
-        return sum(state in OVER for state in self.states(action, deed)) >= self.asked.count((action, deed))
+    def ended(self, action: str, part: ActionPart) -> bool:
+        """Whether a part is over, as often as it was asked for."""
+        return sum(state in OVER for state in self.states(action, part)) >= self.asked.count((action, part))
 
-    def detail(self, action: str, deed: ActionPart) -> str:
-        """What it said of how a deed ended."""
-        return next(r.detail for r in self.reports if (r.action, r.deed) == (action, deed) and r.state in OVER)
+    def detail(self, action: str, part: ActionPart) -> str:
+        """What it said of how a part ended."""
+        return next(r.detail for r in self.reports if (r.action, r.part) == (action, part) and r.state in OVER)
 
     def wait(self, until: Callable[[], bool]) -> None:
         """Let time pass until something is so; fails if it does not come to be."""
@@ -124,22 +124,22 @@ class Rig:
                 assert time.monotonic() < deadline, f"waited in vain; reported: {self.reports}"
                 time.sleep(0.002)
 
-    def wait_for(self, deed: ActionPart, *actions: str) -> None:
+    def wait_for(self, part: ActionPart, *actions: str) -> None:
         """Let time pass until these are over."""
-        self.wait(lambda: all(self.ended(action, deed) for action in actions))
+        self.wait(lambda: all(self.ended(action, part) for action in actions))
 
-    def wait_for_start(self, deed: ActionPart, action: str) -> None:
+    def wait_for_start(self, part: ActionPart, action: str) -> None:
         """Let time pass until this can be heard or seen."""
-        self.wait(lambda: "started" in self.states(action, deed))
-        assert not self.ended(action, deed)
+        self.wait(lambda: "started" in self.states(action, part))
+        assert not self.ended(action, part)
 
     def check_reports(self) -> None:
-        """Each deed began before it ended, ended once, and was asked for; time went forwards."""
-        assert {(report.action, report.deed) for report in self.reports} <= set(self.asked)
-        for action, deed in self.asked:
-            assert self.states(action, deed) in _LIVES, (action, deed)
-        for deed in self.output.can:
-            times = [report.at for report in self.reports if report.deed == deed]
+        """Each part began before it ended, ended once, and was asked for; time went forwards."""
+        assert {(report.action, report.part) for report in self.reports} <= set(self.asked)
+        for action, part in self.asked:
+            assert self.states(action, part) in _LIVES, (action, part)
+        for part in self.output.can:
+            times = [report.at for report in self.reports if report.part == part]
             assert times == sorted(times)
         for report in self.reports:
             kept = heard(report, 0, self.clock.now())
@@ -148,12 +148,12 @@ class Rig:
             assert isinstance(report.detail, str)
 
 
-def each_deed_ends_exactly_once_and_done_ones_began(rig: Rig) -> None:
-    for deed in rig.lasting:
+def each_part_ends_exactly_once_and_done_ones_began(rig: Rig) -> None:
+    for part in rig.lasting:
         for action in ("first", "second"):
-            rig.ask(deed, action)
-        rig.wait_for(deed, "first", "second")
-        assert rig.states("first", deed) == rig.states("second", deed) == ["started", "done"]
+            rig.ask(part, action)
+        rig.wait_for(part, "first", "second")
+        assert rig.states("first", part) == rig.states("second", part) == ["started", "done"]
     rig.check_reports()
 
 
@@ -175,137 +175,137 @@ def a_look_ends(rig: Rig) -> None:
     rig.check_reports()
 
 
-def a_method_returns_while_the_deed_is_still_to_be_done(rig: Rig) -> None:
-    for deed in rig.lasting:
-        rig.ask_much(deed, "slow")
-        assert not rig.ended("slow", deed)
+def a_method_returns_while_the_part_is_still_to_be_done(rig: Rig) -> None:
+    for part in rig.lasting:
+        rig.ask_much(part, "slow")
+        assert not rig.ended("slow", part)
         rig.output.stop()
-        rig.wait_for(deed, "slow")
+        rig.wait_for(part, "slow")
 
 
-def deeds_of_one_kind_follow_each_other_in_order(rig: Rig) -> None:
-    for deed in rig.lasting:
+def parts_of_one_kind_follow_each_other_in_order(rig: Rig) -> None:
+    for part in rig.lasting:
         actions = ["a", "b", "c", "d"]
         for action in actions:
-            rig.ask(deed, action, "Yes." if deed == "say" else None)
-        rig.wait_for(deed, *actions)
-        told = [(report.action, report.state) for report in rig.reports if report.deed == deed]
+            rig.ask(part, action, "Yes." if part == "say" else None)
+        rig.wait_for(part, *actions)
+        told = [(report.action, report.state) for report in rig.reports if report.part == part]
         assert told == [(action, state) for action in actions for state in ("started", "done")]
 
 
 def the_same_action_may_be_done_again(rig: Rig) -> None:
-    for deed in rig.lasting:
+    for part in rig.lasting:
         for times in (1, 2):
-            rig.ask(deed, "again")
-            rig.wait_for(deed, "again")
-            assert rig.states("again", deed) == ["started", "done"] * times
+            rig.ask(part, "again")
+            rig.wait_for(part, "again")
+            assert rig.states("again", part) == ["started", "done"] * times
 
 
 def stop_is_harmless_when_nothing_is_under_way(rig: Rig) -> None:
     rig.output.stop()
     rig.output.stop("nobody")
     assert rig.reports == []
-    each_deed_ends_exactly_once_and_done_ones_began(rig)
+    each_part_ends_exactly_once_and_done_ones_began(rig)
 
 
 def stop_aborts_what_is_under_way_and_what_waits_and_then_it_works_again(rig: Rig) -> None:
-    for deed in rig.lasting:
-        rig.ask_much(deed, "under way")
-        rig.ask(deed, "waiting")
-        rig.wait_for_start(deed, "under way")
+    for part in rig.lasting:
+        rig.ask_much(part, "under way")
+        rig.ask(part, "waiting")
+        rig.wait_for_start(part, "under way")
         rig.output.stop()
         rig.output.stop()
-        rig.ask(deed, "afterwards")
-        rig.wait_for(deed, "under way", "waiting", "afterwards")
-        assert rig.states("under way", deed) == ["started", "aborted"]
-        assert rig.states("waiting", deed) == ["aborted"]
-        assert rig.states("afterwards", deed) == ["started", "done"]
+        rig.ask(part, "afterwards")
+        rig.wait_for(part, "under way", "waiting", "afterwards")
+        assert rig.states("under way", part) == ["started", "aborted"]
+        assert rig.states("waiting", part) == ["aborted"]
+        assert rig.states("afterwards", part) == ["started", "done"]
     rig.check_reports()
 
 
 def stop_before_it_began_aborts_it(rig: Rig) -> None:
-    for deed in rig.lasting:
-        rig.ask_much(deed, "hasty")
+    for part in rig.lasting:
+        rig.ask_much(part, "hasty")
         rig.output.stop("hasty")
-        rig.wait_for(deed, "hasty")
-        assert rig.states("hasty", deed)[-1] == "aborted"
+        rig.wait_for(part, "hasty")
+        assert rig.states("hasty", part)[-1] == "aborted"
     rig.check_reports()
 
 
 def stop_of_one_that_is_under_way_leaves_the_one_that_waits(rig: Rig) -> None:
-    for deed in rig.lasting:
-        rig.ask_much(deed, "under way")
-        rig.ask(deed, "waiting")
-        rig.wait_for_start(deed, "under way")
+    for part in rig.lasting:
+        rig.ask_much(part, "under way")
+        rig.ask(part, "waiting")
+        rig.wait_for_start(part, "under way")
         rig.output.stop("under way")
-        rig.wait_for(deed, "under way", "waiting")
-        assert rig.states("under way", deed) == ["started", "aborted"]
-        assert rig.states("waiting", deed) == ["started", "done"]
+        rig.wait_for(part, "under way", "waiting")
+        assert rig.states("under way", part) == ["started", "aborted"]
+        assert rig.states("waiting", part) == ["started", "done"]
     rig.check_reports()
 
 
 def stop_of_one_that_waits_leaves_the_one_that_is_under_way(rig: Rig) -> None:
-    for deed in rig.lasting:
-        rig.ask(deed, "under way")
-        rig.ask(deed, "waiting")
+    for part in rig.lasting:
+        rig.ask(part, "under way")
+        rig.ask(part, "waiting")
         rig.output.stop("waiting")
-        rig.wait_for(deed, "under way", "waiting")
-        assert rig.states("under way", deed) == ["started", "done"]
-        assert rig.states("waiting", deed) == ["aborted"]
+        rig.wait_for(part, "under way", "waiting")
+        assert rig.states("under way", part) == ["started", "done"]
+        assert rig.states("waiting", part) == ["aborted"]
     rig.check_reports()
 
 
 def stop_of_another_action_stops_nothing(rig: Rig) -> None:
-    for deed in rig.lasting:
-        rig.ask(deed, "mine")
+    for part in rig.lasting:
+        rig.ask(part, "mine")
         rig.output.stop("somebody else's")
-        rig.wait_for(deed, "mine")
-        assert rig.states("mine", deed) == ["started", "done"]
+        rig.wait_for(part, "mine")
+        assert rig.states("mine", part) == ["started", "done"]
 
 
 def another_theme_may_be_worn_while_something_is_under_way(rig: Rig) -> None:
-    for deed in rig.lasting:
-        rig.ask(deed, "before")
-        rig.wait_for_start(deed, "before")
-        rig.output.wear(OTHER_THEME)
-        rig.ask(deed, "after")
-        rig.wait_for(deed, "before", "after")
-        assert rig.states("after", deed) == ["started", "done"]
-        rig.output.wear(THEME)
+    for part in rig.lasting:
+        rig.ask(part, "before")
+        rig.wait_for_start(part, "before")
+        rig.output.apply_theme(OTHER_THEME)
+        rig.ask(part, "after")
+        rig.wait_for(part, "before", "after")
+        assert rig.states("after", part) == ["started", "done"]
+        rig.output.apply_theme(THEME)
     rig.check_reports()
 
 
 def a_name_that_the_theme_lacks_fails_with_a_sentence(rig: Rig) -> None:
-    for deed in rig.lasting:
-        if deed in ("gesture", "tone"):
-            rig.ask(deed, "unheard of", "somersault")
-            rig.ask(deed, "known")
-            rig.wait_for(deed, "unheard of", "known")
-            assert rig.states("unheard of", deed) == ["failed"]
-            assert "somersault" in rig.detail("unheard of", deed)
-            assert rig.detail("unheard of", deed).endswith(".")
-            assert rig.states("known", deed) == ["started", "done"]
+    for part in rig.lasting:
+        if part in ("gesture", "tone"):
+            rig.ask(part, "unheard of", "somersault")
+            rig.ask(part, "known")
+            rig.wait_for(part, "unheard of", "known")
+            assert rig.states("unheard of", part) == ["failed"]
+            assert "somersault" in rig.detail("unheard of", part)
+            assert rig.detail("unheard of", part).endswith(".")
+            assert rig.states("known", part) == ["started", "done"]
 
 
 def any_text_is_borne(rig: Rig) -> None:
-    for deed in ("say", "show", "gesture", "tone"):
-        if deed in rig.output.can:
+    for part in ("say", "show", "gesture", "tone"):
+        if part in rig.output.can:
             for index, text in enumerate(TEXTS):
-                rig.ask(deed, f"text {index}", text)
+                rig.ask(part, f"text {index}", text)
                 if index % 2:
                     rig.output.stop()
-            if deed != "show":
+            if part != "show":
                 rig.output.stop()
-                rig.wait_for(deed, *(f"text {index}" for index in range(len(TEXTS))))
+                rig.wait_for(part, *(f"text {index}" for index in range(len(TEXTS))))
     rig.check_reports()
 
 
 def close_is_harmless_twice_and_nothing_is_reported_afterwards(rig: Rig) -> None:
-    for deed in rig.lasting:
-        rig.ask_much(deed, "under way")
-        rig.ask(deed, "waiting")
-    for deed in rig.lasting:
-        rig.wait_for_start(deed, "under way")
+    for part in rig.lasting:
+        rig.ask_much(part, "under way")
+        rig.ask(part, "waiting")
+    for part in rig.lasting:
+        rig.wait_for_start(part, "under way")
     rig.output.close()
     told = list(rig.reports)
     rig.output.stop()
@@ -317,11 +317,11 @@ def close_is_harmless_twice_and_nothing_is_reported_afterwards(rig: Rig) -> None
 
 
 CHECKS: tuple[Callable[[Rig], None], ...] = (
-    each_deed_ends_exactly_once_and_done_ones_began,
+    each_part_ends_exactly_once_and_done_ones_began,
     words_are_done_when_others_take_their_place,
     a_look_ends,
-    a_method_returns_while_the_deed_is_still_to_be_done,
-    deeds_of_one_kind_follow_each_other_in_order,
+    a_method_returns_while_the_part_is_still_to_be_done,
+    parts_of_one_kind_follow_each_other_in_order,
     the_same_action_may_be_done_again,
     stop_is_harmless_when_nothing_is_under_way,
     stop_aborts_what_is_under_way_and_what_waits_and_then_it_works_again,

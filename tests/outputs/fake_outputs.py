@@ -26,9 +26,9 @@ class Puppet(Output):
         self.asked: list[tuple[str, ...]] = []
         self._breaks = breaks
 
-    def wear(self, theme: Theme) -> None:
-        super().wear(theme)
-        self._note("wear", theme.name)
+    def apply_theme(self, theme: Theme) -> None:
+        super().apply_theme(theme)
+        self._note("apply_theme", theme.name)
 
     def say(self, action: str, text: str) -> None:
         self._note("say", action, text)
@@ -69,8 +69,8 @@ class Speaker(Output):
         self._queue: list[tuple[str, str]] = []
         self._done: Handle | None = None
 
-    def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
-        super().open(theme, clock, tell)
+    def open(self, theme: Theme, clock: Clock, report: Callable[[Report], None]) -> None:
+        super().open(theme, clock, report)
         self._queue.clear()
         self._done = None
 
@@ -86,18 +86,18 @@ class Speaker(Output):
         was = self._queue[0] if self._queue else None
         self._queue = [entry for entry in self._queue if entry not in gone]
         for name, _ in gone:
-            self.tell(name, "say", "aborted")
+            self.report(name, "say", "aborted")
         if self._queue and self._queue[0] != was:
             self._begin()
 
     def _begin(self) -> None:
         action, text = self._queue[0]
         self.said.append((self.clock.now(), text))
-        self.tell(action, "say", "started")
+        self.report(action, "say", "started")
         self._done = self.clock.call_at(self.clock.now() + round(self.takes_ms * MS), self._end)
 
     def _end(self) -> None:
         action, _ = self._queue.pop(0)
-        self.tell(action, "say", "done")
+        self.report(action, "say", "done")
         if self._queue:
             self._begin()

@@ -1,4 +1,4 @@
-"""Given an output on the bus, when it raises, stays silent or says too much, then each deed is told of once."""
+"""Given an output on the bus, when it raises, stays silent or says too much, then each part is told of once."""
 
 import threading
 from types import SimpleNamespace
@@ -78,22 +78,22 @@ class Stage:
     def halt(self, action: str = "", reason: Any = "stopped", asked: int | None = None) -> None:
         self.publish(m.Halt(action=action, reason=reason, asked=self.clock.now() if asked is None else asked))
 
-    def tell(self, deed: ActionPart, state: Any, action: str = "a1", at: int | None = None, detail: str = "") -> None:
+    def tell(self, part: ActionPart, state: Any, action: str = "a1", at: int | None = None, detail: str = "") -> None:
         """Have the output report."""
-        self.node.output._tell(Report(action, deed, state, self.clock.now() if at is None else at, detail))
+        self.node.output._send_report(Report(action, part, state, self.clock.now() if at is None else at, detail))
         self.clock.advance(0)
 
     def wait(self, ns: int) -> None:
         self.clock.advance(ns)
 
-    def states(self, action: str = "a1", deed: ActionPart = "say") -> list[str]:
-        return [report.state for report in self.reports if (report.action, report.part) == (action, deed)]
+    def states(self, action: str = "a1", part: ActionPart = "say") -> list[str]:
+        return [report.state for report in self.reports if (report.action, report.part) == (action, part)]
 
 
 def asked(stage: Stage) -> list[tuple[str, ...]]:
     """What a puppet was asked for, but for its theme."""
     assert isinstance(stage.node.output, Puppet)
-    return [what for what in stage.node.output.asked if what[0] != "wear"]
+    return [what for what in stage.node.output.asked if what[0] != "apply_theme"]
 
 
 EVERY_PART = {
@@ -125,15 +125,15 @@ def test_an_action_is_done_look_and_tone_first() -> None:
         ("say", "a1", "Well done!"),
     ]
     assert [(report.part, report.state) for report in stage.reports] == [
-        (deed, "queued") for deed in ("show", "gaze", "tone", "gesture", "say")
+        (part, "queued") for part in ("show", "gaze", "tone", "gesture", "say")
     ]
 
 
-@pytest.mark.parametrize("deed", sorted(EVERYTHING))
-def test_it_is_asked_only_for_what_it_can(deed: ActionPart) -> None:
-    stage = Stage(Puppet(can=frozenset({deed})))
+@pytest.mark.parametrize("part", sorted(EVERYTHING))
+def test_it_is_asked_only_for_what_it_can(part: ActionPart) -> None:
+    stage = Stage(Puppet(can=frozenset({part})))
     stage.act(**EVERY_PART)
-    assert [what[0] for what in asked(stage)] == [deed]
+    assert [what[0] for what in asked(stage)] == [part]
 
 
 def test_what_an_action_leaves_out_is_not_asked_for() -> None:
@@ -147,7 +147,7 @@ def test_a_theme_that_is_edited_is_worn() -> None:
     stage = Stage(Puppet())
     stage.bus.publish(THEME, m.ThemeApplied(theme=msgspec.structs.replace(BARE, name="edited")))
     assert isinstance(stage.node.output, Puppet)
-    assert stage.node.output.asked == [("wear", "bench"), ("wear", "edited")]
+    assert stage.node.output.asked == [("apply_theme", "bench"), ("apply_theme", "edited")]
 
 
 # --- what it reports ------------------------------------------------------------------------------------------
@@ -170,25 +170,25 @@ def test_its_reports_are_passed_on_with_their_own_times() -> None:
     assert stage.reports[-1].detail == "The cable is out."
 
 
-@pytest.mark.parametrize("deed", sorted(EVERYTHING))
-def test_what_raises_has_failed_and_the_rest_goes_on(deed: ActionPart) -> None:
-    stage = Stage(Puppet(breaks=(deed,)))
+@pytest.mark.parametrize("part", sorted(EVERYTHING))
+def test_what_raises_has_failed_and_the_rest_goes_on(part: ActionPart) -> None:
+    stage = Stage(Puppet(breaks=(part,)))
     stage.act(**EVERY_PART)
     assert {what[0] for what in asked(stage)} == EVERYTHING
     failed = [report for report in stage.reports if report.state == "failed"]
-    assert [(report.part, report.detail) for report in failed] == [(deed, f"RuntimeError: no {deed} today.")]
-    assert stage.states(deed=deed) == ["queued", "failed"]
+    assert [(report.part, report.detail) for report in failed] == [(part, f"RuntimeError: no {part} today.")]
+    assert stage.states(part=part) == ["queued", "failed"]
 
 
-@pytest.mark.parametrize("deed", LASTING)
-def test_what_never_answers_has_failed_after_a_while_and_is_told_to_stop(deed: ActionPart) -> None:
-    stage = Stage(Puppet(can=frozenset({deed})))
+@pytest.mark.parametrize("part", LASTING)
+def test_what_never_answers_has_failed_after_a_while_and_is_told_to_stop(part: ActionPart) -> None:
+    stage = Stage(Puppet(can=frozenset({part})))
     stage.act(**{**EVERY_PART, "spoken": "x" * 100})
-    limit = GIVES_UP + (100 * PER_CHARACTER if deed == "say" else 0)
+    limit = GIVES_UP + (100 * PER_CHARACTER if part == "say" else 0)
     stage.wait(limit - 1)
-    assert stage.states(deed=deed) == ["queued"]
+    assert stage.states(part=part) == ["queued"]
     stage.wait(1)
-    assert stage.states(deed=deed) == ["queued", "failed"]
+    assert stage.states(part=part) == ["queued", "failed"]
     assert stage.reports[-1].detail == "It did not tell what became of it."
     assert asked(stage)[-1] == ("stop", "a1")
 
@@ -197,7 +197,7 @@ def test_words_stand_for_as_long_as_nothing_takes_their_place() -> None:
     stage = Stage(Puppet())
     stage.act(text="Well done.", face="happy")
     stage.wait(3600 * SECOND)
-    assert stage.states(deed="show") == ["queued"]
+    assert stage.states(part="show") == ["queued"]
 
 
 @pytest.mark.parametrize("end", ["done", "aborted", "failed"])
@@ -238,7 +238,7 @@ def test_a_detail_is_kept_as_text_that_can_be_written(detail: Any, kept: str) ->
     stage.act(gesture="wave")
     stage.tell("gesture", "failed", detail=detail)
     assert stage.reports[-1].detail == kept
-    assert stage.states(deed="gesture") == ["queued", "failed"]
+    assert stage.states(part="gesture") == ["queued", "failed"]
 
 
 def test_an_exception_that_cannot_be_written_is_told_so_that_it_can() -> None:
@@ -272,16 +272,16 @@ def test_a_time_that_is_no_whole_number_is_made_one() -> None:
         Report("a1", "gesture", "done", float("nan")),  # type: ignore[arg-type]
         Report("a1", "gesture", "done", SECOND - 1),
         Report("a1", "gesture", "done", 2**70),
-        SimpleNamespace(action="a1", deed="gesture"),
+        SimpleNamespace(action="a1", part="gesture"),
     ],
 )
 def test_a_report_that_cannot_be_understood_ends_what_it_is_about(report: Any) -> None:
     stage = Stage(Puppet())
     stage.act(gesture="wave")
     stage.act("a2", gesture="wave")
-    stage.node.output._tell(report)
+    stage.node.output._send_report(report)
     stage.clock.advance(0)
-    assert stage.states(deed="gesture") == ["queued", "failed"]
+    assert stage.states(part="gesture") == ["queued", "failed"]
     assert stage.reports[-1].detail == "It reported what cannot be understood."
     assert stage.states("a2", "gesture") == ["queued"]
     for told in stage.reports:
@@ -292,9 +292,9 @@ def test_a_report_that_cannot_be_understood_ends_what_it_is_about(report: Any) -
 def test_a_report_that_is_about_nothing_is_nothing(report: Any) -> None:
     stage = Stage(Puppet())
     stage.act(gesture="wave")
-    stage.node.output._tell(report)
+    stage.node.output._send_report(report)
     stage.clock.advance(0)
-    assert stage.states(deed="gesture") == ["queued"]
+    assert stage.states(part="gesture") == ["queued"]
 
 
 def test_a_report_from_another_thread_arrives_on_the_loops_own() -> None:
@@ -303,7 +303,7 @@ def test_a_report_from_another_thread_arrives_on_the_loops_own() -> None:
     on_thread: list[int] = []
     stage.bus.subscribe(REPORT, lambda _: on_thread.append(threading.get_ident()))
     report = Report("a1", "say", "done", stage.clock.now() + 5)
-    thread = threading.Thread(target=stage.node.output._tell, args=(report,))
+    thread = threading.Thread(target=stage.node.output._send_report, args=(report,))
     thread.start()
     thread.join()
     assert stage.states() == ["queued"], "not before the loop has its turn"
@@ -335,13 +335,13 @@ def test_one_that_was_never_attached_can_be_let_go_of() -> None:
 
 
 def test_one_that_cannot_be_opened_fails_at_everything_and_says_why() -> None:
-    stage = Stage(Puppet(breaks=("wear",)))
+    stage = Stage(Puppet(breaks=("apply_theme",)))
     stage.act(**EVERY_PART)
     assert len(stage.opened) == 1
-    for deed in EVERYTHING:
-        assert stage.states(deed=deed) == ["queued", "failed"]
+    for part in EVERYTHING:
+        assert stage.states(part=part) == ["queued", "failed"]
     assert {report.detail for report in stage.reports if report.state == "failed"} == {
-        "It could not be opened (RuntimeError: no wear today)."
+        "It could not be opened (RuntimeError: no apply_theme today)."
     }
     assert asked(stage) == [], "nothing is asked of it"
 
@@ -356,7 +356,7 @@ def test_one_that_never_answers_and_cannot_be_stopped_has_failed_all_the_same() 
     stage = Stage(Puppet(breaks=("stop",)))
     stage.act(gesture="wave")
     stage.wait(GIVES_UP)
-    assert stage.states(deed="gesture") == ["queued", "failed"]
+    assert stage.states(part="gesture") == ["queued", "failed"]
 
 
 # --- being still ----------------------------------------------------------------------------------------------
@@ -370,13 +370,13 @@ def test_a_stop_is_told_when_the_last_of_what_was_under_way_is_over() -> None:
     assert asked(stage)[-1] == ("stop", "")
     ends = {"say": 60 * MS, "tone": 40 * MS, "gaze": 10 * MS, "gesture": 20 * MS}
     at = stage.clock.now()
-    for deed, after in ends.items():
+    for part, after in ends.items():
         assert stage.stopped == []
-        stage.tell(deed, "aborted", at=at + after)  # type: ignore[arg-type]
+        stage.tell(part, "aborted", at=at + after)  # type: ignore[arg-type]
     (stopped,) = stage.stopped
     assert (stopped.output, stopped.asked, stopped.at) == ("puppet", asked_at, at + 60 * MS)
     assert stopped.detail == ""
-    assert stage.states(deed="show") == ["queued"], "words may stay where they are"
+    assert stage.states(part="show") == ["queued"], "words may stay where they are"
 
 
 def test_a_stop_with_nothing_under_way_is_told_at_once() -> None:
@@ -408,9 +408,9 @@ def test_what_does_not_become_still_has_failed_whatever_it_was_to_be_still_for(r
     assert {*(report.state for report in stage.reports)} == {"queued"}
     assert stage.stopped == []
     stage.wait(1)
-    for deed in LASTING:
-        assert stage.states(deed=deed) == ["queued", "failed"]
-    assert stage.states(deed="show") == ["queued"], "words may stay where they are"
+    for part in LASTING:
+        assert stage.states(part=part) == ["queued", "failed"]
+    assert stage.states(part="show") == ["queued"], "words may stay where they are"
     assert stage.states("a2", "gesture") == ["queued"], "what came after that was not told to be still"
     assert {report.detail for report in stage.reports if report.state == "failed"} == {"It did not become still."}
     assert [(stopped.at - stopped.asked, stopped.detail) for stopped in stage.stopped] == (
@@ -470,8 +470,8 @@ def test_one_that_raises_when_it_is_stopped_is_told_not_to_be_still() -> None:
     stage.halt()
     (stopped,) = stage.stopped
     assert stopped.detail == "It could not be stopped (RuntimeError: no stop today)."
-    for deed in ("gesture", "say"):
-        assert stage.states(deed=deed) == ["queued", "failed"]  # type: ignore[arg-type]
+    for part in ("gesture", "say"):
+        assert stage.states(part=part) == ["queued", "failed"]  # type: ignore[arg-type]
     stage.wait(3600 * SECOND)
     assert len(stage.stopped) == 1
 
@@ -583,7 +583,7 @@ def test_a_look_before_a_prompt_is_done_at_once_by_whatever_can(can: tuple[str, 
     stage.publish(m.CueGiven(attempt=1, trial=2, presentation=1, side="left", gaze="left", gesture="point_left"))
     assert [what[0] for what in asked(stage)] == done
     assert [(what[1], what[2]) for what in asked(stage)] == [
-        ("cue-1-2-1", {"gaze": "left", "gesture": "point_left"}[deed]) for deed in done
+        ("cue-1-2-1", {"gaze": "left", "gesture": "point_left"}[part]) for part in done
     ]
 
 

@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.clock import MS
+from sar_tui.framework.clock import MS, VirtualClock
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import TONES, Theme
 from sar_tui.framework.topics import OUTPUT
-from sar_tui.outputs.output import Output, OutputError
+from sar_tui.outputs.output import Output, OutputError, Report
 from sar_tui.outputs.outputs import check_outputs, open_outputs, output_names
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
@@ -256,3 +256,32 @@ def test_a_simulated_session_speaks_through_what_it_was_given_and_says_so(
 
 def test_the_names_of_tones_are_those_that_can_be_asked_for() -> None:
     check_outputs([f"tones:{'+'.join(TONES)}"])
+
+
+# --- outputs of earlier versions ------------------------------------------------------------------------------
+
+
+def test_an_output_with_the_method_wear_is_refused_in_a_sentence(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def load() -> type[Output]:
+        class Lamp(Output):
+            name = "lamp"
+
+            def wear(self, theme: Theme) -> None: ...
+
+        return Lamp
+
+    entry = SimpleNamespace(name="lamp", value="somewhere:Lamp", load=load)
+    monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [entry])
+    assert problem("lamp") == (
+        "Lamp is written for an earlier version of sar-tui: rename its method wear to apply_theme."
+    )
+
+
+def test_an_output_may_report_by_the_earlier_name() -> None:
+    reports: list[Report] = []
+    output = Puppet()
+    output.open(BARE, VirtualClock(), reports.append)
+    output.tell("a1", "say", "started")
+    assert [(report.action, report.part, report.state) for report in reports] == [("a1", "say", "started")]

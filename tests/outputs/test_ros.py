@@ -17,7 +17,7 @@ from sar_tui.framework.clock import MS, SECOND, LiveClock
 from sar_tui.outputs.node import STILL
 from sar_tui.outputs.output import OutputError, Report
 from sar_tui.outputs.ros import ANSWER, CONFIRM, LONGEST, PATIENCE, SETTLE, Ros
-from sar_tui.outputs.ros_topics import Topics, understand
+from sar_tui.outputs.ros_topics import Topics, read_report
 from tests.fake_rosbridge import Manner, RosBridge, ros_bridge, wait_until
 from tests.outputs.contract import THEME, WAIT_S, Rig
 from tests.outputs.ros_fixtures import BenchClock, RosRig, is_ready, robot_bench
@@ -34,7 +34,7 @@ def asked(robot: RosBridge, what: str) -> list[dict[str, Any]]:
 
 
 def told(rig: Rig) -> list[tuple[str, str, str]]:
-    return [(report.action, report.deed, report.state) for report in rig.reports]
+    return [(report.action, report.part, report.state) for report in rig.reports]
 
 
 def test_the_robot_is_told_what_to_say_how_to_move_and_where_to_look() -> None:
@@ -42,8 +42,8 @@ def test_the_robot_is_told_what_to_say_how_to_move_and_where_to_look() -> None:
         rig.ask("say", "praise", "You were 40 milliseconds faster.")
         rig.ask("gesture", "praise", "nod")
         rig.ask("gaze", "praise", "up")
-        for deed in rig.lasting:
-            rig.wait_for(deed, "praise")
+        for part in rig.lasting:
+            rig.wait_for(part, "praise")
         (said,), (moved,), (looked,) = asked(robot, "speech"), asked(robot, "gesture"), asked(robot, "gaze")
         assert said["text"] == "You were 40 milliseconds faster."
         assert said["language"] == "en"
@@ -175,9 +175,9 @@ def test_a_stop_reaches_the_robot_and_what_it_did_is_aborted_when_it_says_so() -
         rig.clock.advance(CONFIRM - 1)
         assert len(rig.reports) == 3
         at = rig.clock.now()
-        for deed in ("say", "gesture"):
+        for part in ("say", "gesture"):
             its = asked(robot, "speech")[0]["id"]
-            robot.publish("/sar_tui/report", {"data": json.dumps({"state": "aborted", "id": its, "deed": deed})})
+            robot.publish("/sar_tui/report", {"data": json.dumps({"state": "aborted", "id": its, "deed": part})})
         rig.wait_for("say", "a")
         rig.wait_for("gesture", "a")
         assert [(report[:3], report.at, report.detail) for report in rig.reports[3:]] == [
@@ -187,7 +187,7 @@ def test_a_stop_reaches_the_robot_and_what_it_did_is_aborted_when_it_says_so() -
         assert [said["text"] for said in asked(robot, "speech")] == ["Hello."]
 
 
-def test_a_deed_that_is_done_as_it_is_stopped_was_aborted_and_one_that_fails_then_has_failed() -> None:
+def test_a_part_that_is_done_as_it_is_stopped_was_aborted_and_one_that_fails_then_has_failed() -> None:
     with robot_bench("slow") as (rig, robot):
         for action, state, detail in (("a", "done", ""), ("b", "failed", "My arm is stuck.")):
             robot.manner = "slow"
@@ -304,7 +304,7 @@ def test_a_stop_that_is_confirmed_is_no_matter_any_more(manner: Manner, form: st
         assert not any("confirm" in report.detail for report in rig.reports)
 
 
-def test_while_the_bridge_is_away_deeds_fail_at_once_and_when_it_is_back_all_works_and_nothing_old_is_said() -> None:
+def test_while_the_bridge_is_away_parts_fail_at_once_and_when_it_is_back_all_works_and_nothing_old_is_said() -> None:
     with robot_bench() as (rig, robot):
         rig.clock.advance(PATIENCE)
         rig.ask("say", "before", "One.")
@@ -373,7 +373,7 @@ def test_what_is_asked_for_in_the_first_moments_waits_for_the_connection() -> No
         rig.output.close()
 
 
-def test_without_a_bridge_the_first_deeds_fail_when_patience_is_over() -> None:
+def test_without_a_bridge_the_first_parts_fail_when_patience_is_over() -> None:
     rig = RosRig(Ros("ros://127.0.0.1:9"), BenchClock(), ("say",))
     rig.ask("say", "greeting", "Hello.")
     rig.clock.advance(PATIENCE - 1)
@@ -383,7 +383,7 @@ def test_without_a_bridge_the_first_deeds_fail_when_patience_is_over() -> None:
     rig.output.close()
 
 
-def test_without_the_package_deeds_fail_with_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_package_parts_fail_with_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "roslibpy", None)
     monkeypatch.setitem(sys.modules, "roslibpy.comm", None)
     rig = RosRig(Ros("ros://127.0.0.1"), BenchClock(), ("say",))
@@ -468,7 +468,7 @@ class _Ros2:
         self.due: dict[Callable[[], None], float] = {}
 
     def create_publisher(self, kind: type, topic: str, depth: int) -> Any:
-        return SimpleNamespace(publish=lambda message: self.said.append(understand(vars(message))))
+        return SimpleNamespace(publish=lambda message: self.said.append(read_report(vars(message))))
 
     def create_subscription(self, kind: type, topic: str, hear: Callable[[Any], None], depth: int) -> None:
         self.hears[topic] = hear
@@ -499,7 +499,7 @@ def test_the_robot_in_the_documentation_answers_what_it_is_sent(monkeypatch: pyt
     hears("/sar_tui/stop", "b")
     next(iter(robot.due))()
     hears("/sar_tui/stop", "")
-    assert [(answer.id, answer.deed, answer.state) for answer in robot.said] == [
+    assert [(answer.id, answer.part, answer.state) for answer in robot.said] == [
         ("a", "say", "started"),
         ("a", "gesture", "started"),
         ("b", "gaze", "started"),

@@ -53,7 +53,7 @@ def test_the_themes_voice_its_rate_and_volume_are_worn(calm: Theme, tmp_path: Pa
     with listening(Sound(f"file:{tmp_path}"), in_language(calm, "en", Voice(rate=120)), clock) as ear:
         ear.speech.say("a1", WORDS["en"])
         for voice in (Voice(rate=300, volume=0.3), Voice(rate=120, names={"en": "america"})):
-            ear.speech.wear(in_language(calm, "en", voice))
+            ear.speech.apply_theme(in_language(calm, "en", voice))
             ear.speech.say("a2", WORDS["en"])
     slow, fast, american = (spoken(path) for path in sorted(tmp_path.iterdir()))
     assert len(fast) < 0.6 * len(slow)

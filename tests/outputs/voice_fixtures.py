@@ -180,9 +180,9 @@ def tones_rig() -> Iterator[Rig]:
     yield from _live_rig(Tones(Sound(backends=NOBODY)), "tone")
 
 
-def _live_rig(output: Output, deed: ActionPart) -> Iterator[Rig]:
+def _live_rig(output: Output, part: ActionPart) -> Iterator[Rig]:
     loop = asyncio.new_event_loop()
-    rig = Rig(output, LiveClock(loop), [deed])
+    rig = Rig(output, LiveClock(loop), [part])
     try:
         yield rig
     finally:

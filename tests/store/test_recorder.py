@@ -199,7 +199,7 @@ def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_whatever
     recorded.clock.advance(SECOND // 2)
     robot.tell("a1", "say", "started")
     recorded.clock.advance(2 * SECOND)
-    robot._tell(Report("a1", "say", "done", SECOND))
+    robot._send_report(Report("a1", "say", "done", SECOND))
     recorded.clock.advance(0)
     recorded.recorder.write()
     greeting = sessions.rows(recorded.eyes, "actions", recorded.id)[0]

@@ -59,15 +59,15 @@ class DrawnAgent(Output):
         self._is_cueing = False
 
     def cue(self, cue: CueGiven, do: Callable[[CueGiven], None]) -> None:
-        """Draw a cue at once; ``do`` asks for its deeds, which with that are done."""
+        """Draw a cue at once; ``do`` asks for its parts, which with that are done."""
         self._is_cueing = True
         if self.can:
             self._stage.cue(cue.gaze, self.theme.gestures.get(cue.gesture))
         do(cue)
         self._is_cueing = False
 
-    def wear(self, theme: Theme) -> None:
-        super().wear(theme)
+    def apply_theme(self, theme: Theme) -> None:
+        super().apply_theme(theme)
         self._stage.wear(theme)
 
     def show(self, action: str, text: str, face: str) -> None:
@@ -75,11 +75,11 @@ class DrawnAgent(Output):
         if text or not self._shown:
             self.clear()
         self._stage.say(self.action)
-        self.tell(action, "show", "started")
+        self.report(action, "show", "started")
         if text or not self._shown:
             self._shown, self._kind = action, self.action.kind
         else:
-            self.tell(action, "show", "done")
+            self.report(action, "show", "done")
 
     def shows(self, kind: Kind) -> bool:
         """Whether the words that stand are of that kind."""
@@ -88,7 +88,7 @@ class DrawnAgent(Output):
     def clear(self) -> None:
         """Words that stood are gone."""
         if self._shown:
-            self.tell(self._shown, "show", "done")
+            self.report(self._shown, "show", "done")
             self._shown, self._kind = "", ""
 
     def gesture(self, action: str, name: str) -> None:
@@ -105,10 +105,10 @@ class DrawnAgent(Output):
             action, name = self._gestures.popleft()
             gesture = self.theme.gestures.get(name)
             if gesture is None:
-                self.tell(action, "gesture", "failed", f"The theme has no gesture {name}.")
+                self.report(action, "gesture", "failed", f"The theme has no gesture {name}.")
                 continue
             self._stage.gesture(gesture)
-            self.tell(action, "gesture", "started")
+            self.report(action, "gesture", "started")
             over = self.clock.now() + gesture.duration_ms * MS
             self._moving = (action, self.clock.call_at(over, self._moved))
 
@@ -116,7 +116,7 @@ class DrawnAgent(Output):
         assert self._moving
         action, _ = self._moving
         self._moving = None
-        self.tell(action, "gesture", "done")
+        self.report(action, "gesture", "done")
         self._move_on()
 
     def gaze(self, action: str, where: str) -> None:
@@ -124,9 +124,9 @@ class DrawnAgent(Output):
             self._stage.gaze(where)
         self._did(action, "gaze")
 
-    def _did(self, action: str, deed: ActionPart) -> None:
-        self.tell(action, deed, "started")
-        self.tell(action, deed, "done")
+    def _did(self, action: str, part: ActionPart) -> None:
+        self.report(action, part, "started")
+        self.report(action, part, "done")
 
     def stop(self, action: str = "") -> None:
         """Gestures are broken off; words stay where they are."""
@@ -140,7 +140,7 @@ class DrawnAgent(Output):
         elif not action:
             self._stage.be_still()
         for other in gone:
-            self.tell(other, "gesture", "aborted")
+            self.report(other, "gesture", "aborted")
         self._move_on()
 
     def close(self) -> None:

@@ -96,7 +96,7 @@ class AgentView:
                 self._drawn.stop(frame.message.action)
             case ThemeApplied() if frame.topic is THEME:
                 self._language = frame.message.theme.language
-                self._drawn.wear(frame.message.theme)
+                self._drawn.apply_theme(frame.message.theme)
             case OutputReport() if frame.topic is REPORT and is_fresh:
                 self._report(frame.message)
             case Waiting() if frame.topic is WAITING:

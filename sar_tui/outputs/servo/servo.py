@@ -31,7 +31,7 @@ _NO_PERMISSION = (
 )
 
 
-class _Deed:
+class _GestureRequest:
     """A gesture that has been asked for."""
 
     def __init__(self, action: str, name: str) -> None:
@@ -40,11 +40,11 @@ class _Deed:
         self.stopped = False
 
 
-class _Underway:
+class _ActiveGesture:
     """The gesture that is being made: since when, on which channels, and since when its last target is sent."""
 
-    def __init__(self, deed: _Deed, motion: Motion, channels: list[ServoChannel], began: int) -> None:
-        self.deed = deed
+    def __init__(self, part: _GestureRequest, motion: Motion, channels: list[ServoChannel], began: int) -> None:
+        self.part = part
         self.motion = motion
         self.channels = channels
         self.began = began
@@ -80,13 +80,13 @@ class Servo(Output):
         self._lock = threading.Lock()
         self._pace: StepTimer | None = None
 
-    def open(self, theme: Theme, clock: Clock, tell: Callable[[Report], None]) -> None:
+    def open(self, theme: Theme, clock: Clock, report: Callable[[Report], None]) -> None:
         """Wait in the background for the controller."""
-        super().open(theme, clock, tell)
+        super().open(theme, clock, report)
         live = not isinstance(clock, VirtualClock)
         self._channels = [ServoChannel(wire, self._address, live, self._wake) for wire in self._address.wires]
-        self._waiting: deque[_Deed] = deque()
-        self._underway: _Underway | None = None
+        self._waiting: deque[_GestureRequest] = deque()
+        self._underway: _ActiveGesture | None = None
         self._pose = REST
         self._opened: int | None = None
         self._missing = ""
@@ -97,15 +97,15 @@ class Servo(Output):
     def gesture(self, action: str, name: str) -> None:
         """Move through one of the theme's gestures."""
         with self._lock:
-            self._waiting.append(_Deed(action, name))
+            self._waiting.append(_GestureRequest(action, name))
         self._wake()
 
     def stop(self, action: str = "") -> None:
         """Make the motors limp, at once."""
         with self._lock:
             underway = self._underway
-            for deed in (*self._waiting, *([underway.deed] if underway else [])):
-                deed.stopped = deed.stopped or action in ("", deed.action)
+            for part in (*self._waiting, *([underway.part] if underway else [])):
+                part.stopped = part.stopped or action in ("", part.action)
         self._wake()
 
     def close(self) -> None:
@@ -119,9 +119,9 @@ class Servo(Output):
         if self._pace is not None:
             self._pace.wake()
 
-    def _tell_of(self, deed: _Deed, state: PartState, detail: str = "") -> None:
+    def _tell_of(self, part: _GestureRequest, state: PartState, detail: str = "") -> None:
         if not self._silent:
-            self.tell(deed.action, "gesture", state, detail)
+            self.report(part.action, "gesture", state, detail)
 
     # --- from here on, all is called by the pace alone ----------------------------------------------------
 
@@ -167,27 +167,27 @@ class Servo(Output):
 
     def _drop_stopped(self) -> None:
         with self._lock:
-            dropped = [deed for deed in self._waiting if deed.stopped]
-            self._waiting = deque(deed for deed in self._waiting if not deed.stopped)
-        for deed in dropped:
-            self._tell_of(deed, "aborted")
+            dropped = [part for part in self._waiting if part.stopped]
+            self._waiting = deque(part for part in self._waiting if not part.stopped)
+        for part in dropped:
+            self._tell_of(part, "aborted")
 
-    def _begin(self, deed: _Deed, now: int) -> None:
+    def _begin(self, part: _GestureRequest, now: int) -> None:
         """Begin with a gesture; or end it, if it cannot be made."""
-        if (gesture := self.theme.gestures.get(deed.name)) is None:
+        if (gesture := self.theme.gestures.get(part.name)) is None:
             known = ", ".join(self.theme.gestures) or "none"
-            what = f'The theme {self.theme.name} has no gesture "{deed.name}". There is: {known}.'
-            self._tell_of(deed, "failed", what)
+            what = f'The theme {self.theme.name} has no gesture "{part.name}". There is: {known}.'
+            self._tell_of(part, "failed", what)
             return
         motion = Motion(gesture, self._pose, self._address.speed_deg_s / self._address.range_deg)
         channels = [channel for channel in self._channels if channel.joint in motion.joints]
         if not channels:
-            self._tell_of(deed, "started")
-            self._tell_of(deed, "done", f"This robot has none of the joints that take part in {deed.name}.")
+            self._tell_of(part, "started")
+            self._tell_of(part, "done", f"This robot has none of the joints that take part in {part.name}.")
         elif absence := self._absence(channels):
-            self._tell_of(deed, "failed", absence)
+            self._tell_of(part, "failed", absence)
         else:
-            self._engage(_Underway(deed, motion, channels, now))
+            self._engage(_ActiveGesture(part, motion, channels, now))
 
     def _absence(self, channels: list[ServoChannel]) -> str:
         """Why a gesture cannot be made; empty if it can."""
@@ -202,7 +202,7 @@ class Servo(Output):
             return f"The servo for {absent[0].place} cannot be used. {absent[0].trouble}"
         return f"There is no servo for {absent[0].place}: plug in its controller, and close other programs that use it."
 
-    def _engage(self, underway: _Underway) -> None:
+    def _engage(self, underway: _ActiveGesture) -> None:
         self._underway = underway
         try:
             for channel in underway.channels:
@@ -210,11 +210,11 @@ class Servo(Output):
         except Exception as error:
             self._fail(underway, words(error))
         else:
-            self._tell_of(underway.deed, "started")
+            self._tell_of(underway.part, "started")
 
-    def _go_on(self, underway: _Underway, now: int) -> None:
+    def _go_on(self, underway: _ActiveGesture, now: int) -> None:
         """Take the next step of the gesture that is under way, or end it."""
-        if underway.deed.stopped:
+        if underway.part.stopped:
             self._end(underway, "aborted")
             return
         if not all(channel.attached for channel in underway.channels):
@@ -234,7 +234,7 @@ class Servo(Output):
                 troubles = (channel.trouble for channel in underway.channels)
                 self._end(underway, "done", next(filter(None, troubles), ""))
 
-    def _fail(self, underway: _Underway, error: str = "") -> None:
+    def _fail(self, underway: _ActiveGesture, error: str = "") -> None:
         """End a gesture in the middle: a motor was lost, or refuses with an error."""
         lost = [channel for channel in underway.channels if not channel.attached]
         if lost:
@@ -245,11 +245,11 @@ class Servo(Output):
             what = f"The servo for {underway.channels[0].place} does not do what it is told: {error}."
         self._end(underway, "failed", what)
 
-    def _end(self, underway: _Underway, state: PartState, detail: str = "") -> None:
+    def _end(self, underway: _ActiveGesture, state: PartState, detail: str = "") -> None:
         """Make the motors limp, all of them whatever becomes of one, and tell how the gesture ended."""
         held = list(filter(None, [channel.release() for channel in underway.channels]))
         self._underway = None
-        self._tell_of(underway.deed, "failed" if held else state, " ".join(filter(None, [detail, *held])))
+        self._tell_of(underway.part, "failed" if held else state, " ".join(filter(None, [detail, *held])))
 
     def _let_go(self) -> None:
         """The last step: whatever is under way ends, and the channels are closed."""

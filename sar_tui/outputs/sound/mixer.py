@@ -69,7 +69,7 @@ def examine(program: Sequence[str] = PROGRAM, backends: Sequence[str] = (), pati
 class Sound:
     """What the outputs that are heard share; it is there from when the first joins until the last leaves.
 
-    On a clock that jumps nothing is heard: each deed is made at once, and lasts as long on that clock as it would
+    On a clock that jumps nothing is heard: each part is made at once, and lasts as long on that clock as it would
     sound. On any other, times are the child's: as the first samples are fed to the sound card, and as the last have
     left its buffer.
 
@@ -78,7 +78,7 @@ class Sound:
         backends: the sound systems to try, by miniaudio's names (``NULL`` plays in real time to no one); all that
             have loudspeakers if empty.
         program: the child's command line.
-        patience_s: how long a deed may take to begin.
+        patience_s: how long a part may take to begin.
 
     Raises:
         SoundError: ``where`` is neither.
@@ -103,7 +103,7 @@ class Sound:
         self._news: queue.SimpleQueue[News] = queue.SimpleQueue()
 
     def join(self, kind: Kind, clock: Clock, tell: Callable[[Report], object]) -> None:
-        """Take part, with the deeds of one kind. ``tell`` hears of them, from any thread, until it leaves."""
+        """Take part, with the parts of one kind. ``tell`` hears of them, from any thread, until it leaves."""
         with self._lock:
             self._listeners[kind] = tell
         if self._keeper is None:
@@ -137,7 +137,7 @@ class Sound:
         self._ask(Ask("tone", action, Tone(next(self._jobs), _stem(action, "tone"), notes), problem))
 
     def stop(self, kind: Kind, action: str = "") -> None:
-        """Be still: the deeds of a kind, of one action or of all."""
+        """Be still: the parts of a kind, of one action or of all."""
         if self._turns:
             self._turns.stop(kind, action)
         elif self._keeper:

@@ -1,4 +1,4 @@
-"""Keeps the voice: one child process, one deed at a time, and an end to each deed whatever the child does."""
+"""Keeps the voice: one child process, one part at a time, and an end to each part whatever the child does."""
 
 import queue
 import threading
@@ -37,7 +37,7 @@ _GIVEN_UP = {
 
 
 class Ask(NamedTuple):
-    """A deed that is asked for. One with a ``problem`` is known to be impossible, and fails when its turn comes."""
+    """A part that is asked for. One with a ``problem`` is known to be impossible, and fails when its turn comes."""
 
     kind: Kind
     action: str
@@ -58,13 +58,13 @@ class News(NamedTuple):
 class Supervisor:
     """Does what is asked for in its order. All of its state belongs to one thread, on which ``told`` is called too.
 
-    The child is started at once, and again for the next deed whenever it died, hung or would not be still.
+    The child is started at once, and again for the next part whenever it died, hung or would not be still.
 
     Args:
         setup: what the child is told first.
-        told: hears of each deed at most that it started, and once that it is over.
+        told: hears of each part at most that it started, and once that it is over.
         program: the child's command line.
-        patience_s: how long a deed may take to begin.
+        patience_s: how long a part may take to begin.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class Supervisor:
         self._inbox.put(lambda: self._asked.append(ask))
 
     def stop(self, kind: Kind, action: str = "") -> None:
-        """Be still: the deeds of a kind, of one action or of all."""
+        """Be still: the parts of a kind, of one action or of all."""
         self._inbox.put(lambda: self._stop(kind, action))
 
     def warm(self, kind: Kind, request: Warm) -> None:
@@ -102,7 +102,7 @@ class Supervisor:
         self._inbox.put(lambda: self._get_ready(kind, request))
 
     def close(self) -> None:
-        """Be still, and end the child and the thread. Nothing is told of deeds under way. Harmless twice."""
+        """Be still, and end the child and the thread. Nothing is told of parts under way. Harmless twice."""
         self._inbox.put(self._close)
         self._thread.join(_CLOSED_S)
 
@@ -137,7 +137,7 @@ class Supervisor:
                 child.send(ask.request)
 
     def _ready_child(self) -> Child | None:
-        """The child, started if need be. None if it cannot be, and then the deed has failed."""
+        """The child, started if need be. None if it cannot be, and then the part has failed."""
         if self._child is None:
             try:
                 self._child = Child(self._setup, self._hear, self._program)
@@ -205,7 +205,7 @@ class Supervisor:
             self._over("failed", _STUCK if self._has_started else _SILENT.format(self._patience_s))
 
     def _over(self, state: PartState, detail: str = "", at: int | None = None, at_fault: bool = True) -> None:
-        """The deed under way, if any, is over."""
+        """The part under way, if any, is over."""
         ask, self._current, self._due = self._current, None, None
         if ask is None:
             return
@@ -220,7 +220,7 @@ class Supervisor:
     def _tell(self, ask: Ask, state: PartState, at: int, detail: str = "", seconds: float = 0.0) -> None:
         """Times never go back, though a child's may have been on their way while something else was told."""
         self._latest = max(self._latest, at)
-        with suppress(Exception):  # whatever becomes of the news, the deeds to come need this thread
+        with suppress(Exception):  # whatever becomes of the news, the parts to come need this thread
             self._told(News(ask, state, self._latest, detail, seconds))
 
     def _end_child(self) -> None:

@@ -15,7 +15,7 @@ class _Turn(NamedTuple):
 
 
 class Turns:
-    """A queue of deeds whose length is known. ``told`` hears when each starts and when it is over."""
+    """A queue of parts whose length is known. ``told`` hears when each starts and when it is over."""
 
     def __init__(self, clock: VirtualClock, told: Callable[[Ask, PartState], object]) -> None:
         self._clock, self._told = clock, told
@@ -28,7 +28,7 @@ class Turns:
         self._begin()
 
     def stop(self, kind: Kind, action: str = "") -> None:
-        """Abort the deeds of a kind, of one action or of all."""
+        """Abort the parts of a kind, of one action or of all."""
         meant = [turn for turn in self._turns if turn.ask.kind == kind and action in ("", turn.ask.action)]
         if meant and self._end and meant[0] is self._turns[0]:
             self._end.cancel()

@@ -99,7 +99,7 @@ def test_a_reversed_joint_moves_the_other_way() -> None:
 def test_a_gesture_that_asks_for_too_much_speed_is_slowed_and_ends_when_it_is_at_rest() -> None:
     bench = ServoBench("?right_arm=0&speed=30&range=60")
     hasty = Gesture((Keyframe(at_ms=100, right_arm=1), Keyframe(at_ms=500, right_arm=1), Keyframe(at_ms=600)))
-    bench.servo.wear(_with(hasty=hasty))
+    bench.servo.apply_theme(_with(hasty=hasty))
     assert bench.channels[0].facts["VelocityLimit"] == 30
     assert make(bench, "hasty") == "done"
     targets = bench.channels[0].targets
@@ -146,7 +146,7 @@ def test_a_gesture_that_none_of_the_joints_takes_part_in_is_done_at_once_and_say
 def test_stop_makes_every_motor_limp_before_any_time_has_passed() -> None:
     bench = ServoBench("?right_arm=0&left_arm=1")
     both = Gesture((Keyframe(at_ms=500, right_arm=1, left_arm=1), Keyframe(at_ms=900)))
-    bench.servo.wear(_with(wave=both))
+    bench.servo.apply_theme(_with(wave=both))
     begin(bench)
     asked = bench.rig.clock.now()
     bench.servo.stop()
@@ -171,7 +171,7 @@ def test_after_a_stop_the_next_gesture_begins_where_the_motor_was_left_and_bring
 def test_a_motor_that_cannot_be_made_limp_is_told_and_the_others_are() -> None:
     bench = ServoBench("?right_arm=0&left_arm=1")
     both = Gesture((Keyframe(at_ms=500, right_arm=1, left_arm=1), Keyframe(at_ms=900)))
-    bench.servo.wear(_with(wave=both))
+    bench.servo.apply_theme(_with(wave=both))
     begin(bench)
     first, second = bench.channels
     first.failing = {"setEngaged": PhidgetError(5, "Input/Output Error")}
@@ -308,7 +308,7 @@ def test_a_motor_that_is_lost_as_it_is_stopped_is_limp_already(bench: ServoBench
 def test_one_motor_that_is_pulled_out_leaves_no_other_engaged() -> None:
     bench = ServoBench("?right_arm=0&left_arm=1")
     both = Gesture((Keyframe(at_ms=500, right_arm=1, left_arm=1), Keyframe(at_ms=900)))
-    bench.servo.wear(_with(wave=both))
+    bench.servo.apply_theme(_with(wave=both))
     begin(bench)
     left, right = bench.channels
     left.failing = {}

@@ -1,4 +1,4 @@
-"""Given a voice that may fail in every way, when something is asked of it, then each deed ends, and the next works."""
+"""Given a voice that may fail in every way, when something is asked of it, then each part ends, and the next works."""
 
 import os
 import signal
@@ -127,7 +127,7 @@ def test_a_voice_that_dies_while_idle_costs_nothing(calm: Theme, tmp_path: Path)
 
 
 @pytest.mark.parametrize("program", [["/no/such/program"], [sys.executable, "-c", "print('no reply')"]])
-def test_a_program_that_is_no_voice_fails_each_deed(calm: Theme, program: list[str]) -> None:
+def test_a_program_that_is_no_voice_fails_each_part(calm: Theme, program: list[str]) -> None:
     with listening(Sound(backends=NOBODY, program=program), calm) as ear:
         ear.speech.say("a1", "Well done.")
         assert ear.wait("a1").state == "failed"
@@ -145,7 +145,7 @@ def test_without_an_engine_it_says_what_to_install_and_tones_sound(calm: Theme) 
         assert ear.wait("a2").state == "done"
 
 
-def test_without_a_sound_card_each_deed_fails_with_the_reason(calm: Theme) -> None:
+def test_without_a_sound_card_each_part_fails_with_the_reason(calm: Theme) -> None:
     with listening(Sound(backends=("WASAPI",)), calm) as ear:
         ear.speech.say("a1", "Well done.")
         ear.tones.tone("a2", "go")

@@ -1,4 +1,4 @@
-"""Given news that nobody can take, when a deed is over, then the voice goes on all the same."""
+"""Given news that nobody can take, when a part is over, then the voice goes on all the same."""
 
 import asyncio
 import threading
