@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.checks import task_translations
+from sar_tui.checks.check import Check
 from sar_tui.framework.bus import FAULT, Record
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.declaration import Field, ParameterError
@@ -30,17 +31,6 @@ THEME = "calm"
 SEED = 1
 
 
-class Check(msgspec.Struct, frozen=True):
-    """A check and what it found; no problem means that it holds."""
-
-    check: str
-    problem: str = ""
-
-    @property
-    def ok(self) -> bool:
-        return not self.problem
-
-
 class Simulated(msgspec.Struct, frozen=True):
     """A simulated session: its row, its attempts and trials, and its messages."""
 
@@ -51,43 +41,43 @@ class Simulated(msgspec.Struct, frozen=True):
 
 
 def check(folder: Path) -> Iterator[Check]:
-    """Check a task folder. What cannot be checked because of an earlier problem is left out."""
+    """Check a task folder. Checks that an earlier problem makes impossible are left out."""
     try:
         kind = load_task(folder)
     except PluginError as error:
-        yield Check("can be loaded", str(error))
+        yield _check("can be loaded", str(error))
         return
     yield Check("can be loaded")
-    declared = Check("declares its title and metric", _asked(lambda: _declaration(kind)))
+    declared = _check("declares its title and metric", lambda: _declaration(kind))
     yield declared
-    described = Check("describes every parameter: title, help, bounds", _asked(lambda: _parameters(kind)))
-    yield described
+    yield _check("describes every parameter: title, help, bounds", lambda: _parameters(kind))
     try:
         task = kind(build(kind.Parameters, {"attempts": ATTEMPTS}))
     except Exception as error:
-        yield Check("can be set up with its defaults", _told(error))
+        yield _check("can be set up with its defaults", _reason(error))
         return
     yield Check("can be set up with its defaults")
-    yield Check("gives instructions, and a goal for each level", _asked(lambda: _words(task)))
-    yield Check("has each of its words in every language that it has", _asked(lambda: _translations(kind)))
-    yield Check(
-        "tells how it went without a number, in words", _asked(lambda: " ".join(task_translations.numbers(kind)))
+    yield _check("gives instructions, and a goal for each level", lambda: _words(task))
+    yield _check(
+        "has each of its words in every language that it has", lambda: " ".join(task_translations.problems(kind))
     )
-    prompts = Check("makes the same one-line prompts when asked twice", _asked(lambda: _prompts(kind, task)))
+    yield _check("tells how it went without a number, in words", lambda: " ".join(task_translations.numbers(kind)))
+    prompts = _check("makes the same one-line prompts when asked twice", lambda: _prompts(kind, task))
     yield prompts
     if declared.ok and prompts.ok:
         yield from _sessions(kind, task.parameters)
 
 
-def _asked(question: Callable[[], str]) -> str:
-    """The problem a question finds; a task that raises is one."""
+def _check(name: str, problem: str | Callable[[], str]) -> Check:
+    """Return a check with the problem given or found; an exception that the task raises is one."""
     try:
-        return question()
+        found = problem if isinstance(problem, str) else problem()
     except Exception as error:
-        return _told(error)
+        found = _reason(error)
+    return Check(name, (found,) if found else ())
 
 
-def _told(error: Exception) -> str:
+def _reason(error: Exception) -> str:
     return str(error) if isinstance(error, ParameterError | Failed) else f"It raised {type(error).__name__}: {error}."
 
 
@@ -133,10 +123,6 @@ def _words(task: Task) -> str:
     return f"The goal is empty at level {silent[0]}." if silent else ""
 
 
-def _translations(kind: type[Task]) -> str:
-    return " ".join(task_translations.problems(kind))
-
-
 def _levels(task: Task) -> range:
     return range(1, min(task.levels, task.parameters.max_level) + 1)
 
@@ -172,13 +158,13 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
             try:
                 simulated = _simulate(kind, parameters, person, Path(folder))
             except Exception as error:
-                yield Check(name, _told(error))
+                yield _check(name, _reason(error))
                 return
-            yield Check(name, _outcome(simulated, parameters))
+            yield _check(name, _outcome(simulated, parameters))
             done.append(simulated)
-    yield Check("keeps only the details that it declares", _details(kind, done))
-    yield Check("moves its level", _level_moves(kind, parameters, done))
-    yield Check("comes out the same when replayed, so that it can be resumed", _replay(kind, parameters, done))
+    yield _check("keeps only the details that it declares", _details(kind, done))
+    yield _check("moves its level", _level_moves(kind, parameters, done))
+    yield _check("comes out the same when replayed, so that it can be resumed", _replay(kind, parameters, done))
 
 
 def _simulate(kind: type[Task], parameters: TaskParameters, person: Person, folder: Path) -> Simulated:

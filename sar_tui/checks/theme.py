@@ -5,6 +5,7 @@ from pathlib import Path
 
 import msgspec
 
+from sar_tui.checks.check import Check
 from sar_tui.framework.contrast import cut
 from sar_tui.framework.theme import ENGLISH, ThemeError
 from sar_tui.theme_folder import Reading, languages, read
@@ -16,18 +17,6 @@ _LOOKS = {
     "gestures": "moves through every gesture, and ends at rest",
     "manner": "has a voice, a manner and tones that there are",
 }
-
-
-class Check(msgspec.Struct, frozen=True):
-    """A check, the problems it found (none: it holds), and what it measured, where that is worth telling."""
-
-    check: str
-    problems: tuple[str, ...] = ()
-    found: str = ""
-
-    @property
-    def ok(self) -> bool:
-        return not self.problems
 
 
 class Contrast(msgspec.Struct, frozen=True):

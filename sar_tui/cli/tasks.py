@@ -1,12 +1,13 @@
 """``sar-tui tasks``: what is installed, and help for those who write one."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
 from sar_tui.cli.errors import FAILED, Refused
+from sar_tui.cli.installed import installed
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -17,18 +18,12 @@ def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = Non
     context.obj = home = Home.of(context, data, tasks)
     if context.invoked_subcommand is not None:
         return
-    from sar_tui.plugins import PluginError
-
     catalogue = home.catalogue()
-    rows: list[dict[str, Any]] = []
-    broken: list[dict[str, str]] = []
-    for name in catalogue.task_names():
-        try:
-            task = catalogue.task(name)
-        except PluginError as error:
-            broken.append({"name": name, "error": str(error)})
-        else:
-            rows.append({"name": name, "title": task.title, "summary": task.summary, "metric": task.metric})
+    rows, broken = installed(
+        catalogue.task_names(),
+        catalogue.task,
+        lambda task: {"title": task.title, "summary": task.summary, "metric": task.metric},
+    )
     if as_json:
         print_json({"tasks": [*rows, *broken]})
         return
@@ -119,11 +114,11 @@ def check_task(
     for done in check(folder):
         made.append(done)
         if not as_json:
-            line = f"✓ {done.check}" if done.ok else f"✗ {done.check}. {done.problem}"
+            line = f"✓ {done.check}" if done.ok else f"✗ {done.check}. {' '.join(done.problems)}"
             out.print(line, markup=False, soft_wrap=True)
     passed = all(done.ok for done in made)
     if as_json:
-        rows = [{"check": done.check, "ok": done.ok, "problem": done.problem} for done in made]
+        rows = [{"check": done.check, "ok": done.ok, "problem": " ".join(done.problems)} for done in made]
         print_json({"task": folder.name, "passed": passed, "checks": rows})
     elif passed:
         out.print(f"{folder.name} keeps the contract.", markup=False)

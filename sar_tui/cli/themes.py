@@ -1,12 +1,13 @@
 """``sar-tui themes``: how the agent can look and speak, and help for those who write a theme."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
 from sar_tui.cli.errors import FAILED, Refused
+from sar_tui.cli.installed import installed
 
 if TYPE_CHECKING:
     from sar_tui.checks.theme import Report
@@ -20,19 +21,17 @@ def list_themes(context: typer.Context, as_json: AsJson = False, data: Data = No
     context.obj = home = Home.of(context, data, tasks)
     if context.invoked_subcommand is not None:
         return
-    from sar_tui.plugins import PluginError
-
     catalogue = home.catalogue()
-    rows: list[dict[str, Any]] = []
-    broken: list[dict[str, str]] = []
-    for name in catalogue.theme_names():
-        try:
-            theme = catalogue.theme(name)
-        except PluginError as error:
-            broken.append({"name": name, "error": str(error)})
-        else:
-            facts = {"title": theme.title, "languages": theme.languages, "summary": theme.summary}
-            rows.append({"name": name, **facts, "repairs": theme.repairs})
+    rows, broken = installed(
+        catalogue.theme_names(),
+        catalogue.theme,
+        lambda theme: {
+            "title": theme.title,
+            "languages": theme.languages,
+            "summary": theme.summary,
+            "repairs": theme.repairs,
+        },
+    )
     if as_json:
         print_json({"themes": [*rows, *broken]})
         return
