@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import secrets
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,7 +18,7 @@ from sar_tui.framework.topics import OPERATOR
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
-from sar_tui.runs.run import Run, resume, speaking, start
+from sar_tui.runs.run import Run, resume, speaking, start, stored_seed
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
@@ -63,6 +62,7 @@ class LiveSession:
     def open(self, stage: Stage, what: Plan | str) -> None:
         """Enter a new session (a plan) or an interrupted one (its id). Raises as `runs.start` and `runs.resume`."""
         self._stage = stage
+        self._seed = what.seed if isinstance(what, Plan) else stored_seed(what, self._folder)
         if isinstance(what, Plan):
             self.run = start(what, self._folder, self._catalogue, self.clock, self._nodes)
         else:
@@ -83,9 +83,8 @@ class LiveSession:
             return [self.keyboard, *outputs]
         from sar_tui.runs.sensors import sensing, sensors
 
-        seed = secrets.randbelow(2**31)
-        feeds = self._feeds or sensors(type(task), task.parameters, seed, self.clock, self._folder)
-        return [self.keyboard, *sensing(task, seed, *feeds), *outputs]
+        feeds = self._feeds or sensors(type(task), task.parameters, self._seed, self.clock, self._folder)
+        return [self.keyboard, *sensing(task, self._seed, *feeds), *outputs]
 
     @property
     def can_be_joined(self) -> bool:

@@ -169,6 +169,15 @@ def resumable(database: sqlite_utils.Database, folder: Path, name: str) -> sessi
     return row
 
 
+def stored_seed(session_id: str, folder: Path) -> int:
+    """Return the seed of a recorded session. Raises StoreError."""
+    database = connect(folder)
+    try:
+        return int(sessions.find(database, folder, session_id)["seed"])
+    finally:
+        database.conn.close()
+
+
 def _not_resumable(session_id: str, state: str) -> StoreError:
     return StoreError(
         f"The session {session_id} is {state}; only a live one that was interrupted can be gone on with.",

@@ -127,9 +127,8 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
 
 
 async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    data: Path, catalogue: Catalogue
 ) -> None:
-    monkeypatch.setattr("sar_tui.app.live.secrets.randbelow", lambda most: 7)
     async with sit_down(data, catalogue, plan(catalogue, "reaching", imu="simulated")) as driver:
         tour = Tour(driver)
         await driver.wait(2000)

@@ -9,16 +9,14 @@ import msgspec
 import pytest
 
 from sar_tui.framework.messages import SensorChanged, SensorState
+from sar_tui.framework.node import Node
+from sar_tui.framework.task import Task
 from sar_tui.framework.topics import SENSOR
+from sar_tui.inputs.feed import ImuFeed
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
+from sar_tui.runs.sensors import sensing
 from tests.app.app_driver import AppDriver, sit_down, stored
-
-
-@pytest.fixture(autouse=True)
-def a_hand_that_always_moves_alike(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A live session's simulated hand is another each time."""
-    monkeypatch.setattr("sar_tui.app.live.secrets.randbelow", lambda most: 7)
 
 
 @asynccontextmanager
@@ -218,3 +216,34 @@ async def test_with_a_signal_the_screen_is_quiet_until_it_says_go(data: Path, ca
         ((correct, time),) = driver.stored("SELECT correct, reaction_time_ms FROM trials")
         assert correct
         assert 100 < time < 2000
+
+
+async def do_first_attempt(data: Path, catalogue: Catalogue) -> list[tuple[Any, ...]]:
+    """Make one reach, leave, and return what was stored of it."""
+    async with at_the_table(data, catalogue) as driver:
+        await to_start(driver)
+        await reach(driver)
+        return driver.stored("SELECT trial, onset_ns, response_ns, details FROM trials")
+
+
+async def test_with_the_same_seed_a_simulated_hand_makes_the_same_reach(tmp_path: Path, catalogue: Catalogue) -> None:
+    first, second = [await do_first_attempt(tmp_path / name, catalogue) for name in ("first", "second")]
+    assert first == second
+    assert len(first) == 1
+
+
+async def test_a_resumed_session_moves_the_simulated_hand_by_its_stored_seed(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await do_first_attempt(data, catalogue)
+    seeds = []
+
+    def spied(task: Task, seed: int, *feeds: ImuFeed) -> list[Node]:
+        seeds.append(seed)
+        return sensing(task, seed, *feeds)
+
+    monkeypatch.setattr("sar_tui.runs.sensors.sensing", spied)
+    ((session,),) = stored(data, "SELECT id FROM sessions")
+    async with sit_down(data, catalogue, session) as driver:
+        assert driver.sees("Welcome back")
+    assert seeds == [7]
