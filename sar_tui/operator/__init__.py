@@ -1,1 +1,1 @@
-"""The operator's panel: a state of the participant, the proposals that wait, and everything an operator can do."""
+"""The operator's panel (Wizard of Oz): the participant's view, pending proposals, and all commands."""

@@ -1,4 +1,4 @@
-"""The agent as the participant sees it: the session's own widget, following the state."""
+"""The agent as the participant sees it: the session's widget, driven by the session state."""
 
 from textual.geometry import Size
 from textual.widget import Widget
@@ -7,21 +7,21 @@ from sar_tui.framework.clock import SECOND, Clock
 from sar_tui.framework.theme import Theme
 from sar_tui.operator.session_state import Agent as Seen
 from sar_tui.operator.session_state import SessionState
-from sar_tui.operator.text_charts import folded
+from sar_tui.operator.text_charts import wrap
 from sar_tui.widgets.agent import Agent
 from sar_tui.widgets.robot import WIDTH
 
 _MARGINS = 3
-"""Columns beside the drawing, and beside its words."""
+"""Columns beside the drawing and beside the text."""
 _FRESH = 2 * SECOND
-"""A gesture that was asked for longer ago is over, or was never seen here."""
+"""A gesture requested longer ago is over, or was never shown here."""
 
 
 class AgentMirror:
-    """Keeps an agent on the screen as the state tells it.
+    """Keeps the agent on the screen in step with the session state.
 
     Args:
-        theme: is worn until the session's is known; the agent is not there before.
+        theme: until the session's is known; the agent is hidden until then.
         clock: of its motion.
     """
 
@@ -33,7 +33,7 @@ class AgentMirror:
         self._said: tuple[str, str] = ("", "")
 
     def show(self, state: SessionState, now: int) -> None:
-        """Bring the agent up to what is known. ``now``: on the session's clock (ns)."""
+        """Bring the agent up to date. ``now``: session clock (ns)."""
         if state.theme is None:
             return
         if state.theme is not self._theme:
@@ -56,7 +56,7 @@ class AgentMirror:
         self.widget.speaking(bool(state.acting and current and current.spoken and state.is_connected))
 
     def _hold(self, state: SessionState, before: Seen) -> None:
-        """Stand still where the participant's does; and look to a side as it does, meanwhile."""
+        """Keep still while the participant's agent does, and show its cue."""
         cue = state.agent.cue
         if not state.is_quiet or (before.cue and before.cue is not cue):
             self.widget.release()
@@ -81,14 +81,14 @@ class AgentMirror:
             self.widget.say(more, joins=True)
 
     def _fitted(self, seen: Seen) -> tuple[str, str]:
-        """There is less room than the participant has: of words that joined others, the last are seen, if need be."""
+        """Return the text that fits here, where there is less room: of joined texts, the end is shown."""
         around = self.widget.parent
         room = around.content_size if isinstance(around, Widget) else Size(0, 0)
         width = room.width - WIDTH - _MARGINS
         if width <= 0 or not seen.words:  # nothing has been laid out yet
             return seen.words, seen.more
-        more, most = folded(seen.more, width, len(seen.more)), max(2, room.height - 2)
+        more, most = wrap(seen.more, width, len(seen.more)), max(2, room.height - 2)
         if len(more) > most:
             more = ["…", *more[1 - most :]]
-        words = folded(seen.words, width, room.height - (len(more) + 1 if more else 0))
+        words = wrap(seen.words, width, room.height - (len(more) + 1 if more else 0))
         return "\n".join(words), "\n".join(more)

@@ -1,4 +1,4 @@
-"""What an operator can do, and the key of each."""
+"""Key commands of the panel, and the file in which an operator changes keys, phrases and event marks."""
 
 import unicodedata
 from pathlib import Path
@@ -12,23 +12,31 @@ from textual.keys import KEY_NAME_REPLACEMENTS, Keys
 from sar_tui.operator.phrases import Phrase, phrase_problem
 
 PREFIX = "wizard-"
-"""Before an id, in the ids of Textual's bindings: they are the app's, too."""
-MOST_EVENTS = 6
-"""Keys there are for marking an event."""
+"""Prefix of the ids of Textual's bindings, which the whole app shares."""
+MAX_EVENTS = 6
+"""Number of keys for event marks."""
 
 
 class KeyCommand(NamedTuple):
-    """Something an operator can do: its id in the file, its keys, its action, what the footer calls it, and what it is.
+    """Command of an operator and its keys.
 
-    ``group``: under which heading the help lists it. ``acts``: not for an observer. ``in_footer``: the footer shows it.
+    Attributes:
+        id: in the operator's file.
+        keys: separated by commas, by Textual's names.
+        action: of the screen.
+        label: in the footer.
+        description: in the key help.
+        group: heading in the key help.
+        acts: changes the session, so it is not for observers.
+        in_footer: the footer shows it.
     """
 
     id: str
     keys: str
     action: str
-    short: str
-    words: str
-    group: Literal["Proposals", "Session", "Palette", "Words and notes", "Panel"]
+    label: str
+    description: str
+    group: Literal["Proposals", "Session", "Palette", "Speech and notes", "Panel"]
     acts: bool = True
     in_footer: bool = False
 
@@ -36,19 +44,19 @@ class KeyCommand(NamedTuple):
 KEY_COMMANDS = (
     KeyCommand("approve", "enter", "approve", "Approve", "Approve", "Proposals"),
     KeyCommand("veto", "x,delete", "veto", "Veto", "Veto", "Proposals"),
-    KeyCommand("edit", "e", "edit", "Edit", "Change its words, or level", "Proposals"),
+    KeyCommand("edit", "e", "edit", "Edit", "Edit the text or level", "Proposals"),
     KeyCommand("positive", "plus", "valence('positive')", "Positive", "A positive face, same words", "Proposals"),
     KeyCommand("neutral", "equals_sign", "valence('neutral')", "Neutral", "A neutral face, same words", "Proposals"),
     KeyCommand("negative", "minus", "valence('negative')", "Negative", "A negative face, same words", "Proposals"),
-    KeyCommand("next", "right,down", "select(1)", "Next", "The next proposal", "Proposals", acts=False),
-    KeyCommand("previous", "left,up", "select(-1)", "Previous", "The one before", "Proposals", acts=False),
-    KeyCommand("stop", "f2", "stop", "Stop", "Stop the agent, at once", "Session", in_footer=True),
-    KeyCommand("pause", "space", "pause", "Pause", "Pause, or go on", "Session", in_footer=True),
+    KeyCommand("next", "right,down", "select(1)", "Next", "Next proposal", "Proposals", acts=False),
+    KeyCommand("previous", "left,up", "select(-1)", "Previous", "Previous proposal", "Proposals", acts=False),
+    KeyCommand("stop", "f2", "stop", "Stop", "Stop the agent at once", "Session", in_footer=True),
+    KeyCommand("pause", "space", "pause", "Pause", "Pause or resume", "Session", in_footer=True),
     KeyCommand("skip", "s", "skip", "Skip", "Skip this prompt", "Session", in_footer=True),
     KeyCommand("repeat", "r", "repeat", "Repeat", "Repeat this prompt", "Session", in_footer=True),
     KeyCommand("level-up", "u", "level(1)", "Up", "Level up", "Session", in_footer=True),
     KeyCommand("level-down", "d", "level(-1)", "Down", "Level down", "Session", in_footer=True),
-    KeyCommand("hold", "h", "hold", "Hold", "Hold the level, or let go", "Session", in_footer=True),
+    KeyCommand("hold", "h", "hold", "Hold", "Hold or release the level", "Session", in_footer=True),
     KeyCommand("end", "end", "end", "End", "End the session (asks once)", "Session"),
     *(
         KeyCommand(
@@ -57,14 +65,14 @@ KEY_COMMANDS = (
         for index, number in enumerate(range(1, 11))
     ),
     KeyCommand("page", "tab", "page(1)", "Page", "Next page", "Palette", acts=False),
-    KeyCommand("page-back", "shift+tab", "page(-1)", "Page back", "Page before", "Palette", acts=False),
+    KeyCommand("page-back", "shift+tab", "page(-1)", "Page back", "Previous page", "Palette", acts=False),
     KeyCommand("phrases", "p", "show('phrases')", "Phrases", "Phrases", "Palette", acts=False),
     KeyCommand("gestures", "g", "show('gestures')", "Gestures", "Gestures", "Palette", acts=False),
-    KeyCommand("marks", "m", "show('marks')", "Marks", "Marks of a trial", "Palette", acts=False),
-    KeyCommand("modes", "o", "show('modes')", "Modes", "Who decides", "Palette", acts=False),
-    KeyCommand("queue", "c", "show('queue')", "Queue", "What waits its turn", "Palette", acts=False),
-    KeyCommand("say", "t", "say", "Say", "Say something of your own", "Words and notes", in_footer=True),
-    KeyCommand("note", "n", "note", "Note", "A note, of this moment", "Words and notes", in_footer=True),
+    KeyCommand("marks", "m", "show('marks')", "Marks", "Trial marks", "Palette", acts=False),
+    KeyCommand("modes", "o", "show('modes')", "Modes", "Modes: who decides", "Palette", acts=False),
+    KeyCommand("queue", "c", "show('queue')", "Queue", "Queued actions", "Palette", acts=False),
+    KeyCommand("say", "t", "say", "Say", "Say something", "Speech and notes", in_footer=True),
+    KeyCommand("note", "n", "note", "Note", "Add a note", "Speech and notes", in_footer=True),
     *(
         KeyCommand(
             f"event-{number}",
@@ -72,12 +80,12 @@ KEY_COMMANDS = (
             f"event({number - 1})",
             "",
             f"Event mark {number}",
-            "Words and notes",
+            "Speech and notes",
         )
-        for number in range(1, MOST_EVENTS + 1)
+        for number in range(1, MAX_EVENTS + 1)
     ),
-    KeyCommand("seat", "a", "seat", "Seat", "To the other participant", "Words and notes"),
-    KeyCommand("baton", "b", "baton", "Baton", "Take the baton", "Panel"),
+    KeyCommand("seat", "a", "seat", "Seat", "Switch participant", "Speech and notes"),
+    KeyCommand("control", "b", "take_control", "Control", "Take control", "Panel"),
     KeyCommand("keys", "f1,question_mark", "keys", "Keys", "All keys", "Panel", acts=False, in_footer=True),
     KeyCommand("close", "q", "close", "Leave", "Leave the panel (asks once)", "Panel", acts=False),
     KeyCommand("leave", "escape", "leave", "Close", "Close what is open", "Panel", acts=False),
@@ -85,37 +93,37 @@ KEY_COMMANDS = (
 
 
 def bindings() -> list[Binding]:
-    """The keys as Textual wants them, each with an id by which it can be mapped anew."""
+    """Return Textual's bindings, with ids by which they can be remapped."""
     return [
-        Binding(d.keys, d.action, d.short or d.words, show=d.in_footer, id=PREFIX + d.id, priority=d.id == "stop")
-        for d in KEY_COMMANDS
+        Binding(c.keys, c.action, c.label or c.description, show=c.in_footer, id=PREFIX + c.id, priority=c.id == "stop")
+        for c in KEY_COMMANDS
     ]
 
 
-def parted(keys: str) -> list[str]:
-    """Keys parted by commas, each once, by Textual's name: ``plus`` for ``+``."""
+def split_keys(keys: str) -> list[str]:
+    """Split keys at commas, without repetitions, by Textual's names: ``plus`` for ``+``."""
     return list(dict.fromkeys(_textual_name(key.strip()) for key in keys.split(",")))
 
 
 def key_name(key: str) -> str:
-    """A key as it is called on the keyboard."""
+    """Return the name of a key as it is written on a keyboard."""
     *modifiers, name = key.split("+")
-    called = _NAMES.get(name) or (name.capitalize() if len(name) > 1 else name)
-    if name in _LOOKED_UP:
-        called = _LOOKED_UP[name]
-    return "-".join((*(modifier.capitalize() for modifier in modifiers), called))
+    label = _NAMES.get(name) or (name.capitalize() if len(name) > 1 else name)
+    if name in _CHARACTERS:
+        label = _CHARACTERS[name]
+    return "-".join((*(modifier.capitalize() for modifier in modifiers), label))
 
 
 def is_key(key: str) -> bool:
-    """Whether a terminal can send it, as far as can be told."""
+    """Return True if a terminal may be able to send the key."""
     *modifiers, name = key.split("+")
     if not set(modifiers) <= {"ctrl", "shift", "alt"}:
         return False
-    return key in _KNOWN or name in _KNOWN or name in _LOOKED_UP or (len(name) == 1 and name.isalnum())
+    return key in _KNOWN or name in _KNOWN or name in _CHARACTERS or (len(name) == 1 and name.isalnum())
 
 
 def _textual_name(key: str) -> str:
-    """As `textual.keys` names a character that is neither a letter nor a figure."""
+    """Return the name that `textual.keys` gives to punctuation; other keys unchanged."""
     if len(key) != 1 or key.isalnum():
         return key
     name = unicodedata.name(key, key).lower().replace("-", "_").replace(" ", "_")
@@ -123,46 +131,49 @@ def _textual_name(key: str) -> str:
 
 
 _NAMES = {"escape": "Esc", "delete": "Del", "left": "←", "right": "→", "up": "↑", "down": "↓"}
-_LOOKED_UP = {_textual_name(chr(code)): chr(code) for code in range(33, 127) if not chr(code).isalnum()}
-"""Characters by the names of their keys."""
+_CHARACTERS = {_textual_name(chr(code)): chr(code) for code in range(33, 127) if not chr(code).isalnum()}
+"""Punctuation by the names of its keys."""
 _KNOWN = {key.value for key in Keys if "<" not in key.value}
 
-# --- the operator's own file --------------------------------------------------------------------------------
-
+# --- the operator's file -----------------------------------------------------------------------------------------
 
 FILE = "wizard-keys.toml"
-"""In the data folder."""
+"""Name of the file in the data folder."""
 EVENTS = ("distracted", "spoken to", "technical trouble", "something else")
-"""The event marks there are, unless the file names others."""
+"""Event marks, unless the file names others."""
+_FORMER_IDS = {"baton": "control"}
+"""Ids that older files may hold."""
 
 
 class KeymapFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What the file says: keys by the ids of `KEY_COMMANDS`, phrases (a text, or a table), names of event marks."""
+    """Content of the file: keys by command id, phrases (a text or a table), names of event marks."""
 
     keys: dict[str, str] = {}
     phrases: tuple[str | Phrase, ...] = ()
-    events: Annotated[tuple[str, ...], Meta(max_length=MOST_EVENTS)] = EVENTS
+    events: Annotated[tuple[str, ...], Meta(max_length=MAX_EVENTS)] = EVENTS
 
     @property
     def own_phrases(self) -> tuple[Phrase, ...]:
-        """The phrases, each as one."""
+        """The phrases, each as a `Phrase`."""
         return tuple(Phrase(each) if isinstance(each, str) else each for each in self.phrases)
 
     @property
     def keymap(self) -> dict[str, str]:
-        """The keys that are others than usual, by the ids of Textual's bindings."""
-        return {PREFIX + id: ",".join(parted(keys)) for id, keys in self.keys.items()}
+        """The changed keys, by the ids of Textual's bindings."""
+        return {PREFIX + id: ",".join(split_keys(keys)) for id, keys in self.keys.items()}
 
-    def keys_of(self, key_command: KeyCommand) -> list[str]:
-        """The keys that do something, by Textual's names."""
-        return parted(self.keys.get(key_command.id, key_command.keys))
+    def keys_of(self, command: KeyCommand) -> list[str]:
+        """Return the keys of a command, by Textual's names."""
+        return split_keys(self.keys.get(command.id, command.keys))
 
 
 def read(folder: Path) -> tuple[KeymapFile, str]:
-    """The operator's file; and a sentence on what is wrong with it: then all is as if there were none."""
+    """Read the operator's file. If something is wrong with it, return the defaults and a sentence that says what."""
     path = folder / FILE
     try:
         file = msgspec.toml.decode(path.read_bytes(), type=KeymapFile)
+        keys = {_FORMER_IDS.get(id, id): keys for id, keys in file.keys.items()}
+        file = msgspec.structs.replace(file, keys=keys)
         problem = _problem(file)
     except FileNotFoundError:
         return KeymapFile(), ""
@@ -170,20 +181,20 @@ def read(folder: Path) -> tuple[KeymapFile, str]:
         file, problem = KeymapFile(), f"it cannot be read ({error.strerror})"
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         file, problem = KeymapFile(), str(error)
-    return (KeymapFile(), f"{FILE} is left out: {problem.rstrip('.')}.") if problem else (file, "")
+    return (KeymapFile(), f"{FILE} is ignored: {problem.rstrip('.')}.") if problem else (file, "")
 
 
 def _problem(file: KeymapFile) -> str:
-    """What is wrong with a file that could be read, to follow a colon; empty where nothing is."""
-    known = {key_command.id for key_command in KEY_COMMANDS}
+    """Return what is wrong with the content, to follow a colon; empty if nothing is."""
+    known = {command.id for command in KEY_COMMANDS}
     if unknown := [id for id in file.keys if id not in known]:
-        return f"there is nothing called {unknown[0]!r} that could have a key"
+        return f"there is no command {unknown[0]!r}"
     taken: dict[str, str] = {}
-    for key_command in KEY_COMMANDS:
-        for key in file.keys_of(key_command):
+    for command in KEY_COMMANDS:
+        for key in file.keys_of(command):
             if not is_key(key):
-                return f"{key!r}, for {key_command.id}, is not the name of a key"
+                return f"{key!r}, for {command.id}, is not the name of a key"
             if key in taken:
-                return f"the key {key_name(key)} would be both {taken[key]} and {key_command.id}"
-            taken[key] = key_command.id
+                return f"the key {key_name(key)} is used for both {taken[key]} and {command.id}"
+            taken[key] = command.id
     return next((found for phrase in file.own_phrases if (found := phrase_problem(phrase.text))), "")

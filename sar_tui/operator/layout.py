@@ -22,7 +22,7 @@ from sar_tui.operator.agent_mirror import AgentMirror
 from sar_tui.operator.commands import Commands
 from sar_tui.operator.phrases import addressee
 from sar_tui.operator.proposal_strip import ProposalStrip
-from sar_tui.operator.text_charts import folded
+from sar_tui.operator.text_charts import wrap
 from sar_tui.operator.widgets import CachedStatic, TooSmallNotice
 from sar_tui.tui.ordered_keys import OrderedScreen
 
@@ -64,7 +64,7 @@ class PanelLayout(OrderedScreen[str]):
         self._clock = clock or LiveClock(asyncio.get_running_loop())
         self._agent = AgentMirror(theme, self._clock)
         self.commands = Commands()
-        self.commands.control_key = key_help.key_label("baton", self.file)
+        self.commands.control_key = key_help.key_label("control", self.file)
         self.phrase_book = palette.PhraseBook({})
         self.selected = ""
         self.page: tuple[str, str] = ("", "")
@@ -85,7 +85,7 @@ class PanelLayout(OrderedScreen[str]):
             with Vertical(id="agent-frame"):
                 yield self._agent.widget
             activity = CachedStatic("activity")
-            activity.border_title = "They do"
+            activity.border_title = "What they do"
             yield activity
         yield ProposalStrip(self.file)
         with Horizontal(id="palette-header"):
@@ -202,7 +202,7 @@ class PanelLayout(OrderedScreen[str]):
         self.is_stale, self._drawn_at = False, host_now()
         now = peer.now()
         self._agent.show(state, now)
-        title = "They see and hear"
+        title = "What they see and hear"
         self.query_one("#agent-frame").border_title = title if state.theme else f"{title}: {status_view.UNKNOWN}"
         self._put("session", Content(status_view.session_line(state)))
         self._put("link", status_view.link_status(state, self.commands.control_key))
@@ -243,7 +243,7 @@ class PanelLayout(OrderedScreen[str]):
         strip, width = self.query_one(ProposalStrip), self._width("palette")
         if self.entry_label and strip.overflows:
             self._put("palette-title", Content("What you type, in full"))
-            self._put("palette", Content("\n".join(folded(strip.entry.value, width, _PALETTE_ROWS))))
+            self._put("palette", Content("\n".join(wrap(strip.entry.value, width, _PALETTE_ROWS))))
             return
         page, number, count = self.find_page()
         to = addressee(self.commands.state, self.seat) if page.kind in ("phrases", "gestures") else ""

@@ -1,4 +1,4 @@
-"""The palette: what a number does, on each of its pages."""
+"""Pages of the palette, and the act of each of their numbers."""
 
 from typing import Any, Literal, NamedTuple
 
@@ -14,9 +14,9 @@ from sar_tui.operator.session_state import SessionState
 PER_PAGE = 10
 CONTROLLED_KINDS: tuple[ControlledKind, ...] = ("feedback", "encouragement", "instruction", "gesture", "difficulty")
 MODES: tuple[Mode, ...] = ("autonomous", "veto", "approve", "manual")
-_MEANS: dict[Mode, str] = {
+_MEANINGS: dict[Mode, str] = {
     "autonomous": "the agent decides",
-    "veto": "the agent acts, unless you stop it in time",
+    "veto": "the agent acts unless you stop it in time",
     "approve": "you decide",
     "manual": "only you act",
 }
@@ -24,21 +24,26 @@ Kind = Literal["phrases", "gestures", "marks", "modes", "queue"]
 
 
 class Item(NamedTuple):
-    """What stands beside a number, what is sent when it is chosen, and how the log calls that.
+    """Item of a page.
 
-    ``why``: why it cannot be chosen now; then nothing is sent.
+    Attributes:
+        text: beside its number.
+        log_text: of its act, in the log.
+        topic, message: of its act; None if it cannot be chosen now.
+        why: it cannot be chosen.
+        is_current: it is under way.
     """
 
     text: str
-    words: str = ""
+    log_text: str = ""
     topic: Topic[Any] | None = None
     message: Message | None = None
     why: str = ""
-    now: bool = False
+    is_current: bool = False
 
 
 class Page(NamedTuple):
-    """A page: what it is called, and its numbers. ``empty`` says what there would be."""
+    """Page of at most ten items. ``empty``: shown if there are none."""
 
     kind: Kind
     title: str
@@ -47,22 +52,22 @@ class Page(NamedTuple):
 
 
 class PhraseBook(NamedTuple):
-    """The phrases there are, by heading."""
+    """Phrases by heading."""
 
     headings: dict[str, list[Any]]
 
     @classmethod
     def of(cls, state: SessionState, file: KeymapFile) -> "PhraseBook":
-        """The operator's own first, then those of the theme that is worn."""
+        """Return the operator's own phrases, then those of the active theme."""
         own = {"Yours": list(file.own_phrases)} if file.phrases else {}
         return cls({**own, **(theme_phrases(state.theme) if state.theme else {})})
 
 
-def pages(state: SessionState, words: PhraseBook, seat: str) -> list[Page]:
-    """All pages as they stand now, in their order."""
+def pages(state: SessionState, book: PhraseBook, seat: str) -> list[Page]:
+    """Return all pages in order, as of now."""
     values = slot_values(state, seat)
     found: list[Page] = []
-    for heading, phrases in words.headings.items():
+    for heading, phrases in book.headings.items():
         for begin in range(0, len(phrases), PER_PAGE):
             filled = [fill(phrase, values) for phrase in phrases[begin : begin + PER_PAGE]]
             more = f" {begin // PER_PAGE + 1}" if len(phrases) > PER_PAGE else ""
@@ -82,9 +87,9 @@ def _phrase(filled: Filled, state: SessionState, seat: str) -> Item:
 def _gestures(state: SessionState, seat: str) -> Page:
     names = list(state.theme.gestures)[:PER_PAGE] if state.theme else []
     items = [
-        Item(called, f"Gesture: {called}", REMARK, Remark(gesture=name, source="gesture", seat=seat))
+        Item(title, f"Gesture: {title}", REMARK, Remark(gesture=name, source="gesture", seat=seat))
         for name in names
-        for called in [name.replace("_", " ")]
+        for title in [name.replace("_", " ")]
     ]
     return Page("gestures", "Gestures", tuple(items), "The theme's gestures are not known yet.")
 
@@ -104,20 +109,26 @@ def _modes(state: SessionState) -> Page:
     for kind in CONTROLLED_KINDS:
         if mode := modes.get(kind):
             after = MODES[(MODES.index(mode) + 1) % len(MODES)]
-            words, chosen = f"{kind.capitalize()}: {after}", ModeChanged(kind=kind, mode=after)
-            items.append(Item(f"{kind}: {mode}, {_MEANS[mode]}", words, MODE, chosen))
-    return Page("modes", "Modes: a number changes", tuple(items), "The modes are not known yet.")
+            log_text, change = f"{kind.capitalize()}: {after}", ModeChanged(kind=kind, mode=after)
+            items.append(Item(f"{kind}: {mode}, {_MEANINGS[mode]}", log_text, MODE, change))
+    return Page("modes", "Modes: a number changes one", tuple(items), "The modes are not known yet.")
 
 
 def _queue(state: SessionState) -> Page:
     arbiter = state.arbiter
-    waiting = [(action, False) for action in arbiter.queued] if arbiter else []
+    queued = [(action, False) for action in arbiter.queued] if arbiter else []
     current = [(arbiter.current, True)] if arbiter and arbiter.current else []
     items = [
-        Item(_action(action), f"Cancelled {action.kind}", DECISION, Decision(action=action.id, verdict="veto"), now=now)
-        for action, now in (*current, *waiting)
+        Item(
+            _action(action),
+            f"Cancelled {action.kind}",
+            DECISION,
+            Decision(action=action.id, verdict="veto"),
+            is_current=is_current,
+        )
+        for action, is_current in (*current, *queued)
     ]
-    return Page("queue", "Queue: a number cancels", tuple(items[:PER_PAGE]), "Nothing is under way or waits its turn.")
+    return Page("queue", "Queue: a number cancels one", tuple(items[:PER_PAGE]), "Nothing is under way or queued.")
 
 
 def _action(action: Action) -> str:

@@ -1,4 +1,4 @@
-"""Phrases for an operator to have said: their own, with slots, and the theme's."""
+"""Phrases that an operator can have the agent say: their own, with slots, and the theme's."""
 
 import re
 import string
@@ -10,21 +10,21 @@ from sar_tui.framework.messages import Remark, Valence
 from sar_tui.framework.theme import Theme
 from sar_tui.operator.session_state import SessionState
 
-LONGEST = 400
-"""Characters of what an operator has the agent say."""
+MAX_TEXT = 400
+"""Characters of a phrase or a typed text."""
 SLOTS = ("participant", "level", "attempt", "result", "goal")
-_THEMES: dict[str, tuple[str, ...]] = {
+_THEME_HEADINGS: dict[str, tuple[str, ...]] = {
     "Encourage": ("encouragement",),
     "Praise": ("positive_slight", "positive", "positive_strong"),
     "Neutral": ("neutral",),
     "Comfort": ("negative_slight", "negative", "negative_strong"),
-    "Rest, come and go": ("rest", "greeting", "welcome_back", "goodbye", "goodbye_early"),
+    "Rest, hello, goodbye": ("rest", "greeting", "welcome_back", "goodbye", "goodbye_early"),
 }
-"""The situations whose wordings hold no result, under the headings of the palette."""
+"""Phrase keys whose texts hold no result, by heading of the palette."""
 
 
 class Phrase(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Something the agent can be made to say. ``text`` may hold `SLOTS`."""
+    """Phrase for the agent to say. ``text`` may hold `SLOTS`."""
 
     text: str
     valence: Valence | None = None
@@ -33,12 +33,12 @@ class Phrase(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     gaze: str = ""
 
     def remark(self, text: str) -> Remark:
-        """It, said with its slots filled."""
+        """Return the remark that says this phrase. ``text``: with the slots filled."""
         return Remark(text=text, valence=self.valence, gesture=self.gesture, face=self.face, gaze=self.gaze)
 
 
 class Filled(NamedTuple):
-    """A phrase, and its text as it would be said now; or its text as it is, and what has no value yet."""
+    """Phrase with its text as said now; or with its text as written and the slot that has no value yet."""
 
     phrase: Phrase
     text: str
@@ -46,21 +46,21 @@ class Filled(NamedTuple):
 
 
 def phrase_problem(text: str) -> str:
-    """What is wrong with a phrase and its slots; empty where nothing is."""
-    if not text.strip() or len(text) > LONGEST or not text.isprintable():
-        return f"the phrase {text[:40]!r} is not one line of at most {LONGEST} characters"
+    """Return what is wrong with a phrase or its slots; empty if nothing is."""
+    if not text.strip() or len(text) > MAX_TEXT or not text.isprintable():
+        return f"the phrase {text[:40]!r} is not one line of at most {MAX_TEXT} characters"
     try:
         parts = [part[1:] for part in string.Formatter().parse(text) if part[1] is not None]
     except ValueError as error:
         return f"the phrase {text!r} has broken slots ({error})"
     for name, form, conversion in parts:
         if name not in SLOTS or form or conversion:
-            return f"the phrase {text!r} has a slot that is none of {{{'}, {'.join(SLOTS)}}}"
+            return f"the phrase {text!r} has an unknown slot; known are {{{'}, {'.join(SLOTS)}}}"
     return ""
 
 
 def fill(phrase: Phrase, values: dict[str, str]) -> Filled:
-    """A phrase as it would be said now."""
+    """Fill the slots of a phrase."""
     wanted = [part[1] for part in string.Formatter().parse(phrase.text) if part[1]]
     if missing := [name for name in wanted if name not in values]:
         return Filled(phrase, phrase.text, missing[0])
@@ -68,14 +68,14 @@ def fill(phrase: Phrase, values: dict[str, str]) -> Filled:
 
 
 def fill_slots(text: str, values: dict[str, str]) -> tuple[str, str]:
-    """Typed words with their slots filled, and a slot that has no value yet; other braces are braces."""
+    """Fill the slots of a typed text. Return it with a slot that has no value yet, if any; other braces stay."""
     missing = [name for name in SLOTS if f"{{{name}}}" in text and name not in values]
     filled = re.sub(rf"{{({'|'.join(SLOTS)})}}", lambda found: values.get(found[1], found[0]), text)
     return filled, missing[0] if missing else ""
 
 
 def slot_values(state: SessionState, seat: str) -> dict[str, str]:
-    """What the slots hold for a participant; what is not known is left out."""
+    """Return the known values of the slots for a participant."""
     values: dict[str, str] = {}
     welcome, ended = state.welcome, state.seat(seat).attempt
     if welcome is None:
@@ -87,43 +87,41 @@ def slot_values(state: SessionState, seat: str) -> dict[str, str]:
     if state.waiting and state.waiting.attempt:
         values["attempt"] = str(state.waiting.attempt)
     if ended and ended.metric is not None:
-        values["result"] = figure(ended.metric, state)
+        values["result"] = metric_text(ended.metric, state)
     if ended and ended.goal is not None:
-        values["goal"] = figure(ended.goal, state)
+        values["goal"] = metric_text(ended.goal, state)
     return values
 
 
 def addressee(state: SessionState, seat: str) -> str:
-    """To whom, of several: `` to P02``; nothing where there is one participant."""
+    """Return the addressee if there are several: `` to P02``; empty for one participant."""
     people = state.welcome.participants if state.welcome else {}
     return f" to {people.get(seat, seat)}" if len(people) > 1 else ""
 
 
 def addressed(state: SessionState, seat: str, text: str) -> str:
-    """PhraseBook as the agent says them to one of several: it calls them first."""
-    called = state.welcome.spoken_names.get(seat, "") if state.welcome else ""
-    return f"{called}: {text}" if called else text
+    """Return a text as the agent says it: with the name first if there are several participants."""
+    name = state.welcome.spoken_names.get(seat, "") if state.welcome else ""
+    return f"{name}: {text}" if name else text
 
 
-def figure(value: float, state: SessionState) -> str:
-    """A value of the metric, with its unit."""
+def metric_text(value: float, state: SessionState) -> str:
+    """Return a value of the metric with its unit."""
     decimals, unit = (state.welcome.decimals, state.welcome.unit) if state.welcome else (0, "")
     return f"{value:.{decimals}f} {unit}".rstrip()
 
 
 def theme_phrases(theme: Theme) -> dict[str, list[Phrase]]:
-    """What a theme has to say without a result in it, by heading."""
+    """Return a theme's phrases without a result, by heading."""
     return {
-        heading: [
-            _phrase(theme, situation, text) for situation in situations for text in theme.phrases.get(situation, ())
-        ]
-        for heading, situations in _THEMES.items()
+        heading: [_phrase(theme, key, text) for key in keys for text in theme.phrases.get(key, ())]
+        for heading, keys in _THEME_HEADINGS.items()
     }
 
 
-def _phrase(theme: Theme, situation: str, text: str) -> Phrase:
-    """With the face and gesture that the theme gives it; those of a result go with its valence."""
-    manner = theme.manner(situation)
-    named = next((valence for valence in ("positive", "neutral", "negative") if situation.startswith(valence)), None)
+def _phrase(theme: Theme, key: str, text: str) -> Phrase:
+    """Return a phrase with the face and gesture that the theme gives its key, and the valence of its name."""
+    manner = theme.manner(key)
+    named = next((valence for valence in ("positive", "neutral", "negative") if key.startswith(valence)), None)
     plain = text.replace("{", "{{").replace("}", "}}")
     return Phrase(plain, named, manner.gesture, manner.face, "" if manner.gaze == "ahead" else manner.gaze)  # type: ignore[arg-type]

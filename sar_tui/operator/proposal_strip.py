@@ -96,7 +96,7 @@ class ProposalStrip(Vertical):
     def draw_expired_edit(self, edited: PendingApproval, commands: Commands, now: int) -> None:
         """Draw the proposal that is being edited although it no longer waits: the text is not meant for the next."""
         is_late = edited.deadline is not None and edited.deadline <= now
-        why = "Its time is over" if is_late else "It no longer waits"
+        why = "Time is up" if is_late else "No longer pending"
         others = proposal_view.other_proposals(commands.pending, None, now, self._width)
         self._put("proposal", proposal_view.expired_edit(edited, self._width))
         self._put("entry-label", Content(f"{why}:", [Span(0, len(why) + 1, "$warning bold")]))
@@ -107,7 +107,7 @@ class ProposalStrip(Vertical):
         """The other proposals if they have no line of their own, else how to send typed text, else the modes."""
         if others and not self._is_tall:
             return cut(others, self._width - 4)
-        return "Enter sends, Esc leaves" if self._label else proposal_view.mode_summary(state, self._width - 4)
+        return "Enter sends, Esc cancels" if self._label else proposal_view.mode_summary(state, self._width - 4)
 
     def _frame(self, title: str, subtitle: str) -> None:
         """Set the border's texts; as `Content`, because they may hold brackets."""

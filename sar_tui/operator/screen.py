@@ -1,4 +1,4 @@
-"""The operator's panel: what its keys do."""
+"""Screen of the operator's panel: its keys."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -12,38 +12,38 @@ from sar_tui.operator import palette
 from sar_tui.operator.commands import CONFIRM_SECONDS, editable, takes_valence
 from sar_tui.operator.keymap import KEY_COMMANDS, bindings
 from sar_tui.operator.layout import PanelLayout
-from sar_tui.operator.phrases import LONGEST, addressee
+from sar_tui.operator.phrases import MAX_TEXT, addressee
 from sar_tui.operator.proposal_strip import ProposalStrip
 
-_ACTIONS = {key_command.action.partition("(")[0] for key_command in KEY_COMMANDS}
-_FOR_ALL = {key_command.action.partition("(")[0] for key_command in KEY_COMMANDS if not key_command.acts}
+_ACTIONS = {command.action.partition("(")[0] for command in KEY_COMMANDS}
+_FOR_ALL = {command.action.partition("(")[0] for command in KEY_COMMANDS if not command.acts}
 _WHILE_TYPING = ("stop", "leave", "keys", "event")
 _WHILE_COVERED = ("stop", "leave", "keys")
-"""What keys do while something lies over the panel: nobody steers what they do not see."""
-_LONGEST_NOTE = 4000
+"""Actions that work while something hides the panel: nobody should act on what they cannot see."""
+_MAX_NOTE = 4000
 
 
 class PanelScreen(PanelLayout):
-    """What an operator, or an observer, sees of a session; and what an operator does."""
+    """Panel of an operator or an observer."""
 
     BINDINGS: ClassVar[list[BindingType]] = [*bindings()]
 
-    def __init__(self, *made: Any, **how: Any) -> None:
-        super().__init__(*made, **how)
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
         self._typing: Callable[[str, int], bool] | None = None
 
     # --- proposals -----------------------------------------------------------------------------------------------
 
     @property
     def _at(self) -> int:
-        """When the key that is handled now was pressed, on the session's clock."""
+        """Time stamp of the key that is being handled (ns, session clock)."""
         peer = self.commands.peer
         assert peer
         pressed = round(self.app.key_seconds * SECOND)
         return peer.now() - (max(0, host_now() - pressed) if pressed else 0)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """An observer's keys do not act; and while something is typed, keys are letters."""
+        """Disable an observer's acts, and most keys while text is typed or the panel is hidden."""
         welcome = self.commands.state.welcome
         if welcome and welcome.role == "observer" and action in _ACTIONS and action not in _FOR_ALL:
             return False
@@ -55,15 +55,15 @@ class PanelScreen(PanelLayout):
 
     def action_approve(self) -> None:
         if approval := self.chosen:
-            self._done(self.commands.decide(approval, "accept", self._at))
+            self._after(self.commands.decide(approval, "accept", self._at))
 
     def action_veto(self) -> None:
         if approval := self.chosen:
-            self._done(self.commands.decide(approval, "veto", self._at))
+            self._after(self.commands.decide(approval, "veto", self._at))
 
     def action_valence(self, valence: Valence) -> None:
         if (approval := self.chosen) and takes_valence(approval):
-            self._done(self.commands.change_valence(approval, valence, self._at))
+            self._after(self.commands.change_valence(approval, valence, self._at))
 
     def action_select(self, step: int) -> None:
         waiting = self.commands.pending
@@ -72,68 +72,68 @@ class PanelScreen(PanelLayout):
             self.draw()
 
     def action_edit(self) -> None:
-        """Without a proposal, perhaps because it has just gone, what is typed must not be taken for keys."""
+        """Edit the proposal. If it has just gone, let the operator type anyway, so that letters do not act as keys."""
         if approval := self.chosen:
             self.selected = approval.proposal.id
             text = editable(approval, self.commands.state)
-            self._type("Instead:", text, lambda text, at: self._edited(approval, text, at), edits=approval)
+            self._open_entry("Edit:", text, lambda text, at: self._edited(approval, text, at), edited=approval)
         else:
-            self.commands.log.report(self._at, "No proposal waits: what you type is said as your own words.")
+            self.commands.log.report(self._at, "No proposal is pending: the agent will say what you type.")
             self.action_say()
 
     def _edited(self, approval: PendingApproval, text: str, at: int) -> bool:
         if any(each.proposal.id == approval.proposal.id for each in self.commands.pending):
             return self.commands.edit(approval, text, at)
-        self.commands.log.report(at, "Too late: it was decided. Nothing was sent; Enter says it all the same.")
+        self.commands.log.report(at, "Too late: it was already decided. Nothing was sent; Enter says it anyway.")
         if approval.level is None and approval.proposal.text:
-            self._type("Say:", text, lambda words, when: self.commands.say(words, approval.proposal.seat, when))
+            self._open_entry("Say:", text, lambda text, at: self.commands.say(text, approval.proposal.seat, at))
             return False
         return True
 
     # --- the session ---------------------------------------------------------------------------------------------
 
     def action_stop(self) -> None:
-        self._done(self.commands.command("Stopped", "stop", self._at))
+        self._after(self.commands.command("Stopped", "stop", self._at))
 
     def action_pause(self) -> None:
         if self.commands.may_resume(self._at):
             self.question = ""
-            self._done(self.commands.pause(self._at))
+            self._after(self.commands.pause(self._at))
         else:
             self.ask_for(CONFIRM_SECONDS, "resume")
 
     def action_skip(self) -> None:
-        self._done(self.commands.prompt_command("Skipped the prompt", "skip", self._at))
+        self._after(self.commands.prompt_command("Skipped the prompt", "skip", self._at))
 
     def action_repeat(self) -> None:
-        self._done(self.commands.prompt_command("Repeated the prompt", "repeat", self._at))
+        self._after(self.commands.prompt_command("Repeated the prompt", "repeat", self._at))
 
     def action_level(self, step: int) -> None:
-        self._done(self.commands.level(step, self._at))
+        self._after(self.commands.level(step, self._at))
 
     def action_hold(self) -> None:
-        self._done(self.commands.hold(self._at))
+        self._after(self.commands.hold(self._at))
 
     def action_end(self) -> None:
-        if self._ask("end"):
-            self._done(self.commands.command("Ended the session", "end", self._at))
+        if self._confirm("end"):
+            self._after(self.commands.command("Ended the session", "end", self._at))
 
     def action_close(self) -> None:
-        if self.is_over or self._ask("close"):
+        if self.is_over or self._confirm("close"):
             self.dismiss("")
 
-    def _ask(self, what: str) -> bool:
-        """Whether it was asked already; now it is."""
-        was_asked, self.question = self.question == what, "" if self.question == what else what
+    def _confirm(self, question: str) -> bool:
+        """Ask a question, or return True if it was asked already."""
+        was_asked, self.question = self.question == question, "" if self.question == question else question
         self.draw()
         return was_asked
 
-    # --- the palette, words, notes --------------------------------------------------------------------------------
+    # --- palette, speech, notes -----------------------------------------------------------------------------------
 
     def action_pick(self, index: int) -> None:
         items = self.find_page()[0].items
         if index < len(items):
-            self._done(self.commands.pick(items[index], self._at))
+            self._after(self.commands.pick(items[index], self._at))
 
     def action_page(self, step: int) -> None:
         pages = palette.pages(self.commands.state, self.phrase_book, self.seat)
@@ -155,17 +155,17 @@ class PanelScreen(PanelLayout):
     def action_say(self) -> None:
         seat = self.seat
         to = addressee(self.commands.state, seat)
-        self._type(f"Say{to}:", "", lambda text, at: self.commands.say(text, seat, at))
+        self._open_entry(f"Say{to}:", "", lambda text, at: self.commands.say(text, seat, at))
 
     def action_note(self) -> None:
-        begun = self._at
-        self._type("Note:", "", lambda text, at: self.commands.note(text, begun), most=_LONGEST_NOTE)
+        began = self._at
+        self._open_entry("Note:", "", lambda text, at: self.commands.note(text, began), max_length=_MAX_NOTE)
 
     def action_event(self, index: int) -> None:
         if index < len(self.file.events):
-            self._done(self.commands.event(self.file.events[index], self._at))
+            self._after(self.commands.event(self.file.events[index], self._at))
 
-    def action_baton(self) -> None:
+    def action_take_control(self) -> None:
         if self.commands.peer and self.commands.state.is_connected:
             self.commands.peer.take_control()
 
@@ -174,10 +174,10 @@ class PanelScreen(PanelLayout):
         keys.display = not keys.display
 
     def action_leave(self) -> None:
-        """What is open is closed, one at a time: what is typed, the keys, a question, a page."""
+        """Close one thing: the text field, the key help, the question, or the palette's page."""
         keys = self.query_one("#key-help")
         if self._typing:
-            self._stop_typing()
+            self._close_entry()
         elif keys.display:
             keys.display = False
         elif self.question:
@@ -186,8 +186,8 @@ class PanelScreen(PanelLayout):
             self.page = ("", "")
         self.draw()
 
-    def _done(self, sent: bool) -> None:
-        """A key was heeded, or why not stands in the log."""
+    def _after(self, is_sent: bool) -> None:
+        """Draw what a key has done: the act, or the log line that says why there is none."""
         self.is_stale = True
         self.draw()
 
@@ -200,7 +200,7 @@ class PanelScreen(PanelLayout):
         if isinstance(event, events.Paste):
             typed.put(next(iter(event.text.splitlines()), ""))
         elif event.key == "enter":
-            self._typed(typed.value.strip())
+            self._submit(typed.value.strip())
         elif event.is_printable and event.character:
             typed.put(event.character)
         else:
@@ -208,34 +208,42 @@ class PanelScreen(PanelLayout):
         self.is_stale = True
         return True
 
-    def _type(
+    def _open_entry(
         self,
-        asked: str,
+        label: str,
         text: str,
         then: Callable[[str, int], bool],
-        most: int = LONGEST,
-        edits: PendingApproval | None = None,
+        max_length: int = MAX_TEXT,
+        edited: PendingApproval | None = None,
     ) -> None:
-        """Have something typed; ``then`` is given it, with the stamp of Enter, and says whether that is done."""
-        if refusal := self.commands.refusal():
-            self.commands.log.report(self._at, f"{refusal} Nothing can be sent.")
+        """Open the text field.
+
+        Args:
+            label: in front of it.
+            text: to begin with.
+            then: called with the text and the time stamp of Enter; returns True if the field can be closed.
+            max_length: of the text, in characters.
+            edited: the proposal that is edited.
+        """
+        if reason := self.commands.refusal():
+            self.commands.log.report(self._at, f"{reason} Nothing can be sent.")
             self.draw()
             return
-        self._typing, self.edited, self.entry_label = then, edits, asked
+        self._typing, self.edited, self.entry_label = then, edited, label
         self.query_one(ProposalStrip).add_class("typing")
         typed = self.query_one(ProposalStrip).entry
-        typed.max_length, typed.value = most, text
+        typed.max_length, typed.value = max_length, text
         typed.cursor_position = len(text)
-        self.set_focus(typed)  # at once: the next key may have been read already
+        self.set_focus(typed)  # now, because the next key may have been read already
         self.draw()
 
-    def _stop_typing(self) -> None:
+    def _close_entry(self) -> None:
         self._typing, self.edited, self.entry_label = None, None, ""
         self.query_one(ProposalStrip).remove_class("typing")
         self.set_focus(None)
 
-    def _typed(self, text: str) -> None:
+    def _submit(self, text: str) -> None:
         then = self._typing
         if then and text and then(text, self._at):
-            self._stop_typing()
+            self._close_entry()
         self.draw()

@@ -1,4 +1,4 @@
-"""From a session that can be joined to its panel: which session, and the link to it."""
+"""Choice of the session to join, and the panel linked to it."""
 
 import asyncio
 import functools
@@ -28,32 +28,32 @@ HOW_TO_START = "No session on this machine can be joined. Start one with: sar-tu
 
 
 def own_name() -> str:
-    """What this user is called at a session, unless told otherwise: the login name, as far as it may be used."""
+    """Return the default name of this user at a session: the allowed characters of the login name."""
     try:
         name = getpass.getuser()
-    except (KeyError, OSError):  # a container's user without an entry
+    except (KeyError, OSError):  # no entry for the user, as in some containers
         name = ""
     return re.sub(r"[^A-Za-z0-9_-]", "", name).lstrip("_-")[:32] or "operator"
 
 
 def panel(where: JoinableSession | Invitation, name: str, role: Role, theme: Theme, folder: Path) -> PanelScreen:
-    """The panel of a session; made on the loop that runs it."""
+    """Return the panel of a session. Called on the event loop that runs it."""
     join = functools.partial(connect, where, name, role, loop=asyncio.get_running_loop())
     return PanelScreen(join, theme, folder)
 
 
 class ChooseScreen(Screen[JoinableSession | None]):
-    """The sessions that can be joined; looked for again and again.
+    """List of the sessions that can be joined, updated every second.
 
     Args:
-        waits: take the first that comes.
-        look: finds them.
+        waits: join the first session that appears.
+        look: finds the sessions.
     """
 
     CSS = """
     ChooseScreen { align: center middle; }
     ChooseScreen #box { width: 70; height: auto; max-height: 80%; border: round $accent; padding: 0 1; }
-    ChooseScreen #told { width: 70; height: auto; margin: 1 0; color: $text-muted; }
+    ChooseScreen #hint { width: 70; height: auto; margin: 1 0; color: $text-muted; }
     """
     help_text = "The sessions on this machine that an operator can join.\n"
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "leave", "Back")]
@@ -69,7 +69,7 @@ class ChooseScreen(Screen[JoinableSession | None]):
         box = OptionList(id="box", markup=False)
         box.border_title = "Sessions to join"
         yield box
-        yield Static("", id="told", markup=False)
+        yield Static("", id="hint", markup=False)
         yield Footer()
 
     def on_mount(self) -> None:
@@ -80,7 +80,7 @@ class ChooseScreen(Screen[JoinableSession | None]):
         try:
             found = {live.session: live for live in self._look()}
         except LinkError as error:
-            self.query_one("#told", Static).update(str(error))
+            self.query_one("#hint", Static).update(str(error))
             return
         if self._waits and len(found) == 1 and not self._found and self.is_current:
             self.dismiss(next(iter(found.values())))
@@ -97,7 +97,7 @@ class ChooseScreen(Screen[JoinableSession | None]):
         if self._found:
             box.highlighted = min(chosen, len(self._found) - 1)
         box.display = bool(self._found)
-        self.query_one("#told", Static).update(
+        self.query_one("#hint", Static).update(
             "Enter joins." if self._found else f"{HOW_TO_START}\n\nWaiting for one …"
         )
 

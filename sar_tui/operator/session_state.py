@@ -1,4 +1,4 @@
-"""The state: what an operator knows of the session, made from what the link brings. Pure: no screen, no clock."""
+"""State of the session as the panel knows it, computed from what the link brings. Pure: no screen, no clock."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -51,14 +51,14 @@ from sar_tui.framework.topics import (
 from sar_tui.link.peer import Connection, Frame, MotionTrace, PeerEvent, Welcome
 from sar_tui.operator import event_log
 from sar_tui.operator.event_log import Line
+from sar_tui.operator.event_text import PAUSE_REASONS, event_line
 
 PARTICIPANT = "participant"
-"""The actor of what a participant does."""
-_UNWELL = ("tired", "pain", "finished")
+"""Actor of a participant's acts."""
 _QUIET = ("foreperiod", "storage", "response")
-TRIALS_KEPT = 60
+MAX_TRIALS = 60
 TRACE_SECONDS = 8
-"""How much of the past is shown of responses, and of a hand's motion."""
+"""Responses, and seconds of a hand's motion, that are stored."""
 
 
 class Agent(msgspec.Struct, frozen=True):
@@ -79,7 +79,7 @@ class Agent(msgspec.Struct, frozen=True):
 
 
 class Seat(msgspec.Struct, frozen=True):
-    """How one participant does: the last trials and attempt, the last mark, how fast the hand turned (rad/s)."""
+    """Results of one participant: the last trials, attempt and mark, and the hand's angular speed (rad/s)."""
 
     trials: tuple[TrialEnded, ...] = ()
     attempt: AttemptEnded | None = None
@@ -88,11 +88,19 @@ class Seat(msgspec.Struct, frozen=True):
 
 
 class SessionState(msgspec.Struct, frozen=True):
-    """The session as this side of the link knows it. What is None, or empty, is not known.
+    """Session as this side of the link knows it. None or empty: not known.
 
-    ``level``: of the attempt under way; ``next_level``: of the next. ``seats``: by name. ``holder``: the operator who
-    has the baton. ``pauser``: who paused it, or last said why. ``voice``: why nothing is heard, as an output told it.
-    ``journal``: what happened that an operator should know, oldest first.
+    Attributes:
+        level, next_level: of the current and of the next attempt.
+        arbiter: pending proposals, queue and modes.
+        voice: why speech fails, as the output reported it.
+        seats: results by seat.
+        peers: roles by name.
+        holder: name of the operator who has control.
+        operated: whether there is an operator.
+        pauser: who paused the session, or gave the last reason.
+        ended: final status of the session.
+        log: events that an operator should know about, oldest first.
     """
 
     connection: Connection = Connection("connecting")
@@ -116,72 +124,72 @@ class SessionState(msgspec.Struct, frozen=True):
     log: tuple[Line, ...] = ()
 
     def receive(self, event: PeerEvent) -> "SessionState":
-        """What is known once this has been heard."""
+        """Return the state after an event of the link."""
         if isinstance(event, Welcome):
             return SessionState(connection=self.connection, welcome=event, theme=self.theme)
         if isinstance(event, MotionTrace):
-            return self._moved(event)
+            return self._add_motion(event)
         if isinstance(event, Connection):
             return replace(self, connection=event)
-        return self._frames(event)
+        return self._apply(event)
 
     @property
     def is_connected(self) -> bool:
-        """Whether what is shown is the present, and an act would arrive."""
+        """True if the state is current and an act would arrive."""
         return self.connection.state == "connected" and self.welcome is not None
 
     @property
     def is_quiet(self) -> bool:
-        """Whether the participant's screen stands still, because a response is awaited."""
+        """True while a response is awaited and the participant's screen must not move."""
         return bool(self.waiting and self.waiting.stage == "trial" and self.waiting.what in _QUIET)
 
     @property
     def is_paused(self) -> bool:
-        """Whether the session stands still until somebody lets it go on."""
+        """True while the session is paused."""
         return bool(self.waiting and self.waiting.stage == "paused")
 
     @property
     def is_their_pause(self) -> bool:
-        """Whether the participant paused, or is in pain or tired; also where it is not known who paused, and why."""
+        """True if the participant paused or gave a reason, or if it is not known who paused and why."""
         if not self.is_paused or self.waiting is None:
             return False
         reason = self.waiting.reason
-        return reason in _UNWELL or (not reason and self.pauser in (PARTICIPANT, ""))
+        return reason in PAUSE_REASONS or (not reason and self.pauser in (PARTICIPANT, ""))
 
     @property
     def has_control(self) -> bool:
-        """Whether this peer's acts are heeded, as far as is known."""
+        """True if this peer's acts are accepted, as far as is known."""
         mine = self.welcome.name if self.welcome else ""
         return bool(self.welcome and self.welcome.role == "operator" and self.holder in ("", mine))
 
     def seat(self, name: str) -> Seat:
-        """How a participant does."""
+        """Return the results of a participant."""
         return self.seats.get(name, Seat())
 
     def with_seat(self, name: str, seat: Seat) -> "SessionState":
-        """The same, but for how one participant does."""
+        """Return the state with other results for one participant."""
         return replace(self, seats={**self.seats, name: seat})
 
-    def _frames(self, frames: Iterable[Frame]) -> "SessionState":
+    def _apply(self, frames: Iterable[Frame]) -> "SessionState":
         state = self
         for frame in frames:
             before = state.arbiter
-            if heard := _HEARD.get(frame.topic.name):
-                state = heard(state, frame.message)
-            if line := event_log.line(frame, self.welcome, before):
-                state = replace(state, log=event_log.kept(state.log, line))
+            if handler := _HANDLERS.get(frame.topic.name):
+                state = handler(state, frame.message)
+            if line := event_line(frame, self.welcome, before):
+                state = replace(state, log=event_log.append(state.log, line))
         return state
 
-    def _moved(self, trace: MotionTrace) -> "SessionState":
-        kept = max(1, round(trace.hz * TRACE_SECONDS))
+    def _add_motion(self, trace: MotionTrace) -> "SessionState":
+        length = max(1, round(trace.hz * TRACE_SECONDS))
         seat = self.seat(trace.seat)
-        return self.with_seat(trace.seat, replace(seat, rates=(*seat.rates, *trace.rates)[-kept:]))
+        return self.with_seat(trace.seat, replace(seat, rates=(*seat.rates, *trace.rates)[-length:]))
 
 
 # --- the task ------------------------------------------------------------------------------------------------------
 
 
-def _waits(state: SessionState, waiting: Waiting) -> SessionState:
+def _on_waiting(state: SessionState, waiting: Waiting) -> SessionState:
     agent = state.agent
     if waiting.stage == "trial" and waiting.what != "agent":
         agent = replace(agent, words="", more="", kind="", face="listening")
@@ -193,32 +201,32 @@ def _waits(state: SessionState, waiting: Waiting) -> SessionState:
         agent = replace(agent, words="", more="", kind="", face="listening")
     level = waiting.level or state.level
     prompt = state.prompt if waiting.stage == "trial" else None
-    goes_on = state.is_paused and waiting.stage != "paused"
-    pauser = "" if goes_on else state.pauser
-    waits = replace(state, waiting=waiting, agent=agent, level=level, prompt=prompt, pauser=pauser)
-    return waits if waits.is_quiet else replace(waits, agent=replace(agent, cue=None))
+    has_resumed = state.is_paused and waiting.stage != "paused"
+    pauser = "" if has_resumed else state.pauser
+    state = replace(state, waiting=waiting, agent=agent, level=level, prompt=prompt, pauser=pauser)
+    return state if state.is_quiet else replace(state, agent=replace(agent, cue=None))
 
 
-def _steered(state: SessionState, act: Operator) -> SessionState:
+def _on_operator(state: SessionState, act: Operator) -> SessionState:
     return replace(state, pauser=act.actor) if act.command == "pause" else state
 
 
-def _prompted(state: SessionState, prompt: Prompt) -> SessionState:
+def _on_prompt(state: SessionState, prompt: Prompt) -> SessionState:
     return replace(state, prompt=prompt, level=prompt.level)
 
 
-def _voided(state: SessionState, _: PromptVoided) -> SessionState:
+def _on_prompt_voided(state: SessionState, _: PromptVoided) -> SessionState:
     return replace(state, prompt=None)
 
 
-def _tried(state: SessionState, trial: TrialEnded) -> SessionState:
+def _on_trial(state: SessionState, trial: TrialEnded) -> SessionState:
     seat = state.seat(trial.seat)
     others = tuple(t for t in seat.trials if (t.attempt, t.trial) != (trial.attempt, trial.trial))
-    told = replace(seat, trials=(*others, trial)[-TRIALS_KEPT:], mark="")
-    return replace(state.with_seat(trial.seat, told), prompt=None)
+    seat = replace(seat, trials=(*others, trial)[-MAX_TRIALS:], mark="")
+    return replace(state.with_seat(trial.seat, seat), prompt=None)
 
 
-def _marked(state: SessionState, marked: TrialMarked) -> SessionState:
+def _on_mark(state: SessionState, marked: TrialMarked) -> SessionState:
     seat = state.seat(marked.seat)
     trials = tuple(
         replace(t, correct=marked.correct) if (t.attempt, t.trial) == (marked.attempt, marked.trial) else t
@@ -227,26 +235,26 @@ def _marked(state: SessionState, marked: TrialMarked) -> SessionState:
     return state.with_seat(marked.seat, replace(seat, trials=trials, mark=marked.mark))
 
 
-def _attempted(state: SessionState, ended: AttemptEnded) -> SessionState:
+def _on_attempt(state: SessionState, ended: AttemptEnded) -> SessionState:
     return state.with_seat(ended.seat, replace(state.seat(ended.seat), attempt=ended))
 
 
-def _leveled(state: SessionState, changed: LevelChanged) -> SessionState:
+def _on_level(state: SessionState, changed: LevelChanged) -> SessionState:
     return replace(state, next_level=changed.level)
 
 
-def _ended(state: SessionState, ended: SessionEnded) -> SessionState:
+def _on_session_ended(state: SessionState, ended: SessionEnded) -> SessionState:
     return replace(state, ended=ended.status, prompt=None)
 
 
-def _sensed(state: SessionState, changed: SensorChanged) -> SessionState:
+def _on_sensor(state: SessionState, changed: SensorChanged) -> SessionState:
     return replace(state, sensor=changed)
 
 
 # --- the agent -----------------------------------------------------------------------------------------------------
 
 
-def _said(state: SessionState, action: Action) -> SessionState:
+def _on_action(state: SessionState, action: Action) -> SessionState:
     agent = state.agent
     if action.text and action.joins and agent.words:
         agent = replace(agent, more=f"{agent.more}\n{action.text}".lstrip(), kind=action.kind)
@@ -255,56 +263,56 @@ def _said(state: SessionState, action: Action) -> SessionState:
     return replace(state, agent=replace(agent, face=action.face or agent.face, moves=action))
 
 
-def _cued(state: SessionState, cue: CueGiven) -> SessionState:
+def _on_cue(state: SessionState, cue: CueGiven) -> SessionState:
     return replace(state, agent=replace(state.agent, cue=cue))
 
 
-def _halted(state: SessionState, _: Halt) -> SessionState:
+def _on_halt(state: SessionState, _: Halt) -> SessionState:
     return replace(state, agent=replace(state.agent, still=state.agent.still + 1))
 
 
-def _acts(state: SessionState, acting: AgentActing) -> SessionState:
+def _on_acting(state: SessionState, acting: AgentActing) -> SessionState:
     return replace(state, acting=acting.acting)
 
 
-def _reported(state: SessionState, report: OutputReport) -> SessionState:
+def _on_report(state: SessionState, report: OutputReport) -> SessionState:
     if report.part == "say" and report.state in ("started", "failed"):
         return replace(state, voice=report.detail or "it failed" if report.state == "failed" else "")
     return state
 
 
-def _stands(state: SessionState, arbiter: ArbiterState) -> SessionState:
+def _on_arbiter_state(state: SessionState, arbiter: ArbiterState) -> SessionState:
     return replace(state, arbiter=arbiter, operated=arbiter.operated)
 
 
-def _worn(state: SessionState, worn: ThemeApplied) -> SessionState:
+def _on_theme(state: SessionState, worn: ThemeApplied) -> SessionState:
     return replace(state, theme=worn.theme)
 
 
-# --- who is there --------------------------------------------------------------------------------------------------
+# --- operators and observers ----------------------------------------------------------------------------------------
 
 
-def _came_or_went(state: SessionState, changed: OperatorChanged) -> SessionState:
+def _on_presence(state: SessionState, changed: OperatorChanged) -> SessionState:
     return replace(state, peers=changed.peers, holder=changed.holder, operated=changed.operated)
 
 
-_HEARD: dict[str, Callable[[SessionState, Any], SessionState]] = {
-    OPERATOR.name: _steered,
-    WAITING.name: _waits,
-    PROMPT.name: _prompted,
-    VOIDED.name: _voided,
-    TRIAL.name: _tried,
-    MARKED.name: _marked,
-    ATTEMPT_ENDED.name: _attempted,
-    LEVEL.name: _leveled,
-    SESSION_ENDED.name: _ended,
-    SENSOR.name: _sensed,
-    ACTION.name: _said,
-    CUE.name: _cued,
-    HALT.name: _halted,
-    ACTING.name: _acts,
-    REPORT.name: _reported,
-    ARBITER_STATE.name: _stands,
-    THEME.name: _worn,
-    PRESENCE.name: _came_or_went,
+_HANDLERS: dict[str, Callable[[SessionState, Any], SessionState]] = {
+    OPERATOR.name: _on_operator,
+    WAITING.name: _on_waiting,
+    PROMPT.name: _on_prompt,
+    VOIDED.name: _on_prompt_voided,
+    TRIAL.name: _on_trial,
+    MARKED.name: _on_mark,
+    ATTEMPT_ENDED.name: _on_attempt,
+    LEVEL.name: _on_level,
+    SESSION_ENDED.name: _on_session_ended,
+    SENSOR.name: _on_sensor,
+    ACTION.name: _on_action,
+    CUE.name: _on_cue,
+    HALT.name: _on_halt,
+    ACTING.name: _on_acting,
+    REPORT.name: _on_report,
+    ARBITER_STATE.name: _on_arbiter_state,
+    THEME.name: _on_theme,
+    PRESENCE.name: _on_presence,
 }

@@ -1,23 +1,24 @@
-"""The state in words: what stands in the head of the panel, and beside the agent."""
+"""Texts on the session's state: the header, the participant, the log."""
 
 from textual.content import Content
 
 from sar_tui.operator import text_charts
-from sar_tui.operator.event_log import UNWELL, Line, participant, short
-from sar_tui.operator.phrases import figure
+from sar_tui.operator.event_log import Line
+from sar_tui.operator.event_text import PAUSE_REASONS, participant_name, short_name
+from sar_tui.operator.phrases import metric_text
 from sar_tui.operator.session_state import PARTICIPANT, Seat, SessionState
 from sar_tui.operator.text_charts import Piece, cut
 
 UNKNOWN = "not known yet"
 _LABEL = 8
-"""Characters of a participant's code, beside their responses."""
-_WAITS = {
+"""Characters of a participant's code beside their responses."""
+_WAITING = {
     "enter": "Waits for Enter",
     "start": "Waits for the start key",
-    "agent": "Waits until the agent is still",
-    "answer": "Waits to give the answer",
+    "agent": "Waits until the agent has finished",
+    "answer": "Waits to give feedback",
     "quiet": "Waits until no key is pressed",
-    "foreperiod": "A prompt comes at once",
+    "foreperiod": "A prompt is about to appear",
     "storage": "Waits for the disk",
     "response": "Waits for a response",
     "resume": "Paused",
@@ -26,7 +27,7 @@ _WAITS = {
 }
 _STAGES = {"instructions": "instructions", "review": "all done"}
 _REASONS = {
-    **UNWELL,
+    **PAUSE_REASONS,
     "interrupted": "interrupted",
     "storage": "the disk",
     "held": "a key is held",
@@ -35,7 +36,7 @@ _SIGNS = {"plain": ("·", "$text-muted"), "good": ("✓", "$success"), "bad": ("
 
 
 def session_line(state: SessionState) -> str:
-    """The task, who does it, and how far the session has come."""
+    """Return the task, the participants and the progress of the session."""
     welcome, waiting = state.welcome, state.waiting
     if welcome is None:
         return "Operator"
@@ -45,13 +46,13 @@ def session_line(state: SessionState) -> str:
     elif waiting and waiting.attempt:
         parts.append(_attempt_name(state, waiting.attempt))
     if state.level is not None:
-        follows = f", then {state.next_level}" if state.next_level not in (None, state.level) else ""
-        parts.append(f"level {state.level}{follows}")
+        then = f", then {state.next_level}" if state.next_level not in (None, state.level) else ""
+        parts.append(f"level {state.level}{then}")
     return " · ".join(part for part in parts if part)
 
 
 def _attempt_name(state: SessionState, attempt: int) -> str:
-    """The attempt as the participant's screen counts: while the answer is awaited, still the one that was done."""
+    """Return the attempt as the participant's screen counts it: during feedback, still the one that ended."""
     welcome, waiting = state.welcome, state.waiting
     done = [seat.attempt.attempt for seat in state.seats.values() if seat.attempt]
     if waiting and waiting.stage in ("answer", "review") and done:
@@ -64,31 +65,31 @@ def _attempt_name(state: SessionState, attempt: int) -> str:
 
 
 def link_status(state: SessionState, control_key: str = "b") -> Content:
-    """How the link is, and who is at it; to an operator who does not steer, with which key they would."""
+    """Return the state of the link, who has control, and who else is there."""
     connection = state.connection.state
     if state.ended:
         return Content.assemble(("session over", "$text-muted"))
     if connection != "connected":
-        words = {"connecting": "connecting", "lost": "connection lost", "ended": "no connection"}[connection]
-        return Content.assemble((f"○ {words}", "$warning bold"))
+        text = {"connecting": "connecting", "lost": "connection lost", "ended": "no connection"}[connection]
+        return Content.assemble((f"○ {text}", "$warning bold"))
     me = state.welcome.name if state.welcome else ""
     others = [name for name in state.peers if name not in (me, state.holder)]
-    watchers = [short(name) for name in others if state.peers[name] == "observer"]
+    watchers = [short_name(name) for name in others if state.peers[name] == "observer"]
     parts: list[Piece] = [("● ", "$success")]
     if state.welcome and state.welcome.role == "observer":
-        parts.append(("you watch", "bold"))
-        parts.append((f" · {short(state.holder)} steers", "$text-muted") if state.holder else ("", ""))
+        parts.append(("you are observing", "bold"))
+        parts.append((f" · {short_name(state.holder)} in control", "$text-muted") if state.holder else ("", ""))
     elif state.holder == me and me:
-        parts.append(("you steer", "$success bold"))
+        parts.append(("in control", "$success bold"))
     elif state.holder:
-        parts.append((f"{short(state.holder)} steers", "$warning bold"))
-        parts.append((f" · {control_key} takes the baton", "$text-muted"))
+        parts.append((f"{short_name(state.holder)} in control", "$warning bold"))
+        parts.append((f" · {control_key} takes it", "$text-muted"))
     elif not state.peers:
         parts.append(("connected", "$success"))
     else:
-        parts.append(("nobody steers", "$warning bold"))
-        parts.append((f" · {control_key} takes the baton", "$text-muted"))
-    parts.extend((f" · {short(name)}", "$text-muted") for name in others if state.peers[name] == "operator")
+        parts.append(("nobody in control", "$warning bold"))
+        parts.append((f" · {control_key} takes it", "$text-muted"))
+    parts.extend((f" · {short_name(name)}", "$text-muted") for name in others if state.peers[name] == "operator")
     if watchers:
         watch = f"{watchers[0]} watches" if len(watchers) == 1 else f"{len(watchers)} watch"
         parts.append((f" · {watch}", "$text-muted"))
@@ -96,27 +97,27 @@ def link_status(state: SessionState, control_key: str = "b") -> Content:
 
 
 def link_loss(state: SessionState) -> str:
-    """What an operator has to know while the link is down; empty while it is up."""
+    """Return the notice shown while the link is down; empty while it is up."""
     connection, parameters = state.connection, state.welcome.parameters if state.welcome else {}
     why = f" ({connection.why.rstrip('.')})" if connection.why else ""
     if state.ended:
         return ""
     if connection.state == "ended":
-        return f"The link is closed{why}. This panel shows what was known last."
+        return f"The link is closed{why}. The panel shows the last known state."
     if connection.state == "connecting" and connection.why:
         return f"There is no connection yet: {connection.why}"
     if connection.state != "lost":
         return ""
-    alone = {"autonomous": "by itself (autonomous)", "silent": "by itself, and says nothing that needs an operator"}
-    goes = alone.get(str(parameters.get("operator_lost")), "by itself")
-    return f"Connection lost{why}. If it runs, the session goes on {goes}. Trying to get back."
+    modes = {"autonomous": "by itself (autonomous)", "silent": "by itself, without anything that needs an operator"}
+    how = modes.get(str(parameters.get("operator_lost")), "by itself")
+    return f"Connection lost{why}. If it still runs, the session goes on {how}. Reconnecting."
 
 
-# --- what the participant does ----------------------------------------------------------------------------------
+# --- the participant ----------------------------------------------------------------------------------
 
 
 def activity(state: SessionState, width: int) -> Content:
-    """What the session waits for, what stands before the participant, how they do, what the agent does."""
+    """Return what the session waits for, the prompt, each participant's results, and what the agent does."""
     if state.welcome is None:
         return Content.assemble((UNKNOWN.capitalize(), "$text-muted"))
     seats = sorted({*state.welcome.participants, *state.seats}) or ["A"]
@@ -130,31 +131,31 @@ def activity(state: SessionState, width: int) -> Content:
 
 
 def waiting_text(state: SessionState) -> str:
-    """What the session waits for; of a pause, who made it, and why."""
+    """Return what the session waits for; for a pause, who made it and why."""
     waiting = state.waiting
     if state.ended:
         return f"The session is over ({state.ended})"
     if waiting is None:
-        return f"The session: {UNKNOWN}"
-    words = _WAITS[waiting.what]
-    if state.is_paused and waiting.reason in ("", *UNWELL) and state.pauser and state.welcome:
+        return f"Session: {UNKNOWN}"
+    text = _WAITING[waiting.what]
+    if state.is_paused and waiting.reason in ("", *PAUSE_REASONS) and state.pauser and state.welcome:
         theirs = state.pauser == PARTICIPANT
-        words = f"{participant(state.welcome) if theirs else short(state.pauser)} paused"
+        text = f"{participant_name(state.welcome) if theirs else short_name(state.pauser)} paused"
     if reason := _REASONS.get(waiting.reason):
-        words += f": {reason}"
+        text += f": {reason}"
     if waiting.stage == "trial":
-        return f"{words} · {waiting.trial} of {waiting.trials}"
-    return f"{words} · {stage}" if (stage := _STAGES.get(waiting.stage)) else words
+        return f"{text} · {waiting.trial} of {waiting.trials}"
+    return f"{text} · {stage}" if (stage := _STAGES.get(waiting.stage)) else text
 
 
 def _prompt(state: SessionState, width: int) -> list[Piece]:
     if state.prompt is None:
-        return [("No prompt is up", "$text-muted")]
+        return [("No prompt is shown", "$text-muted")]
     return [("Prompt  ", "$text-muted"), (cut(state.prompt.text, width - 8), "$accent bold")]
 
 
 def _seat(state: SessionState, seat: Seat, label: str, width: int, *, is_short: bool) -> list[list[Piece]]:
-    """One participant: responses, times, the last attempt, and the hand, where a sensor is worn."""
+    """Return one participant's rows: responses, times, the last attempt, and the motion of a hand."""
     room = width - len(label)
     head: Piece = (label, "$accent bold")
     done: list[Piece] = (
@@ -174,20 +175,20 @@ def _times(state: SessionState, seat: Seat, width: int) -> list[Piece]:
     if not seat.trials:
         return [("No times yet", "$text-muted")]
     decimals, unit = (state.welcome.decimals, state.welcome.unit) if state.welcome else (0, "")
-    values = [text_charts.timed(trial) for trial in seat.trials]
+    values = [text_charts.trial_value(trial) for trial in seat.trials]
     last = [f"{value:.{decimals}f}" if value is not None else "–" for value in values[-4:]]
-    told = f"{' '.join(last)} {unit}".rstrip()
-    line = text_charts.sparkline(values, min(20, width - len(told) - 1))
-    return [(line, "$accent"), (" ", ""), (told, "")]
+    text = f"{' '.join(last)} {unit}".rstrip()
+    line = text_charts.sparkline(values, min(20, width - len(text) - 1))
+    return [(line, "$accent"), (" ", ""), (text, "")]
 
 
 def _attempt(state: SessionState, seat: Seat, width: int, *, is_short: bool) -> list[Piece]:
     ended = seat.attempt
     if ended is None:
-        return [("No attempt is done yet", "$text-muted")]
+        return [("No attempt finished yet", "$text-muted")]
     decimals = state.welcome.decimals if state.welcome else 0
     metric = f"{ended.metric:.{decimals}f}" if ended.metric is not None else "–"
-    goal = f" of {figure(ended.goal, state)}" if ended.goal is not None else ""
+    goal = f" of {metric_text(ended.goal, state)}" if ended.goal is not None else ""
     right = f", {ended.accuracy:.0%}" if ended.accuracy is not None else ""
     sign = ("✓ ", "$success") if ended.outcome == "success" else ("✗ ", "$warning bold")
     head = "" if is_short else f"Attempt {ended.attempt} "
@@ -206,10 +207,10 @@ def _agent(state: SessionState, width: int) -> list[Piece]:
     if state.voice:
         return [(cut(f"No voice: {state.voice}", width), "$warning")]
     if state.acting is None:
-        return [(f"The agent: {UNKNOWN}", "$text-muted")]
+        return [(f"Agent: {UNKNOWN}", "$text-muted")]
     current = state.arbiter.current if state.arbiter else None
     if not state.acting:
-        return [("The agent is still", "$text-muted")]
+        return [("The agent is idle", "$text-muted")]
     return [("▶ The agent speaks" if current is None or current.spoken else "▶ The agent moves", "$accent bold")]
 
 
@@ -217,13 +218,13 @@ def _agent(state: SessionState, width: int) -> list[Piece]:
 
 
 def log_lines(lines: list[Line], width: int, rows: int) -> Content:
-    """The last lines, the newest at the bottom."""
+    """Return the last lines, newest at the bottom."""
     parts: list[Piece] = []
     for line in lines[-rows:] if rows > 0 else []:
         sign, style = _SIGNS[line.tone]
         parts += [
             (f"{sign} ", style),
-            (cut(line.words, width - 2), "$warning" if line.tone == "bad" else ""),
+            (cut(line.text_with_count, width - 2), "$warning" if line.tone == "bad" else ""),
             ("\n", ""),
         ]
     return Content.assemble(*parts[:-1])

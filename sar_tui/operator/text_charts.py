@@ -1,4 +1,4 @@
-"""Figures of a few characters: responses, times, the motion of a hand, time that runs out."""
+"""Charts of a few characters, and text that fits a width."""
 
 from collections.abc import Sequence
 from math import ceil
@@ -10,14 +10,14 @@ from sar_tui.framework.messages import TrialEnded
 _STEPS = "▁▂▃▄▅▆▇█"
 _RIGHT, _WRONG, _MISSED = "✓", "✗", "–"
 Piece = tuple[str, str]
-"""A text and its style."""
+"""Text and its style."""
 
 
 def responses(trials: Sequence[TrialEnded], width: int) -> list[Piece]:
-    """The last responses, newest last: a tick, a cross, or a dash for none, and what was to be done."""
+    """Return the last responses, newest last: a tick, a cross, or a dash for none, and the stimulus."""
     pieces: list[Piece] = []
     for trial in reversed(trials):
-        sign, style = _judged(trial)
+        sign, style = _result(trial)
         text = f"{sign}{trial.stimulus[:6]} "
         if len(text) > width:
             break
@@ -26,19 +26,19 @@ def responses(trials: Sequence[TrialEnded], width: int) -> list[Piece]:
     return pieces
 
 
-def _judged(trial: TrialEnded) -> Piece:
+def _result(trial: TrialEnded) -> Piece:
     if trial.correct:
         return _RIGHT, "$success"
     return (_MISSED, "$text-muted") if trial.response is None else (_WRONG, "$warning bold")
 
 
-def timed(trial: TrialEnded) -> float | None:
-    """The time of a trial, for an eye to compare: what it adds to the metric, else its reaction time (ms)."""
+def trial_value(trial: TrialEnded) -> float | None:
+    """Return what a trial adds to the metric, else its reaction time (ms)."""
     return trial.value if trial.value is not None else trial.reaction_time_ms
 
 
 def sparkline(values: Sequence[float | None], width: int) -> str:
-    """Values as columns of one character from the least to the greatest; a dot where there is none."""
+    """Draw values as columns between the least and the greatest; a dot for None."""
     shown = values[-width:] if width > 0 else []
     known = [value for value in shown if value is not None]
     if not known:
@@ -50,7 +50,7 @@ def sparkline(values: Sequence[float | None], width: int) -> str:
 
 
 def motion(rates: Sequence[float], width: int) -> str:
-    """How fast a hand turned, either way round: one row, scaled to no less than 1 rad/s."""
+    """Draw how fast a hand turned in either direction, on a scale of at least 1 rad/s."""
     if not rates or width <= 0:
         return ""
     size = max(1, ceil(len(rates) / width))
@@ -60,21 +60,21 @@ def motion(rates: Sequence[float], width: int) -> str:
 
 
 def bar(share: float, width: int) -> tuple[str, str]:
-    """What is left of something, as a line of blocks, and the rest of the width."""
+    """Return the full and the empty part of a bar."""
     full = ceil(max(0.0, min(1.0, share)) * width)
     return "█" * full, "░" * (width - full)
 
 
 def cut(text: str, width: int) -> str:
-    """A text on one line of at most so many columns; what does not fit is told by an ellipsis."""
+    """Return a text on one line of at most ``width`` columns, with an ellipsis if it is cut."""
     line = " ".join(text.split())
     if cell_len(line) <= width:
         return line
     return set_cell_size(line, max(0, width - 1)).rstrip() + "…"
 
 
-def folded(text: str, width: int, rows: int) -> list[str]:
-    """A text on lines of at most so many columns, no more than so many; what does not fit is told by an ellipsis."""
+def wrap(text: str, width: int, rows: int) -> list[str]:
+    """Return a text on at most ``rows`` lines of ``width`` columns, with an ellipsis if it is cut."""
     lines: list[str] = []
     for paragraph in text.splitlines() if width > 0 else []:
         rest = paragraph.split()
@@ -88,7 +88,7 @@ def folded(text: str, width: int, rows: int) -> list[str]:
 
 
 def _line(words: list[str], width: int) -> tuple[str, list[str]]:
-    """The first line of words, and those that are left; a word that is longer than the line is cut in two."""
+    """Return the first line and the remaining words. A word longer than the line is split."""
     line, rest = "", list(words)
     while rest and cell_len(f"{line} {rest[0]}".strip()) <= width:
         line = f"{line} {rest.pop(0)}".strip()
@@ -99,6 +99,6 @@ def _line(words: list[str], width: int) -> tuple[str, list[str]]:
 
 
 def two_lines(text: str, width: int) -> str:
-    """A text on exactly two lines, so that nothing below them moves; what does not fit is told by an ellipsis."""
+    """Return a text on exactly two lines, so that nothing below them moves, with an ellipsis if it is cut."""
     first, rest = _line(text.split(), width)
     return f"{first}\n{cut(' '.join(rest), width)}"

@@ -33,7 +33,7 @@ def test_the_participant_gets_what_the_operator_decides_and_all_of_it_is_kept(da
         participant.answers = usual
         participant.answer(1)
         edited = panel.wait_for_offer(vetoed["id"])
-        panel.writes("edit", "Instead:", WORDS)
+        panel.writes("edit", "Edit:", WORDS)
         room.until(lambda: participant.sees(WORDS), "the operator's words in the place of the agent's are seen")
 
         panel.does("pick-1")

@@ -86,7 +86,7 @@ async def test_what_is_typed_is_never_taken_for_keys_and_an_edit_that_is_too_lat
         await driver.propose()
         await driver.press("enter")
         assert driver.acts(t.DECISION) == []
-        assert "Too late: it was decided." in driver.text
+        assert "Too late: it was already decided." in driver.text
         await driver.press("enter")
         assert driver.acts(t.REMARK)[1:] == [m.Remark(text="Well done!", source="free text", actor=ANNA)]
 
@@ -123,7 +123,7 @@ async def test_what_stands_there_stays_until_it_is_decided_or_gone_and_then_no_k
         urgent = b.approval("p3", 1500, text="Urgent")
         await driver.propose(urgent, first, second)
         assert "2 of 3" in driver.text
-        assert "Behind it: 0 s feedback “Urgent”" in driver.text
+        assert "Also pending: 0 s feedback “Urgent”" in driver.text
         await driver.press("right")
         assert "┃ “Second”" in driver.text
         await driver.press("left")
@@ -170,7 +170,7 @@ async def test_the_time_that_is_left_runs_down_for_each_and_what_happens_then_is
         await driver.tell(t.ARBITER_STATE, b.arbiter_state(replace(b.approval("p3"), otherwise="drop")))
         assert "is dropped in 2.0 s" in driver.text
         await driver.tell(t.ARBITER_STATE, b.arbiter_state(b.approval("p4", ms=None)))
-        assert "waits for you, until the next attempt begins" in driver.text
+        assert "waits for you until the next attempt begins" in driver.text
 
 
 # --- the session ---------------------------------------------------------------------------------------------------
@@ -187,7 +187,7 @@ async def test_one_key_steers_the_session_two_steps_up_are_two_levels_and_the_hi
         await driver.tell(t.LEVEL, m.LevelChanged(previous=6, level=10, reason="success"))
         await driver.press("u")
         assert len(driver.acts(t.OPERATOR)) == 2
-        assert "Level 10 is the highest there is." in driver.text
+        assert "Level 10 is the highest level." in driver.text
         await driver.join()
         driver.peer.sent.clear()
         await driver.press("f2", "space")
@@ -213,7 +213,7 @@ async def test_the_key_for_a_pause_ends_one_that_for_the_level_lets_it_go_again_
         await driver.tell(t.WAITING, b.waiting("resume", "paused"))
         assert "ben paused" in driver.text
         await driver.press("space", "end")
-        assert "End the session? End again ends it" in driver.text
+        assert "End the session? Press End again to end it" in driver.text
         await driver.press("escape", "end")
         assert [act.command for act in driver.acts(t.OPERATOR)] == ["resume"]
         await driver.press("end")
@@ -240,7 +240,7 @@ async def test_a_pause_of_the_participants_is_told_loudly_and_ended_by_a_second_
             await driver.tell(t.WAITING, b.waiting("resume", "paused", reason=reason))
             assert driver.text.count(told) == 2, "where they do, and in the log"
             await driver.press("space")
-            assert f"{told}. Space again, within 3 s, lets it go on." in driver.text
+            assert f"{told}. Press Space again within 3 s to resume." in driver.text
             await driver.press("space")  # a key that bounces
             await driver.pass_by(3200)
             await driver.press("space")
@@ -285,19 +285,19 @@ async def test_an_edit_whose_time_runs_out_says_so_where_it_is_typed_and_never_s
     async with panel(catalogue, folder) as driver:
         await driver.propose(b.approval("p1", 2000, text="Well done"))
         await driver.press("e", "!")
-        assert "Enter sends, Esc leaves" in driver.text
+        assert "Enter sends, Esc cancels" in driver.text
         await driver.pass_by(2000)
         await driver.tell(t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000, text="The next")))
-        assert "Its time is over: Well done!" in driver.text
-        assert "FEEDBACK · its time is over" in driver.text
-        assert "Enter twice says your words all the same" in driver.text
-        assert "Behind it: 6 s feedback “The next”" in driver.text
+        assert "Time is up: Well done!" in driver.text
+        assert "FEEDBACK · time is up" in driver.text
+        assert "Enter twice says it anyway" in driver.text
+        assert "Also pending: 6 s feedback “The next”" in driver.text
         assert "┃ “The next”" not in driver.text
         await driver.press("enter")
         assert driver.acts(t.DECISION) == []
         await driver.press("escape")
         assert "┃ “The next”" in driver.text
-        assert "Its time is over" not in driver.text
+        assert "Time is up" not in driver.text
 
 
 async def test_behind_the_list_of_keys_and_in_a_window_that_is_too_small_only_the_stop_key_acts(
@@ -338,7 +338,7 @@ async def test_a_prompt_is_neither_skipped_nor_repeated_while_there_is_none(cata
     async with panel(catalogue, folder) as driver:
         await driver.press("s", "r")
         assert driver.acts(t.OPERATOR) == []
-        assert "No prompt is up. Nothing was sent." in driver.text
+        assert "No prompt is shown. Nothing was sent." in driver.text
 
 
 async def test_what_is_approved_and_has_still_to_come_is_counted_down(catalogue: Catalogue, folder: Path) -> None:
@@ -356,7 +356,7 @@ async def test_when_the_session_is_done_the_panel_says_so_and_one_key_leaves_it(
     async with panel(catalogue, folder) as driver:
         await driver.tell(t.SESSION_ENDED, m.SessionEnded(status="completed"))
         await driver.receive(Connection("ended", "The session is over."))
-        assert "The session is done. q leaves. For the report: sar-tui report wizard last" in driver.text
+        assert "The session is over. q leaves. For the report: sar-tui report wizard last" in driver.text
         assert "no connection" not in driver.text
         await driver.press("q")
         assert driver.peer.is_closed
@@ -383,7 +383,7 @@ async def test_a_number_does_what_stands_beside_it_on_each_page_tab_turns_it_and
         await driver.press("tab")
         assert "Praise 2/10" in driver.text
         await driver.press("shift+tab", "shift+tab")
-        assert "Queue: a number cancels 10/10" in driver.text
+        assert "Queue: a number cancels one 10/10" in driver.text
         await driver.press("escape")
         assert "Encourage 1/10" in driver.text
 
@@ -422,7 +422,7 @@ async def test_with_two_participants_words_go_to_the_one_that_is_chosen_and_each
         assert "FEEDBACK to P02 · positive" in driver.text
         await driver.propose(b.approval("p3", seat="B", text="Right: Well done"))
         await driver.press("e")
-        assert "Instead: Well done" in driver.text
+        assert "Edit: Well done" in driver.text
         await driver.press("!", "enter")
         assert [decision.text for decision in driver.acts(t.DECISION)] == ["Right: Well done!"]
         await driver.propose(b.approval("l1", level=5))
@@ -446,7 +446,7 @@ async def test_a_file_that_is_wrong_is_told_in_the_log_and_the_usual_keys_work(
 ) -> None:
     (folder / FILE).write_text("[keys]\nstpo = 'y'\n")
     async with panel(catalogue, folder) as driver:
-        assert "is left out" in driver.text
+        assert "is ignored" in driver.text
         await driver.press("f2")
         assert [act.command for act in driver.acts(t.OPERATOR)] == ["stop"]
 
@@ -463,10 +463,10 @@ async def test_an_act_stands_in_the_log_with_what_became_of_it(catalogue: Catalo
         await driver.receive([b.frame(t.OPERATOR, sent, sent.at + 14 * MS)])
         assert "Skipped the prompt · link 14 ms" in driver.text
         await driver.press("r")
-        refused = m.ActRefused(actor=ANNA, what=t.OPERATOR.name, why="Another operator holds the baton.")
+        refused = m.ActRefused(actor=ANNA, what=t.OPERATOR.name, why="Another operator has control.")
         await driver.tell(t.REFUSED, refused)
         assert "Repeated the prompt: refused" in driver.text
-        assert "Refused: an act. Another operator holds the baton." in driver.text
+        assert "Refused: a command. Another operator has control." in driver.text
         await driver.pass_by(100)
         await driver.press("space")
         await driver.pass_by(5000)
@@ -477,9 +477,9 @@ async def test_an_observer_sees_the_same_and_no_key_of_theirs_acts(catalogue: Ca
     async with panel(catalogue, folder, "observer") as driver:
         await driver.propose(b.approval())
         assert "Well done." in driver.text
-        assert "you watch" in driver.text
+        assert "you are observing" in driver.text
         assert "approve " not in driver.text.replace("· approve", "")
-        assert "You watch." in driver.text
+        assert "You are an observer." in driver.text
         await driver.press(
             "enter", "x", "e", "plus", "f2", "space", "s", "u", "h", "1", "t", "n", "f5", "b", "end", "end"
         )
@@ -494,15 +494,15 @@ async def test_an_observer_sees_the_same_and_no_key_of_theirs_acts(catalogue: Ca
 async def test_without_the_baton_nothing_is_sent_until_it_is_taken(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.tell(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator", cara="observer"))
-        assert "ben steers" in driver.text
+        assert "ben in control" in driver.text
         assert "cara watches" in driver.text
-        assert "Nothing waits for ben." in driver.text
+        assert "Nothing is pending for ben." in driver.text
         await driver.propose(b.approval())
-        assert "ben decides; b takes the baton." in driver.text
+        assert "ben decides; b takes control." in driver.text
         await driver.tell(t.WAITING, b.waiting())
         await driver.press("s", "t")
         assert driver.acts(t.OPERATOR) == []
-        assert "ben has the baton; b takes it. Nothing was sent." in driver.text
+        assert "ben has control; b takes it. Nothing was sent." in driver.text
         await driver.press("b")
         assert driver.peer.control_requests == 1
         await driver.tell(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
@@ -522,7 +522,7 @@ async def test_a_lost_link_is_told_with_what_goes_on_and_comes_back(catalogue: C
         await driver.join()
         await driver.tell(t.WAITING, b.waiting())
         await driver.press("s")
-        assert "you steer" in driver.text
+        assert "● in control" in driver.text
         assert [act.command for act in driver.acts(t.OPERATOR)] == ["skip"]
 
 
@@ -553,14 +553,21 @@ async def test_at_80_by_24_all_keys_are_listed_the_stop_key_works_anywhere_and_t
 ) -> None:
     async with b.sit_down(catalogue, folder) as driver:
         await driver.press("t", "a", "f2", "escape", "f1")
-        for words in ("Approve", "Hold the level", "Event: something else", "Take the baton", "All keys", "Close what"):
+        for words in (
+            "Approve",
+            "Hold or release the level",
+            "Event: something else",
+            "Take control",
+            "All keys",
+            "Close what",
+        ):
             assert words in driver.text
         await driver.press("f2", "f1")
         assert [act.command for act in driver.acts(t.OPERATOR)] == ["stop", "stop"]
-        assert "Take the baton" not in driver.text
+        assert "Take control" not in driver.text
         wave = b.approval("p2", kind="gesture", text="", spoken="", gesture="wave")
         await driver.propose(b.approval("p1"), wave)
-        assert "Behind it: 4 s gesture [wave]" in driver.text
+        assert "Also pending: 4 s gesture [wave]" in driver.text
 
 
 async def test_why_there_is_no_connection_is_told_and_the_panel_is_left_when_asked_twice(
@@ -570,7 +577,7 @@ async def test_why_there_is_no_connection_is_told_and_the_panel_is_left_when_ask
         await driver.receive(Connection("connecting", "The other side does not know this invitation."))
         assert "There is no connection yet: The other side does not know this invitation." in driver.text
         await driver.press("q")
-        assert "Leave the panel? q again leaves it" in driver.text
+        assert "Leave the panel? Press q again to leave" in driver.text
         assert not driver.peer.is_closed
         await driver.press("q")
         assert driver.peer.is_closed

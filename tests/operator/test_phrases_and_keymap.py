@@ -46,13 +46,19 @@ def test_a_file_gives_other_keys_phrases_and_events(tmp_path: Path) -> None:
     assert file.events == ("noise",)
 
 
+def test_the_former_id_of_the_key_that_takes_control_is_still_read(tmp_path: Path) -> None:
+    (tmp_path / FILE).write_text('[keys]\nbaton = "y"\n')
+    file, problem = read(tmp_path)
+    assert (problem, file.keymap) == ("", {"wizard-control": "y"})
+
+
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("[keys]\napprov = 'y'", "there is nothing called 'approv'"),
-        ("[keys]\napprove = 'x'", "the key x would be both approve and veto"),
+        ("[keys]\napprov = 'y'", "there is no command 'approv'"),
+        ("[keys]\napprove = 'x'", "the key x is used for both approve and veto"),
         ("[keys]\napprove = 'hyperspace'", "'hyperspace', for approve, is not the name of a key"),
-        ("phrases = ['You are {better}.']", "has a slot that is none of"),
+        ("phrases = ['You are {better}.']", "has an unknown slot"),
         ("phrases = ['You are {level']", "has broken slots"),
         ("phrases = ['']", "is not one line of at most 400 characters"),
         ("events = [1]", "Expected `str`"),
@@ -70,7 +76,7 @@ def test_a_file_that_is_wrong_is_left_out_and_one_sentence_says_why(tmp_path: Pa
 
 def test_a_file_that_is_no_text_or_cannot_be_read_is_left_out_too(tmp_path: Path) -> None:
     (tmp_path / FILE).write_bytes(b"\xff\xfe")
-    assert "is left out" in read(tmp_path)[1]
+    assert "is ignored" in read(tmp_path)[1]
     (tmp_path / FILE).unlink()
     (tmp_path / FILE).mkdir()
     assert "cannot be read" in read(tmp_path)[1]

@@ -60,7 +60,7 @@ async def test_while_there_is_none_how_to_start_one_is_told_and_the_first_that_c
     async with app.run_test() as pilot:
         await pilot.pause()
         assert isinstance(app.screen, ChooseScreen)
-        assert HOW_TO_START.split(":")[0] in str(app.screen.query_one("#told").render())
+        assert HOW_TO_START.split(":")[0] in str(app.screen.query_one("#hint").render())
         there.append(ONE)
         app.screen.look_again()
         await pilot.pause()

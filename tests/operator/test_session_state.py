@@ -13,8 +13,8 @@ from sar_tui.framework.clock import SECOND
 from sar_tui.link.peer import Connection, MotionTrace
 from sar_tui.operator import proposal_view, status_view
 from sar_tui.operator.event_log import Act
-from sar_tui.operator.session_state import TRIALS_KEPT, SessionState
-from sar_tui.operator.text_charts import cut, folded, motion, responses, sparkline, two_lines
+from sar_tui.operator.session_state import MAX_TRIALS, SessionState
+from sar_tui.operator.text_charts import cut, motion, responses, sparkline, two_lines, wrap
 from tests.operator import panel_driver as b
 
 
@@ -88,7 +88,7 @@ def test_a_trial_that_is_told_twice_counts_once_and_old_ones_are_forgotten() -> 
     twice = after(*[(t.TRIAL, b.trial(number, "f", 400)) for number in (1, 2, 2)])
     assert [trial.trial for trial in twice.seat("A").trials] == [1, 2]
     many = after(*[(t.TRIAL, b.trial(number, "f", 400)) for number in range(1, 90)])
-    assert len(many.seat("A").trials) == TRIALS_KEPT
+    assert len(many.seat("A").trials) == MAX_TRIALS
 
 
 def test_a_mark_changes_whether_the_trial_was_right() -> None:
@@ -107,11 +107,11 @@ def test_the_baton_is_with_whom_the_session_says_that_it_is() -> None:
     assert (gone.holder, gone.has_control) == ("", True)
     left = replace(lost, holder="", peers={b.ANNA: "operator"})
     alone = theirs.receive(Connection("connected")).receive([b.frame(t.PRESENCE, left)])
-    assert status_view.link_status(alone).plain == "● nobody steers · b takes the baton"
+    assert status_view.link_status(alone).plain == "● nobody in control · b takes it"
     assert lines(gone) == [
-        "You hold the baton.",
-        "ben holds the baton.",
-        "ben is no longer heard: The connection broke.",
+        "You have control.",
+        "ben has control.",
+        "ben lost the connection: The connection broke.",
     ]
 
 
@@ -126,12 +126,12 @@ def test_one_who_comes_late_knows_who_has_the_baton_from_what_was_told_last() ->
     )
     late = after((t.PRESENCE, watcher))
     assert not late.has_control
-    assert "ben steers · b takes the baton · cara watches" in status_view.link_status(late).plain
+    assert "ben in control · b takes it · cara watches" in status_view.link_status(late).plain
 
 
 def test_of_many_who_watch_their_number_is_told() -> None:
     peers: dict[str, m.Role] = {"cara": "observer", "dan": "observer", "eve": "observer"}
-    assert status_view.link_status(after((t.PRESENCE, b.presence(**peers)))).plain == "● you steer · 3 watch"
+    assert status_view.link_status(after((t.PRESENCE, b.presence(**peers)))).plain == "● in control · 3 watch"
 
 
 def test_an_observer_never_steers() -> None:
@@ -156,17 +156,17 @@ def test_when_the_link_is_lost_what_is_shown_stays_and_what_goes_on_is_told() ->
 
 def test_what_was_refused_or_missed_or_fell_away_is_told_in_a_line() -> None:
     state = after(
-        (t.REFUSED, m.ActRefused(actor="observer.cara", what="an act", why="An observer cannot act.", count=3)),
+        (t.REFUSED, m.ActRefused(actor="observer.cara", what="a command", why="An observer cannot act.", count=3)),
         (t.MISSED, m.ActMissed(actor=b.ANNA, what="veto p1", why="Its time was over.")),
         (t.DROPPED, m.Dropped(id="p1", reason="expired")),
         (t.DROPPED, m.Dropped(id="p2", reason="vetoed", actor=b.ANNA)),
         (t.STORAGE, m.StorageChanged(working=False, reason="The disk is full.")),
     )
     assert lines(state) == [
-        "Refused of cara: an act (3 times). An observer cannot act.",
+        "Refused for cara: a command (3 times). An observer cannot act.",
         "Too late: veto p1. Its time was over.",
         "The proposal expired: nobody decided in time.",
-        "The disk refuses to write: The disk is full.",
+        "Cannot write to the disk: The disk is full.",
     ]
 
 
@@ -221,7 +221,7 @@ def test_what_went_out_because_nobody_approved_it_in_time_is_told_but_no_veto_th
         (t.ACTION, b.action("a2", mode="veto", **late)),
         (t.ACTION, b.action("a3", mode="approve", ground="operator", actor=b.ANNA)),
     )
-    assert lines(state) == ["Nobody decided in time: the feedback went out as it was."]
+    assert lines(state) == ["Nobody decided in time: the feedback was sent unchanged."]
 
 
 def test_what_fell_away_is_called_by_its_kind_and_a_filler_is_nobodys_news() -> None:
@@ -242,7 +242,7 @@ def test_what_fell_away_is_called_by_its_kind_and_a_filler_is_nobodys_news() -> 
         (t.LEVEL_DECIDED, m.LevelDecided(id="l1", decision="rejected", **ruled | {"ground": "mode", "level": 0})),
     )
     assert lines(state) == [
-        "The encouragement came too late: the session had gone on.",
+        "The encouragement came too late: the session had moved on.",
         "The next level is 5 (nobody decided in time).",
         "The level stays (nobody decided).",
     ]
@@ -325,14 +325,14 @@ def test_words_stand_on_two_lines_whatever_they_are(text: str) -> None:
     ],
 )
 def test_words_are_folded_and_where_some_have_no_room_that_is_told(text: str, lines: list[str]) -> None:
-    assert folded(text, 10, 2) == lines
+    assert wrap(text, 10, 2) == lines
 
 
 def test_what_is_told_again_and_again_keeps_one_line_of_the_journal() -> None:
     state = SessionState().receive(Connection("connected")).receive(b.welcome())
     knock = m.ActRefused(actor="unknown", what="a connection", why="It has no certificate.")
     state = state.receive([b.frame(t.REFUSED, knock) for _ in range(40)])
-    told = "40 times: Refused of unknown: a connection. It has no certificate."
-    assert [line.words for line in state.log] == [told]
+    told = "40 times: Refused for unknown: a connection. It has no certificate."
+    assert [line.text_with_count for line in state.log] == [told]
     state = state.receive([b.frame(t.REFUSED, replace(knock, why="It has expired."))])
     assert [line.times for line in state.log] == [40, 1]

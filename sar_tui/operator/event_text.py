@@ -1,0 +1,201 @@
+"""Log line for each message of the session that an operator should know about."""
+
+from typing import Any
+
+from sar_tui.framework.messages import (
+    Action,
+    ActMissed,
+    ActRefused,
+    ArbiterState,
+    Dropped,
+    LevelChanged,
+    LevelDecided,
+    Operator,
+    OperatorChanged,
+    SensorChanged,
+    StorageChanged,
+)
+from sar_tui.framework.topics import (
+    ACTION,
+    DECISION,
+    DROPPED,
+    LEVEL,
+    LEVEL_DECIDED,
+    MISSED,
+    MODE,
+    NOTE_ADDED,
+    OPERATOR,
+    PRESENCE,
+    PROPOSAL_SEEN,
+    REFUSED,
+    REMARK,
+    SENSOR,
+    STORAGE,
+)
+from sar_tui.link.peer import Frame, Welcome
+from sar_tui.operator.event_log import Line, Tone
+
+_Text = tuple[str, Tone]
+
+_DROPPED = {
+    "late": "The {kind} came too late: the session had moved on.",
+    "stopped": "The waiting {kind} was stopped.",
+    "amended": "The {kind} was dropped: the attempt was scored again.",
+    "expired": "The {kind} expired: nobody decided in time.",
+    "no operator": "The {kind} was dropped: there was no operator.",
+}
+_SENSOR: dict[str, _Text] = {
+    "attached": ("The motion sensor is connected.", "good"),
+    "detached": ("The motion sensor is disconnected.", "bad"),
+    "stalled": ("The motion sensor sends no data.", "bad"),
+    "flowing": ("The motion sensor sends data again.", "good"),
+    "ended": ("The recording that replaces the sensor has ended.", "plain"),
+}
+PAUSE_REASONS = {"tired": "tired", "pain": "in pain", "finished": "wants to end"}
+"""Reasons for which a participant pauses."""
+_ACTS = {
+    OPERATOR.name: "a command",
+    DECISION.name: "a decision",
+    REMARK.name: "a phrase or gesture",
+    MODE.name: "a change of mode",
+    NOTE_ADDED.name: "a note",
+    PROPOSAL_SEEN.name: "a report of having seen a proposal",
+}
+_LEVEL_REASONS = {"success": "goal reached", "failure": "goal missed", "operator": "an operator", "mark": "a mark"}
+
+
+def short_name(name: str) -> str:
+    """Return a peer's name without its role: ``anna`` for ``operator.anna``."""
+    return name.partition(".")[2] or name
+
+
+def participant_name(me: Welcome) -> str:
+    """Return the code of the participant, or "A participant" if there are several."""
+    return next(iter(me.participants.values())) if len(me.participants) == 1 else "A participant"
+
+
+def event_line(frame: Frame, me: Welcome | None, before: ArbiterState | None) -> Line | None:
+    """Return the log line of a message, or None if it needs none.
+
+    Args:
+        frame: the message.
+        me: this panel at the session; its operator is called "you".
+        before: the arbiter's state until then.
+    """
+    if isinstance(frame.message, Operator):
+        text = _pause_or_resume(frame.message, me)
+    else:
+        text = _text(frame.topic.name, frame.message, me.name if me else "", before)
+    return Line(frame.at, *text) if text else None
+
+
+def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Text | None:
+    text: _Text | None = None
+    if topic == REFUSED.name:
+        text = _refused(message, me), "bad"
+    elif topic == MISSED.name:
+        text = _missed(message, me), "bad"
+    elif topic == PRESENCE.name:
+        text = _presence(message, me)
+    elif topic == DROPPED.name:
+        text = _dropped(message, before)
+    elif topic == LEVEL_DECIDED.name:
+        text = _level_decided(message, me, before)
+    elif topic == ACTION.name:
+        text = _unapproved(message)
+    elif topic == LEVEL.name:
+        text = _level_changed(message)
+    elif topic == SENSOR.name:
+        text = _sensor(message)
+    elif topic == STORAGE.name:
+        text = _storage(message)
+    return text
+
+
+def _pause_or_resume(act: Operator, me: Welcome | None) -> _Text | None:
+    """Describe a pause or its end, unless it is this operator's own act, which the log has already."""
+    if me is None or act.actor == me.name or act.command not in ("pause", "resume"):
+        return None
+    who = participant_name(me) if act.actor == "participant" else short_name(act.actor)
+    if act.command == "resume":
+        return f"{who} resumed.", "plain"
+    why = f": {PAUSE_REASONS[act.reason]}" if act.reason in PAUSE_REASONS else ""
+    return f"{who} paused{why}.", "bad" if why or act.actor == "participant" else "plain"
+
+
+def _refused(refused: ActRefused, me: str) -> str:
+    times = f" ({refused.count} times)" if refused.count > 1 else ""
+    whose = "" if refused.actor == me else f" for {short_name(refused.actor)}"
+    return f"Refused{whose}: {_ACTS.get(refused.what, refused.what)}{times}. {refused.why}"
+
+
+def _missed(missed: ActMissed, me: str) -> str:
+    whose = "" if missed.actor == me else f" for {short_name(missed.actor)}"
+    return f"Too late{whose}: {missed.what}. {missed.why}"
+
+
+def _presence(changed: OperatorChanged, me: str) -> _Text:
+    you = changed.actor == me
+    who = "You" if you else short_name(changed.actor)
+    match changed.state:
+        case "baton":  # stored spelling of "took control"
+            return f"{who} {'have' if you else 'has'} control.", "good" if you else "plain"
+        case "joined":
+            return f"{who} joined{' to watch' if changed.role == 'observer' else ''}.", "plain"
+        case "left":
+            return f"{who} left.", "plain"
+    why = f": {changed.detail.rstrip('.')}" if changed.detail else ""
+    return f"{who} lost the connection{why}.", "bad"
+
+
+def _dropped(dropped: Dropped, before: ArbiterState | None) -> _Text | None:
+    """Describe a dropped proposal, except a veto, one left to the operator, and a filler."""
+    waiting = (*(approval.proposal for approval in before.pending), *before.queued) if before else ()
+    kind = next((each.kind for each in waiting if each.id == dropped.id), "proposal")
+    text = _DROPPED.get(dropped.reason)
+    if not text or kind == "filler":
+        return None
+    return text.format(kind=kind), "bad" if dropped.reason in ("late", "expired") else "plain"
+
+
+def _unapproved(action: Action) -> _Text | None:
+    """Describe an action that was done because nobody decided on it; the others can be seen and heard."""
+    if action.ground == "deadline" and action.mode == "approve":
+        return f"Nobody decided in time: the {action.kind} was sent unchanged.", "bad"
+    return None
+
+
+def _level_decided(decided: LevelDecided, me: str, before: ArbiterState | None) -> _Text | None:
+    """Describe a decision on the level, unless an operator approved it (logged as an act) or did not veto it."""
+    pending = before.pending if before else ()
+    mode = next((approval.mode for approval in pending if approval.proposal.id == decided.id), "")
+    if decided.decision == "accepted" and (decided.ground == "operator" or mode == "veto"):
+        return None
+    tone: Tone = "bad" if decided.ground == "deadline" else "plain"
+    if decided.decision == "rejected":
+        level = f" {decided.level}" if decided.level else ""
+        return f"The level stays{level} ({_ground(decided, me)}).", tone
+    return f"The next level is {decided.level} ({_ground(decided, me)}).", tone
+
+
+def _ground(decided: LevelDecided, me: str) -> str:
+    if decided.ground == "operator":
+        return "you" if decided.actor == me else short_name(decided.actor)
+    return {"deadline": "nobody decided in time", "no operator": "no operator"}.get(decided.ground, "nobody decided")
+
+
+def _level_changed(changed: LevelChanged) -> _Text | None:
+    if changed.previous == changed.level:
+        return None
+    reason = _LEVEL_REASONS.get(changed.reason, changed.reason)
+    return f"Level {changed.previous} → {changed.level} ({reason}).", "plain"
+
+
+def _sensor(changed: SensorChanged) -> _Text | None:
+    return _SENSOR.get(changed.state)
+
+
+def _storage(changed: StorageChanged) -> _Text:
+    if changed.working:
+        return "The disk works again.", "good"
+    return f"Cannot write to the disk: {changed.reason}", "bad"
