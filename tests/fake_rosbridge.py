@@ -16,7 +16,7 @@ from typing import Any, Literal
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
-DEADLINE_S = 20.0
+DEADLINE_S = 60.0
 """How long to wait for another thread before a test fails."""
 REPORT = "/sar_tui/report"
 PARTS = {"speech": "say", "gesture": "gesture", "gaze": "gaze"}

@@ -172,7 +172,7 @@ class Terminal:
         """Press a key by its name (see ``encode``); returns the stamp taken right before."""
         return self.write(encode(key))
 
-    def wait_for(self, text: str, *, since: int = 0, seconds: float = 20) -> int:
+    def wait_for(self, text: str, *, since: int = 0, seconds: float = 60) -> int:
         """Read until the output holds ``text`` after position ``since``; returns the position after it.
 
         Raises:
@@ -191,7 +191,7 @@ class Terminal:
         while self.read(min(until, time.monotonic_ns() + round(silence_ms * 1e6))):
             pass
 
-    def wait(self, *, seconds: float = 20) -> int:
+    def wait(self, *, seconds: float = 60) -> int:
         """Read until the program has ended; returns its exit code, negative for a signal.
 
         Raises:

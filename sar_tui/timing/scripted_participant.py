@@ -90,7 +90,7 @@ class ScriptedParticipant:
         self._asked_at: int | None = None
         self._due: tuple[int, int, str, str] | None = None  # when, onset, what was asked for, what to press
 
-    def run(self, prompts: int | None = None, *, until: int | None = None, patience_s: float = 20) -> list[Press]:
+    def run(self, prompts: int | None = None, *, until: int | None = None, patience_s: float = 60) -> list[Press]:
         """Take part until so many prompts are answered in all, or a moment (ns) has come, or the program ends.
 
         Raises:

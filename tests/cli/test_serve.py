@@ -52,7 +52,7 @@ def test_it_prints_one_address_with_a_token_and_serves_until_it_is_stopped(
             assert caller.recv(100).startswith(b"HTTP/1.0 403")
         assert "refused: no token (/)" in line(process.stderr)
         process.send_signal(number)
-        out, err = process.communicate(timeout=30)
+        out, err = process.communicate(timeout=60)
         assert (process.returncode, out, err) == (code, "", said)
 
 

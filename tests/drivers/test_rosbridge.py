@@ -278,7 +278,7 @@ def test_a_program_says_nothing_on_the_terminal_of_a_connection_and_ends_whateve
     server.arrive()
     wait_until(lambda: server.has_subscriber("/in"))
     server.publish("/in", {"data": "now"})
-    assert program.communicate(timeout=30) == ("end\n", "")
+    assert program.communicate(timeout=60) == ("end\n", "")
     assert program.returncode == 0
     if manners == "politely":
         assert server.data("/out") == ["farewell"]

@@ -92,7 +92,7 @@ class Room:
         while there.read(until):
             pass
 
-    def until(self, holds: Callable[[], object], what: str, seconds: float = 30) -> None:
+    def until(self, holds: Callable[[], object], what: str, seconds: float = 60) -> None:
         """Read the terminals until something holds."""
         deadline = time.monotonic() + seconds
         while not holds():

@@ -34,7 +34,7 @@ def see_the_summary(terminal: Terminal) -> None:
     terminal.settle()
 
 
-def see_the_agent_still(terminal: Terminal, data: Path, seconds: float = 30) -> None:
+def see_the_agent_still(terminal: Terminal, data: Path, seconds: float = 60) -> None:
     """Wait until the agent has waved, and looks on."""
     deadline = time.monotonic() + seconds
     acting: list[bool] = []

@@ -58,7 +58,7 @@ def test_a_terminal_that_vanishes_ends_the_program_and_loses_nothing(data: Path)
         _answer(terminal, 3)
         terminal.settle()
         terminal.hang_up()
-        assert terminal.process.wait(20) == 129
+        assert terminal.process.wait(60) == 129
     assert rows(data, "SELECT count(*) FROM trials") == [(3,)]
     assert rows(data, "PRAGMA integrity_check") == [("ok",)]
 

@@ -11,7 +11,7 @@ from sar_tui.timing.pty import Terminal
 from tests.end_to_end.participant_terminal import QUICK, Eyes, command, rows, see_the_summary
 
 _ASKED = re.compile(r"^ *(?:Left: (\w))? *(?:Right: (\w))?$", re.MULTILINE)
-_PATIENCE = 20
+_PATIENCE = 60.0
 
 
 def asked(terminal: Terminal, eyes: Eyes) -> list[str]:

@@ -17,7 +17,7 @@ from tests.end_to_end.participant_terminal import rows, run_command, see_the_sum
 from tests.needs_speech import needs_speech
 
 
-def wait_until(holds: Callable[[], bool], what: str, seconds: float = 30) -> None:
+def wait_until(holds: Callable[[], bool], what: str, seconds: float = 60) -> None:
     deadline = time.monotonic() + seconds
     while not holds():
         assert time.monotonic() < deadline, f"waited in vain until {what}"

@@ -15,7 +15,7 @@ from sar_tui.inputs import phidget
 from sar_tui.inputs.imu import Sample, SourceError, Status
 from sar_tui.inputs.phidget import NO_PERMISSION, PhidgetSource
 
-WAIT_S = 20.0
+WAIT_S = 60.0
 """How long to wait for another thread before a test fails."""
 
 

@@ -13,7 +13,7 @@ from sar_tui.inputs.feed import Drained, ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.simulation.fake_phidget import FakeSpatial
 
-WAIT_S = 20.0
+WAIT_S = 60.0
 """How long to wait for another thread before a test fails."""
 
 

@@ -14,7 +14,7 @@ from sar_tui.inputs.imu import Sample, SourceError, Status
 from sar_tui.inputs.recorded import BLOCK, RecordedSource
 from sar_tui.motion.samples import SAMPLE, Samples
 
-WAIT_S = 20.0
+WAIT_S = 60.0
 """How long to wait for another thread before a test fails."""
 
 

@@ -13,7 +13,7 @@ from sar_tui.motion.samples import Samples
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, SimulatedHand
 
-WAIT_S = 20.0
+WAIT_S = 60.0
 REACH = ReachShape(out_s=0.6, back_s=0.6, peak_out=4.0, peak_back=-4.0)
 
 

@@ -37,7 +37,7 @@ LOST_MS = 800
 ANNA, OLAF = "operator.anna", "observer.olaf"
 
 
-async def until(true: Callable[[], object], seconds: float = 15.0) -> None:
+async def until(true: Callable[[], object], seconds: float = 60) -> None:
     """Wait for something to become true; fail where it does not."""
     deadline = time.monotonic() + seconds
     while not true():

@@ -24,7 +24,7 @@ def free_port() -> int:
         return int(found.getsockname()[1])
 
 
-def eventually(true: Callable[[], object], seconds: float = 10) -> bool:
+def eventually(true: Callable[[], object], seconds: float = 60) -> bool:
     """Whether it becomes true before the deadline."""
     deadline = time.monotonic() + seconds
     while not true():

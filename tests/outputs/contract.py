@@ -17,7 +17,7 @@ from sar_tui.framework.theme import FACES, Colors, Note, Theme
 from sar_tui.outputs.output import Output, Report
 from sar_tui.outputs.report_validation import heard
 
-WAIT_S = 30.0
+WAIT_S = 60.0
 """How long to wait for another thread or process before a check fails."""
 OVER = ("done", "aborted", "failed")
 _LIVES = ([], ["started"], ["aborted"], ["failed"], *(["started", end] for end in OVER))

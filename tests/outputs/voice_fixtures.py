@@ -20,7 +20,7 @@ from tests.outputs.contract import Rig
 
 OVER = ("done", "aborted", "failed")
 LONG = "This is a long sentence that goes on for several seconds, so that there is time to do something about it."
-DEADLINE_S = 30.0
+DEADLINE_S = 60.0
 NOBODY = ("NULL",)
 """Plays in real time, to no loudspeaker."""
 

@@ -18,7 +18,7 @@ from sar_tui.serve.runner import listen
 from sar_tui.serve.server import Kind, Server
 
 TOKEN = "a-token-that-is-long-enough-for-a-test"
-SECONDS = 30.0
+SECONDS = 60.0
 
 
 class Served(NamedTuple):

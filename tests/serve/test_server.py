@@ -168,8 +168,10 @@ async def test_a_program_that_does_not_end_is_killed(tmp_path: Path, monkeypatch
         f"import os, signal; open({str(diary)!r}, 'w').write(f'came {{os.getpid()}}\\n'); signal.pause()",
     ]
     async with serving(tmp_path / "diary", program=deaf) as served:
-        await served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed)
+        # The socket is kept: a browser that goes ends the program, perhaps before it has written.
+        socket = await served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed)
         pid = int((await served.written("came ")).split()[1])
+        assert not socket.closed
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
 
