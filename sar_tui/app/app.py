@@ -114,12 +114,12 @@ class SarTui(ThemedApp):
     def _check_sensors(self, plan: "Plan") -> None:
         """Start the sensors of a session, show what comes from them, and hand them over."""
         from sar_tui.app.screens.sensor_check import SensorCheckScreen
-        from sar_tui.runs.sensors import sensors
+        from sar_tui.runs.sensors import open_sensors
 
         clock = self._session_clock or LiveClock(asyncio.get_running_loop())
         try:
             theme = self.catalogue.theme(plan.theme, plan.parameters.language)
-            feeds = sensors(plan.task, plan.parameters, plan.seed, clock, self.folder)
+            feeds = open_sensors(plan.task, plan.parameters, plan.seed, clock, self.folder)
         except (StoreError, PluginError, ParameterError) as error:
             self._cannot_begin(str(error))
             return

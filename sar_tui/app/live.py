@@ -18,7 +18,7 @@ from sar_tui.framework.topics import OPERATOR
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
-from sar_tui.runs.run import Run, resume, speaking, start, stored_seed
+from sar_tui.runs.run import Run, output_nodes, resume, start, stored_seed
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
@@ -78,13 +78,13 @@ class LiveSession:
         shows_agent = "screen" in task.parameters.outputs
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
         self.view = GuardedView(task)
-        outputs = [self.view, self.screen, *speaking(task, theme), *self._linked()]
+        outputs = [self.view, self.screen, *output_nodes(task, theme), *self._linked()]
         if not task.sensed(task.parameters):
             return [self.keyboard, *outputs]
-        from sar_tui.runs.sensors import sensing, sensors
+        from sar_tui.runs.sensors import open_sensors, sensor_nodes
 
-        feeds = self._feeds or sensors(type(task), task.parameters, self._seed, self.clock, self._folder)
-        return [self.keyboard, *sensing(task, self._seed, *feeds), *outputs]
+        feeds = self._feeds or open_sensors(type(task), task.parameters, self._seed, self.clock, self._folder)
+        return [self.keyboard, *sensor_nodes(task, self._seed, *feeds), *outputs]
 
     @property
     def can_be_joined(self) -> bool:

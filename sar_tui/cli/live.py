@@ -146,9 +146,9 @@ def _refuse_without_sensor(kind: "type[Task]") -> None:
 def _refuse_unknown_sensor(plan: "Plan", home: Home) -> None:
     """A sensor that cannot be is told of before the screen changes; one that is not plugged in is waited for there."""
     from sar_tui.framework.clock import VirtualClock
-    from sar_tui.runs.sensors import sensors
+    from sar_tui.runs.sensors import open_sensors
 
-    sensors(plan.task, plan.parameters, plan.seed, VirtualClock(), home.folder)
+    open_sensors(plan.task, plan.parameters, plan.seed, VirtualClock(), home.folder)
 
 
 def resume(
@@ -169,7 +169,7 @@ def resume(
     catalogue = home.catalogue()
 
     from sar_tui.framework.parameters import TaskParameters
-    from sar_tui.runs.run import resumable
+    from sar_tui.runs.run import find_resumable
     from sar_tui.store.sessions import listing
 
     with home.database() as database:
@@ -177,8 +177,8 @@ def resume(
             rows = listing(database, home.folder)
             session = next((r["id"] for r in rows if (r["status"], r["mode"]) == ("interrupted", "live")), "")
             if not session:
-                raise Refused("No session was interrupted, so there is none to go on with.")
-        chosen = resumable(database, home.folder, session)
+                raise Refused("There is no interrupted session to resume.")
+        chosen = find_resumable(database, home.folder, session)
     need_terminal()
     lost_ms = chosen["parameters"].get("operator_lost_ms", TaskParameters().operator_lost_ms)
     with _link(home, chosen["id"], chosen["task"], operator, listen, lost_ms) as link:

@@ -132,7 +132,7 @@ class Session:
                     "the task, the theme or the program has changed since."
                 )
         if len(derived) != len(expected):
-            raise ReplayError("The record of this session is not whole: it cannot be gone on with.")
+            raise ReplayError("The record of this session is not whole: it cannot be resumed.")
         if fault := self.broken:
             raise ReplayError(f"The task failed there: {fault.error}, {fault.place}.")
         if recorded:

@@ -1,4 +1,4 @@
-"""A run of the program on a session: plug-ins, store and nodes put together, the same way live and simulated."""
+"""A run of the program on a session: start or resume it, with its nodes, its recorder and its locks."""
 
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
@@ -23,12 +23,12 @@ from sar_tui.store.database import StoreError, connect
 from sar_tui.store.provenance import machine, measured_timing, software
 from sar_tui.store.recorder import Recorder
 
+NodeFactory = Callable[[Task, Theme], Sequence[Node]]
+"""Makes the input and output nodes of a session."""
+
 
 class Run:
-    """A session under way in this program: its nodes, its recorder, its locks.
-
-    Made by ``start`` or ``resume``; ``close`` it when it is over, however it ended.
-    """
+    """A session in progress in this program. Made by ``start`` or ``resume``; call ``close`` however it ended."""
 
     def __init__(
         self,
@@ -37,7 +37,7 @@ class Run:
         session: Session,
         recorder: Recorder,
         database: sqlite_utils.Database,
-        held: list[BaseFileLock],
+        held: Sequence[BaseFileLock],
     ) -> None:
         self.id = session_id
         self.number = number
@@ -48,7 +48,7 @@ class Run:
 
     @property
     def participants(self) -> dict[str, str]:
-        """Who takes part: codes by seat."""
+        """The participants' codes by seat."""
         return {row["seat"]: row["participant"] for row in sessions.rows(self._database, "seats", self.id)}
 
     def begin(self) -> None:
@@ -56,109 +56,104 @@ class Run:
         self.session.begin(self.number)
 
     def check(self) -> None:
-        """Raise Failed if a vital node has broken."""
+        """Raise Failed if a vital node has failed."""
         if fault := self.session.broken:
             name = self.session.task.name
             raise Failed(f"The task {name} failed ({fault.error}, {fault.place}). What was done so far is kept.")
 
     def close(self) -> None:
-        """Let go. A session that has not ended is left as interrupted, to be gone on with."""
+        """Detach the nodes and release the locks. A session that has not ended is stored as interrupted."""
         try:
             self.session.detach()
             if not self.session.ended:
                 sessions.interrupt(self._database, self.id)
         except (StoreError, sqlite3.Error):
-            pass  # the lock tells as much: nobody holds it
+            pass  # a session that is running but not locked counts as interrupted, too
         finally:
-            for lock in self._locks:
-                lock.release()
-            self._database.conn.close()
+            _release(self._database, self._locks)
 
 
-Extra = Callable[[Task, Theme], Sequence[Node]]
-
-
-"""Makes the input and output nodes for a task and a theme."""
-
-
-def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, extra: Extra) -> Run:
-    """Enter a new session, and put its nodes together.
+def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nodes: NodeFactory) -> Run:
+    """Store a new session, and put its nodes together, ready to begin.
 
     Args:
-        plan: what it will be.
-        folder: where data lives.
+        plan: the session to start.
+        folder: the data folder.
         catalogue: where the theme is found.
         clock: live or virtual.
-        extra: makes the input and output nodes for the task.
+        make_nodes: makes the input and output nodes.
 
     Raises:
         StoreError: the database cannot be used, or a participant is in a live session.
-        PluginError: there is no such theme.
-        ParameterError: the task has no such level, or there is no such output.
+        PluginError: the theme cannot be loaded.
+        ParameterError: an output cannot be opened.
         Failed: the task cannot be set up.
     """
     theme = catalogue.theme(plan.theme, plan.parameters.language)
     task = set_up(plan.task, plan.parameters)
-    nodes = extra(task, theme)
+    nodes = make_nodes(task, theme)
     database = connect(folder)
     held: list[BaseFileLock] = []
-    with _let_go_on_failure(database, held):
-        participant, partner = plan.participant, plan.partner
+    with _released_on_failure(database, held):
+        codes = [code for code in (plan.participant, plan.partner) if code]
         if plan.mode == "live":
-            participant = participants.add(database, participant)
-            partner = participants.add(database, partner) if partner else ""
-            held += [locks.hold(folder, "participant", code) for code in (participant, partner) if code]
-        session = Session(
-            task, theme, clock, plan.seed, nodes, **_known(database, task, participant, partner, plan.mode)
-        )
+            codes = [participants.add(database, code) for code in codes]
+            held += [locks.hold(folder, "participant", code) for code in codes]
+        facts = _participant_facts(database, task, codes, plan.mode)
+        session = Session(task, theme, clock, plan.seed, nodes, **facts)
         session_id = plan.id or sessions.new_id()
         held.append(locks.hold(folder, "session", session_id))
-        made_by = _made_by(plan.task, theme.name, folder, catalogue)
+        provenance = _provenance(plan.task, theme.name, folder, catalogue)
         sessions.create(
             database,
             session_id,
             task=task.name,
             theme=theme.name,
-            participant=participant,
+            participant=codes[0],
             seed=plan.seed,
             parameters=plan.parameters,
             mode=plan.mode,
-            partner=partner,
-            **made_by,
+            partner=codes[1] if len(codes) > 1 else "",
+            **provenance,
         )
-        number = sessions.begin_run(database, session_id, **made_by)
-        return _enter(session_id, number, session, folder, database, held)
+        number = sessions.begin_run(database, session_id, **provenance)
+        return _recorded(session_id, number, session, folder, database, held)
 
 
-class _Known(TypedDict):
-    """What a session is told of who takes part in it."""
+def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, make_nodes: NodeFactory) -> Run:
+    """Bring an interrupted session back to where it was interrupted, ready to begin.
 
-    best: dict[str, float]
-    others_best: dict[str, dict[str, float]]
-    names: dict[str, str]
+    Raises:
+        StoreError: there is no such session, or it is live, or it has ended.
+        PluginError: its task or theme does not exist any more.
+        Failed: it does not come out as it was recorded.
+    """
+    database = connect(folder)
+    held: list[BaseFileLock] = []
+    with _released_on_failure(database, held):
+        row = find_resumable(database, folder, session_id)
+        codes = [code for code in (row["participant"], row["partner"]) if code]
+        held += [locks.hold(folder, "participant", code) for code in codes]
+        held.append(locks.hold(folder, "session", row["id"]))
+        status = sessions.stored_status(database, row["id"])  # another program may have ended it before we held it
+        if status not in ("running", "interrupted"):
+            raise _not_resumable(row["id"], status or "gone")
+        kind = catalogue.task(row["task"])
+        try:
+            parameters = build(kind.Parameters, row["parameters"])
+            theme = catalogue.theme(row["theme"], parameters.language)
+            task = set_up(kind, parameters)
+            facts = _participant_facts(database, task, codes, "live", without=row["id"])
+            session = Session(task, theme, clock, row["seed"], make_nodes(task, theme), **facts)
+            session.replay(sessions.history(database, row["id"]))
+        except (ParameterError, ReplayError) as error:
+            raise Failed(f"The session {row['id']} cannot be resumed. {error}") from error
+        number = sessions.begin_run(database, row["id"], **_provenance(kind, row["theme"], folder, catalogue))
+        return _recorded(row["id"], number, session, folder, database, held)
 
 
-def _known(
-    database: sqlite_utils.Database, task: Task, participant: str, partner: str, mode: sessions.Mode, but: str = ""
-) -> _Known:
-    """Their best results of earlier sessions; and their codes, where the agent is to call them so."""
-    is_live = mode == "live"
-    best = sessions.best(database, participant, task, but=but) if is_live else {}
-    others = {"B": sessions.best(database, partner, task, but=but)} if is_live and partner else {}
-    names = {"A": participant, "B": partner} if partner and task.address == "code" else {}
-    return {"best": best, "others_best": others, "names": names}
-
-
-def _made_by(kind: type[Task], theme: str, folder: Path, catalogue: Catalogue) -> dict[str, object]:
-    """The software and the machine of a run, as the database keeps them."""
-    return {
-        "software": software(kind, task_folder(kind), catalogue.theme_folder(theme)),
-        "machine": machine() | {"timing": measured_timing(folder)},
-    }
-
-
-def resumable(database: sqlite_utils.Database, folder: Path, name: str) -> sessions.Row:
-    """The interrupted session of that name, as `store.sessions.find` knows it.
+def find_resumable(database: sqlite_utils.Database, folder: Path, name: str) -> sessions.Row:
+    """Return the interrupted session that `store.sessions.find` finds for a name.
 
     Raises:
         StoreError: there is no such session, or it is live, or it has ended.
@@ -180,45 +175,12 @@ def stored_seed(session_id: str, folder: Path) -> int:
 
 def _not_resumable(session_id: str, state: str) -> StoreError:
     return StoreError(
-        f"The session {session_id} is {state}; only a live one that was interrupted can be gone on with.",
-        bad_input=True,
+        f"The session {session_id} is {state}; only a live one that was interrupted can be resumed.", bad_input=True
     )
 
 
-def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, extra: Extra) -> Run:
-    """Bring an interrupted session back to where it was cut off, ready to begin.
-
-    Raises:
-        StoreError: there is no such session, or it is live, or it has ended.
-        PluginError: its task or theme is gone.
-        Failed: it cannot be brought back as it was.
-    """
-    database = connect(folder)
-    held: list[BaseFileLock] = []
-    with _let_go_on_failure(database, held):
-        row = resumable(database, folder, session_id)
-        codes = (row["participant"], row["partner"] or "")
-        held += [locks.hold(folder, "participant", code) for code in codes if code]
-        held.append(locks.hold(folder, "session", row["id"]))
-        status = sessions.stored_status(database, row["id"])  # another program may have ended it before we held it
-        if status not in ("running", "interrupted"):
-            raise _not_resumable(row["id"], status or "gone")
-        kind = catalogue.task(row["task"])
-        try:
-            parameters = build(kind.Parameters, row["parameters"])
-            theme = catalogue.theme(row["theme"], parameters.language)
-            task = set_up(kind, parameters)
-            known = _known(database, task, *codes, "live", but=row["id"])
-            session = Session(task, theme, clock, row["seed"], extra(task, theme), **known)
-            session.replay(sessions.history(database, row["id"]))
-        except (ParameterError, ReplayError) as error:
-            raise Failed(f"The session {row['id']} cannot be gone on with. {error}") from error
-        number = sessions.begin_run(database, row["id"], **_made_by(kind, row["theme"], folder, catalogue))
-        return _enter(row["id"], number, session, folder, database, held)
-
-
-def speaking(task: Task, theme: Theme) -> list[Node]:
-    """The nodes of a session's outputs, but for the screen's."""
+def output_nodes(task: Task, theme: Theme) -> list[Node]:
+    """Open the session's outputs, except the screen."""
     if set(task.parameters.outputs) <= {"screen"}:
         return []
     from sar_tui.outputs.outputs import open_outputs
@@ -226,26 +188,61 @@ def speaking(task: Task, theme: Theme) -> list[Node]:
     return [*open_outputs(task.parameters.outputs, task.parameters.speech, theme)]
 
 
-@contextmanager
-def _let_go_on_failure(database: sqlite_utils.Database, held: list[BaseFileLock]) -> Iterator[None]:
-    try:
-        yield
-    except BaseException:
-        for lock in held:
-            lock.release()
-        database.conn.close()
-        raise
+class _ParticipantFacts(TypedDict):
+    """The arguments of a Session that are known about its participants."""
+
+    best: dict[str, float]
+    others_best: dict[str, dict[str, float]]
+    names: dict[str, str]
 
 
-def _enter(
+def _participant_facts(
+    database: sqlite_utils.Database, task: Task, codes: Sequence[str], mode: sessions.Mode, without: str = ""
+) -> _ParticipantFacts:
+    """Look up the best results of earlier live sessions, and the codes if the agent addresses participants by them."""
+    best: list[dict[str, float]] = [{} for _ in codes]
+    if mode == "live":
+        best = [sessions.best(database, code, task, without=without) for code in codes]
+    seats = "AB"[: len(codes)]
+    return {
+        "best": best[0],
+        "others_best": dict(zip(seats[1:], best[1:], strict=True)) if mode == "live" else {},
+        "names": dict(zip(seats, codes, strict=True)) if len(codes) > 1 and task.address == "code" else {},
+    }
+
+
+def _provenance(kind: type[Task], theme: str, folder: Path, catalogue: Catalogue) -> dict[str, object]:
+    """Describe the software and the machine of a run, as they are stored."""
+    return {
+        "software": software(kind, task_folder(kind), catalogue.theme_folder(theme)),
+        "machine": machine() | {"timing": measured_timing(folder)},
+    }
+
+
+def _recorded(
     session_id: str,
     number: int,
     session: Session,
     folder: Path,
     database: sqlite_utils.Database,
-    held: list[BaseFileLock],
+    held: Sequence[BaseFileLock],
 ) -> Run:
-    """Record from here on."""
+    """Attach a recorder; a live session's has a database connection of its own, for its thread."""
     inline = isinstance(session.clock, VirtualClock)
     recorder = Recorder(database if inline else connect(folder), session_id, number, session.bus, inline=inline)
     return Run(session_id, number, session, recorder, database, held)
+
+
+@contextmanager
+def _released_on_failure(database: sqlite_utils.Database, held: list[BaseFileLock]) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        _release(database, held)
+        raise
+
+
+def _release(database: sqlite_utils.Database, held: Sequence[BaseFileLock]) -> None:
+    for lock in held:
+        lock.release()
+    database.conn.close()

@@ -10,7 +10,7 @@ from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
-from sar_tui.runs.run import speaking, start
+from sar_tui.runs.run import output_nodes, start
 from sar_tui.simulation.operator import OperatorProfile, SimulatedOperator
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
 from sar_tui.simulation.person import Person
@@ -25,27 +25,33 @@ def simulate(
     operator: OperatorProfile | None = None,
     partner: Person | None = None,
 ) -> str:
-    """Run a whole session with a simulated participant, on a virtual clock, into the database; returns its id.
+    """Run a whole session into the database, and return its id.
 
-    A task for two has a ``partner`` at seat B: as the participant is, if no other is named. An ``operator`` decides on
-    what the agent proposes, in the modes that the plan's parameters set.
+    Args:
+        plan: the session.
+        person: the simulated participant.
+        folder: the data folder.
+        catalogue: where the theme is found.
+        progress: called with each attempt's number when it has ended.
+        operator: decides on the agent's proposals, in the modes that the plan's parameters set.
+        partner: at seat B of a task for two; by default, like ``person``.
 
     Raises:
-        StoreError, PluginError: as ``start``.
+        StoreError, PluginError, ParameterError: as ``start``.
         Failed: the task raised.
     """
     clock = VirtualClock()
 
-    def sit_down(task: Task, theme: Theme) -> list[Node]:
-        beside = [*([SimulatedOperator(operator, plan.seed)] if operator else []), *speaking(task, theme)]
-        if not task.sensed(task.parameters):
-            others = [SimulatedPartner(partner or person, task, plan.seed, seat) for seat in task.seats[1:]]
-            return [SimulatedParticipant(person, task, plan.seed), *others, *beside]
-        from sar_tui.runs.sensors import simulated  # loads numpy
+    def make_nodes(task: Task, theme: Theme) -> list[Node]:
+        others = [*([SimulatedOperator(operator, plan.seed)] if operator else []), *output_nodes(task, theme)]
+        if task.sensed(task.parameters):
+            from sar_tui.runs.sensors import simulated_nodes  # imports numpy
 
-        return [*simulated(person, task, plan.seed, clock, partner or person), *beside]
+            return [*simulated_nodes(person, task, plan.seed, clock, partner or person), *others]
+        partners = [SimulatedPartner(partner or person, task, plan.seed, seat) for seat in task.seats[1:]]
+        return [SimulatedParticipant(person, task, plan.seed), *partners, *others]
 
-    run = start(plan, folder, catalogue, clock, sit_down)
+    run = start(plan, folder, catalogue, clock, make_nodes)
     try:
         run.session.bus.subscribe(ATTEMPT_ENDED, lambda ended: progress(ended.attempt))
         run.begin()

@@ -83,8 +83,8 @@ def begin_run(db: sqlite_utils.Database, session: str, *, software: object, mach
     return int(run)
 
 
-def best(db: sqlite_utils.Database, participant: str, task: Task, *, but: str = "") -> dict[str, float]:
-    """A participant's best results in a task, by level, over all live sessions ``but`` one.
+def best(db: sqlite_utils.Database, participant: str, task: Task, *, without: str = "") -> dict[str, float]:
+    """A participant's best results in a task, by level, over all live sessions except ``without``.
 
     Only sessions count in which a level was the same: in which what the task itself declares was set alike. Practice
     is left out, and so is what was too inaccurate.
@@ -97,7 +97,7 @@ def best(db: sqlite_utils.Database, participant: str, task: Task, *, but: str = 
     live = db.query(
         "SELECT sessions.id, parameters FROM sessions JOIN seats ON seats.session = sessions.id"
         " WHERE participant=? AND task=? AND mode='live' AND sessions.id<>?",
-        (participant, task.name, but),
+        (participant, task.name, without),
     )
 
     def stored(row: dict[str, Any]) -> dict[str, Any]:

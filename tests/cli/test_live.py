@@ -197,7 +197,7 @@ def test_resume_goes_on_with_the_interrupted_session(
 def test_resume_without_an_interrupted_session_is_bad_input(
     call: Call, opened: list[dict[str, Any]], simulated: str
 ) -> None:
-    assert call("resume").err == "No session was interrupted, so there is none to go on with.\n"
+    assert call("resume").err == "There is no interrupted session to resume.\n"
     assert call("resume").code == 2
     called = call("resume", simulated)
     assert called.code == 2

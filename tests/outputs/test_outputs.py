@@ -17,7 +17,7 @@ from sar_tui.outputs.output import Output, OutputError, Report
 from sar_tui.outputs.outputs import check_outputs, open_outputs, output_names
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
-from sar_tui.runs.run import speaking
+from sar_tui.runs.run import output_nodes
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
@@ -217,7 +217,7 @@ def plan(keyboard: type[Task], **parameters: Any) -> Plan:
 
 
 def test_only_the_screen_needs_nothing_to_be_made(keyboard: type[Task], calm: Theme) -> None:
-    assert speaking(keyboard(build(keyboard.Parameters, {})), calm) == []
+    assert output_nodes(keyboard(build(keyboard.Parameters, {})), calm) == []
 
 
 @pytest.mark.parametrize("named", [("speach",), ("speech", "speech"), ("screen", "tones:gong")])

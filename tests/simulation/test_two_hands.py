@@ -16,7 +16,7 @@ from sar_tui.framework.topics import REACH, SENSOR, WAITING
 from sar_tui.framework.trial_types import Again, Trial
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
-from sar_tui.runs.sensors import sensor, sensors
+from sar_tui.runs.sensors import open_sensor, open_sensors
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import imu, sessions
@@ -135,7 +135,7 @@ def test_of_a_stored_session_each_seat_is_given_the_samples_of_its_own(data: Pat
     database.conn.close()
     clock = VirtualClock()
     given = parameters(imu=f"session:{played}?speed=fast", imu_b=f"session:{played}?speed=fast")
-    for feed, seat in zip(sensors(TwoHands, given, 1, clock, data), "AB", strict=True):
+    for feed, seat in zip(open_sensors(TwoHands, given, 1, clock, data), "AB", strict=True):
         feed.start()
         clock.advance(SECOND)
         heard, _ = feed.drain()
@@ -147,7 +147,7 @@ def test_of_a_stored_session_each_seat_is_given_the_samples_of_its_own(data: Pat
 def test_each_seat_names_its_sensor_and_a_wrong_name_is_told_by_its_parameter(data: Path) -> None:
     clock = VirtualClock()
     given = parameters(imu_b="recorded")
-    assert sensor(given, 1, clock, data, "A").source is not None
+    assert open_sensor(given, 1, clock, data, "A").source is not None
     with pytest.raises(ParameterError) as raised:
-        sensor(given, 1, clock, data, "B")
+        open_sensor(given, 1, clock, data, "B")
     assert set(raised.value.problems) == {"imu_b"}

@@ -202,7 +202,7 @@ def test_a_session_that_cannot_be_brought_back_leaves_its_participant_free(
 ) -> None:
     session = begin(plan, data, catalogue)
     connect(data).execute("UPDATE events SET message=replace(message, '\"trials\":3', '\"trials\":4')")
-    with pytest.raises(Failed, match="cannot be gone on with") as caught:
+    with pytest.raises(Failed, match="cannot be resumed") as caught:
         resume(session, data, catalogue, VirtualClock(), lambda task, theme: [])
     assert "has changed since" in str(caught.value)
     assert not locks.is_held(data, "participant", "P01")
@@ -214,7 +214,7 @@ def test_a_session_whose_parameters_the_task_no_longer_takes_is_told(
 ) -> None:
     session = begin(plan, data, catalogue)
     connect(data).execute("""UPDATE sessions SET parameters='{"attempts": 2, "speed": 3}'""")
-    with pytest.raises(Failed, match=r"cannot be gone on with\. There is no parameter speed"):
+    with pytest.raises(Failed, match=r"cannot be resumed\. There is no parameter speed"):
         resume(session, data, catalogue, VirtualClock(), lambda task, theme: [])
 
 

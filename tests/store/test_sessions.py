@@ -175,13 +175,13 @@ def test_the_best_is_of_the_live_sessions_of_a_participant_in_a_task_by_level_wi
                 }
             )
 
-        def expected(but: str = "") -> dict[str, float]:
+        def expected(without: str = "") -> dict[str, float]:
             best: dict[str, float] = {}
             for session, row in zip(entered, rows, strict=True):
                 level, value = str(row["level"]), row["metric"]
                 whose = (row["participant"], row["task"], row["mode"], row["unit"])
                 mine = whose == ("P01", "keyboard", "live", metric.unit)
-                if mine and not row["practice"] and value is not None and session != but:
+                if mine and not row["practice"] and value is not None and session != without:
                     known = best.get(level)
                     best[level] = value if known is None or metric.is_better(value, known) else known
             return best
@@ -189,7 +189,7 @@ def test_the_best_is_of_the_live_sessions_of_a_participant_in_a_task_by_level_wi
         task: Any = SimpleNamespace(name="keyboard", metric=metric, parameters=TaskParameters())
         assert sessions.best(database, "P01", task) == expected()
         for session in entered:
-            assert sessions.best(database, "P01", task, but=session) == expected(but=session)
+            assert sessions.best(database, "P01", task, without=session) == expected(without=session)
         database.conn.close()
 
 
