@@ -1,4 +1,4 @@
-"""What the agent would say and do, what it does, and what became of it."""
+"""Messages about the agent: what it proposes, what was decided, and what it does."""
 
 from typing import Literal
 
@@ -32,12 +32,12 @@ __all__ = [
 
 
 class Utterance(Message, frozen=True, kw_only=True):
-    """What the agent says and does at once. ``text`` is shown, ``spoken`` said; where one is empty it is left out.
+    """Words and expression that belong together. ``text`` is shown, ``spoken`` is said; either may be empty.
 
-    ``face``, ``gesture``, ``gaze`` and ``tone`` are the theme's; empty where there is none. ``joins``: it adds to what
-    stands on the screen instead of taking its place. ``priority``: the higher comes first. ``policy``: ``queue`` (waits
-    its turn), ``interrupt`` (what is under way, if that is no more important), ``drop`` (if its turn does not come
-    before the session goes on). ``due``: not before this time (ns).
+    ``face``, ``gesture``, ``gaze`` and ``tone`` come from the theme; empty for none. ``joins``: it is added to the text
+    on the screen instead of replacing it. ``priority``: higher first. ``policy``: ``queue`` (waits for its turn),
+    ``interrupt`` (replaces the current action unless that has a higher priority), ``drop`` (left out if the session
+    continues before its turn). ``due``: not before this time (ns).
     """
 
     id: str
@@ -58,11 +58,11 @@ class Utterance(Message, frozen=True, kw_only=True):
 
 
 class Proposal(Utterance, frozen=True, kw_only=True):
-    """What the agent would say."""
+    """An utterance that the agent would like to make."""
 
 
 class Action(Utterance, frozen=True, kw_only=True):
-    """What is said, who decided it, in what mode, on what ground and when (``decided``, ns; 0: when its turn came).
+    """An utterance that is made: who decided on it, in which mode, why, and when (``decided``, ns; 0: when it began).
 
     ``decision``: ``accepted`` (as proposed), ``edited``, ``initiated`` (an operator's own).
     """
@@ -75,10 +75,10 @@ class Action(Utterance, frozen=True, kw_only=True):
 
 
 class PendingApproval(Message, frozen=True, kw_only=True):
-    """A proposal waits for an operator.
+    """A proposal waits for an operator's decision.
 
-    ``deadline`` (ns): when it is decided without one, as ``otherwise`` says; None where it waits for as long as the
-    session stands still. ``level``: what the level would be, of one that would change it.
+    ``deadline`` (ns): ``otherwise`` happens then; None to wait until the next attempt begins. ``level``: the new level,
+    if the proposal is a change of level.
     """
 
     proposal: Proposal
@@ -91,7 +91,7 @@ class PendingApproval(Message, frozen=True, kw_only=True):
 class LevelDecided(Message, frozen=True, kw_only=True):
     """A change of level that waited for an operator is decided: ``level`` is that of the next attempt.
 
-    ``decision``: ``accepted``, ``edited`` (to another than was proposed), ``rejected`` (it stays).
+    ``decision``: ``accepted``, ``edited`` (to a level that was not proposed), ``rejected`` (the level stays).
     """
 
     id: str
@@ -103,10 +103,10 @@ class LevelDecided(Message, frozen=True, kw_only=True):
 
 
 class ArbiterState(Message, frozen=True, kw_only=True, rename={"pending": "offers"}):
-    """How the arbiter stands, whole, after each change: what an operator who has just come has to know.
+    """Complete state of the arbiter, published after each change, for an operator who joins.
 
-    ``modes``: as they are set; ``operated``: whether there is an operator, so that they hold. ``pending`` wait for one;
-    ``queued`` is decided and waits for its turn; ``current`` is under way.
+    ``operated``: there is an operator, so the ``modes`` apply. ``pending``: waits for a decision. ``queued``: decided,
+    waits for its turn. ``current``: under way.
     """
 
     modes: dict[ControlledKind, Mode]
@@ -117,27 +117,29 @@ class ArbiterState(Message, frozen=True, kw_only=True, rename={"pending": "offer
 
 
 class UnsaidFeedbackRequest(Message, frozen=True, kw_only=True):
-    """Ask whose answer to an attempt is still to be said: it waits for an operator, or for its turn."""
+    """Ask which seats have not been given their feedback on an attempt: it is pending or queued."""
 
     attempt: int
 
 
 class UnsaidFeedback(Message, frozen=True, kw_only=True):
-    """The answer to Unsaid, by seat."""
+    """Reply to UnsaidFeedbackRequest."""
 
     seats: tuple[str, ...]
 
 
 class FillerDue(Message, frozen=True, kw_only=True):
-    """An answer (``id``) has been owed for a while: something may cover the wait."""
+    """The feedback ``id`` has been awaited for a while: a filler may cover the wait."""
 
     id: str
 
 
 class Dropped(Message, frozen=True, kw_only=True):
-    """A proposal came to nothing: ``late`` (the session had gone on), ``stopped`` (by the stop key), ``amended`` (the
-    attempt was scored anew before its answer was given), ``vetoed`` (by ``actor``), ``expired`` (nobody decided in
-    time), ``no operator`` (there was none to decide), ``manual`` (only the operator acts).
+    """A proposal was left out.
+
+    ``reason``: ``late`` (the session had continued), ``stopped`` (by the stop key), ``amended`` (the attempt was scored
+    again before the feedback was given), ``vetoed`` (by ``actor``), ``expired`` (nobody decided in time),
+    ``no operator``, ``manual`` (only the operator acts).
     """
 
     id: str
@@ -146,7 +148,7 @@ class Dropped(Message, frozen=True, kw_only=True):
 
 
 class Halt(Message, frozen=True, kw_only=True):
-    """Outputs: be still. ``action``: which (empty: all); ``asked``: since when (ns)."""
+    """Outputs must stop. ``action``: the one to stop (empty: all); ``asked``: when this was requested (ns)."""
 
     action: str = ""
     reason: Literal["stopped", "interrupted", "left", "vetoed"]
@@ -154,7 +156,7 @@ class Halt(Message, frozen=True, kw_only=True):
 
 
 class OutputOpened(Message, frozen=True, kw_only=True):
-    """An output is there for this run, and what it can do; ``address`` is how it was asked for."""
+    """An output is available in this run. ``can``: the parts it supports; ``address``: as it was configured."""
 
     output: str
     address: str
@@ -162,7 +164,7 @@ class OutputOpened(Message, frozen=True, kw_only=True):
 
 
 class AgentActing(Message, frozen=True, kw_only=True, rename={"awaits_operator": "owing"}):
-    """Whether the agent speaks or moves; no prompt is shown meanwhile.
+    """The agent began or stopped speaking or moving; no prompt is shown while ``acting``.
 
     ``awaits_operator``: an operator has a set time to decide on feedback or on the level, and the session waits.
     """

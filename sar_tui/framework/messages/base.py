@@ -1,4 +1,4 @@
-"""What every message is, and the words that several of them choose among."""
+"""Base class of the messages, and the sets of values that several messages share."""
 
 from typing import Literal
 
@@ -39,27 +39,27 @@ Kind = Literal[
     "difficulty",
     "remark",
 ]
-"""``filler``: covers a wait; ``gesture``: one that is ruled on apart from its words; ``remark``: an operator's own."""
+"""``filler`` covers a wait; ``gesture`` is decided on apart from its words; ``remark`` is an operator's own."""
 ControlledKind = Literal["feedback", "encouragement", "instruction", "gesture", "difficulty"]
-"""What an operator may rule over, each in a mode of its own. Greeting and goodbye go with instructions, rest with
+"""Kinds of action that an operator controls, each with its own mode. Greeting and goodbye count as instruction, rest as
 encouragement."""
 Mode = Literal["autonomous", "veto", "approve", "manual"]
-"""``autonomous``: acts; ``veto``: acts after a while unless stopped; ``approve``: acts only on a key; ``manual``: only
-the operator acts."""
+"""``autonomous``: the agent acts; ``veto``: it acts after a while unless stopped; ``approve``: it acts if the operator
+approves; ``manual``: only the operator acts."""
 Role = Literal["operator", "observer"]
 Ground = Literal["mode", "operator", "deadline", "no operator"]
-"""On what ground a proposal was decided: its kind is the agent's own; an operator did; nobody did in time; nobody was
-there."""
+"""Why a proposal was decided as it was: its kind is autonomous; an operator decided; the deadline passed; there was no
+operator."""
 Policy = Literal["queue", "interrupt", "drop"]
 ActionPart = Literal["say", "show", "gesture", "gaze", "tone"]
 PartState = Literal["queued", "started", "done", "aborted", "failed"]
 Outcome = Literal["success", "failure"]
 Json = dict[str, str | int | float | bool | None]
-"""What a task may add to a trial's row."""
+"""Values that a task may add to a trial's row."""
 SensorState = Literal["attached", "detached", "error", "gap", "saturated", "stalled", "flowing", "ended"]
 
 
 class Message(msgspec.Struct, frozen=True, kw_only=True):
-    """The base of all messages. ``seat`` is who caused it, or whom it concerns."""
+    """Base of all messages. ``seat``: the participant who caused it, or whom it concerns."""
 
     seat: str = "A"

@@ -1,4 +1,4 @@
-"""Inputs: what comes from outside the nodes, but for what operators do."""
+"""Inputs: messages that come from outside the nodes, except those of operators."""
 
 from typing import Literal
 
@@ -25,8 +25,8 @@ __all__ = [
 class SessionStarted(Message, frozen=True, kw_only=True):
     """A run of the program begins on a session. ``run`` counts from 1; above 1 the session is resumed.
 
-    ``best``: the participant's best results of earlier sessions, by level (as text); ``others_best``: those of who sits
-    at the other seats, by seat. ``names``: what the agent calls who sits where, by seat, if that is not the seat.
+    ``best``: the participant's best results of earlier sessions, by level (as text). ``others_best``: those of other
+    participants, by seat. ``names``: what the agent calls each participant, by seat; without a name, the seat.
     """
 
     run: int
@@ -39,7 +39,7 @@ class SessionStarted(Message, frozen=True, kw_only=True):
 
 
 class ThemeApplied(Message, frozen=True, kw_only=True):
-    """What the agent looks like and how it speaks, from here on: at the beginning of a run, and after each edit."""
+    """The theme from here on: published when a run begins and after each edit of the theme."""
 
     theme: Theme
 
@@ -47,7 +47,7 @@ class ThemeApplied(Message, frozen=True, kw_only=True):
 class KeyPressed(Message, frozen=True, kw_only=True):
     """A key, stamped in the input thread. ``key`` is the character it types, or its name (``enter``, ``left``).
 
-    ``loop_lag``: how late (ns) the event loop was at its worst since the last prompt or key.
+    ``loop_lag``: the largest delay of the event loop since the last prompt or key, in ns.
     """
 
     key: str
@@ -56,14 +56,14 @@ class KeyPressed(Message, frozen=True, kw_only=True):
 
 
 class Pasted(Message, frozen=True, kw_only=True):
-    """Text was pasted: never a response. Only its length is kept."""
+    """Text was pasted: never a response. Only its length is stored."""
 
     length: int
     at: int
 
 
 class FocusChanged(Message, frozen=True, kw_only=True):
-    """The terminal's window gained or lost the keyboard focus."""
+    """The terminal window gained or lost the keyboard focus."""
 
     focused: bool
     at: int
@@ -72,7 +72,7 @@ class FocusChanged(Message, frozen=True, kw_only=True):
 class Shown(Message, frozen=True, kw_only=True):
     """A prompt reached the terminal.
 
-    ``source``: ``flush`` (stamped as the frame was flushed), ``refresh`` (after Textual's refresh: less sure),
+    ``source``: ``flush`` (stamped as the frame was flushed), ``refresh`` (after Textual's refresh: less exact),
     ``virtual`` (simulated).
     """
 
@@ -84,7 +84,7 @@ class Shown(Message, frozen=True, kw_only=True):
 
 
 class ImuBlock(Message, frozen=True, kw_only=True):
-    """Samples of a motion sensor, in the order in which they were taken; many a second, so they are a stream.
+    """Samples of a motion sensor, in the order in which they were taken.
 
     ``samples``: as `motion.samples.pack` lays them out.
     """
@@ -95,8 +95,8 @@ class ImuBlock(Message, frozen=True, kw_only=True):
 class SensorChanged(Message, frozen=True, kw_only=True):
     """Something happened to the motion sensor at ``at`` (see `inputs.imu.Status`).
 
-    ``count`` and ``duration_ms`` tell of missing samples. What the sensor is (``model``, ``serial``, ``rate_hz``,
-    the largest it can measure) is told when it is ``attached``.
+    ``count`` and ``duration_ms`` describe missing samples. ``model``, ``serial``, ``rate_hz`` and the ranges are given
+    when it is ``attached``.
     """
 
     state: SensorState
@@ -113,7 +113,7 @@ class SensorChanged(Message, frozen=True, kw_only=True):
 
 
 class TimerFired(Message, frozen=True, kw_only=True):
-    """A node's timer fired. ``token`` tells it from an earlier timer of the same name."""
+    """A node's timer fired. ``token`` distinguishes it from earlier timers of the same name."""
 
     node: str
     name: str
@@ -122,10 +122,10 @@ class TimerFired(Message, frozen=True, kw_only=True):
 
 
 class OutputReport(Message, frozen=True, kw_only=True, rename={"part": "deed"}):
-    """An output tells what became of a part of an action. ``detail`` says why it failed.
+    """An output reports the state of one part of an action. ``detail`` says why it failed.
 
-    ``queued``: the output has taken it on; ``started``: it can be heard or seen; then ``done``, ``aborted`` (stopped
-    before its end) or ``failed``.
+    ``queued``: accepted by the output; ``started``: audible or visible; then ``done``, ``aborted`` (stopped before its
+    end) or ``failed``.
     """
 
     action: str
@@ -137,7 +137,7 @@ class OutputReport(Message, frozen=True, kw_only=True, rename={"part": "deed"}):
 
 
 class OutputStopped(Message, frozen=True, kw_only=True):
-    """An output that was told to stop at ``asked`` is still since ``at``. ``detail`` says why, where it is not."""
+    """An output that had to stop at ``asked`` was silent and still at ``at``. ``detail``: why it could not stop."""
 
     output: str
     asked: int
@@ -146,14 +146,14 @@ class OutputStopped(Message, frozen=True, kw_only=True):
 
 
 class Stored(Message, frozen=True, kw_only=True):
-    """The trial, and everything before it, is on disk."""
+    """The trial and everything before it are on disk."""
 
     attempt: int
     trial: int
 
 
 class StorageChanged(Message, frozen=True, kw_only=True):
-    """The disk refuses to write (``working`` False), or writes again."""
+    """Writing to disk fails (``working`` False), or works again."""
 
     working: bool
     reason: str = ""

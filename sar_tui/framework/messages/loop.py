@@ -1,4 +1,4 @@
-"""What perception and the event handler conclude: percepts, waits, prompts, trials, attempts."""
+"""Messages of perception and the event handler: percepts, waits, prompts, trials, attempts."""
 
 from typing import Literal
 
@@ -32,7 +32,7 @@ __all__ = [
 
 
 class Percept(Message, frozen=True, kw_only=True):
-    """What a person did, as a task sees it. ``at``: when; ``delay``: from then to its handling, in ns.
+    """Something a participant did, as a task sees it. ``delay``: from ``at`` until it was handled, in ns.
 
     ``repeat``: the same key again within the repeat interval (a held key, a bouncing contact): never a response.
     """
@@ -44,20 +44,20 @@ class Percept(Message, frozen=True, kw_only=True):
 
 
 class KeyPerceived(Percept, frozen=True, kw_only=True):
-    """A key. ``gap`` is the time since the key before, None for the first."""
+    """A key. ``gap``: time since the previous key, None for the first."""
 
     key: str
     gap: int | None = None
 
 
 class ReachPerceived(Percept, frozen=True, kw_only=True):
-    """A reach, out and back, as a motion sensor saw it; without ``onset`` there was none to be seen.
+    """A reach, out and back, as measured by a motion sensor; without ``onset`` no movement was found.
 
-    ``onset``, ``turn``, ``end`` in ns. ``closed``: what told that it was over: ``key``, ``stillness``, ``timeout``.
-    ``details``: what was measured of it. ``flags``: what to beware of. ``invalid``: why nothing can be said of it,
-    so that it has to be done again; empty where something can. ``trace``: how fast the hand turned about the reach's
-    axis, rad/s, out is positive, ``trace_hz`` values a second: to be drawn, not to be analysed. ``trace_marks``: where
-    in it, in s, the hand left, arrived at the target, left that, and was back.
+    ``onset``, ``turn``, ``end``: in ns. ``closed``: what ended the recording: ``key``, ``stillness``, ``timeout``.
+    ``details``: the measures. ``flags``: warnings. ``invalid``: why the reach cannot be measured and must be repeated;
+    else empty. ``trace``: angular velocity about the reach's axis in rad/s, positive outwards, ``trace_hz`` values per
+    second, for display only. ``trace_marks``: times in it (s) at which the hand left, reached the target, left the
+    target, and was back.
     """
 
     onset: int | None = None
@@ -73,21 +73,19 @@ class ReachPerceived(Percept, frozen=True, kw_only=True):
 
 
 class Waiting(Message, frozen=True, kw_only=True):
-    """What the session waits for, so that a screen can say so and a simulated participant can answer.
+    """The session waits. A screen shows this; a simulated participant reacts to it.
 
-    ``what``: ``enter`` (Return), ``start`` (the key with which the participant starts a trial), ``agent`` (until it
-    has spoken and is still), ``answer`` (until feedback is given, which comes after a delay), ``quiet`` (no keys for a
-    moment), ``foreperiod``, ``storage`` (the disk), ``response``, ``resume`` (paused), ``sensor`` (it has come loose),
-    ``nothing`` (ended). ``stage`` says where: ``instructions``, ``attempt``,
-    ``trial``, ``answer``, ``paused``, ``review`` (all attempts are done), ``ended``, ``broken`` (something failed).
-    ``attempt_name`` is the attempt in words, "attempt 3 of 20"; ``goal`` what it aims at, but for trials.
-    ``seat``: whose turn it is, or whose ``sensor`` is waited for; empty: everybody's, or not known before the prompt.
-    ``notice`` is what the participant has to know first: another level, a trial that has to be done again.
-    ``reason``, when paused: how the person is (see `Operator`), ``interrupted`` (the program had ended),
-    ``storage`` (the disk refuses; also at the end), ``restored`` (it no longer does), ``sensor`` (nothing comes from
-    it); when quiet is awaited: ``held`` (keys are pressed all the time). ``detail`` is for the experimenter: the
-    disk's or the sensor's own words. ``ask``: the key that asks for feedback on the last attempt, where there is some
-    to be had.
+    ``what``: ``enter`` (the Return key), ``start`` (the key that starts a trial), ``agent`` (until it is still),
+    ``answer`` (until delayed feedback is given), ``quiet`` (no keys for a moment), ``foreperiod``, ``storage`` (the
+    disk), ``response``, ``resume`` (paused), ``sensor`` (no data), ``nothing`` (ended). ``stage``: ``instructions``,
+    ``attempt`` (before one), ``trial``, ``answer``, ``paused``, ``review`` (all attempts are done), ``ended``,
+    ``broken`` (something failed). ``attempt_name``: for people, "attempt 3 of 20". ``goal``: of the attempt; empty in
+    trials. ``seat``: whose turn it is, or whose sensor is awaited; empty for everybody's, or if it is unknown before
+    the prompt. ``notice``: shown to the participant first: a new level, a trial to repeat. ``reason``, in a pause: how
+    the participant is (see `Operator`), ``interrupted`` (the program had ended), ``storage`` (writing fails; also at
+    the end), ``restored`` (writing works again), ``sensor`` (no data); while it waits for quiet: ``held`` (a key is
+    held down). ``detail``: the error of disk or sensor, for the experimenter. ``ask``: the key that requests feedback
+    on the last attempt, if there is some.
     """
 
     what: Literal[
@@ -126,13 +124,12 @@ class AttemptStarted(Message, frozen=True, kw_only=True):
 
 
 class Prompt(Message, frozen=True, kw_only=True):
-    """Show this now. ``text`` is its plain line, ``glyph`` what to draw very large, ``hint`` a word of help.
+    """A prompt to show now. ``text``: the plain line; ``glyph``: drawn very large; ``hint``: short help.
 
-    ``expected`` is the key that answers it (empty where any will do); ``presentation`` counts how often this
-    trial was shown (a pause repeats it); ``timeout`` is how long a response is awaited, in ns; ``started`` when the
-    participant started the trial, None where trials come by themselves. ``seat``: whose it is; empty: everybody's.
-    ``halves``: what stands in the left and in the right half of the screen, in place of the glyph. ``cue``: to which
-    side the agent looked or pointed before.
+    ``expected``: the correct key (empty for any). ``presentation``: how often this trial has been shown, since a pause
+    repeats it. ``timeout``: for the response, in ns. ``started``: when the participant started the trial, None if
+    trials start by themselves. ``seat``: the seat it is for; empty for all. ``halves``: texts for the left and right
+    half of the screen, instead of the glyph. ``cue``: the side to which the agent looked or pointed before.
     """
 
     attempt: int
@@ -152,9 +149,9 @@ class Prompt(Message, frozen=True, kw_only=True):
 
 
 class CueGiven(Message, frozen=True, kw_only=True):
-    """Shortly before a prompt the agent looks or points to a side: outputs do it now, out of any turn.
+    """The agent looks or points to a side shortly before a prompt. Outputs do it at once, outside the action queue.
 
-    ``gaze`` (one of `theme.GAZES`) and ``gesture`` are empty where there is none.
+    ``gaze`` (one of `theme.GAZES`) and ``gesture`` may be empty.
     """
 
     attempt: int
@@ -166,12 +163,12 @@ class CueGiven(Message, frozen=True, kw_only=True):
 
     @property
     def id(self) -> str:
-        """What outputs call it in their reports."""
+        """Id of the cue in the reports of outputs."""
         return f"cue-{self.attempt}-{self.trial}-{self.presentation}"
 
 
 class PromptVoided(Message, frozen=True, kw_only=True):
-    """A prompt, or the wait before it, was broken off; the trial will be repeated. It leaves no row."""
+    """A prompt, or the wait before it, was cancelled. The trial is repeated; the cancelled one has no row."""
 
     attempt: int
     trial: int
@@ -180,12 +177,12 @@ class PromptVoided(Message, frozen=True, kw_only=True):
 
 
 class Timing(msgspec.Struct, frozen=True):
-    """The timing quality of one trial, so that a bad one can be excluded rather than averaged in.
+    """Timing quality of one trial, so that a bad trial can be excluded from analysis.
 
-    ``handler_delay_ms``: from the key's stamp to its handling. ``loop_lag_ms``: how late the loop was at its
-    worst while the response was awaited. ``false_starts``: keys pressed in the foreperiod, which began it anew.
-    ``flags``: ``anticipation``, ``focus_lost``, ``paste``, ``repeat_key``, ``late_key``, ``other_seat`` (a key of
-    somebody whose turn it was not), ``skipped``, ``onset_refresh``.
+    ``handler_delay_ms``: from the key's time stamp until it was handled. ``loop_lag_ms``: largest delay of the event
+    loop while the response was awaited. ``false_starts``: keys pressed in the foreperiod, each of which restarted it.
+    ``flags``: ``anticipation``, ``focus_lost``, ``paste``, ``repeat_key``, ``late_key``, ``other_seat`` (a key of a
+    participant whose turn it was not), ``skipped``, ``onset_refresh``.
     """
 
     onset_source: str
@@ -198,9 +195,9 @@ class Timing(msgspec.Struct, frozen=True):
 
 
 class TrialEnded(Message, frozen=True, kw_only=True):
-    """One prompt and what came of it. A miss has no response. ``value`` is what it adds to the metric.
+    """One prompt and its result. A miss has no response. ``value``: its contribution to the metric.
 
-    ``onset`` is the prompt's, or that of the movement where a task times movements; ``response_at`` then is its end.
+    ``onset``: of the prompt; in tasks that time movements, of the movement, with ``response_at`` as its end.
     """
 
     attempt: int
@@ -217,7 +214,7 @@ class TrialEnded(Message, frozen=True, kw_only=True):
 
 
 class TrialMarked(Message, frozen=True, kw_only=True):
-    """A therapist marked a trial: ``mark`` by its name (empty: taken back), and whether it can be correct so."""
+    """A therapist marked a trial. ``mark``: its name, empty if it was removed; ``correct``: with the mark."""
 
     attempt: int
     trial: int
@@ -226,11 +223,11 @@ class TrialMarked(Message, frozen=True, kw_only=True):
 
 
 class FeedbackChoice(msgspec.Struct, frozen=True):
-    """Whether an attempt is answered, and why; and if so, how (see `policies.feedback.choose`).
+    """Decision on feedback for an attempt: is it due, why, and in which form (see `policies.feedback.choose`).
 
-    ``why`` is one plain sentence. ``since``: how many scored attempts there were since the last answer, this one
-    included. ``interval``: after how many an answer is due, where the schedule counts them. ``tolerance``: how far from
-    the goal is still within the bandwidth, in the metric's unit. ``attempts``: how many attempts the answer sums up.
+    ``why``: one plain sentence. ``since``: scored attempts since the last feedback, this one included. ``interval``:
+    the number after which feedback is due, if the schedule counts. ``tolerance``: the half-width of the bandwidth about
+    the goal, in the metric's unit. ``attempts``: the number of attempts the feedback summarises.
     """
 
     schedule: str
@@ -248,9 +245,9 @@ class FeedbackChoice(msgspec.Struct, frozen=True):
 
 
 class AttemptEnded(Message, frozen=True, kw_only=True):
-    """One attempt, scored. ``feedback`` is ``none`` where none was due; ``choice`` says why, and how it is given.
+    """A scored attempt. ``feedback`` is ``none`` if none was due; ``choice`` says why, and how it is given.
 
-    ``goal`` is what the metric was held against; ``qualities`` are the means of the task's qualities (knowledge of
+    ``goal``: the value the metric was compared with. ``qualities``: means of the task's qualities (knowledge of
     performance), by name.
     """
 
@@ -272,7 +269,7 @@ class AttemptEnded(Message, frozen=True, kw_only=True):
 
 
 class LevelChanged(Message, frozen=True, kw_only=True):
-    """The difficulty for the next attempt. ``reason``: ``success``, ``failure``, ``operator``, ``mark`` (of one)."""
+    """The level of the next attempt changed. ``reason``: ``success``, ``failure``, ``operator``, ``mark``."""
 
     previous: int
     level: int
@@ -280,12 +277,13 @@ class LevelChanged(Message, frozen=True, kw_only=True):
 
 
 class Feedback(Message, frozen=True, kw_only=True):
-    """The agent owes the participant an answer to an attempt.
+    """Feedback on an attempt that the agent should give.
 
-    ``reason``: ``goal`` (reached), ``missed``, ``band`` (about the goal), ``accuracy`` (too low), ``empty``
-    (no response could be timed); ``remark``: what the task has to say of the last two. Of a race: ``won``, ``lost``,
-    ``drawn``, and how many trials of it were ``won``. ``reached``: how many attempts reached their goal, of those it
-    sums up; then ``metric`` and ``goal`` are means. ``due``: when it is to be given (ns); ``choice``: how, and why.
+    ``reason``: ``goal`` (reached), ``missed``, ``band`` (close to the goal), ``accuracy`` (too low), ``empty`` (no
+    response could be timed), and in a race ``won``, ``lost``, ``drawn``. ``remark``: the task's explanation of
+    ``accuracy`` or ``empty``. ``won``: trials won in a race. ``reached``: the number of summarised attempts that
+    reached their goal; of several, ``metric`` and ``goal`` are means. ``due``: when to give it (ns); ``choice``: how,
+    and why.
     """
 
     attempt: int
@@ -312,7 +310,7 @@ class SessionEnded(Message, frozen=True, kw_only=True):
 
 
 class Fault(Message, frozen=True, kw_only=True):
-    """A handler raised, at ``place``. The session's log keeps the trace; a participant never sees it."""
+    """A handler raised an exception at ``place``. The trace is logged; participants never see it."""
 
     node: str
     topic: str
@@ -322,26 +320,26 @@ class Fault(Message, frozen=True, kw_only=True):
 
 
 class LevelRequest(Message, frozen=True, kw_only=True):
-    """May the level change? ``is_last``: after the last attempt, where nobody is asked any more: it does, or stays."""
+    """Ask to change the level. ``is_last``: after the last attempt, when there is no time to ask an operator."""
 
     change: LevelChanged
     is_last: bool
 
 
 class LevelReply(Message, frozen=True, kw_only=True):
-    """The answer to a change of level: whether it happens now, or waits for an operator, or does not happen."""
+    """Reply to LevelRequest. ``happens``: the level changes now; else it waits for an operator, or is refused."""
 
     happens: bool
 
 
 class Recall(Message, frozen=True, kw_only=True):
-    """Ask for the scored attempts so far, oldest first; ``level`` restricts, practice is left out."""
+    """Ask for the scored attempts so far, at ``level`` or at all levels, practice excluded."""
 
     level: int | None = None
 
 
 class RecalledAttempts(Message, frozen=True, kw_only=True):
-    """The answer to Recall. ``earlier_best``: the best of earlier sessions at that level, if one was asked for."""
+    """Reply to Recall, oldest first. ``earlier_best``: best result of earlier sessions at the requested level."""
 
     attempts: tuple[AttemptEnded, ...]
     earlier_best: float | None = None

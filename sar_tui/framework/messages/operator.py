@@ -1,4 +1,4 @@
-"""What operators do: steer the session, and rule over what the agent says."""
+"""Acts of operators: they control the session, and decide on what the agent says."""
 
 from typing import Literal
 
@@ -18,12 +18,12 @@ __all__ = [
 
 
 class Operator(Message, frozen=True, kw_only=True):
-    """An act that steers the session.
+    """A command that controls the session.
 
-    ``command``: ``pause``, ``resume``, ``end``, ``skip`` (this prompt), ``repeat`` (this prompt), ``level``
-    (``value``), ``mark`` (the trial under way, else the last), ``stop`` (everything the agent says and does; ``at`` is
-    the key's stamp). ``reason``: for a pause, how the person is: ``tired``,
-    ``pain``, ``finished``, or empty; for a mark, which (see `task.Mark`).
+    ``command``: ``pause``, ``resume``, ``end``, ``skip`` (this prompt), ``repeat`` (this prompt), ``level`` (sets it to
+    ``value``), ``mark`` (the current trial, else the last), ``stop`` (everything the agent says and does; ``at`` is the
+    time stamp of the key). ``reason``: for a pause, how the participant is: ``tired``, ``pain``, ``finished``, or
+    empty; for a mark, its name (see `trial_types.Mark`).
     """
 
     command: Literal["pause", "resume", "end", "skip", "repeat", "level", "mark", "stop"]
@@ -34,11 +34,11 @@ class Operator(Message, frozen=True, kw_only=True):
 
 
 class Decision(Message, frozen=True, kw_only=True):
-    """An operator decides on a proposal (``action`` is its id): one that waits for it, or one that has its turn yet.
+    """An operator decides on a proposal, by its id (``action``), while it is pending or queued.
 
-    ``edit`` puts what is given here in the place of what was proposed: ``text``, ``valence`` (whose face, gesture and
-    tone then go with it), ``gesture``; None leaves a part as it is, empty takes it away. ``level``: of one that changes
-    it. ``at``: the stamp of the operator's key, on the session's clock.
+    ``edit`` replaces parts of the proposal: ``text``, ``valence`` (with its face, gesture and tone), ``gesture``; None
+    keeps a part, an empty text removes it. ``level``: the level to set, if the proposal changes the level. ``at``: time
+    stamp of the operator's key, on the session's clock.
     """
 
     action: str
@@ -52,10 +52,10 @@ class Decision(Message, frozen=True, kw_only=True):
 
 
 class Remark(Message, frozen=True, kw_only=True):
-    """An operator has the agent say or do something of their own.
+    """An operator makes the agent say or do something.
 
-    ``valence``: its face, gesture and tone go with the words, but a ``gesture`` or ``face`` that is named goes first.
-    ``source``: where the words come from.
+    ``valence``: gives face, gesture and tone, except a ``gesture`` or ``face`` given here. ``source``: where the text
+    comes from.
     """
 
     text: str = ""
@@ -69,7 +69,7 @@ class Remark(Message, frozen=True, kw_only=True):
 
 
 class ModeChanged(Message, frozen=True, kw_only=True):
-    """From here on proposals of a kind are decided in another way; those that wait, too."""
+    """The mode of a kind of action changes, also for proposals that are pending."""
 
     kind: ControlledKind
     mode: Mode
@@ -78,7 +78,7 @@ class ModeChanged(Message, frozen=True, kw_only=True):
 
 
 class ProposalSeen(Message, frozen=True, kw_only=True):
-    """A proposal stands on an operator's screen."""
+    """A proposal was shown on an operator's screen."""
 
     action: str
     actor: str = "operator"
@@ -86,7 +86,7 @@ class ProposalSeen(Message, frozen=True, kw_only=True):
 
 
 class NoteAdded(Message, frozen=True, kw_only=True):
-    """An operator's remark for the record, which nobody else sees. ``label``: of an event mark, a word."""
+    """An operator's note, for the record only. ``label``: one word, if it marks an event."""
 
     text: str = ""
     label: str = ""
@@ -95,11 +95,11 @@ class NoteAdded(Message, frozen=True, kw_only=True):
 
 
 class OperatorChanged(Message, frozen=True, kw_only=True):
-    """Somebody came to the link or left it, or is no longer heard.
+    """A peer joined the link, left it, or was lost.
 
-    ``state``: ``joined``, ``left``, ``lost`` (``detail`` says how that was seen), ``baton`` (they hold it from here
-    on). ``operated``: whether there is an operator with the baton now. ``holder``: who that is, by name; empty where
-    there is none. ``peers``: who is there, by name.
+    ``state``: ``joined``, ``left``, ``lost`` (``detail`` says why), ``baton`` (the peer took control). ``operated``:
+    True if an operator is in control now. ``holder``: that operator's name, or empty. ``peers``: the peers present, by
+    name.
     """
 
     actor: str
@@ -112,7 +112,7 @@ class OperatorChanged(Message, frozen=True, kw_only=True):
 
 
 class ActRefused(Message, frozen=True, kw_only=True):
-    """What a peer sent was not done. ``count``: so many of the kind since it was last told."""
+    """An act of a peer was refused. ``count``: how many like it since the last such message."""
 
     actor: str
     what: str
@@ -121,7 +121,7 @@ class ActRefused(Message, frozen=True, kw_only=True):
 
 
 class ActMissed(Message, frozen=True, kw_only=True):
-    """An operator's act came to nothing, because what it was about was over (derived)."""
+    """An operator's act had no effect, because it came too late (derived)."""
 
     actor: str
     what: str
