@@ -1,4 +1,4 @@
-"""What all Phidgets have in common: their library, who may use them, and the words for what goes wrong."""
+"""What all Phidgets have in common: their library, who may use them, and the describe for what goes wrong."""
 
 import ctypes
 import importlib
@@ -54,7 +54,7 @@ def usb_denied(devices: Path = _DEVICES, nodes: Path = _NODES) -> bool:
     return False
 
 
-def words(error: Exception) -> str:
+def describe(error: Exception) -> str:
     """What an exception says, of Phidget22 or any other."""
     said = (str(getattr(error, part, "") or "").strip() for part in ("description", "details"))
     return ": ".join(filter(None, said)) or f"{type(error).__name__}: {error}"

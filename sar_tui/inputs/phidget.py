@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Literal, NamedTuple
 from urllib.parse import urlsplit
 
-from sar_tui.drivers.phidget import UDEV_RULE, new_channel, usb_denied, words
+from sar_tui.drivers.phidget import UDEV_RULE, describe, new_channel, usb_denied
 from sar_tui.framework.clock import host_now
 from sar_tui.inputs.imu import Info, Sample, SourceError, Status, Vector
 
@@ -110,7 +110,7 @@ class PhidgetSource:
             self._tell("error", NO_LIBRARY.format(error))
         except Exception as error:
             denied = getattr(error, "code", None) in _DENIED_CODES
-            self._tell("error", NO_PERMISSION if denied else f"The sensor cannot be opened: {words(error)}")
+            self._tell("error", NO_PERMISSION if denied else f"The sensor cannot be opened: {describe(error)}")
         else:
             if not self._address.host:
                 threading.Thread(target=self._watch, args=(self._stopped,), name="phidget", daemon=True).start()
@@ -225,7 +225,7 @@ class PhidgetSource:
             try:
                 handle(*arguments)
             except Exception as error:
-                what = f"The sensor cannot be used as it should: {words(error)}"
+                what = f"The sensor cannot be used as it should: {describe(error)}"
                 if what != self._told:
                     self._told = what
                     self._tell("error", what)

@@ -1,4 +1,4 @@
-"""An output on the bus: hands actions over to it, and reports what becomes of them."""
+"""An output on the bus: passes actions to it, and reports the state of each part."""
 
 import contextlib
 from typing import Any, ClassVar, NamedTuple, get_args
@@ -11,27 +11,27 @@ from sar_tui.framework.node import Node, on
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
 from sar_tui.outputs.output import Output, OutputError, Report
-from sar_tui.outputs.report_validation import heard, told_by, words
+from sar_tui.outputs.report_validation import as_text, describe, valid_report
 
-GIVES_UP = 20 * SECOND
-"""An output that has not told what became of a part by then is told to stop; speaking takes longer with the text."""
+TIMEOUT = 20 * SECOND
+"""An output that has not reported the outcome of a part by then is stopped; longer texts get more time."""
 PER_CHARACTER = 150 * MS
-STILL = 2 * SECOND
-"""What an output has not told to be over by then, after it was told to stop, is taken to have failed."""
+STOP_TIMEOUT = 2 * SECOND
+"""A part that is not over by then, after a stop, has failed."""
 _OVER: tuple[PartState, ...] = ("done", "aborted", "failed")
 _Key = tuple[str, ActionPart]
-"""An action, and which part of it."""
+"""An action's id and a part of it."""
 
 
 class _Open(NamedTuple):
-    """A part that is not over: since when, and what gives it up."""
+    """A part that is not over: when it began, and the timer that gives it up."""
 
     since: int
     give_up: Handle
 
 
 class _Stop:
-    """A stop that was asked for: since when, what is not over yet, when the last of it was, and what went wrong."""
+    """A stop under way: when it was requested, the parts that are left, when the last one ended, and failures."""
 
     def __init__(self, asked: int, now: int) -> None:
         self.asked = asked
@@ -41,15 +41,15 @@ class _Stop:
 
 
 class OutputNode(Node):
-    """Stands between the loop and an output: each part is reported as ``queued``, and once as over, whatever it does.
+    """Connects the loop to an output. Reports each part as ``queued``, and once as over, whatever the output does.
 
-    An output that raises, or never answers, has failed; the session goes on.
+    An output that raises or never reports has failed; the session continues.
 
     Args:
         output: the medium.
-        address: how it was asked for.
-        theme: to begin with.
-        cues: for an output of tones: which of `theme.TONES` it sounds; ``go`` with each prompt, ``end`` after an
+        address: its address in the settings.
+        theme: the first theme.
+        cues: for an output of tones, those of `theme.TONES` that it plays: ``go`` with each prompt, ``end`` after an
             attempt, ``success`` with praise.
     """
 
@@ -65,34 +65,34 @@ class OutputNode(Node):
         self._can = output.can if not cues or "success" in cues else output.can - {"tone"}
         self._open: dict[_Key, _Open] = {}
         self._stopping: _Stop | None = None
-        self._unopened = ""
+        self._open_error = ""
         self._closed = False
 
     def attach(self, bus: Bus) -> None:
-        """Join a bus, open the output, and say what it can do."""
+        """Join a bus, open the output, and announce its parts."""
         super().attach(bus)
         try:
-            self.output.open(self._theme, bus.clock, self._hear)
+            self.output.open(self._theme, bus.clock, self._receive)
         except Exception as error:
-            self._unopened = f"It could not be opened ({told_by(error)})."
+            self._open_error = f"It could not be opened ({describe(error)})."
         self.emit(OUTPUT, m.OutputOpened(output=self.name, address=self._address, can=tuple(sorted(self._can))))
 
     def detach(self) -> None:
-        """Let go of the output; what it has not brought to its end is aborted with that."""
+        """Close the output; parts that are not over are aborted."""
         if not self._closed and hasattr(self, "bus"):
             for key in [key for key in self._open if key[1] != "show"]:
                 self._end(*key, "aborted", "The session was left.")
             self._closed = True
-            with contextlib.suppress(Exception):  # the session is over, and the other outputs have to be let go of
+            with contextlib.suppress(Exception):  # the session is over, and the other outputs must still be closed
                 self.output.close()
 
     @on(THEME)
-    def apply_theme(self, worn: m.ThemeApplied) -> None:
-        self.output.apply_theme(worn.theme)
+    def apply_theme(self, applied: m.ThemeApplied) -> None:
+        self.output.apply_theme(applied.theme)
 
     @on(ACTION)
     def act(self, action: m.Action) -> None:
-        """Do of an action what this output can: the look and the tone first, then the rest."""
+        """Request the parts of an action that this output can do: the look and the tone first."""
         if action.text or action.face:
             self._do(action.id, "show", action.text, action.face)
         if action.gaze:
@@ -119,31 +119,31 @@ class OutputNode(Node):
 
     @on(ATTEMPT_ENDED)
     def attempt_ended(self, ended: m.AttemptEnded) -> None:
-        """An attempt that is scored once more has ended before; that of two ends for both of them at once."""
+        """Play the end tone once: not when an attempt is scored again, nor for the second of two participants."""
         id = f"end-{ended.attempt}"
         if "end" in self._cues and ended.ended == self.now and (id, "tone") not in self._open:
             self._begin(id, "tone", "end")
 
     @on(HALT)
     def halt(self, halt: m.Halt) -> None:
-        """Be still; how long that took, and whether it failed, is told once nothing of it is under way any more."""
+        """Stop the output. The outcome and the duration are reported when every part is over."""
         clock = self.bus.clock
-        halted = {key: held for key, held in self._open.items() if halt.action in ("", key[0])}
-        lasting = {key: held for key, held in halted.items() if key[1] != "show"}  # words may stay where they are
+        halted = {key: opened for key, opened in self._open.items() if halt.action in ("", key[0])}
+        lasting = {key: opened for key, opened in halted.items() if key[1] != "show"}  # text may stay on the screen
         if halt.reason == "stopped":
             self._stopping = self._stopping or _Stop(halt.asked, clock.now())
             self._stopping.left |= lasting
         try:
             self.output.stop(halt.action)
         except Exception as error:
-            why = words(error) if isinstance(error, OutputError) else f"It could not be stopped ({told_by(error)})."
+            why = as_text(error) if isinstance(error, OutputError) else f"It could not be stopped ({describe(error)})."
             if self._stopping and halt.reason == "stopped":
                 self._stopping.details.append(why)
             for key in halted:
                 self._end(*key, "failed", why)
         if lasting:
-            clock.call_at(clock.now() + STILL, lambda: self._never_still(lasting))
-        self._tell_if_still()
+            clock.call_at(clock.now() + STOP_TIMEOUT, lambda: self._not_stopped(lasting))
+        self._report_stop()
 
     def _do(self, action: str, part: ActionPart, *what: str) -> None:
         if part in self._can:
@@ -152,45 +152,45 @@ class OutputNode(Node):
     def _begin(self, action: str, part: ActionPart, *what: str) -> None:
         now = self.bus.clock.now()
         self._report(action, part, "queued", now)
-        limit = GIVES_UP + PER_CHARACTER * (len(what[0]) if part == "say" else 0)
+        limit = TIMEOUT + PER_CHARACTER * (len(what[0]) if part == "say" else 0)
         give_up = self.bus.clock.call_at(now + limit, lambda: self._give_up(action, part))
-        if part == "show":  # words stand for as long as nothing takes their place
+        if part == "show":  # a text stays until another replaces it
             give_up.cancel()
         self._open[action, part] = _Open(now, give_up)
-        if self._unopened:
-            self._end(action, part, "failed", self._unopened)
+        if self._open_error:
+            self._end(action, part, "failed", self._open_error)
             return
         try:
             getattr(self.output, part)(action, *what)
         except Exception as error:
-            self._end(action, part, "failed", f"{told_by(error)}.")
+            self._end(action, part, "failed", f"{describe(error)}.")
 
-    # --- what the output tells -------------------------------------------------------------------------------
+    # --- reports of the output -------------------------------------------------------------------------------
 
-    def _hear(self, report: Report) -> None:
-        """From any thread."""
-        self.bus.clock.call_soon(lambda: self._told(report))
+    def _receive(self, report: Report) -> None:
+        """Called from any thread."""
+        self.bus.clock.call_soon(lambda: self._reported(report))
 
-    def _told(self, report: Report) -> None:
+    def _reported(self, report: Report) -> None:
         if self._closed:
             return
-        for key, held in self._meant(report).items():
-            if (said := heard(report, held.since, self.bus.clock.now())) is None:
-                self._end(*key, "failed", "It reported what cannot be understood.")
-            elif said.state in _OVER:
-                self._end(*key, said.state, said.detail, said.at)
+        for key, opened in self._parts_of(report).items():
+            if (checked := valid_report(report, opened.since, self.bus.clock.now())) is None:
+                self._end(*key, "failed", "Its report could not be understood.")
+            elif checked.state in _OVER:
+                self._end(*key, checked.state, checked.detail, checked.at)
             else:
-                self._report(*key, said.state, said.at, said.detail)
+                self._report(*key, checked.state, checked.at, checked.detail)
 
-    def _meant(self, report: Report) -> dict[_Key, _Open]:
-        """Which parts a report is about: all of its action, where there is no such part."""
+    def _parts_of(self, report: Report) -> dict[_Key, _Open]:
+        """Return the open parts that a report is about: all parts of its action if it names none that exists."""
         action, part = getattr(report, "action", None), getattr(report, "part", None)
         known = isinstance(part, str) and part in get_args(ActionPart)
-        return {key: held for key, held in self._open.items() if key[0] == action and (key[1] == part or not known)}
+        return {key: opened for key, opened in self._open.items() if key[0] == action and (key[1] == part or not known)}
 
     def _end(self, action: str, part: ActionPart, state: PartState, detail: str = "", at: int | None = None) -> None:
-        if held := self._open.pop((action, part), None):
-            held.give_up.cancel()
+        if opened := self._open.pop((action, part), None):
+            opened.give_up.cancel()
             ended = self.bus.clock.now() if at is None else at
             self._report(action, part, state, ended, detail)
             stop = self._stopping
@@ -198,21 +198,21 @@ class OutputNode(Node):
                 stop.at = max(stop.at, ended)
                 if state != "done" and detail:
                     stop.details.append(detail)
-                self._tell_if_still()
+                self._report_stop()
 
     def _give_up(self, action: str, part: ActionPart) -> None:
         if (action, part) in self._open and not self._closed:
-            self._end(action, part, "failed", "It did not tell what became of it.")
+            self._end(action, part, "failed", "It did not report the outcome.")
             with contextlib.suppress(Exception):  # it has failed already
                 self.output.stop(action)
 
-    def _never_still(self, halted: dict[_Key, _Open]) -> None:
-        for key, held in halted.items():
-            if self._open.get(key) is held and not self._closed:
-                self._end(*key, "failed", "It did not become still.")
+    def _not_stopped(self, halted: dict[_Key, _Open]) -> None:
+        for key, opened in halted.items():
+            if self._open.get(key) is opened and not self._closed:
+                self._end(*key, "failed", "It did not stop in time.")
 
-    def _tell_if_still(self) -> None:
-        """Tell once what came of a stop: when all that was under way then is over."""
+    def _report_stop(self) -> None:
+        """Report a stop once, when everything that was under way is over."""
         if (stop := self._stopping) and not stop.left:
             self._stopping = None
             detail = " ".join(dict.fromkeys(stop.details))

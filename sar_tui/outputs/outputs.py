@@ -1,4 +1,4 @@
-"""Outputs by name: those that ship, and those of plug-ins (entry points of the group ``sar_tui.outputs``)."""
+"""Outputs by name: the included ones, and those of plug-ins (entry points of the group ``sar_tui.outputs``)."""
 
 import difflib
 from collections.abc import Callable, Sequence
@@ -14,18 +14,18 @@ if TYPE_CHECKING:
 
 GROUP = "sar_tui.outputs"
 SCREEN = "screen"
-"""The face and the words on the screen: made by the app, which alone can draw."""
+"""The face and the text on the screen. The app makes this output itself."""
 _checked: dict[tuple[str, str], tuple[object, Output]] = {}
-"""What plug-ins have made for a check, and with what: it is what is opened then, for to make one may take its time."""
+"""Outputs that plug-ins made for a check, with their factory: reused on opening, as making one may take time."""
 
 
 def output_names() -> list[str]:
-    """The names that ``open_outputs`` knows; what follows the colon is each one's own."""
+    """Return the names that ``open_outputs`` knows. Each output defines the text after the colon."""
     return sorted({SCREEN, *_SHIPPED, *(entry.name for entry in entry_points(group=GROUP))})
 
 
 def check_outputs(addresses: Sequence[str], speech: str = "sound") -> None:
-    """Raise OutputError, one clear sentence, if one of the addresses cannot be an output's, or is there twice."""
+    """Raise OutputError, with one clear sentence, for an address that is unknown, invalid or used twice."""
     kinds = [_split(address)[0] for address in addresses]
     for kind in kinds:
         if kind not in (known := output_names()):
@@ -45,16 +45,16 @@ def check_outputs(addresses: Sequence[str], speech: str = "sound") -> None:
 
 
 def open_outputs(addresses: Sequence[str], speech: str, theme: Theme) -> list[OutputNode]:
-    """The nodes of a session's outputs, but for the screen's.
+    """Return the nodes of a session's outputs, except the screen's.
 
-    - ``speech``: the voice; where it goes is told by ``speech`` (``sound``, ``file:FOLDER``);
-    - ``tones``, ``tones:go+end+success``: short tones, the same way;
+    - ``speech``: the voice; the setting ``speech`` says where it goes (``sound``, ``file:FOLDER``);
+    - ``tones``, ``tones:go+end+success``: short tones, to the same place;
     - ``servo``, ``servo:SERIAL?...``: gestures by RC servos on a Phidget controller;
     - ``ros://HOST:PORT...``: a robot on a ROS system, over rosbridge;
     - any other: the entry point of that name, called with the text after the colon.
 
     Raises:
-        OutputError: an address cannot be understood, or a plug-in cannot be loaded.
+            OutputError: if an address is invalid, or a plug-in cannot be loaded.
     """
     return [OutputNode(output, address, theme, cues) for output, address, cues in _make(addresses, speech)]
 
@@ -65,8 +65,8 @@ def _make(addresses: Sequence[str], speech: str, keep: bool = False) -> list[tup
     for forgotten in _checked.keys() - {_split(address) for address in addresses}:
         del _checked[forgotten]
     made: list[tuple[Output, str, tuple[str, ...]]] = []
-    sound = Sound(speech)  # one for both, so that a tone and words never sound at once
-    for address in sorted(addresses, key=lambda address: _split(address)[0] != "tones"):  # a tone goes before words
+    sound = Sound(speech)  # shared, so that tones and speech never overlap
+    for address in sorted(addresses, key=lambda address: _split(address)[0] != "tones"):  # tones before speech
         kind, text = _split(address)
         if kind == SCREEN and text:
             raise OutputError(f'The screen has nothing after its name; it was given "{text}".')
@@ -81,7 +81,7 @@ def _make(addresses: Sequence[str], speech: str, keep: bool = False) -> list[tup
 
 
 def _check_names(made: list[tuple[Output, str, tuple[str, ...]]], taken: list[str]) -> None:
-    """What each output is called is how the log tells them apart."""
+    """Raise OutputError if two outputs have one name: the log tells outputs apart by it."""
     for output, address, _ in made:
         if output.name in taken:
             raise OutputError(f'Another output is called "{output.name}" as well as {address}: leave one of them out.')
@@ -94,7 +94,7 @@ def _split(address: str) -> tuple[str, str]:
 
 
 def _cues(text: str) -> tuple[str, ...]:
-    """Which tones are named; all of them where none is."""
+    """Return the tones in an address; all of them if it names none."""
     cues = tuple(filter(None, text.split("+"))) or TONES
     for cue in cues:
         if cue not in TONES:
@@ -116,7 +116,7 @@ def _plugged_in(kind: str, text: str) -> Output:
                 why = f"{type(error).__name__}: {error}"
                 raise OutputError(f"The output {kind} ({entry.value}) cannot be loaded: {why}.") from error
             if not isinstance(output, Output):
-                raise OutputError(f"The output {kind} ({entry.value}) is no Output.")
+                raise OutputError(f"The output {kind} ({entry.value}) is not an Output.")
             if not isinstance(name := getattr(output, "name", ""), str) or not name:
                 raise OutputError(f"The output {kind} ({entry.value}) has no name.")
             _checked[kind, text] = make, output

@@ -1,4 +1,4 @@
-"""What an output tells, read with care: it may be anybody's code, and the log has to be able to hold it."""
+"""Checks reports of outputs, which may be third-party code, before they are logged."""
 
 from typing import Any, get_args
 
@@ -7,35 +7,35 @@ from sar_tui.framework.messages import ActionPart, PartState
 from sar_tui.outputs.output import Report
 
 LONGEST_DETAIL = 500
-"""So many characters of a detail are kept."""
+"""Longer details are cut to this many characters."""
 AHEAD = SECOND
 """How far ahead of the session's clock a report's time may be."""
 
 
-def heard(report: Any, since: int, now: int) -> Report | None:
-    """A report as it can be kept; None if it cannot be understood.
+def valid_report(report: Any, since: int, now: int) -> Report | None:
+    """Return a report that can be stored; None if it is invalid.
 
     Args:
-        report: what the output told.
-        since, now: the time it tells of lies between these (ns).
+        report: the output's report.
+        since, now: the range of valid times (ns).
     """
     try:
-        said = Report(report.action, report.part, report.state, int(report.at), words(report.detail))
-        known = said.part in get_args(ActionPart) and said.state in get_args(PartState)
+        value = Report(report.action, report.part, report.state, int(report.at), as_text(report.detail))
+        known = value.part in get_args(ActionPart) and value.state in get_args(PartState)
     except Exception:
         return None
-    return said if known and since <= said.at <= now + AHEAD else None
+    return value if known and since <= value.at <= now + AHEAD else None
 
 
-def words(said: object) -> str:
-    """What was said, as text that can be written anywhere; not all of it, where it is long."""
+def as_text(value: object) -> str:
+    """Return a value as text that any file can hold, shortened if it is long."""
     try:
-        text = str(said)
+        text = str(value)
     except Exception:
-        text = f"a {type(said).__name__} that cannot be read"
+        text = f"a {type(value).__name__} that cannot be read"
     return text[:LONGEST_DETAIL].encode("utf-8", "replace").decode()
 
 
-def told_by(error: Exception) -> str:
-    """An exception, in a sentence's words."""
-    return words(f"{type(error).__name__}: {words(error)}")
+def describe(error: Exception) -> str:
+    """Describe an exception for use in a sentence."""
+    return as_text(f"{type(error).__name__}: {as_text(error)}")

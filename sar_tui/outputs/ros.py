@@ -1,4 +1,4 @@
-"""A robot on a ROS system, reached through the rosbridge protocol: it speaks, moves and looks."""
+"""A robot on a ROS system that speaks, moves and looks. It is reached through the rosbridge protocol."""
 
 import secrets
 from collections import deque
@@ -15,21 +15,21 @@ from sar_tui.outputs.output import Output, OutputError, Report
 from sar_tui.outputs.ros_topics import STRING, RobotReport, parse_address, plain, read_report
 
 PATIENCE = 3 * SECOND
-"""How long after the beginning a part may wait for the first connection."""
+"""Time after opening in which a request may wait for the first connection."""
 SETTLE = 500 * MS
-"""How long after a connection nothing is sent: on a ROS system it takes a moment until a new publisher is heard."""
+"""Pause after connecting before anything is sent: ROS needs a moment to discover a new publisher."""
 ANSWER = 2 * SECOND
-"""How long a robot may take to tell that it has begun."""
+"""Time in which a robot must report that it has started."""
 CONFIRM = 1500 * MS
-"""How long it may take to tell that it has stopped; less than `node.STILL`, so that this is what is told of it."""
+"""Time in which it must confirm a stop. Less than `node.STILL`, so that this failure is the one reported."""
 LONGEST = 15 * SECOND
-"""How much longer a part may take than it should."""
+"""Time that a request may take beyond its expected duration."""
 A_CHARACTER = 100 * MS
-"""How long speaking one takes, at the slowest."""
+"""Slowest speaking rate: time for one character."""
 
 
-class _Asked:
-    """Something the robot is to do."""
+class _Request:
+    """A request to the robot."""
 
     def __init__(self, action: str, part: ActionPart, topic: str, message: dict[str, str], lasts: int) -> None:
         self.action, self.part, self.topic, self.message, self.lasts = action, part, topic, message, lasts
@@ -40,11 +40,11 @@ class _Asked:
 
 
 class Ros(Output):
-    """A robot on a ROS system. Everything but the sending happens on the thread that owns the clock.
+    """A robot on a ROS system. Everything except sending happens on the clock's thread.
 
     Args:
-        address: ``ros://HOST[:PORT]``, and after a question mark `ros_topics.Topics`. Raises OutputError for anything
-            else.
+        address: ``ros://HOST[:PORT]``, and after a question mark the options of `ros_topics.Topics`. Raises
+            OutputError if it is invalid.
     """
 
     name = "ros"
@@ -56,14 +56,14 @@ class Ros(Output):
         self._begin()
 
     def _begin(self) -> None:
-        self._lines: dict[ActionPart, deque[_Asked]] = {"say": deque(), "gesture": deque(), "gaze": deque()}
+        self._queues: dict[ActionPart, deque[_Request]] = {"say": deque(), "gesture": deque(), "gaze": deque()}
         self._token = secrets.token_hex(3)
         self._ready_at: int | None = None
-        self._stop_owed = self._was_lost = False
-        self._muddle = ""
+        self._stop_pending = self._was_lost = False
+        self._unread_report = ""
 
     def open(self, theme: Theme, clock: Clock, report: Callable[[Report], None]) -> None:
-        """Connect in the background. What is asked for in the first moments waits for the connection."""
+        """Connect in the background. Requests in the first moments wait for the connection."""
         self.close()
         super().open(theme, clock, report)
         self._begin()
@@ -72,182 +72,182 @@ class Ros(Output):
         bridge = Bridge(
             self._address,
             dict.fromkeys((topics.speech, topics.gesture, topics.gaze, topics.stop), STRING),
-            {topics.report: (STRING, lambda message: self._hear(bridge, message))},
-            lambda: self._change(bridge),
+            {topics.report: (STRING, lambda message: self._receive(bridge, message))},
+            lambda: self._on_change(bridge),
         )
         self._bridge = bridge
         bridge.open()
-        self._look_again(bridge, self._patience)
+        self._advance_at(bridge, self._patience)
 
     def say(self, action: str, text: str) -> None:
         """Have the robot speak."""
-        text = text.encode("utf-8", "replace").decode()  # half a character cannot be sent
+        text = text.encode("utf-8", "replace").decode()  # lone surrogates cannot be sent
         said = {"text": text, "language": self.theme.language}
-        self._ask(action, "say", self._topics.speech, said, text, A_CHARACTER * len(text))
+        self._request(action, "say", self._topics.speech, said, text, A_CHARACTER * len(text))
 
     def gesture(self, action: str, name: str) -> None:
-        """Have the robot move; it is told the theme's keyframes too."""
+        """Have the robot move. The theme's keyframes are sent, too."""
         gesture = self.theme.gestures.get(name)
         if gesture is None:
             self.report(action, "gesture", "failed", f"The theme {self.theme.name} has no gesture {plain(name)}.")
             return
         moves = {"gesture": name, "keyframes": gesture.keyframes}
-        self._ask(action, "gesture", self._topics.gesture, moves, name, gesture.duration_ms * MS)
+        self._request(action, "gesture", self._topics.gesture, moves, name, gesture.duration_ms * MS)
 
     def gaze(self, action: str, where: str) -> None:
         """Have the robot look somewhere."""
-        self._ask(action, "gaze", self._topics.gaze, {"gaze": where}, where, 0)
+        self._request(action, "gaze", self._topics.gaze, {"gaze": where}, where, 0)
 
     def stop(self, action: str = "") -> None:
-        """Ask the robot to be still: what it does is aborted when it confirms that, or after a while as not confirmed.
+        """Ask the robot to stop. Its request is aborted when it confirms, or after a while as not confirmed.
 
-        What comes next waits for that. A stop that cannot be sent now is sent before anything else; and raises
-        OutputError if the robot was lost in the middle of something that it may still be doing.
+        The next request waits for that. A stop that cannot be sent now is sent before anything else. Raises
+        OutputError if the connection was lost during a request that the robot may still be performing.
         """
         if self._bridge is None:
             return
-        stopped = [asked for line in self._lines.values() for asked in line if action in ("", asked.action)]
-        sent = [asked for asked in stopped if asked.sent is not None]
-        told = False
+        stopped = [request for queue in self._queues.values() for request in queue if action in ("", request.action)]
+        sent = [request for request in stopped if request.sent is not None]
+        is_sent = False
         if sent or not action:
-            told = self._send_stop(action)
-            self._stop_owed |= not told
+            is_sent = self._send_stop(action)
+            self._stop_pending |= not is_sent
         now = self.clock.now()
-        for asked in stopped:
-            if asked.sent is None:
-                self._end(asked, "aborted", now)
-            elif not told:
-                self._end(asked, "failed", now, self._unasked)
-            elif not asked.is_stopping:
-                asked.is_stopping = True
-                self._set_timer(asked, now + CONFIRM, partial(self._overdue, self._bridge, asked))
+        for request in stopped:
+            if request.sent is None:
+                self._end(request, "aborted", now)
+            elif not is_sent:
+                self._end(request, "failed", now, self._stop_failure)
+            elif not request.is_stopping:
+                request.is_stopping = True
+                self._set_timer(request, now + CONFIRM, partial(self._overdue, self._bridge, request))
         if action:
             self._advance_all(self._bridge)
-        elif self._was_lost and not told:
-            raise OutputError(self._unasked)
+        elif self._was_lost and not is_sent:
+            raise OutputError(self._stop_failure)
 
     def close(self) -> None:
-        """Have the robot be still, and let go of the connection."""
+        """Have the robot stop, and close the connection."""
         if self._bridge is not None:
-            with suppress(OutputError):  # nobody is told any more
+            with suppress(OutputError):  # nothing is reported any more
                 self.stop()
             bridge, self._bridge = self._bridge, None
             bridge.close()
 
-    # --- on the connection's thread: stamp, and hand on ---------------------------------------------------
+    # --- on the connection's thread: stamp and pass on ------------------------------------------------------
 
-    def _change(self, bridge: Bridge) -> None:
-        self.clock.call_soon(partial(self._changed, bridge, bridge.is_connected))
+    def _on_change(self, bridge: Bridge) -> None:
+        self.clock.call_soon(partial(self._connection_changed, bridge, bridge.is_connected))
 
-    def _hear(self, bridge: Bridge, message: Any) -> None:
+    def _receive(self, bridge: Bridge, message: Any) -> None:
         at = self.clock.now()
         report = read_report(message)
         if isinstance(report, str):
-            self._muddle = f" A report of it could not be understood: {report}."
+            self._unread_report = f" One of its reports could not be understood: {report}."
         else:
-            self.clock.call_soon(partial(self._heard, bridge, report, at))
+            self.clock.call_soon(partial(self._reported, bridge, report, at))
 
     # --- on the clock's thread ------------------------------------------------------------------------------
 
-    def _changed(self, bridge: Bridge, connected: bool) -> None:
+    def _connection_changed(self, bridge: Bridge, connected: bool) -> None:
         if bridge is not self._bridge:
             return
         now = self.clock.now()
         if connected:
             self._was_lost = False
-            if self._stop_owed:
-                self._stop_owed = not self._send_stop("")
+            if self._stop_pending:
+                self._stop_pending = not self._send_stop("")
             self._ready_at = now + SETTLE
-            self._look_again(bridge, self._ready_at)
+            self._advance_at(bridge, self._ready_at)
             return
         self._ready_at = None
-        for asked in self._under_way:
+        for request in self._under_way:
             self._was_lost = True
-            self._stop_owed |= asked.is_stopping
-            self._end(asked, "failed", now, f"The connection to the robot at {self._address} was lost meanwhile.")
+            self._stop_pending |= request.is_stopping
+            self._end(request, "failed", now, f"The connection to the robot at {self._address} was lost.")
         self._advance_all(bridge)
 
-    def _heard(self, bridge: Bridge, report: RobotReport, at: int) -> None:
+    def _reported(self, bridge: Bridge, report: RobotReport, at: int) -> None:
         if bridge is not self._bridge:
             return
-        sent = [asked for asked in self._under_way if asked.sent is not None and asked.sent <= at]
-        about = [asked for asked in sent if self._is_about(report, asked.action, asked.part)]
-        begun = [asked for asked in about if asked.started is not None]
-        waiting = [asked for asked in about if asked.started is None]
-        for asked in (waiting if report.state == "started" else begun + waiting)[:1]:
-            if asked.started is None and report.state in ("started", "done"):
-                asked.started = at
-                self._report(asked, "started", at)
+        sent = [request for request in self._under_way if request.sent is not None and request.sent <= at]
+        about = [request for request in sent if self._is_about(report, request.action, request.part)]
+        begun = [request for request in about if request.started is not None]
+        waiting = [request for request in about if request.started is None]
+        for request in (waiting if report.state == "started" else begun + waiting)[:1]:
+            if request.started is None and report.state in ("started", "done"):
+                request.started = at
+                self._report(request, "started", at)
             if report.state != "started":
                 why = report.detail or ("The robot failed." if report.state == "failed" else "")
-                self._end(asked, "aborted" if asked.is_stopping and not why else report.state, at, why)
-                self._advance(asked.part)
+                self._end(request, "aborted" if request.is_stopping and not why else report.state, at, why)
+                self._advance(request.part)
 
-    def _ask(self, action: str, part: ActionPart, topic: str, what: dict[str, Any], bare: str, lasts: int) -> None:
+    def _request(self, action: str, part: ActionPart, topic: str, what: dict[str, Any], bare: str, lasts: int) -> None:
         if self._bridge is None:
             return
         message = self._topics.message(self._id(action), what, bare)
-        self._lines[part].append(_Asked(action, part, topic, message, lasts))
+        self._queues[part].append(_Request(action, part, topic, message, lasts))
         self._advance(part)
 
-    def _look_again(self, bridge: Bridge, when: int) -> None:
+    def _advance_at(self, bridge: Bridge, when: int) -> None:
         self.clock.call_at(when, partial(self._advance_all, bridge, when))
 
     def _advance_all(self, bridge: Bridge, due: int = 0) -> None:
         if bridge is self._bridge:
-            for part in self._lines:
+            for part in self._queues:
                 self._advance(part, due)
 
     def _advance(self, part: ActionPart, due: int = 0) -> None:
-        """Send what is next, if its turn has come; or tell that it cannot be. It is as late as ``due`` at least."""
-        line, bridge = self._lines[part], cast(Bridge, self._bridge)
-        while line and line[0].sent is None:
-            asked, now = line[0], max(self.clock.now(), due)
+        """Send the next requests of a part that are due, or fail them. The time is at least ``due``."""
+        queue, bridge = self._queues[part], cast(Bridge, self._bridge)
+        while queue and queue[0].sent is None:
+            request, now = queue[0], max(self.clock.now(), due)
             if not bridge.problem and self._is_to_wait(bridge, now):
                 return
-            if bridge.publish(asked.topic, asked.message):
-                asked.sent, self._muddle = now, ""
-                self._set_timer(asked, now + ANSWER, partial(self._overdue, bridge, asked))
+            if bridge.publish(request.topic, request.message):
+                request.sent, self._unread_report = now, ""
+                self._set_timer(request, now + ANSWER, partial(self._overdue, bridge, request))
             else:
-                self._end(asked, "failed", now, bridge.problem or self._away)
+                self._end(request, "failed", now, bridge.problem or self._not_connected)
 
     def _is_to_wait(self, bridge: Bridge, now: int) -> bool:
         if self._ready_at is None:
-            return bridge.is_connected or now < self._patience  # that it is will be told in a moment
+            return bridge.is_connected or now < self._patience  # if connected, the news comes in a moment
         return now < self._ready_at
 
-    def _overdue(self, bridge: Bridge, asked: _Asked) -> None:
-        line, now = self._lines[asked.part], self.clock.now()
-        if bridge is not self._bridge or not line or line[0] is not asked:
+    def _overdue(self, bridge: Bridge, request: _Request) -> None:
+        queue, now = self._queues[request.part], self.clock.now()
+        if bridge is not self._bridge or not queue or queue[0] is not request:
             return
         state: PartState = "failed"
-        if asked.is_stopping:
+        if request.is_stopping:
             state, why = "aborted", f"The robot at {self._address} did not confirm that it stopped."
-        elif asked.started is None:
+        elif request.started is None:
             why = f"Sent to the robot at {self._address}, which did not acknowledge it."
-        elif now < (until := asked.started + asked.lasts + LONGEST):
-            self._set_timer(asked, until, partial(self._overdue, bridge, asked))
+        elif now < (until := request.started + request.lasts + LONGEST):
+            self._set_timer(request, until, partial(self._overdue, bridge, request))
             return
         else:
-            why = f"The robot at {self._address} began, and did not tell that it was done."
-        self._end(asked, state, now, why + self._muddle)
-        self._advance(asked.part)
+            why = f"The robot at {self._address} started, but did not report that it was done."
+        self._end(request, state, now, why + self._unread_report)
+        self._advance(request.part)
 
-    def _set_timer(self, asked: _Asked, when: int, ring: Callable[[], None]) -> None:
-        if asked.timer:
-            asked.timer.cancel()
-        asked.timer = self.clock.call_at(when, ring)
+    def _set_timer(self, request: _Request, when: int, ring: Callable[[], None]) -> None:
+        if request.timer:
+            request.timer.cancel()
+        request.timer = self.clock.call_at(when, ring)
 
-    def _end(self, asked: _Asked, state: PartState, at: int, detail: str = "") -> None:
-        self._lines[asked.part].remove(asked)
-        if asked.timer:
-            asked.timer.cancel()
-        self._report(asked, state, at, detail)
+    def _end(self, request: _Request, state: PartState, at: int, detail: str = "") -> None:
+        self._queues[request.part].remove(request)
+        if request.timer:
+            request.timer.cancel()
+        self._report(request, state, at, detail)
 
-    def _report(self, asked: _Asked, state: PartState, at: int, detail: str = "") -> None:
-        self._send_report(Report(asked.action, asked.part, state, at, detail))
+    def _report(self, request: _Request, state: PartState, at: int, detail: str = "") -> None:
+        self._send_report(Report(request.action, request.part, state, at, detail))
 
-    # --- stopping, and small things --------------------------------------------------------------------------
+    # --- stopping and helpers --------------------------------------------------------------------------------
 
     def _send_stop(self, action: str) -> bool:
         message = self._topics.message(action and self._id(action), {}, "stop")
@@ -258,19 +258,19 @@ class Ros(Output):
         return (unnamed or report.id == self._id(action)) and report.part in ("", part)
 
     def _id(self, action: str) -> str:
-        """What an action is called towards the robot: nothing late of an earlier session is taken for this one's."""
+        """Return an action's id for the robot. It is unique to this session, so late reports of others are ignored."""
         return f"{action}-{self._token}"
 
     @property
-    def _under_way(self) -> list[_Asked]:
-        """What was sent and is not over, the oldest first."""
-        sent = (line[0] for line in self._lines.values() if line and line[0].sent is not None)
-        return sorted(sent, key=lambda asked: asked.sent or 0)
+    def _under_way(self) -> list[_Request]:
+        """Requests that are sent and not over, oldest first."""
+        sent = (queue[0] for queue in self._queues.values() if queue and queue[0].sent is not None)
+        return sorted(sent, key=lambda request: request.sent or 0)
 
     @property
-    def _unasked(self) -> str:
-        return f"The robot could not be asked to stop. {self._away}"
+    def _stop_failure(self) -> str:
+        return f"The robot could not be asked to stop. {self._not_connected}"
 
     @property
-    def _away(self) -> str:
+    def _not_connected(self) -> str:
         return f"The robot is not connected: there is no ROS bridge at {self._address}. Start rosbridge there."

@@ -15,7 +15,7 @@ from sar_tui.framework.gesture import Gesture, Keyframe
 from sar_tui.framework.messages import ActionPart
 from sar_tui.framework.theme import FACES, Colors, Note, Theme
 from sar_tui.outputs.output import Output, Report
-from sar_tui.outputs.report_validation import heard
+from sar_tui.outputs.report_validation import valid_report
 
 WAIT_S = 60.0
 """How long to wait for another thread or process before a check fails."""
@@ -142,7 +142,7 @@ class Rig:
             times = [report.at for report in self.reports if report.part == part]
             assert times == sorted(times)
         for report in self.reports:
-            kept = heard(report, 0, self.clock.now())
+            kept = valid_report(report, 0, self.clock.now())
             assert kept, "it can be understood"
             assert kept[:4] == report[:4]
             assert isinstance(report.detail, str)

@@ -18,7 +18,7 @@ import pytest
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.task import Task
 from sar_tui.outputs import outputs
-from sar_tui.outputs.node import GIVES_UP, PER_CHARACTER, STILL
+from sar_tui.outputs.node import PER_CHARACTER, STOP_TIMEOUT, TIMEOUT
 from sar_tui.outputs.output import OutputError
 from sar_tui.outputs.report_validation import LONGEST_DETAIL
 from sar_tui.plugins import Catalogue
@@ -149,6 +149,6 @@ def test_it_is_forty_lines() -> None:
 
 def test_the_page_tells_how_long_an_output_may_be_silent() -> None:
     page = " ".join(PAGE.split())
-    assert f"given up after {GIVES_UP // SECOND} seconds; for `say`, after {PER_CHARACTER // MS} ms a character" in page
-    assert f"What is not over after {STILL // SECOND} seconds has failed." in page
+    assert f"given up after {TIMEOUT // SECOND} seconds; for `say`, after {PER_CHARACTER // MS} ms a character" in page
+    assert f"What is not over after {STOP_TIMEOUT // SECOND} seconds has failed." in page
     assert f"Of a detail, {LONGEST_DETAIL} characters are kept." in page

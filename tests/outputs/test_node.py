@@ -14,7 +14,7 @@ from sar_tui.framework.messages import ActionPart
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
-from sar_tui.outputs.node import GIVES_UP, PER_CHARACTER, STILL, OutputNode
+from sar_tui.outputs.node import PER_CHARACTER, STOP_TIMEOUT, TIMEOUT, OutputNode
 from sar_tui.outputs.output import Output, OutputError, Report
 from tests.outputs.contract import THEME as BARE
 from tests.outputs.fake_outputs import EVERYTHING, Puppet, Speaker
@@ -184,12 +184,12 @@ def test_what_raises_has_failed_and_the_rest_goes_on(part: ActionPart) -> None:
 def test_what_never_answers_has_failed_after_a_while_and_is_told_to_stop(part: ActionPart) -> None:
     stage = Stage(Puppet(can=frozenset({part})))
     stage.act(**{**EVERY_PART, "spoken": "x" * 100})
-    limit = GIVES_UP + (100 * PER_CHARACTER if part == "say" else 0)
+    limit = TIMEOUT + (100 * PER_CHARACTER if part == "say" else 0)
     stage.wait(limit - 1)
     assert stage.states(part=part) == ["queued"]
     stage.wait(1)
     assert stage.states(part=part) == ["queued", "failed"]
-    assert stage.reports[-1].detail == "It did not tell what became of it."
+    assert stage.reports[-1].detail == "It did not report the outcome."
     assert asked(stage)[-1] == ("stop", "a1")
 
 
@@ -206,7 +206,7 @@ def test_what_is_over_is_told_once_whatever_is_said_after_that(end: str) -> None
     stage.act(spoken="Well done.")
     for state in (end, "done", "aborted", "failed", "started"):
         stage.tell("say", state)
-    stage.wait(GIVES_UP + PER_CHARACTER * 100)
+    stage.wait(TIMEOUT + PER_CHARACTER * 100)
     assert stage.states() == ["queued", end]
 
 
@@ -282,7 +282,7 @@ def test_a_report_that_cannot_be_understood_ends_what_it_is_about(report: Any) -
     stage.node.output._send_report(report)
     stage.clock.advance(0)
     assert stage.states(part="gesture") == ["queued", "failed"]
-    assert stage.reports[-1].detail == "It reported what cannot be understood."
+    assert stage.reports[-1].detail == "Its report could not be understood."
     assert stage.states("a2", "gesture") == ["queued"]
     for told in stage.reports:
         assert msgspec.json.decode(msgspec.json.encode(told), type=m.OutputReport) == told
@@ -355,7 +355,7 @@ def test_one_that_raises_as_it_is_closed_keeps_nobody_from_leaving() -> None:
 def test_one_that_never_answers_and_cannot_be_stopped_has_failed_all_the_same() -> None:
     stage = Stage(Puppet(breaks=("stop",)))
     stage.act(gesture="wave")
-    stage.wait(GIVES_UP)
+    stage.wait(TIMEOUT)
     assert stage.states(part="gesture") == ["queued", "failed"]
 
 
@@ -404,7 +404,7 @@ def test_what_does_not_become_still_has_failed_whatever_it_was_to_be_still_for(r
     stage.act(**EVERY_PART)
     stage.halt("" if reason == "stopped" else "a1", reason)
     stage.act("a2", gesture="wave")
-    stage.wait(STILL - 1)
+    stage.wait(STOP_TIMEOUT - 1)
     assert {*(report.state for report in stage.reports)} == {"queued"}
     assert stage.stopped == []
     stage.wait(1)
@@ -412,9 +412,9 @@ def test_what_does_not_become_still_has_failed_whatever_it_was_to_be_still_for(r
         assert stage.states(part=part) == ["queued", "failed"]
     assert stage.states(part="show") == ["queued"], "words may stay where they are"
     assert stage.states("a2", "gesture") == ["queued"], "what came after that was not told to be still"
-    assert {report.detail for report in stage.reports if report.state == "failed"} == {"It did not become still."}
+    assert {report.detail for report in stage.reports if report.state == "failed"} == {"It did not stop in time."}
     assert [(stopped.at - stopped.asked, stopped.detail) for stopped in stage.stopped] == (
-        [(STILL, "It did not become still.")] if reason == "stopped" else []
+        [(STOP_TIMEOUT, "It did not stop in time.")] if reason == "stopped" else []
     )
 
 
@@ -422,12 +422,12 @@ def test_one_that_did_not_become_still_can_be_stopped_again() -> None:
     stage = Stage(Puppet())
     stage.act(gesture="wave")
     stage.halt()
-    stage.wait(STILL)
+    stage.wait(STOP_TIMEOUT)
     stage.act("a2", gesture="wave")
     stage.halt()
     stage.tell("gesture", "aborted", "a2")
-    stage.wait(STILL)
-    assert [stopped.detail for stopped in stage.stopped] == ["It did not become still.", ""]
+    stage.wait(STOP_TIMEOUT)
+    assert [stopped.detail for stopped in stage.stopped] == ["It did not stop in time.", ""]
 
 
 def test_a_stop_says_what_failed_in_it_and_what_may_not_be_still_each_once() -> None:

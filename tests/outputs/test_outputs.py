@@ -158,7 +158,7 @@ def _refuses(_: str) -> Output:
     [
         (_breaks, "The output lamp (somewhere:lamp) cannot be loaded: RuntimeError: no lamp."),
         (_refuses, "There is no lamp of that colour."),
-        (lambda text: text, "The output lamp (somewhere:lamp) is no Output."),
+        (lambda text: text, "The output lamp (somewhere:lamp) is not an Output."),
         (lambda text: Output(), "The output lamp (somewhere:lamp) has no name."),
         (lambda text: Puppet(7), "The output lamp (somewhere:lamp) has no name."),  # type: ignore[arg-type]
     ],

@@ -14,7 +14,7 @@ import pytest
 
 from sar_tui.drivers import rosbridge
 from sar_tui.framework.clock import MS, SECOND, LiveClock
-from sar_tui.outputs.node import STILL
+from sar_tui.outputs.node import STOP_TIMEOUT
 from sar_tui.outputs.output import OutputError, Report
 from sar_tui.outputs.ros import ANSWER, CONFIRM, LONGEST, PATIENCE, SETTLE, Ros
 from sar_tui.outputs.ros_topics import Topics, read_report
@@ -104,7 +104,7 @@ def test_a_robot_that_begins_and_never_tells_that_it_is_done_has_failed_after_a_
         assert not rig.ended("short", "say")
         rig.clock.advance(1 * MS)
         assert rig.states("short", "say") == ["started", "failed"]
-        assert "did not tell that it was done" in rig.detail("short", "say")
+        assert "did not report that it was done" in rig.detail("short", "say")
 
 
 def test_a_robot_that_fails_is_quoted_fit_for_a_line() -> None:
@@ -133,7 +133,7 @@ def test_reports_that_cannot_be_understood_are_no_answer_and_are_told_of() -> No
         rig.wait(lambda: rig.states("a", "say") == ["started"])
         rig.clock.advance(ANSWER + LONGEST)
         assert rig.states("a", "say") == ["started", "failed"]
-        assert "A report of it could not be understood: Expected `str`, got `int`" in rig.detail("a", "say")
+        assert "One of its reports could not be understood: Expected `str`, got `int`" in rig.detail("a", "say")
 
 
 @pytest.mark.parametrize(
@@ -238,7 +238,7 @@ def test_a_robot_that_does_not_confirm_a_stop_is_told_of_and_what_comes_next_is_
 
 
 def test_the_output_itself_says_that_a_stop_was_not_confirmed_before_it_is_given_up() -> None:
-    assert CONFIRM < STILL
+    assert CONFIRM < STOP_TIMEOUT
 
 
 def test_a_robot_that_is_lost_before_it_confirmed_a_stop_has_failed_and_is_stopped_when_it_is_back() -> None:
@@ -343,7 +343,7 @@ def test_what_was_under_way_when_the_bridge_was_lost_has_failed_and_what_waited_
         robot.leave()
         rig.wait_for("say", "under way", "waiting")
         assert rig.states("under way", "say") == ["started", "failed"]
-        assert rig.detail("under way", "say").endswith("was lost meanwhile.")
+        assert rig.detail("under way", "say").endswith("was lost.")
         assert rig.states("waiting", "say") == ["failed"]
 
 

@@ -12,7 +12,7 @@ _NO_SERVO = "Only a robot that moves needs one; the screen draws each gesture."
 
 def servo_controller() -> Finding:
     """Whether there is a controller of RC servos on a USB port. None is no fault."""
-    from sar_tui.drivers.phidget import new_channel, plugged_in, usb_denied, words
+    from sar_tui.drivers.phidget import describe, new_channel, plugged_in, usb_denied
     from sar_tui.outputs.servo.address import parse
     from sar_tui.outputs.servo.channel import FAILSAFE_MS, ServoChannel
 
@@ -28,7 +28,7 @@ def servo_controller() -> Finding:
         told.wait(_SERVO_S)
         found, attached = (f"{servo.model}, " if servo.attached else servo.trouble), servo.attached
     except Exception as error:
-        return Finding(_NAME, "care", words(error), f"See: Sensor driver. {_NO_SERVO}")
+        return Finding(_NAME, "care", describe(error), f"See: Sensor driver. {_NO_SERVO}")
     finally:
         servo.close()
     if not attached:

@@ -1,1 +1,1 @@
-"""Gestures by servo motors on a Phidget controller: `servo` is the output, the rest are its parts."""
+"""Gestures by servo motors on a Phidget controller: `servo` is the output, the other modules serve it."""

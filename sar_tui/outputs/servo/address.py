@@ -1,4 +1,4 @@
-"""How a servo is wired, as it is written after ``servo:`` in settings."""
+"""Wiring of a servo output, as written after ``servo:`` in settings."""
 
 import re
 from typing import Annotated, NamedTuple
@@ -12,15 +12,15 @@ from sar_tui.outputs.output import OutputError
 
 _CHANNEL = re.compile("-?[0-9]{1,2}")
 _HOW = (
-    "Say servo, or servo:SERIAL?right_arm=0&left_arm=-1: joints are "
-    f"{', '.join(JOINTS[:-1])} and {JOINTS[-1]}, each with its channel on the controller (with - before it, the joint "
-    "moves the other way); range=45 is how many degrees it moves to either side (5 to 90), speed=180 how many a second "
+    "Use servo, or servo:SERIAL?right_arm=0&left_arm=-1: joints are "
+    f"{', '.join(JOINTS[:-1])} and {JOINTS[-1]}, each with its channel on the controller (- before the number reverses "
+    "the joint); range=45 is how many degrees it moves to either side (5 to 90), speed=180 how many per second "
     "(30 to 360)."
 )
 
 
 class Wire(NamedTuple):
-    """A joint, the controller's channel that moves it, and whether it moves the other way round."""
+    """A joint, its channel on the controller, and whether its direction is reversed."""
 
     joint: str
     channel: int
@@ -28,9 +28,10 @@ class Wire(NamedTuple):
 
 
 class ServoAddress(NamedTuple):
-    """Which controller (``serial``: any if None), which joints, and how far and fast they may move.
+    """The controller, its joints, and the limits of their movement.
 
-    ``range_deg``: degrees to either side of the middle. ``speed_deg_s``: degrees a second, never more.
+    ``serial``: None for any controller. ``range_deg``: degrees to either side of the middle. ``speed_deg_s``: greatest
+    speed, degrees per second.
     """
 
     serial: int | None
@@ -40,7 +41,7 @@ class ServoAddress(NamedTuple):
 
 
 class _Options(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What may follow the question mark."""
+    """Options after the question mark."""
 
     nod: str = ""
     turn: str = ""
@@ -52,17 +53,17 @@ class _Options(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def parse(text: str) -> ServoAddress:
-    """What follows ``servo:``; nothing means the right arm on channel 0 of whichever controller is plugged in.
+    """Parse the text after ``servo:``. Empty text means the right arm on channel 0 of any controller.
 
-    Raises OutputError, saying what may stand there.
+    Raises OutputError, with the allowed forms.
     """
     serial, _, query = text.partition("?")
     try:
         if serial and not (serial.isascii() and serial.isdigit()):
-            raise ValueError(f'"{serial}" is no serial number')
+            raise ValueError(f'"{serial}" is not a serial number')
         pairs = parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query))
         if len(dict(pairs)) < len(pairs):
-            raise ValueError("a name stands there twice")
+            raise ValueError("a name is used twice")
         options = msgspec.convert(dict(pairs), _Options, strict=False)
         wires = tuple(_wire(joint, getattr(options, joint)) for joint in JOINTS if joint in dict(pairs))
         if len({wire.channel for wire in wires}) < len(wires):
@@ -79,5 +80,5 @@ def parse(text: str) -> ServoAddress:
 
 def _wire(joint: str, channel: str) -> Wire:
     if not _CHANNEL.fullmatch(channel):
-        raise ValueError(f'{joint} needs the number of a channel, not "{channel}"')
+        raise ValueError(f'{joint} needs a channel number, not "{channel}"')
     return Wire(joint, abs(int(channel)), channel.startswith("-"))

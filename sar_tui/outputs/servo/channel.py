@@ -4,16 +4,16 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from sar_tui.drivers.phidget import words
+from sar_tui.drivers.phidget import describe
 from sar_tui.framework.clock import MS
 from sar_tui.outputs.servo.address import ServoAddress, Wire
 
 FAILSAFE_MS = 1000
-"""How long a controller waits for a sign of life before it lets go of the motor."""
+"""Time without a sign of life after which a controller releases the motor."""
 FEED_MS = 250
-"""Between two signs of life; Phidgets advises a third of the failsafe time at most."""
+"""Interval of signs of life. Phidgets advises at most a third of the failsafe time."""
 _ACCELERATION = 10.0
-"""Times the speed limit, in degrees a second squared: full speed is there after a tenth of a second."""
+"""Factor of the speed limit, giving degrees per second squared: full speed after a tenth of a second."""
 _UNSUPPORTED, _NOT_ATTACHED, _FAILSAFE = 20, 52, 59
 _FAILSAFE_EVENT, _CLEARED = 4108, 4096
 _ADVICE = {
@@ -21,21 +21,21 @@ _ADVICE = {
     2: " Close the other program that uses it.",
 }
 _TRIES = 3
-_FAILSAFE_TEXT = "Its failsafe let go of it, since this program did not run for a second."
+_FAILSAFE_TEXT = "Its failsafe released it because this program did not run for a second."
 
 
 class ServoChannel:
     """One motor: attached or not, engaged or limp.
 
-    It is configured when it is attached: its middle, its range, its limits of velocity and acceleration, and, where
-    the controller has one, the failsafe. It holds its position only while it is engaged; else a hand may move it.
-    All methods are called by one thread; the driver's threads only call the handlers.
+    On attaching, its middle, range, velocity and acceleration limits are set, and the failsafe if the controller has
+    one. It holds its position only while engaged; otherwise a hand may move it. All methods are called by one thread;
+    the driver's threads only call the handlers.
 
     Args:
         wire: the joint and its channel.
-        address: which controller, how far and how fast.
-        failsafe: whether the controller is to let go of the motor when it is not fed; not where time is virtual.
-        changed: called when it was attached or detached, by the driver's thread.
+        address: the controller, and the limits of movement.
+        failsafe: True if the controller releases the motor when it gets no sign of life; False on a virtual clock.
+        changed: called by the driver's thread when the channel is attached or detached.
     """
 
     def __init__(self, wire: Wire, address: ServoAddress, failsafe: bool, changed: Callable[[], None]) -> None:
@@ -53,19 +53,19 @@ class ServoChannel:
         self._middle = self._range = 0.0
         self._target: float | None = None
         self._fed_at = 0
-        self._let_go = False
+        self._needs_reopening = False
 
     @property
     def place(self) -> str:
-        """What it is called in a sentence."""
+        """Its name in a sentence."""
         return f"{self.joint} on channel {self._wire.channel}"
 
     def open(self, channel: Any) -> None:
-        """Wait in the background for the motor's controller. ``channel``: a Phidget22 ``RCServo``, not yet open."""
+        """Wait in the background for the motor's controller. ``channel``: an unopened ``RCServo`` of Phidget22."""
         self._channel = channel
-        channel.setOnAttachHandler(self._attached)
-        channel.setOnDetachHandler(self._detached)
-        channel.setOnErrorHandler(self._erred)
+        channel.setOnAttachHandler(self._on_attach)
+        channel.setOnDetachHandler(self._on_detach)
+        channel.setOnErrorHandler(self._on_error)
         channel.setIsLocal(True)
         channel.setIsRemote(False)
         channel.setChannel(self._wire.channel)
@@ -74,7 +74,7 @@ class ServoChannel:
         channel.open()
 
     def close(self) -> None:
-        """Let go of the motor, and of the channel."""
+        """Release the motor and close the channel."""
         channel, self._channel = self._channel, None
         self.attached = False
         if channel is None:
@@ -92,7 +92,7 @@ class ServoChannel:
         self._call(self._channel.setEngaged, True)
 
     def move(self, value: float) -> None:
-        """Send the motor to ``value`` (-1 to 1 of its range), unless it has been sent there."""
+        """Send the motor to ``value`` (-1 to 1 of its range), unless that is its target already."""
         value = max(-1.0, min(1.0, -value if self._wire.reverse else value))
         target = self._middle + self._range * value
         if target != self._target:
@@ -100,12 +100,12 @@ class ServoChannel:
             self._target = target
 
     def release(self) -> str:
-        """Make the motor limp. A motor that is unplugged is.
+        """Make the motor limp. An unplugged motor is limp.
 
-        One that refuses is told again; then its channel is closed and no longer fed, so that a failsafe lets go of it.
+        If it refuses, it is asked again; then its channel is closed and no longer fed, so that a failsafe releases it.
 
         Returns:
-            Why it may not be limp, and what to do; empty where it is.
+            Why it may not be limp, and what to do; empty if it is.
         """
         refusal = ""
         for _ in range(_TRIES if self.engaged and self.attached else 0):
@@ -113,46 +113,46 @@ class ServoChannel:
                 self._call(self._channel.setEngaged, False)
             except Exception as error:
                 gone = getattr(error, "code", None) in (_NOT_ATTACHED, _FAILSAFE)
-                refusal = "" if gone else words(error)
+                refusal = "" if gone else describe(error)
             else:
                 refusal = ""
             if not refusal:
                 break
         self.engaged = False
-        return refusal and self._forsake(refusal)
+        return refusal and self._abandon(refusal)
 
     def reopen(self) -> bool:
-        """Open anew a channel that refuses everything, since its failsafe let go, or that was closed; whether it was.
+        """Reopen a channel that its failsafe released or that was closed. Returns True if it was.
 
-        Not before it is needed: a motor that could not be made limp is not fed until then.
+        Called only when the channel is needed: a motor that could not be made limp is not fed until then.
         """
-        if not self._let_go:
+        if not self._needs_reopening:
             return False
-        self._let_go, self.trouble = False, ""
+        self._needs_reopening, self.trouble = False, ""
         try:
             self._channel.close()
             self._channel.open()
         except Exception as error:
-            self.trouble = f"It cannot be opened again: {words(error)}."
+            self.trouble = f"It cannot be opened again: {describe(error)}."
         return True
 
     def feed(self, now: int) -> None:
-        """Give the failsafe its sign of life, when one is due at ``now`` (ns)."""
+        """Send the failsafe its sign of life if one is due at ``now`` (ns)."""
         if self.attached and self.has_failsafe and now >= self._fed_at + FEED_MS * MS:
             self._fed_at = now
             with suppress(Exception):
                 self._call(self._channel.resetFailsafe)
 
-    def _forsake(self, refusal: str) -> str:
-        """Close the channel of a motor that does not let go, and do not feed it any more."""
+    def _abandon(self, refusal: str) -> str:
+        """Close the channel of a motor that does not become limp, and stop feeding it."""
         closed = "its channel was closed"
         try:
             self._channel.close()
         except Exception:
             closed = "its channel could not be closed"
-        failsafe = " Its failsafe lets go of it within some seconds." if self.has_failsafe else ""
+        failsafe = " Its failsafe releases it within some seconds." if self.has_failsafe else ""
         what = f"The servo for {self.place} could not be made limp ({refusal}), and {closed}: unplug it.{failsafe}"
-        self._lose(what)
+        self._mark_lost(what)
         return what
 
     def _call(self, function: Callable[..., None], *arguments: Any) -> None:
@@ -160,16 +160,16 @@ class ServoChannel:
             function(*arguments)
         except Exception as error:
             if getattr(error, "code", None) == _FAILSAFE:
-                self._lose(_FAILSAFE_TEXT)
+                self._mark_lost(_FAILSAFE_TEXT)
             elif getattr(error, "code", None) == _NOT_ATTACHED:
                 self.attached = False
             raise
 
-    def _attached(self, channel: Any) -> None:
+    def _on_attach(self, channel: Any) -> None:
         try:
             self._configure(channel)
         except Exception as error:
-            self.trouble = f"It cannot be set up: {words(error)}."
+            self.trouble = f"It cannot be set up: {describe(error)}."
         else:
             self.trouble = ""
             self.engaged = False
@@ -181,36 +181,36 @@ class ServoChannel:
         self._middle = (lowest + highest) / 2
         self._range = min(self._address.range_deg, (highest - lowest) / 2)
         speed = self._address.speed_deg_s
-        _if_it_can(lambda: channel.setSpeedRampingState(True))
-        _if_it_can(lambda: _set_within(channel, "VelocityLimit", speed))
-        _if_it_can(lambda: _set_within(channel, "Acceleration", _ACCELERATION * speed))
+        _is_supported(lambda: channel.setSpeedRampingState(True))
+        _is_supported(lambda: _set_within(channel, "VelocityLimit", speed))
+        _is_supported(lambda: _set_within(channel, "Acceleration", _ACCELERATION * speed))
         channel.setTargetPosition(self._middle)
         self._target = self._middle
         self.model = f"{channel.getDeviceName()} ({channel.getDeviceSKU()}), serial {channel.getDeviceSerialNumber()}"
-        self.has_failsafe = self._failsafe and _if_it_can(
+        self.has_failsafe = self._failsafe and _is_supported(
             lambda: channel.enableFailsafe(max(FAILSAFE_MS, channel.getMinFailsafeTime()))
         )
         self._fed_at = 0
 
-    def _detached(self, _channel: Any) -> None:
+    def _on_detach(self, _channel: Any) -> None:
         self.attached = self.engaged = False
         self.trouble = ""
         self._changed()
 
-    def _erred(self, _channel: Any, code: int, description: str) -> None:
+    def _on_error(self, _channel: Any, code: int, description: str) -> None:
         if code == _FAILSAFE_EVENT:
-            self._lose(_FAILSAFE_TEXT)
+            self._mark_lost(_FAILSAFE_TEXT)
         elif code == _CLEARED:
             self.trouble = ""
         else:
             self.trouble = f"It reports: {description.rstrip('.')}.{_ADVICE.get(code, '')}"
         self._changed()
 
-    def _lose(self, why: str) -> None:
-        """Note that the channel is of no use until it is opened anew."""
+    def _mark_lost(self, why: str) -> None:
+        """Mark the channel as unusable until it is reopened."""
         self.trouble = why
         self.attached = self.engaged = False
-        self._let_go = True
+        self._needs_reopening = True
 
 
 def _set_within(channel: Any, what: str, value: float) -> None:
@@ -218,8 +218,8 @@ def _set_within(channel: Any, what: str, value: float) -> None:
     getattr(channel, f"set{what}")(max(lowest, min(highest, value)))
 
 
-def _if_it_can(call: Callable[[], None]) -> bool:
-    """Make a call that some controllers do not know; whether this one does."""
+def _is_supported(call: Callable[[], None]) -> bool:
+    """Make a call that some controllers do not support. Returns False if this one does not."""
     try:
         call()
     except Exception as error:

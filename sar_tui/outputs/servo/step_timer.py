@@ -1,4 +1,4 @@
-"""Takes a servo's steps at their time: on a thread of its own, or as callbacks of a virtual clock."""
+"""Calls a servo's steps at their times: on a thread, or by timers of a virtual clock."""
 
 import threading
 from collections.abc import Callable
@@ -7,12 +7,12 @@ from sar_tui.framework.clock import SECOND, Clock, Handle, VirtualClock
 
 
 class StepTimer:
-    """Takes steps, and the next one at once whenever it is woken.
+    """Calls steps at their times, and the next one at once when woken.
 
     Args:
-        clock: a virtual one calls the steps itself; else a thread takes them, since a device may keep it waiting.
-        step: does what is due, and says after how many ns it wants to be called again; None: not until woken.
-        last: called after the last step, likewise.
+        clock: a virtual clock calls the steps itself; otherwise a thread does, since a device may block.
+        step: does what is due, and returns the ns until its next call; None: not until woken.
+        last: called after the last step, in the same way.
     """
 
     def __init__(self, clock: Clock, step: Callable[[], int | None], last: Callable[[], None]) -> None:
@@ -33,14 +33,14 @@ class StepTimer:
             self.wake()
 
     def wake(self) -> None:
-        """Take a step as soon as may be. Any thread may ask."""
+        """Take a step as soon as possible. May be called from any thread."""
         if self._thread:
             self._woken.set()
         else:
             self._tick_in(0)
 
     def finish(self, seconds: float) -> None:
-        """Take no more steps but the last. Waits for it, ``seconds`` at most, should a device hang."""
+        """Take only the last step. Waits for it, at most ``seconds`` if a device hangs."""
         if self._finished:
             return
         self._finished = True

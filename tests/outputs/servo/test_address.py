@@ -32,9 +32,9 @@ def test_an_address_says_which_controller_which_joints_and_how_far_and_fast(text
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("left", '"left" is no serial number'),
-        ("-1", "no serial number"),
-        ("١٢٣", "no serial number"),
+        ("left", '"left" is not a serial number'),
+        ("-1", "not a serial number"),
+        ("١٢٣", "not a serial number"),
         ("?tail=0", "tail"),
         ("?nod=first", "nod"),
         ("?nod=", "nod"),
@@ -48,7 +48,7 @@ def test_an_address_says_which_controller_which_joints_and_how_far_and_fast(text
         ("?range=nan", "range"),
         ("?speed=361", "speed"),
         ("?speed=fast", "speed"),
-        ("//robot:5661", "no serial number"),
+        ("//robot:5661", "not a serial number"),
     ],
 )
 def test_an_address_that_is_none_is_refused_with_why_and_what_there_is(text: str, why: str) -> None:

@@ -221,7 +221,7 @@ def test_a_motor_that_cannot_be_made_limp_is_not_fed_any_more_until_it_is_to_mov
     bench.rig.wait_for("gesture", "a")
     detail = bench.rig.detail("a", "gesture")
     assert ("its channel was closed" in detail, "its channel could not be closed" in detail) == (closes, not closes)
-    assert detail.endswith("unplug it. Its failsafe lets go of it within some seconds.")
+    assert detail.endswith("unplug it. Its failsafe releases it within some seconds.")
     fed = len(motor.told("resetFailsafe"))
     bench.servo._channels[0].feed(live_clock.now() + 60 * SECOND)
     assert len(motor.told("resetFailsafe")) == fed
@@ -462,7 +462,7 @@ def test_a_motor_that_the_failsafe_let_go_of_is_opened_anew_and_works_again(benc
         motor.failing["setTargetPosition"] = PhidgetError(59, "Failsafe Triggered")
     bench.rig.wait_for("gesture", "a")
     assert bench.rig.states("a", "gesture") == ["started", "failed"]
-    assert "failsafe let go of it" in bench.rig.detail("a", "gesture")
+    assert "failsafe released it" in bench.rig.detail("a", "gesture")
     assert make(bench, action="b") == "done"
     assert [name for _, name, _ in motor.calls].count("open") == 2
 
