@@ -1,4 +1,4 @@
-"""``sar-tui agent``: the agent alone, beside a session that runs in another terminal."""
+"""``sar-tui agent``: shows the agent alone, for a session that runs in another terminal."""
 
 import os
 import sys
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from sar_tui.link.peer import Peer, PeerListener
 
 _NAME = "agent"
-"""What the view is called in the session's log, with a number of its own, so that there can be several."""
+"""Name of the view in the session's log; the process id is appended, as there can be several."""
 
 
 def follow_agent(
@@ -26,9 +26,9 @@ def follow_agent(
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Show the agent alone: its face, its words, how it moves.
+    """Show the agent alone: its face, speech and gestures.
 
-    It follows a session that was begun with --operator or --listen, and only looks on.
+    It follows a session that was started with --operator or --listen, and cannot act.
     """
     from sar_tui.cli.session_choice import session_to_join
 
@@ -39,8 +39,8 @@ def follow_agent(
     from sar_tui.link.client import connect
     from sar_tui.plugins import DEFAULT_THEME
 
-    def join(hear: "PeerListener", loop: "asyncio.AbstractEventLoop") -> "Peer":
-        return connect(where, f"{_NAME}-{os.getpid()}", "observer", hear, loop)
+    def join(listener: "PeerListener", loop: "asyncio.AbstractEventLoop") -> "Peer":
+        return connect(where, f"{_NAME}-{os.getpid()}", "observer", listener, loop)
 
     app = AgentApp(catalogue.theme(DEFAULT_THEME), join)
     app.run()

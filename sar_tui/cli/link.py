@@ -1,4 +1,4 @@
-"""``sar-tui link``: who may watch or steer sessions from another machine."""
+"""``sar-tui link``: manages invitations to sessions from another machine."""
 
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,7 +14,7 @@ app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
 
 @app.callback()
 def link(context: typer.Context, data: Data = None, tasks: Tasks = None) -> None:
-    """Invite an operator or an observer on another machine; see who is invited, and take it back."""
+    """Invite an operator or observer on another machine; list, revoke and check invitations."""
     context.obj = Home.of(context, data, tasks)
 
 
@@ -24,11 +24,11 @@ def invite(
     role: Annotated[
         str,
         typer.Argument(
-            metavar="ROLE", show_default=False, help="operator, who watches and acts; or observer, who only watches."
+            metavar="ROLE", show_default=False, help="operator (watches and acts) or observer (only watches)."
         ),
     ],
     name: Annotated[
-        str, typer.Option("--name", metavar="NAME", show_default=False, help="Who they are in the record: anna.")
+        str, typer.Option("--name", metavar="NAME", show_default=False, help="Their name in the record, such as anna.")
     ],
     host: Annotated[
         list[str],
@@ -36,22 +36,24 @@ def invite(
             "--host",
             metavar="HOST[:PORT]",
             show_default=False,
-            help="This machine's name or address, as theirs can reach it. May be repeated.",
+            help="This machine's name or address on their network. May be repeated.",
         ),
     ],
-    days: Annotated[int, typer.Option("--days", metavar="N", help="For how long it is good, at most 366.")] = 30,
+    days: Annotated[int, typer.Option("--days", metavar="N", help="Days until it expires, at most 366.")] = 30,
     to: Annotated[
         Path | None,
-        typer.Option("--to", metavar="FILE", show_default=False, help="The file; else ROLE-NAME.sar-link, here."),
+        typer.Option(
+            "--to", metavar="FILE", show_default=False, help="The file to write. Default: ROLE-NAME.sar-link."
+        ),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Make the one file that lets somebody join sessions from another machine.
+    """Create an invitation: a file that lets a person join sessions from another machine.
 
-    The file is a key: hand it over as you would a password. It opens the sessions of this data folder that are run
-    with --listen from now on.
+    The file is a key: treat it like a password. It is valid for sessions of this data folder that are started with
+    --listen from now on.
     """
     from sar_tui.framework.messages import Role
     from sar_tui.link.authority import Authority
@@ -60,13 +62,13 @@ def invite(
 
     known = get_args(Role)
     if role not in known:
-        raise Refused(f"There is no role {role}. There is: {', '.join(known)}.")
+        raise Refused(f"There is no role {role}. Choose one of: {', '.join(known)}.")
     guest = Guest(name, cast(Role, role))
     path = to or Path(file_name(guest))
     if path.exists():
-        raise Refused(f"{path} is there already, and is left as it is. Give another name with --to.")
+        raise Refused(f"{path} already exists. Give another name with --to.")
     if not path.resolve().parent.is_dir():
-        raise Refused(f"{path} cannot be made: there is no folder {path.parent}.")
+        raise Refused(f"{path} cannot be created: there is no folder {path.parent}.")
     where = [parse_endpoint(text) for text in host]
     authority = Authority.open_or_create(Home.of(context, data, tasks).folder)
     invitation = authority.invite(guest, where, days)
@@ -88,9 +90,9 @@ def invite(
         return
     port = where[0].port
     console().print(
-        f"Made {path}, good until {invitation.expires:%Y-%m-%d}. It is a key: whoever has it is {name}.\n"
-        f"Carry it to the other machine, and there:  sar-tui wizard --link {path.name}\n"
-        f"Here:  sar-tui run TASK -p CODE --listen tls/0.0.0.0:{port}",
+        f"Created {path}, valid until {invitation.expires:%Y-%m-%d}. Anyone who has this file can join as {name}.\n"
+        f"Copy it to the other machine, and run there:  sar-tui wizard --link {path.name}\n"
+        f"Run here:  sar-tui run TASK -p CODE --listen tls/0.0.0.0:{port}",
         markup=False,
         soft_wrap=True,
     )
@@ -98,7 +100,7 @@ def invite(
 
 @app.command("list")
 def list_invitations(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
-    """List who is invited, and until when."""
+    """List all invitations."""
     from sar_tui.link.authority import Authority
 
     folder = Home.of(context, data, tasks).folder
@@ -121,26 +123,26 @@ def list_invitations(context: typer.Context, as_json: AsJson = False, data: Data
         print_json({"invitations": rows})
         return
     if not rows:
-        console().print("Nobody is invited. To begin: sar-tui link invite operator --name NAME --host HOST")
+        console().print("Nobody is invited. To invite someone: sar-tui link invite operator --name NAME --host HOST")
         return
 
     from sar_tui.cli.tables import add, table
 
-    made = table("name", "role", "state", "expires", "host", whole=("name", "role", "state"))
+    listed = table("name", "role", "state", "expires", "host", whole=("name", "role", "state"))
     for row in rows:
-        add(made, row["name"], row["role"], row["state"], f"{row['expires']:%Y-%m-%d}", ", ".join(row["endpoints"]))
-    console().print(made)
+        add(listed, row["name"], row["role"], row["state"], f"{row['expires']:%Y-%m-%d}", ", ".join(row["endpoints"]))
+    console().print(listed)
 
 
 @app.command()
 def revoke(
     context: typer.Context,
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Who is let in no longer.", show_default=False)],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the guest.", show_default=False)],
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Take an invitation back: it opens no session that begins from now on."""
+    """Revoke an invitation, for sessions that start from now on."""
     from sar_tui.link.authority import Authority
 
     revoked = Authority.open(Home.of(context, data, tasks).folder).revoke(name)
@@ -148,7 +150,7 @@ def revoke(
         print_json({"name": revoked.name, "role": revoked.role, "revoked": revoked.revoked})
         return
     console().print(
-        f"{revoked.name} is let in no longer. A session that is running now knew them already: end it to be sure.",
+        f"Revoked the invitation of {revoked.name}. Sessions that already run still accept it: end them to be sure.",
         markup=False,
         soft_wrap=True,
     )
@@ -161,9 +163,9 @@ def check(
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """See whether an invitation is good, and whether the session it leads to lets you in now.
+    """Check whether an invitation is valid, and whether a session accepts it now.
 
-    Ends with 1 where no session does.
+    Exits with 1 if no session does.
     """
     from sar_tui.link.errors import LinkError
     from sar_tui.link.invitation import read
@@ -171,27 +173,27 @@ def check(
     from sar_tui.link.settings import network_settings
 
     invitation = read(file)
-    tries: list[dict[str, str]] = []
+    attempts: list[dict[str, str]] = []
     for where in invitation.where:
         try:
             probe(network_settings(where, invitation.credentials), invitation.link)
         except LinkError as error:
-            tries.append({"endpoint": str(where), "error": str(error)})
+            attempts.append({"endpoint": str(where), "error": str(error)})
         else:
-            tries.append({"endpoint": str(where), "error": ""})
+            attempts.append({"endpoint": str(where), "error": ""})
     if as_json:
         who = {"role": invitation.role, "name": invitation.name, "expires": invitation.expires}
-        print_json({**who, "endpoints": tries})
+        print_json({**who, "endpoints": attempts})
     else:
         out = console()
         out.print(
-            f"The invitation of {invitation.name}, as {invitation.role}, is good until "
+            f"The invitation of {invitation.name}, as {invitation.role}, is valid until "
             f"{invitation.expires:%Y-%m-%d at %H:%M} UTC.",
             markup=False,
             soft_wrap=True,
         )
-        for tried in tries:
-            mark, words = ("✗", tried["error"]) if tried["error"] else ("✓", "A session there lets you in.")
-            out.print(f"{mark} {tried['endpoint']}: {words}", markup=False, soft_wrap=True)
-    if all(tried["error"] for tried in tries):
+        for tried in attempts:
+            mark, text = ("✗", tried["error"]) if tried["error"] else ("✓", "A session there accepts it.")
+            out.print(f"{mark} {tried['endpoint']}: {text}", markup=False, soft_wrap=True)
+    if all(tried["error"] for tried in attempts):
         raise typer.Exit(FAILED)

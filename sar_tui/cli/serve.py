@@ -1,4 +1,4 @@
-"""``sar-tui serve``: the operator's panel, an observer's view, or the agent alone, in a browser."""
+"""``sar-tui serve``: shows the operator's panel, an observer's view, or the agent alone in a browser."""
 
 import signal
 import sys
@@ -13,8 +13,8 @@ from sar_tui.cli.session_choice import Link
 from sar_tui.drivers import child_process
 
 _UNENCRYPTED = (
-    "Others can reach this, and read along: it is not encrypted. Use an SSH tunnel instead of --host, or a proxy "
-    "with TLS and --public-url."
+    "Others on the network can reach this and read along: it is not encrypted. Use an SSH tunnel instead of --host, "
+    "or a proxy with TLS and --public-url."
 )
 
 
@@ -22,28 +22,32 @@ def serve(
     context: typer.Context,
     view: Annotated[
         Literal["operator", "observer", "agent"],
-        typer.Argument(help="The operator's panel, the same to look at only, or the agent alone.", show_default=False),
+        typer.Argument(help="The operator's panel, the same read-only, or the agent alone.", show_default=False),
     ],
     session: Annotated[
         str | None,
-        typer.Option("--session", metavar="SESSION", show_default=False, help="Which, where there are several."),
+        typer.Option("--session", metavar="SESSION", show_default=False, help="The session, if several are running."),
     ] = None,
     name: Annotated[
         str | None,
-        typer.Option(metavar="NAME", show_default=False, help="What an operator is called there; else the login name."),
+        typer.Option(metavar="NAME", show_default=False, help="The operator's name. Default: the login name."),
     ] = None,
     link: Link = None,
-    host: Annotated[str, typer.Option(metavar="HOST", help="Where to listen; as it is, for this machine alone.")] = (
+    host: Annotated[str, typer.Option(metavar="HOST", help="Address to listen on. Default: this machine only.")] = (
         "127.0.0.1"
     ),
-    port: Annotated[int, typer.Option(min=0, max=65535, metavar="N", help="0 takes any that is free.")] = 8000,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, metavar="N", help="Port to listen on; 0 picks a free one.")
+    ] = 8000,
     public_url: Annotated[
         str,
-        typer.Option(metavar="URL", show_default=False, help="What browsers open, behind a tunnel or a proxy."),
+        typer.Option(metavar="URL", show_default=False, help="URL that browsers open, behind a tunnel or proxy."),
     ] = "",
     token_file: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", show_default=False, help="Keep the token here; else it is new each time."),
+        typer.Option(
+            metavar="FILE", show_default=False, help="File that stores the token. Default: a new token each time."
+        ),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,
@@ -51,7 +55,7 @@ def serve(
 ) -> None:
     """Show a session in a browser, while the task stays in its terminal.
 
-    Prints the address to open, with the token that it needs, and serves until Ctrl-C.
+    Prints the address to open, including the token, and serves until Ctrl-C.
     """
     from sar_tui.cli.wizard import name_there
     from sar_tui.link.errors import need_packages
@@ -59,35 +63,35 @@ def serve(
 
     home = Home.of(context, data, tasks)
     if link is not None and not link.is_file():
-        raise Refused(f"There is no file {link}; an invitation is made by `sar-tui link invite`.")
+        raise Refused(f"There is no file {link}. Create an invitation with `sar-tui link invite`.")
     if link is not None and session is not None:
-        raise Refused("An invitation is to one session: leave out --session.")
+        raise Refused("An invitation is for one session: leave out --session.")
     if name is not None:
         if view != "operator":
-            raise Refused("Only an operator has a name of their own: leave out --name.")
+            raise Refused("Only an operator has a name: leave out --name.")
         name_there(name, link, observe=False)
     need_packages()
     try:
         from sar_tui.serve import address, runner, server, token
     except ImportError as error:
         raise Refused(
-            f"Serving to a browser needs the package {error.name}: pip install 'sar-tui[serve]' brings it."
+            f"Serving to a browser needs the package {error.name}. Install it with: pip install 'sar-tui[serve]'"
         ) from error
     try:
         secret = token.load_or_create_token(token_file) if token_file else token.new_token()
         address.Address(host, port, public_url)
-        taken = runner.listen(host, port)
+        listening = runner.listen(host, port)
     except (token.TokenError, address.AddressError) as error:
         raise Refused(str(error)) from error
     except runner.ListenError as error:
         raise Failed(str(error)) from error
-    place = address.Address(host, taken.getsockname()[1], public_url)
+    place = address.Address(host, listening.getsockname()[1], public_url)
     if not place.is_loopback:
         print(_UNENCRYPTED, file=sys.stderr)
     url = f"{place.url}?token={secret}"
 
-    def ready() -> None:
-        """One line, for whoever opens it; programs are told the parts, too."""
+    def print_address() -> None:
+        """Print one line, with --json including the parts of the address."""
         if as_json:
             print_json({"view": view, "url": url, "host": host, "port": place.port, "token": secret})
         else:
@@ -95,14 +99,14 @@ def serve(
         sys.stdout.flush()
 
     served = server.Server(view, _program(view, session, link, home, name), place, secret)
-    number = runner.run(served, taken, ready)
+    number = runner.run(served, listening, print_address)
     if number == signal.SIGINT:
         raise KeyboardInterrupt
     raise typer.Exit(128 + number)
 
 
 def _program(view: str, session: str | None, link: Path | None, home: Home, name: str | None = None) -> list[str]:
-    """The command that each browser is shown: words of a list, which no shell reads."""
+    """Return the command that runs in each browser, as a list."""
     command = {"operator": ["wizard"], "observer": ["wizard", "--observe"], "agent": ["agent"]}[view]
     program = [*child_process.python("sar_tui"), *command, "--data", str(home.folder.absolute())]
     for folder in home.tasks:

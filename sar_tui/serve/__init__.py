@@ -1,1 +1,1 @@
-"""A session in a browser: the operator's panel, an observer's view, or the agent alone; behind a token, on loopback."""
+"""Web server for the operator's panel, an observer's view, or the agent alone, protected by a token."""

@@ -1,4 +1,4 @@
-"""Where views are served, and by which names a browser may call that place."""
+"""Address that views are served at, and the host names and origins it accepts."""
 
 import socket
 from ipaddress import ip_address
@@ -11,14 +11,14 @@ _PORTS = {"http": 80, "https": 443}
 
 
 class AddressError(ValueError):
-    """Nothing can be served there; one clear sentence."""
+    """Views cannot be served at an address; the message is one clear sentence."""
 
 
 class Address(msgspec.Struct, frozen=True):
-    """A host and a port, and, where a tunnel or proxy stands before them, the URL under which people reach it.
+    """Host and port, and the public URL if there is a tunnel or proxy.
 
     Raises:
-        AddressError: the public URL is none.
+        AddressError: the public URL is invalid.
     """
 
     host: str
@@ -26,25 +26,25 @@ class Address(msgspec.Struct, frozen=True):
     public_url: str = ""
 
     def __post_init__(self) -> None:
-        if self.public_url and _place(self.public_url) is None:
+        if self.public_url and _origin(self.public_url) is None:
             raise AddressError(
-                f"{self.public_url} is no public URL: it is http or https, a host and perhaps a port, as in "
-                "https://lab.example:8443."
+                f"{self.public_url} is not a valid public URL. It consists of http or https, a host and "
+                "optionally a port: https://lab.example:8443."
             )
 
     @property
     def is_loopback(self) -> bool:
-        """Whether only this machine reaches it."""
+        """True if only this machine can reach it."""
         return _is_loopback(self.host)
 
     @property
     def is_encrypted(self) -> bool:
-        """Whether people reach it over HTTPS."""
+        """True if the public URL is HTTPS."""
         return self.public_url.lower().startswith("https:")
 
     @property
     def url(self) -> str:
-        """What people open, without the token."""
+        """URL to open, without the token."""
         if self.public_url:
             return self.public_url.rstrip("/") + "/"
         host = _reachable(self.host)
@@ -52,52 +52,52 @@ class Address(msgspec.Struct, frozen=True):
         return f"http://{host}:{self.port}/"
 
     def allows_host(self, host: str) -> bool:
-        """Whether a request's ``Host`` names this place.
+        """Return whether a request's ``Host`` is accepted.
 
-        A page of somebody else's can have its own name point to this machine (DNS rebinding), so only names that
-        nobody else can give are ours: addresses in figures, ``localhost``, and those it was told.
+        Another site can point its own name to this machine (DNS rebinding), so only IP addresses, ``localhost`` and
+        the configured names are accepted.
         """
-        asked = _place(f"http://{host}")
-        if asked is None:
+        requested = _origin(f"http://{host}")
+        if requested is None:
             return False
-        _, name, port = asked
-        if self.public_url and (public := _place(self.public_url)):
-            at_its_own_port = _place(f"{public.scheme}://{host}")
-            if at_its_own_port == public:
+        _, name, port = requested
+        if self.public_url and (public := _origin(self.public_url)):
+            at_public_scheme = _origin(f"{public.scheme}://{host}")
+            if at_public_scheme == public:
                 return True
         if port != self.port:
             return False
         if self.is_loopback:
             return _is_loopback(name)
-        return name in ("localhost", self.host.lower()) or _is_figures(name)
+        return name in ("localhost", self.host.lower()) or _is_ip_address(name)
 
     def allows_origin(self, origin: str, host: str) -> bool:
-        """Whether an ``Origin`` is that of a page served here, to a browser that says ``host``, which is ours."""
-        page = _place(origin)
-        return page is not None and page in (_place(f"http://{host}"), _place(self.public_url))
+        """Return whether an ``Origin`` is that of a page served here under ``host``, which must be accepted itself."""
+        page = _origin(origin)
+        return page is not None and page in (_origin(f"http://{host}"), _origin(self.public_url))
 
 
 def _reachable(host: str) -> str:
-    """What others can open: in the place of "all networks", this machine's address in the one that leads outwards."""
-    if not (_is_figures(host) and ip_address(host).is_unspecified):
+    """Return a host that others can open: for a wildcard address, this machine's address on its default route."""
+    if not (_is_ip_address(host) and ip_address(host).is_unspecified):
         return host
     family, elsewhere = (socket.AF_INET6, "2001:db8::1") if ":" in host else (socket.AF_INET, "192.0.2.1")
     try:
-        with socket.socket(family, socket.SOCK_DGRAM) as asked:
-            asked.connect((elsewhere, 9))  # sends nothing: it only finds the way there
-            return str(asked.getsockname()[0])
-    except OSError:  # there is no network: only this machine can open it
+        with socket.socket(family, socket.SOCK_DGRAM) as probe:
+            probe.connect((elsewhere, 9))  # sends nothing: it only finds the route
+            return str(probe.getsockname()[0])
+    except OSError:  # no network: only this machine can open it
         return "::1" if ":" in host else "127.0.0.1"
 
 
-class _Place(NamedTuple):
+class _Origin(NamedTuple):
     scheme: str
     name: str
     port: int
 
 
-def _place(url: str) -> _Place | None:
-    """What an origin is: scheme, host and port, the usual one filled in. None: it is none."""
+def _origin(url: str) -> _Origin | None:
+    """Parse an origin, with the default port filled in; None if it is invalid."""
     try:
         parts = urlsplit(url)
         port = parts.port
@@ -107,16 +107,16 @@ def _place(url: str) -> _Place | None:
         return None
     if parts.path not in ("", "/") or parts.query or parts.fragment:
         return None
-    return _Place(parts.scheme, parts.hostname.lower(), port or _PORTS[parts.scheme])
+    return _Origin(parts.scheme, parts.hostname.lower(), port or _PORTS[parts.scheme])
 
 
 def _is_loopback(host: str) -> bool:
     if host.lower() == "localhost":
         return True
-    return _is_figures(host) and ip_address(host).is_loopback
+    return _is_ip_address(host) and ip_address(host).is_loopback
 
 
-def _is_figures(host: str) -> bool:
+def _is_ip_address(host: str) -> bool:
     try:
         ip_address(host)
     except ValueError:

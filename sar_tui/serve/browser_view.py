@@ -1,4 +1,4 @@
-"""One view in one browser: a program of ours, its screen sent there, and what is typed there sent to it."""
+"""Program that runs in a browser: its screen is sent there, and input from there to it."""
 
 import asyncio
 import contextlib
@@ -14,25 +14,24 @@ from textual_serve.app_service import AppService
 from textual_serve.download_manager import DownloadManager
 
 DRIVER = "sar_tui.tui.web_driver:ServedDriver"
-_PRELUDE = b"__GANGLION__\n"
-"""What Textual's web driver says first; see there for the packets that follow."""
-_ENDS_S = 5.0
-"""How long a program may take to end before it is killed."""
-_KILLED_S = 1.0
-_TOLD = 2000
-"""Characters of what a program says of its failure."""
+_HANDSHAKE = b"__GANGLION__\n"
+"""First line of Textual's web driver; see there for the packets that follow."""
+_QUIT_TIMEOUT_S = 5.0
+"""A program that takes longer to quit is killed."""
+_KILL_TIMEOUT_S = 1.0
+_MAX_ERROR_BYTES = 2000
 
 SpeechRequest = dict[str, str | bool]
-"""What crosses to a browser that speaks: ``say`` and ``language``, or ``hush``."""
+"""Sent to a browser that speaks: ``say`` and ``language``, or ``hush``."""
 
 
 class BrowserView(AppService):
-    """A running program.
+    """Running program, connected to a browser's terminal.
 
     Args:
-        program: the command, as a list: no shell reads it.
-        socket: the browser's terminal.
-        speak: is given what the program wants to be said, or ``{"hush": True}``.
+        program: the command, as a list; no shell is involved.
+        socket: of the browser's terminal.
+        speak: called with what the program wants to be said.
     """
 
     def __init__(
@@ -58,7 +57,7 @@ class BrowserView(AppService):
         return super()._build_environment(width, height) | {"TEXTUAL_DRIVER": DRIVER}
 
     async def _open_app_process(self, width: int = 80, height: int = 24) -> Process:
-        """In a session of its own, so that a Ctrl-C for the server is not one for the program."""
+        """Start the program in a session of its own, so that Ctrl-C for the server does not reach it."""
         self._process = process = await asyncio.create_subprocess_exec(
             *self._program,
             stdin=PIPE,
@@ -71,14 +70,14 @@ class BrowserView(AppService):
         return process
 
     async def run(self) -> None:
-        """Pass on what the program writes until it ends; if it failed, why is put on the browser's screen."""
+        """Forward the program's output until it ends; if it failed, show its error in the browser."""
         process = self._process
         assert process
         assert process.stdout
-        failure = asyncio.create_task(self._failure(process))
+        error = asyncio.create_task(self._read_error(process))
         try:
-            if await self._begins(process.stdout):
-                await self._pass_on(process.stdout)
+            if await self._handshake(process.stdout):
+                await self._forward(process.stdout)
         except (asyncio.IncompleteReadError, ValueError):
             pass
         finally:
@@ -86,22 +85,22 @@ class BrowserView(AppService):
                 if process.stdout.at_eof() is False:
                     process.kill()
             code = await process.wait()
-            told = await failure
+            message = await error
             self._has_ended.set()
-        if code and told:
-            lines = told.replace("\n", "\r\n")
+        if code and message:
+            lines = message.replace("\n", "\r\n")
             await self.on_data(f"\x1b[?1049l\x1b[2J\x1b[H\r\n{lines}".encode())
         await self._close_socket()
 
-    async def _begins(self, output: asyncio.StreamReader) -> bool:
-        """Whether the program is an app: it says so in its first lines."""
+    async def _handshake(self, output: asyncio.StreamReader) -> bool:
+        """Return whether the program is an app, which it shows in its first lines."""
         for _ in range(10):
             line = await output.readline()
-            if not line or line == _PRELUDE:
+            if not line or line == _HANDSHAKE:
                 return bool(line)
         return False
 
-    async def _pass_on(self, output: asyncio.StreamReader) -> None:
+    async def _forward(self, output: asyncio.StreamReader) -> None:
         while True:
             kind = await output.readexactly(1)
             size = int.from_bytes(await output.readexactly(4), "big")
@@ -111,40 +110,40 @@ class BrowserView(AppService):
             elif kind == b"M":
                 await self.on_meta(payload)
 
-    async def _failure(self, process: Process) -> str:
-        """The last of what the program says on its standard error."""
+    async def _read_error(self, process: Process) -> str:
+        """Return the end of the program's standard error."""
         assert process.stderr
-        told = b""
+        message = b""
         while more := await process.stderr.read(4096):
-            told = (told + more)[-_TOLD:]
+            message = (message + more)[-_MAX_ERROR_BYTES:]
         return "".join(
-            character for character in told.decode(errors="replace") if character.isprintable() or character == "\n"
+            character for character in message.decode(errors="replace") if character.isprintable() or character == "\n"
         ).strip()
 
     async def on_data(self, payload: bytes) -> None:
-        """A browser that has gone is told nothing, but the program is read on: it has to be able to end."""
+        """Send to the browser. If it is gone, the output is still read, so that the program can end."""
         with contextlib.suppress(ConnectionError, RuntimeError):
             await self.remote_write_bytes(payload)
 
     async def on_meta(self, data: bytes) -> None:
-        """Of what Textual's apps can ask a browser for, ours only ask to be heard."""
-        asked: dict[str, Any] = json.loads(data)
-        if asked["type"] == "say":
-            await self._speak({"say": str(asked["text"]), "language": str(asked["language"])})
-        elif asked["type"] == "hush":
+        """Handle requests for speech, the only ones our apps make."""
+        request: dict[str, Any] = json.loads(data)
+        if request["type"] == "say":
+            await self._speak({"say": str(request["text"]), "language": str(request["language"])})
+        elif request["type"] == "hush":
             await self._speak({"hush": True})
 
     async def stop(self) -> None:
-        """End the program: in order if it can, else it is killed. Harmless when called again."""
+        """Ask the program to quit, and kill it if it does not. May be called twice."""
         if self._process is None or self._task is None:
             return
         await self.send_meta({"type": "quit"})
         self.stdin.close()
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(self._has_ended.wait(), _ENDS_S)
+            await asyncio.wait_for(self._has_ended.wait(), _QUIT_TIMEOUT_S)
         if self._process.returncode is None:
             with contextlib.suppress(ProcessLookupError):
                 self._process.kill()
-        _, slow = await asyncio.wait({self._task}, timeout=_KILLED_S)
-        for task in slow:  # a browser that does not read keeps it
+        _, slow = await asyncio.wait({self._task}, timeout=_KILL_TIMEOUT_S)
+        for task in slow:  # blocked by a browser that does not read
             task.cancel()

@@ -1,4 +1,4 @@
-"""The server: pages, their files, and a websocket for each view, all of it behind the guard."""
+"""Web server: the page, its files, and a websocket per view, all behind the guard."""
 
 import asyncio
 import contextlib
@@ -22,9 +22,8 @@ from sar_tui.serve.guard import AccessRequest, Guard, Refusal, WrongTokenDelay
 Kind = Literal["operator", "observer", "agent"]
 TITLES: dict[Kind, str] = {"operator": "Operator", "observer": "Observer", "agent": "Agent"}
 MAX_VIEWS = 8
-"""Browsers that may look at once."""
-_LARGEST = 64 * 1024
-"""Bytes of a message from a browser: what somebody pastes."""
+_MAX_MESSAGE_BYTES = 64 * 1024
+"""From a browser: enough for pasted text."""
 _HEARTBEAT_S = 10.0
 _PAGE = Path(__file__).parent / "page"
 _LIBRARY = Path(textual_serve.__file__).parent / "static"
@@ -40,12 +39,12 @@ _HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-"""``unsafe-inline``, of style alone: the terminal in the page sets its own."""
+"""``unsafe-inline`` is for styles only: the terminal in the page sets its own."""
 
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
-class _Key(msgspec.Struct, array_like=True, tag="stdin"):
+class _Input(msgspec.Struct, array_like=True, tag="stdin"):
     text: str
 
 
@@ -65,25 +64,25 @@ class _Blur(msgspec.Struct, array_like=True, tag="blur"):
     pass
 
 
-_typed = msgspec.json.Decoder(_Key | _Resize | _Ping | _Focus | _Blur)
-"""What a browser's terminal sends."""
+_messages = msgspec.json.Decoder(_Input | _Resize | _Ping | _Focus | _Blur)
+"""Messages of a browser's terminal."""
 
 
-def log(told: str) -> None:
-    """One line for whoever serves. It never holds a token."""
-    print(f"{time.strftime('%H:%M:%S')} {told}", file=sys.stderr, flush=True)
+def log(text: str) -> None:
+    """Print a line with the time on standard error; it never contains a token."""
+    print(f"{time.strftime('%H:%M:%S')} {text}", file=sys.stderr, flush=True)
 
 
 class Server:
-    """Serves one kind of view, a program of its own to each browser.
+    """Serves one kind of view, with a program of its own for each browser.
 
     Args:
-        kind: which view.
+        kind: of view.
         program: the command that shows it, as a list.
-        address: where, and under which names.
-        token: what opens it.
-        log: is told what happens, a line each.
-        sleep: how the answer to wrong tokens is put off.
+        address: to serve at.
+        token: that opens it.
+        log: called with a line for each event.
+        sleep: delays answers to wrong tokens.
     """
 
     def __init__(
@@ -100,7 +99,7 @@ class Server:
         self._address = address
         self._guard = Guard(address, token)
         self._cookie = f"sar-tui-{address.port}"
-        self._patience = WrongTokenDelay(time.monotonic)
+        self._delay = WrongTokenDelay(time.monotonic)
         self._log = log
         self._sleep = sleep
         self._views: dict[str, BrowserView] = {}
@@ -108,8 +107,8 @@ class Server:
         self._opening = 0
 
     def app(self) -> web.Application:
-        """The web application."""
-        app = web.Application(middlewares=[self._watch])
+        """Return the web application."""
+        app = web.Application(middlewares=[self._check_access])
         app.add_routes(
             [
                 web.get("/", self._index),
@@ -120,26 +119,26 @@ class Server:
         )
         if self._kind == "agent":
             app.add_routes([web.get("/voice/{view:[A-Za-z0-9_-]{1,40}}", self._voice)])
-        app.on_response_prepare.append(self._dress)
+        app.on_response_prepare.append(self._set_headers)
         app.on_shutdown.append(self._shut_down)
         return app
 
-    # --- the door ---------------------------------------------------------------------------------------------
+    # --- access -----------------------------------------------------------------------------------------------
 
     @web.middleware
-    async def _watch(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """Nothing is answered but through here: not even that something is not there."""
-        asked = AccessRequest(
+    async def _check_access(self, request: web.Request, handler: Handler) -> web.StreamResponse:
+        """Check every request, even for what does not exist."""
+        access = AccessRequest(
             host=request.host,
             origin=request.headers.get("Origin"),
             token=request.query.get("token"),
             cookie=request.cookies.get(self._cookie, ""),
             is_websocket=request.headers.get("Upgrade", "").lower() == "websocket",
         )
-        if refusal := self._guard.check(asked):
+        if refusal := self._guard.check(access):
             return await self._refuse(request, refusal)
-        if asked.token is not None and not asked.is_websocket:
-            return self._enter()
+        if access.token is not None and not access.is_websocket:
+            return self._set_cookie()
         try:
             return await handler(request)
         except web.HTTPException as error:
@@ -147,19 +146,19 @@ class Server:
         except ConnectionError:
             raise
         except Exception as error:
-            self._log(f"{request.remote} a fault: {type(error).__name__}: {error}")
-            return web.Response(status=500, text="Something went wrong; see where sar-tui serve runs.")
+            self._log(f"{request.remote} error: {type(error).__name__}: {error}")
+            return web.Response(status=500, text="Something went wrong; see the terminal where sar-tui serve runs.")
 
     async def _refuse(self, request: web.Request, refusal: Refusal) -> web.Response:
-        self._log(f"{request.remote} refused: {refusal.told} ({request.rel_url.raw_path[:100]})")
-        if refusal.is_wrong_token and (seconds := self._patience.wrong(request.remote or "")):
+        self._log(f"{request.remote} refused: {refusal.log_text} ({request.rel_url.raw_path[:100]})")
+        if refusal.is_wrong_token and (seconds := self._delay.next_delay(request.remote or "")):
             await self._sleep(seconds)
         return web.Response(status=403, text=refusal.sentence)
 
-    def _enter(self) -> web.Response:
-        """The token was shown: it need not stand in the address bar from here on."""
-        there = web.Response(status=303, headers={"Location": "/"})
-        there.set_cookie(
+    def _set_cookie(self) -> web.Response:
+        """Replace the token in the address bar by a cookie."""
+        redirect = web.Response(status=303, headers={"Location": "/"})
+        redirect.set_cookie(
             self._cookie,
             self._guard.cookie,
             httponly=True,
@@ -167,9 +166,9 @@ class Server:
             secure=self._address.is_encrypted,
             path="/",
         )
-        return there
+        return redirect
 
-    async def _dress(self, _: web.Request, response: web.StreamResponse) -> None:
+    async def _set_headers(self, _: web.Request, response: web.StreamResponse) -> None:
         response.headers.update(_HEADERS)
         response.headers.popall("Server", None)
 
@@ -185,14 +184,14 @@ class Server:
         return web.Response(text=filled, content_type="text/html")
 
     async def _terminal(self, request: web.Request) -> web.StreamResponse:
-        """A browser opens a view: its program runs for as long as the browser looks."""
+        """Run a view's program for as long as a browser is connected."""
         name = request.match_info["view"]
         if len(self._views) + self._opening >= MAX_VIEWS or name in self._views:
-            self._log(f"{request.remote} refused: {MAX_VIEWS} look already")
-            return web.Response(status=503, text=f"{MAX_VIEWS} browsers look already; close one of them.")
+            self._log(f"{request.remote} refused: {MAX_VIEWS} browsers are connected already")
+            return web.Response(status=503, text=f"{MAX_VIEWS} browsers are connected already; close one of them.")
         self._opening += 1
         try:
-            socket = web.WebSocketResponse(heartbeat=_HEARTBEAT_S, max_msg_size=_LARGEST)
+            socket = web.WebSocketResponse(heartbeat=_HEARTBEAT_S, max_msg_size=_MAX_MESSAGE_BYTES)
             await socket.prepare(request)
             view = BrowserView(self._program, socket, lambda spoken: self._speak(name, spoken))
             self._views[name] = view
@@ -201,7 +200,7 @@ class Server:
         self._log(f"{request.remote} opened the {self._kind}'s view ({len(self._views)} of {MAX_VIEWS})")
         try:
             await view.start(_cells(request, "width", 80), _cells(request, "height", 24))
-            await self._listen(socket, view)
+            await self._forward_input(socket, view)
         except OSError as error:
             self._log(f"{request.remote} the view cannot be started: {error.strerror}")
         finally:
@@ -213,38 +212,38 @@ class Server:
         await view.stop()
         self._views.pop(name, None)
 
-    async def _listen(self, socket: web.WebSocketResponse, view: BrowserView) -> None:
-        """Pass on what is typed; what cannot be understood ends the view."""
+    async def _forward_input(self, socket: web.WebSocketResponse, view: BrowserView) -> None:
+        """Forward input to the program; an invalid message ends the view."""
         async for message in socket:
             if message.type is not WSMsgType.TEXT:
                 continue
             try:
-                typed = _typed.decode(message.data)
+                received = _messages.decode(message.data)
             except msgspec.DecodeError:
-                self._log("refused: what a browser sent cannot be understood")
+                self._log("refused: a browser sent an invalid message")
                 await socket.close()
                 return
-            match typed:
-                case _Key():
-                    await view.send_bytes(typed.text.encode(errors="replace"))
+            match received:
+                case _Input():
+                    await view.send_bytes(received.text.encode(errors="replace"))
                 case _Resize():
-                    size = typed.size
-                    await view.set_terminal_size(_within(size.get("width", 80)), _within(size.get("height", 24)))
+                    size = received.size
+                    await view.set_terminal_size(_clamp(size.get("width", 80)), _clamp(size.get("height", 24)))
                 case _Ping():
-                    await socket.send_json(["pong", typed.at])
+                    await socket.send_json(["pong", received.at])
                 case _Focus():
                     await view.focus()
                 case _Blur():
                     await view.blur()
 
-    # --- the voice ----------------------------------------------------------------------------------------------
+    # --- speech -----------------------------------------------------------------------------------------------
 
     async def _voice(self, request: web.Request) -> web.StreamResponse:
-        """A browser speaks for the agent that it shows. It is told words, and asked nothing."""
+        """Let a browser speak for the agent that it shows; nothing is read from it."""
         name = request.match_info["view"]
         if name not in self._views or name in self._voices:
-            return web.Response(status=409, text="There is no such view, or it speaks already.")
-        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT_S, max_msg_size=_LARGEST)
+            return web.Response(status=409, text="There is no such view, or it already speaks.")
+        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT_S, max_msg_size=_MAX_MESSAGE_BYTES)
         self._voices[name] = socket
         try:
             await socket.prepare(request)
@@ -260,21 +259,21 @@ class Server:
             with contextlib.suppress(ConnectionError, RuntimeError):
                 await voice.send_json(spoken)
 
-    # --- the end ------------------------------------------------------------------------------------------------
+    # --- shutdown ---------------------------------------------------------------------------------------------
 
     async def _shut_down(self, _: web.Application) -> None:
-        """The programs end first, so that they can say goodbye; then the browsers are let go of."""
+        """Stop the programs first, so that they can leave the session, then disconnect the browsers."""
         await asyncio.gather(*(view.stop() for view in list(self._views.values())))
         for voice in list(self._voices.values()):
             await voice.close()
 
 
-def _cells(request: web.Request, name: str, usual: int) -> int:
+def _cells(request: web.Request, name: str, default: int) -> int:
     try:
-        return _within(int(request.query.get(name, usual)))
+        return _clamp(int(request.query.get(name, default)))
     except ValueError:
-        return usual
+        return default
 
 
-def _within(cells: int) -> int:
+def _clamp(cells: int) -> int:
     return max(10, min(500, cells))

@@ -79,7 +79,7 @@ def test_a_port_that_is_taken_is_told(call: Call) -> None:
         assert call("serve", "observer", "--port", port) == (
             1,
             "",
-            f"Port {port} is taken; name another with --port, or 0 for any that is free.\n",
+            f"Port {port} is in use; choose another with --port, or 0 for any free one.\n",
         )
 
 
@@ -88,7 +88,7 @@ def test_a_port_that_is_taken_is_told(call: Call) -> None:
     [
         (["--host", "192.0.2.1"], "This machine has no address 192.0.2.1"),
         (["--host", ""], "There is no host"),
-        (["--public-url", "lab.example"], "is no public URL"),
+        (["--public-url", "lab.example"], "is not a valid public URL"),
         (["--link", "/no/such.file"], "There is no file /no/such.file"),
         (["--link", __file__, "--session", "abc"], "leave out --session"),
         (["--token-file", __file__], "token file"),

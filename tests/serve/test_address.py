@@ -77,5 +77,5 @@ def test_what_people_open_is_the_public_url_where_there_is_one() -> None:
     ["lab.example", "ftp://lab.example", "https://", "https://lab.example/sar", "https://lab.example?x", "http:"],
 )
 def test_what_is_no_public_url_is_refused(url: str) -> None:
-    with pytest.raises(AddressError, match="is no public URL"):
+    with pytest.raises(AddressError, match="is not a valid public URL"):
         Address("127.0.0.1", 8000, url)

@@ -31,7 +31,7 @@ async def test_without_the_token_there_is_one_sentence(tmp_path: Path) -> None:
         await browser.open(f"{served.origin}/")
         await browser.wait_until("document.body !== null && document.body.innerText.includes('token')")
         assert await browser.value("document.body.innerText") == (
-            "This needs the whole address that `sar-tui serve` printed, with its token."
+            "Open the complete address that `sar-tui serve` printed, with its token."
         )
         assert not served.diary.exists()
 

@@ -5,35 +5,35 @@ from sar_tui.serve.guard import WRONG_TOKEN, AccessRequest, Guard, WrongTokenDel
 
 
 def test_the_first_wrong_tokens_are_answered_at_once_and_later_ones_ever_later() -> None:
-    patience = WrongTokenDelay(lambda: 0.0)
-    assert [patience.wrong("10.0.0.1") for _ in range(20)] == [0] * 5 + [*range(1, 10)] + [10] * 6
-    assert patience.wrong("10.0.0.2") == 0
+    delay = WrongTokenDelay(lambda: 0.0)
+    assert [delay.next_delay("10.0.0.1") for _ in range(20)] == [0] * 5 + [*range(1, 10)] + [10] * 6
+    assert delay.next_delay("10.0.0.2") == 0
 
 
 def test_after_a_minute_it_is_forgotten() -> None:
     seconds = [0.0]
-    patience = WrongTokenDelay(lambda: seconds[0])
+    delay = WrongTokenDelay(lambda: seconds[0])
     for _ in range(8):
-        patience.wrong("10.0.0.1")
+        delay.next_delay("10.0.0.1")
     seconds[0] = 61
-    assert patience.wrong("10.0.0.1") == 0
+    assert delay.next_delay("10.0.0.1") == 0
 
 
 def test_only_so_many_addresses_are_remembered() -> None:
-    patience = WrongTokenDelay(lambda: 0.0)
+    delay = WrongTokenDelay(lambda: 0.0)
     for _ in range(6):
-        patience.wrong("10.0.0.1")
+        delay.next_delay("10.0.0.1")
     for number in range(1000):
-        patience.wrong(f"10.1.{number // 256}.{number % 256}")
-    assert patience.wrong("10.0.0.1") == 0
+        delay.next_delay(f"10.1.{number // 256}.{number % 256}")
+    assert delay.next_delay("10.0.0.1") == 0
 
 
 def test_a_wrong_token_or_cookie_is_one_whatever_characters_it_has() -> None:
     guard = Guard(Address("127.0.0.1", 8000), "right")
-    asked = AccessRequest("127.0.0.1:8000", None, None, "", False)
+    request = AccessRequest("127.0.0.1:8000", None, None, "", False)
     for wrong in ("", "righ", "rightt", "ríght", "right\0"):
-        assert guard.check(asked._replace(token=wrong, cookie=guard.cookie)) is WRONG_TOKEN
+        assert guard.check(request._replace(token=wrong, cookie=guard.cookie)) is WRONG_TOKEN
     for wrong in ("ñ", b"\xff".decode(errors="surrogateescape")):
-        assert guard.check(asked._replace(cookie=wrong)) is WRONG_TOKEN
-    assert guard.check(asked._replace(token="right")) is None
-    assert guard.check(asked._replace(cookie=guard.cookie)) is None
+        assert guard.check(request._replace(cookie=wrong)) is WRONG_TOKEN
+    assert guard.check(request._replace(token="right")) is None
+    assert guard.check(request._replace(cookie=guard.cookie)) is None

@@ -33,7 +33,7 @@ async def test_without_the_token_nothing_is_told_but_why(tmp_path: Path, kind: s
         for path in PATHS:
             assert await status(served, path, {}) == (
                 403,
-                "This needs the whole address that `sar-tui serve` printed, with its token.",
+                "Open the complete address that `sar-tui serve` printed, with its token.",
             )
         own = {"Origin": served.origin}
         for path in ("/ws/one", "/voice/one"):
@@ -57,7 +57,7 @@ async def test_wrong_tokens_are_refused_and_then_slowed(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served:
         for _ in range(7):
             refused, why = await status(served, f"/?token=not-{TOKEN}", {})
-            assert (refused, "token is not the right one" in why) == (403, True)
+            assert (refused, "This token is wrong" in why) == (403, True)
         assert served.slept == [1, 2]
         assert (await status(served, f"/?token={TOKEN}", {}))[0] == 303
         assert not [line for line in served.log if TOKEN in line]
@@ -69,7 +69,7 @@ async def test_a_foreign_name_or_page_is_refused_even_with_the_token(tmp_path: P
         assert "not a name" in (await status(served, f"/?token={TOKEN}", rebound))[1]
         for origin in ("http://evil.example", f"http://127.0.0.1:{served.port + 1}", "null", f"{served.origin}x"):
             got, why = await status(served, "/ws/one", UPGRADE | served.cookie | {"Origin": origin})
-            assert (got, why) == (403, "Another page may not look into this one.")
+            assert (got, why) == (403, "Other pages may not connect to this one.")
         assert (await status(served, "/ws/one", UPGRADE | served.cookie))[0] == 403
         assert not served.diary.exists()
 
@@ -131,7 +131,7 @@ async def test_what_cannot_be_understood_ends_the_view(tmp_path: Path, sent: str
     ):
         await socket.send_str(sent)
         assert (await socket.receive()).type is aiohttp.WSMsgType.CLOSE
-        assert "refused: what a browser sent cannot be understood" in served.log
+        assert "refused: a browser sent an invalid message" in served.log
 
 
 async def test_no_more_than_eight_look_at_once(tmp_path: Path) -> None:
@@ -142,7 +142,7 @@ async def test_no_more_than_eight_look_at_once(tmp_path: Path) -> None:
             for number in range(MAX_VIEWS)
         ]
         got, why = await status(served, "/ws/another", UPGRADE | served.allowed)
-        assert (got, why) == (503, "8 browsers look already; close one of them.")
+        assert (got, why) == (503, "8 browsers are connected already; close one of them.")
         await sockets[0].close()
         await logged(served, "127.0.0.1 left the observer's view")
         another = await served.http.ws_connect(f"{served.origin}/ws/another", headers=served.allowed)
@@ -160,7 +160,7 @@ async def test_when_the_server_ends_its_programs_have_ended(tmp_path: Path) -> N
 
 
 async def test_a_program_that_does_not_end_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sar_tui.serve.browser_view._ENDS_S", 0.1)
+    monkeypatch.setattr("sar_tui.serve.browser_view._QUIT_TIMEOUT_S", 0.1)
     diary = tmp_path / "diary"
     deaf = [
         sys.executable,
@@ -168,7 +168,7 @@ async def test_a_program_that_does_not_end_is_killed(tmp_path: Path, monkeypatch
         f"import os, signal; open({str(diary)!r}, 'w').write(f'came {{os.getpid()}}\\n'); signal.pause()",
     ]
     async with serving(tmp_path / "diary", program=deaf) as served:
-        # The socket is kept: a browser that goes ends the program, perhaps before it has written.
+        # Keep the socket: a browser that disconnects ends the program, perhaps before it has written.
         socket = await served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed)
         pid = int((await served.written("came ")).split()[1])
         assert not socket.closed

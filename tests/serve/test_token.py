@@ -25,7 +25,7 @@ def test_a_file_that_others_may_read_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "token"
     load_or_create_token(file)
     file.chmod(0o640)
-    with pytest.raises(TokenError, match="Others may read"):
+    with pytest.raises(TokenError, match="Other users can read"):
         load_or_create_token(file)
 
 
@@ -34,12 +34,12 @@ def test_a_file_without_a_token_is_refused(tmp_path: Path, held: bytes) -> None:
     file = tmp_path / "token"
     file.write_bytes(held)
     file.chmod(0o600)
-    with pytest.raises(TokenError, match="holds no token"):
+    with pytest.raises(TokenError, match="contains no token"):
         load_or_create_token(file)
 
 
 def test_a_place_where_none_can_be_kept_is_told(tmp_path: Path) -> None:
-    with pytest.raises(TokenError, match="cannot be made"):
+    with pytest.raises(TokenError, match="cannot be created"):
         load_or_create_token(tmp_path / "nowhere" / "token")
     os.mkdir(tmp_path / "folder")
     with pytest.raises(TokenError, match="cannot be read"):

@@ -1,4 +1,4 @@
-"""What `sar-tui doctor` finds of operators' ways in: on this machine, over the network, and in a browser."""
+"""Checks of `sar-tui doctor` on how operators join: on this machine, over the network, and in a browser."""
 
 import os
 import socket
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from sar_tui.link.authority import IssuedInvitation
 
 _SOON = timedelta(days=7)
-"""An invitation that ends within this time is told of."""
-_NO_OPERATOR = "Only a session with an operator needs it."
+"""Invitations that expire within this time are reported."""
+_NO_OPERATOR = "Only sessions with an operator need it."
 
 
 def operator_here() -> Finding:
-    """Whether an operator on this machine could join a session: a socket is opened in the folder, and taken away."""
+    """Check whether an operator on this machine can join a session, by opening a socket in the folder."""
     from sar_tui.link.discovery import live_sessions, socket_path
     from sar_tui.link.errors import LinkError, need_packages
 
@@ -27,26 +27,26 @@ def operator_here() -> Finding:
     try:
         need_packages()
     except LinkError as error:
-        return _without(name, str(error), _NO_OPERATOR)
+        return _not_installed(name, str(error), _NO_OPERATOR)
     try:
         path = socket_path(f"doctor-{os.getpid()}")
         found = live_sessions()
     except LinkError as error:
         return Finding(name, "care", str(error), _NO_OPERATOR)
     try:
-        with socket.socket(socket.AF_UNIX) as tried:
-            tried.bind(str(path))
+        with socket.socket(socket.AF_UNIX) as opened:
+            opened.bind(str(path))
     except OSError as error:
         why = f"no socket can be opened in {path.parent}: {error.strerror}"
-        return Finding(name, "care", why, "Set XDG_RUNTIME_DIR to a folder of yours on a disk of this machine.")
+        return Finding(name, "care", why, "Set XDG_RUNTIME_DIR to a folder of yours on a local disk.")
     finally:
         path.unlink(missing_ok=True)
     count = "no session" if not found else "1 session" if len(found) == 1 else f"{len(found)} sessions"
-    return Finding(name, "ok", f"through {path.parent}, open to you alone; {count} can be joined now")
+    return Finding(name, "ok", f"through {path.parent}, private to you; {count} can be joined now")
 
 
 def invitations(folder: Path, now: datetime | None = None) -> Finding:
-    """Whether anybody was invited to the sessions of a data folder, until when, and whether the keys are private."""
+    """Check the invitations to a data folder's sessions, their expiry, and whether its keys are private."""
     from sar_tui.link.authority import FOLDER, Authority
     from sar_tui.link.errors import LinkError
 
@@ -62,36 +62,36 @@ def invitations(folder: Path, now: datetime | None = None) -> Finding:
         return Finding(
             name,
             "care",
-            f"others on this machine can look into {keys}, where certificates are made",
-            f"Say chmod 700 {keys}; if somebody may have looked, move that folder away, and invite everybody anew.",
+            f"other users can read {keys}, which holds the certificate authority",
+            f"Run chmod 700 {keys}. If somebody may have read it, move it away and make all invitations again.",
         )
-    return _good(name, issued, now or datetime.now(UTC))
+    return _check_expiry(name, issued, now or datetime.now(UTC))
 
 
 def browser() -> Finding:
-    """Whether a panel can be shown in a browser."""
+    """Check whether a panel can be shown in a browser."""
     from sar_tui.link.errors import LinkError, need_packages
 
     if find_spec("textual_serve") is None or find_spec("aiohttp") is None:
-        return _without("Browser", "pip install 'sar-tui[serve]'", "Only `sar-tui serve` needs it.")
+        return _not_installed("Browser", "pip install 'sar-tui[serve]'", "Only `sar-tui serve` needs it.")
     try:
         need_packages()
     except LinkError as error:
-        return _without("Browser", str(error), "`sar-tui serve` needs the link, too.")
-    return Finding("Browser", "ok", "`sar-tui serve` can show a panel; nothing is served until then")
+        return _not_installed("Browser", str(error), "`sar-tui serve` needs the link.")
+    return Finding("Browser", "ok", "`sar-tui serve` can show a panel")
 
 
-def _good(name: str, issued: "tuple[IssuedInvitation, ...]", now: datetime) -> Finding:
-    good = [each for each in issued if each.state(now) == "good"]
-    if not good:
-        return Finding(name, "ok", "none that is good now, so nobody can join over the network")
-    found = f"{len(good)} good: {', '.join(str(each.guest) for each in good)}"
-    if soon := [each for each in good if each.expires - now < _SOON]:
+def _check_expiry(name: str, issued: "tuple[IssuedInvitation, ...]", now: datetime) -> Finding:
+    valid = [each for each in issued if each.state(now) == "good"]
+    if not valid:
+        return Finding(name, "ok", "none is valid now, so nobody can join over the network")
+    found = f"{len(valid)} valid: {', '.join(str(each.guest) for each in valid)}"
+    if soon := [each for each in valid if each.expires - now < _SOON]:
         ends = ", ".join(f"{each.name} on {each.expires:%Y-%m-%d}" for each in soon)
-        return Finding(name, "care", f"{found}; soon over: {ends}", "A new name can be invited at any time.")
+        return Finding(name, "care", f"{found}; expiring soon: {ends}", "Invite them again under a new name.")
     return Finding(name, "ok", found)
 
 
-def _without(name: str, how: str, who: str) -> Finding:
-    """What it takes is not installed, which is no fault; the cure stands after a colon, if not alone."""
-    return Finding(name, "ok", f"not installed. {who}", f"To have it: {how.rpartition(': ')[2]}")
+def _not_installed(name: str, how: str, note: str) -> Finding:
+    """Return the finding that an optional package is not installed; the command follows the last colon of ``how``."""
+    return Finding(name, "ok", f"not installed. {note}", f"To install it: {how.rpartition(': ')[2]}")

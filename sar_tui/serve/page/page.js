@@ -1,4 +1,4 @@
-// Tells the terminal where its program is, how large to write, and lets it have the keyboard.
+// Sets the terminal's websocket, font size and focus.
 "use strict";
 
 {
@@ -6,7 +6,7 @@
   const origin = window.location.origin.replace(/^http/, "ws");
   terminal.dataset.sessionWebsocketUrl = origin + "/ws/" + terminal.dataset.view;
 
-  // The agent alone is seen from across a table: so large that about 42 columns and 15 lines fill the screen.
+  // The agent is seen from across a table: about 42 columns and 15 lines fill the screen.
   if (document.body.dataset.kind === "agent") {
     const size = Math.min(window.innerWidth / (42 * 0.6), window.innerHeight / (15 * 1.35));
     terminal.dataset.fontSize = String(Math.max(16, Math.floor(size)));

@@ -1,4 +1,4 @@
-// The browser's own voice, for the agent: it speaks what it is told, once somebody has allowed it with the button.
+// Speaks for the agent with the browser's own voice, once the button has been pressed.
 "use strict";
 
 if (document.body.dataset.kind === "agent" && "speechSynthesis" in window) {
@@ -6,31 +6,31 @@ if (document.body.dataset.kind === "agent" && "speechSynthesis" in window) {
   const view = document.getElementById("terminal").dataset.view;
   const origin = window.location.origin.replace(/^http/, "ws");
 
-  // Only voices of this device: others would send the words to whoever makes the browser.
+  // Only local voices: others send the text to the browser's maker.
   const voiceOf = (language) => {
-    const own = speechSynthesis.getVoices().filter((voice) => voice.localService);
-    const named = (voice) => voice.lang.toLowerCase().replace("_", "-");
+    const local = speechSynthesis.getVoices().filter((voice) => voice.localService);
+    const tag = (voice) => voice.lang.toLowerCase().replace("_", "-");
     const wanted = language.toLowerCase();
-    return own.find((voice) => named(voice) === wanted) ??
-      own.find((voice) => named(voice).split("-")[0] === wanted.split("-")[0]);
+    return local.find((voice) => tag(voice) === wanted) ??
+      local.find((voice) => tag(voice).split("-")[0] === wanted.split("-")[0]);
   };
 
-  const tell = (words) => {
-    button.textContent = words;
+  const show = (text) => {
+    button.textContent = text;
     button.hidden = false;
   };
 
-  const speak = (told) => {
-    if (told.hush) {
+  const speak = (message) => {
+    if (message.hush) {
       speechSynthesis.cancel();
       return;
     }
-    const voice = voiceOf(told.language);
+    const voice = voiceOf(message.language);
     if (voice === undefined) {
-      tell("This device has no voice for " + told.language);
+      show("This device has no voice for " + message.language);
       return;
     }
-    const utterance = new SpeechSynthesisUtterance(told.say);
+    const utterance = new SpeechSynthesisUtterance(message.say);
     utterance.voice = voice;
     utterance.lang = voice.lang;
     speechSynthesis.speak(utterance);
@@ -43,7 +43,7 @@ if (document.body.dataset.kind === "agent" && "speechSynthesis" in window) {
     socket.addEventListener("message", (event) => speak(JSON.parse(event.data)));
     socket.addEventListener("close", () => {
       speechSynthesis.cancel();
-      tell("Let it speak");
+      show("Let it speak");
     });
   });
   speechSynthesis.getVoices();

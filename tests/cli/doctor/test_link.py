@@ -41,7 +41,7 @@ def without(monkeypatch: pytest.MonkeyPatch, *packages: str) -> None:
 def test_where_a_socket_can_be_opened_it_is_told_and_nothing_is_left(runtime: Path) -> None:
     found = operator_here()
     assert (found.name, found.state, found.mend) == ("Operator here", "ok", "")
-    assert found.found == f"through {runtime}/sar-tui, open to you alone; no session can be joined now"
+    assert found.found == f"through {runtime}/sar-tui, private to you; no session can be joined now"
     assert list((runtime / "sar-tui").iterdir()) == []
 
 
@@ -84,11 +84,11 @@ def test_what_is_not_installed_is_no_fault_and_its_cure_is_told(monkeypatch: pyt
     assert operator_here() == Finding(
         "Operator here",
         "ok",
-        "not installed. Only a session with an operator needs it.",
-        "To have it: pip install 'sar-tui[link]'",
+        "not installed. Only sessions with an operator need it.",
+        "To install it: pip install 'sar-tui[link]'",
     )
     assert browser() == Finding(
-        "Browser", "ok", "not installed. Only `sar-tui serve` needs it.", "To have it: pip install 'sar-tui[serve]'"
+        "Browser", "ok", "not installed. Only `sar-tui serve` needs it.", "To install it: pip install 'sar-tui[serve]'"
     )
 
 
@@ -97,8 +97,8 @@ def test_a_browser_is_not_enough_without_the_link(monkeypatch: pytest.MonkeyPatc
     assert browser() == Finding(
         "Browser",
         "ok",
-        "not installed. `sar-tui serve` needs the link, too.",
-        "To have it: pip install 'sar-tui[link]'",
+        "not installed. `sar-tui serve` needs the link.",
+        "To install it: pip install 'sar-tui[link]'",
     )
 
 
@@ -116,10 +116,10 @@ def test_without_an_invitation_nobody_can_join(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("days", "state", "says"),
     [
-        (3, "ok", "2 good: operator.anna, observer.eva"),
-        (24, "care", "2 good: operator.anna, observer.eva; soon over: anna on 2026-05-31"),
-        (40, "ok", "1 good: observer.eva"),
-        (70, "ok", "none that is good now, so nobody can join over the network"),
+        (3, "ok", "2 valid: operator.anna, observer.eva"),
+        (24, "care", "2 valid: operator.anna, observer.eva; expiring soon: anna on 2026-05-31"),
+        (40, "ok", "1 valid: observer.eva"),
+        (70, "ok", "none is valid now, so nobody can join over the network"),
     ],
 )
 def test_invitations_are_told_by_how_long_they_are_good(tmp_path: Path, days: int, state: str, says: str) -> None:
@@ -134,7 +134,7 @@ def test_who_was_revoked_is_not_among_them(tmp_path: Path) -> None:
     authority = Authority.open_or_create(tmp_path)
     authority.invite(Guest("anna", "operator"), [parse_endpoint("lab")], 30, NOW)
     authority.revoke("anna", NOW)
-    assert invitations(tmp_path, NOW).found.startswith("none that is good")
+    assert invitations(tmp_path, NOW).found.startswith("none is valid")
 
 
 def test_keys_that_others_can_look_at_need_care(tmp_path: Path) -> None:
