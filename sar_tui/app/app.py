@@ -106,7 +106,7 @@ class SarTui(ThemedApp):
         if self.is_web:
             self._cannot_begin("A session does not run in a browser, where nothing can be timed; run it in a terminal.")
             return
-        if isinstance(what, str) or not what.task.sensed(what.parameters):
+        if isinstance(what, str) or not what.task.sensor_seats(what.parameters):
             self._enter_session(what)
         else:
             self._check_sensors(what)

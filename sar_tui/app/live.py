@@ -79,7 +79,7 @@ class LiveSession:
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
         self.view = GuardedView(task)
         outputs = [self.view, self.screen, *output_nodes(task, theme), *self._linked()]
-        if not task.sensed(task.parameters):
+        if not task.sensor_seats(task.parameters):
             return [self.keyboard, *outputs]
         from sar_tui.runs.sensors import open_sensors, sensor_nodes
 

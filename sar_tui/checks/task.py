@@ -143,7 +143,7 @@ def _prompts(kind: type[Task], task: Task) -> str:
             if prompt.choices < 1:
                 return f"The prompt is drawn from {prompt.choices} stimuli {where}."
             if prompt != task.stimulus(situation) or prompt != again.stimulus(situation):
-                return f"The prompt is another one when asked again {where}. Draw from situation.chance alone."
+                return f"The prompt is another one when asked again {where}. Draw from situation.streams alone."
     return ""
 
 
@@ -227,5 +227,5 @@ def _replay(kind: type[Task], parameters: TaskParameters, done: list[Simulated])
         try:
             Session(kind(parameters), theme, VirtualClock(), SEED).replay(simulated.history)
         except ReplayError as error:
-            return f"{error} Does the task keep state, or draw from elsewhere than situation.chance?"
+            return f"{error} Does the task keep state, or draw from elsewhere than situation.streams?"
     return ""

@@ -121,9 +121,10 @@ class _Module:
         found: set[str] = set()
         for node in ast.walk(self._tree):
             match node:
-                case ast.Call(func=ast.Name(id="Again") | ast.Attribute(attr="Again"), args=[_, words]):
-                    found.update(self._strings(words, frozenset()))
-                case ast.keyword(arg="remark" | "words", value=value):
+                case ast.Call(func=ast.Name(id="Again") | ast.Attribute(attr="Again"), args=args, keywords=keywords):
+                    texts = [*args[1:], *(keyword.value for keyword in keywords if keyword.arg == "text")]
+                    found.update(self._all(texts, frozenset()))
+                case ast.keyword(arg="remark", value=value):
                     found.update(self._strings(value, frozenset()))
         return found - {""}
 

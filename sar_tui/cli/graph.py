@@ -47,5 +47,5 @@ def _loop(kind: "type[Task]", theme: "Theme") -> "Graph":
 
     task = kind(build(kind.Parameters, {}))
     core = core_nodes(task, theme, seed=0)
-    sensors = [Imu] if kind.sensed(task.parameters) else []
+    sensors = [Imu] if kind.sensor_seats(task.parameters) else []
     return graph([Keyboard, *sensors, *(type(node) for node in core), ScreenOutput], [Recorder])

@@ -100,7 +100,7 @@ def run(
         plan = make_plan(
             catalogue, kind, participant, given, saved=saved, theme=theme, speech=speech, seed=seed, id=new_id()
         )
-    if kind.sensed(plan.parameters):
+    if kind.sensor_seats(plan.parameters):
         _refuse_unknown_sensor(plan, home)
     elif imu is not None:
         raise Refused(f"The task {kind.name} uses no motion sensor as it is set: leave out --imu, or set it otherwise.")

@@ -1,7 +1,7 @@
-"""The contract of a task: one class that declares itself once, and judges what a person did.
+"""The contract of a task: one class that declares the task, makes its prompts and judges responses.
 
-A task is a pure description. It keeps no state between calls: what it needs is handed to it, so that a trial
-can be repeated, resumed and replayed. The framework runs it: waits, shows, stamps, scores, adapts, answers.
+A task is a pure description. It keeps no state between calls, so that a trial can be repeated, resumed and replayed.
+The framework runs it: it waits, shows, stamps, scores, adapts and gives feedback.
 """
 
 import inspect
@@ -32,19 +32,17 @@ from sar_tui.framework.trial_types import (
 )
 
 _FRAMEWORK = Path(__file__).parent
-
-
-"""Where the translations of the framework's own words are."""
+"""Folder with the translations of the framework's own texts."""
 
 
 class Task(ABC):
     """A motor task.
 
-    ``tr`` translates what people read into the session's language: ``self.tr("Reach {far} far.", far="15 cm")``. The
-    translations stand beside the task in ``words.<language>.toml``, and cover what it declares too (``title``, marks).
+    Subclass it in ``tasks/NAME/task.py``: declare the class variables, and define ``instructions``, ``stimulus`` and
+    ``perceived``. The rest has defaults.
 
-    Subclass it in ``tasks/NAME/task.py``: declare the class variables, and say how a prompt is made
-    (``stimulus``) and what a percept means (``perceived``). The rest has defaults.
+    ``tr`` translates a text into the session's language: ``self.tr("Reach {far} far.", far="15 cm")``. The translations
+    are in ``words.<language>.toml`` beside the task; they cover its declared texts too (``title``, marks).
     """
 
     name: ClassVar[str]
@@ -61,8 +59,8 @@ class Task(ABC):
     seats: ClassVar[tuple[str, ...]] = ("A",)
 
     @classmethod
-    def sensed(cls, parameters: TaskParameters) -> tuple[str, ...]:
-        """The seats that wear a sensor, as the task is set: all of them, in a task that has ``sensors``."""
+    def sensor_seats(cls, parameters: TaskParameters) -> tuple[str, ...]:
+        """Return the seats with a sensor under these parameters; by default all, in a task that has ``sensors``."""
         return cls.seats if cls.sensors else ()
 
     def __init__(self, parameters: TaskParameters) -> None:
@@ -72,60 +70,60 @@ class Task(ABC):
 
     @property
     def levels(self) -> int:
-        """How many levels there are."""
+        """Number of levels."""
         return self.parameters.max_level
 
     @property
     def trials_per_attempt(self) -> int:
-        """How many prompts an attempt has."""
+        """Number of prompts in an attempt."""
         return 1
 
     @property
     def start_key(self) -> str:
-        """The key with which the participant starts each trial; empty where trials come by themselves."""
+        """The key with which the participant starts each trial; empty if trials start by themselves."""
         return ""
 
     @property
     def has_foreperiod(self) -> bool:
-        """Whether a prompt is preceded by a random wait."""
+        """True if a random wait precedes each prompt."""
         return True
 
     @property
     def feedback_on(self) -> Literal["results", "performance", "both"]:
-        """What the agent answers: how well the goal was met, how it was done (the ``qualities``), or both."""
+        """Content of feedback: the result, how it was done (the ``qualities``), or both."""
         return "results"
 
     @property
     def address(self) -> Literal["seat", "code"]:
-        """How the agent calls the participants of a task with several seats: by their seat, or by their code."""
+        """The name that the agent uses for the participants of a task with several seats: their seat or their code."""
         return "seat"
 
     def seat_of(self, key: str) -> str:
-        """Whose a key is, in a task with several seats; empty for nobody's, which is never a response."""
+        """Return the seat of a key, in a task with several; empty if the key is no seat's, and so never a response."""
         return ""
 
     def seat_name(self, seat: str) -> str:
-        """What a seat is called, in a task with several."""
+        """Return the name of a seat, in a task with several."""
         return self.tr({"A": "Left", "B": "Right"}.get(seat, seat))
 
-    def called(self, seat: str) -> str:
-        """What who sits there is called: as the recorded beginning of the session has it, else as the seat is."""
+    def display_name(self, seat: str) -> str:
+        """Return the name of a seat's participant: as recorded at the start of the session, else the seat's name."""
         return self.names.get(seat) or self.seat_name(seat)
 
     def nodes(self) -> tuple[Node, ...]:
-        """More perception: nodes that make percepts of what its sensors tell. New ones at each call."""
+        """Return new nodes that make percepts from the task's sensors."""
         return ()
 
     def target(self, level: int) -> Target:
-        """What an attempt at a level is held against."""
+        """Return the target of an attempt at a level."""
         return Target(self.parameters.threshold, self.parameters.neutral_band)
 
     @abstractmethod
     def instructions(self) -> str:
-        """What to do, in the participant's words."""
+        """Return the instructions for the participant."""
 
     def goal(self, level: int) -> str:
-        """The goal of an attempt, in the participant's words."""
+        """Return the goal of an attempt at a level, as a sentence for the participant."""
         goal = self.metric.show(self.target(level).threshold)
         needed = f"{self.parameters.min_accuracy:.0%}" if self.parameters.min_accuracy else ""
         match self.metric.better, bool(needed):
@@ -138,28 +136,28 @@ class Task(ABC):
         return self.tr("Your goal: more than {goal}.", goal=goal)
 
     def notice(self, level: int, before: int) -> str:
-        """What the participant has to know when the level is another than before; empty where nothing."""
+        """Return what the participant must know after a change of level; empty for nothing."""
         return ""
 
     def start(self, level: int) -> str:
-        """What the participant has to heed before starting a trial, where there is a ``start_key``."""
+        """Return the text shown before the participant starts a trial, in a task with a ``start_key``."""
         return self.tr("Start when you are ready.")
 
     @abstractmethod
     def stimulus(self, situation: Situation) -> Stimulus:
-        """What to show. Must depend on ``situation`` and the parameters alone."""
+        """Return the prompt. It must depend on ``situation`` and the parameters alone."""
 
     @abstractmethod
     def perceived(self, trial: Trial, percept: Any) -> Result | Results | Again | None:
-        """Judge a percept that came while the prompt is up; None to go on waiting.
+        """Judge a percept received while the prompt is shown; None to keep waiting.
 
-        ``trial.percepts`` holds the earlier ones of this trial, so that a task need not remember them. Where several
-        take part, each percept has its seat, and the trial is over for all of them at once: with a result for each, or
-        one that is everybody's.
+        ``trial.percepts`` holds the earlier percepts of this trial, so that the task need not remember them. In a task
+        with several seats, each percept has its seat, and the trial ends for all of them at once: with one result for
+        each seat, or one for all.
         """
 
     def timed_out(self, trial: Trial) -> Result | Results:
-        """Judge a trial whose time is over. A miss, unless the task says otherwise."""
+        """Judge a trial that timed out. Default: a miss."""
         return Result(correct=False)
 
     def score(self, results: Sequence[Result]) -> Score:
@@ -174,18 +172,17 @@ class Task(ABC):
         )
 
     def measures(self, results: Sequence[Result]) -> dict[str, float]:
-        """What else there is to tell of an attempt, by name: kept with its qualities."""
+        """Return more measures of an attempt by name, stored with its qualities."""
         return {}
 
     def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
-        """What a simulated participant does for a prompt: (ms after onset, key or movement).
+        """Return the acts of a simulated participant on a prompt: (ms after onset, key or movement).
+
+        Override it if the response is more than one key press.
 
         Args:
-            stimulus: what is shown; ``seat`` is that of this person.
-            performance: how this person does it this time.
-            chance: for whatever else is random.
-
-        A task whose response is more than one key overrides this; a stimulus that is shown and answered by one
-        key needs nothing.
+            stimulus: the prompt; ``seat`` is that of this participant.
+            performance: the participant's performance of this prompt.
+            streams: for anything else that is random.
         """
         return [(performance.reaction_ms, "wrong" if performance.slips else stimulus.expected)]

@@ -1,4 +1,4 @@
-"""The values that a task and the framework exchange about a trial and an attempt."""
+"""Values that a task and the framework exchange: metric and target, stimulus, trial, result, score."""
 
 from typing import Any, Literal
 
@@ -10,10 +10,10 @@ from sar_tui.framework.random_streams import RandomStreams
 
 
 class Metric(msgspec.Struct, frozen=True):
-    """What an attempt is measured by.
+    """The measure of an attempt.
 
-    ``improved`` and ``worsened`` are the words for a change ("faster", "slower"); ``decimals`` how many are
-    shown to people.
+    ``improved`` and ``worsened`` are the words for a change ("faster", "slower"); ``decimals`` is the number of
+    decimals shown.
     """
 
     name: str
@@ -25,36 +25,36 @@ class Metric(msgspec.Struct, frozen=True):
 
     @property
     def label(self) -> str:
-        """Its name and unit, for people: "reaction time (ms)"."""
+        """Name and unit, for display: "reaction time (ms)"."""
         name = self.name.replace("_", " ")
         return f"{name} ({self.unit})" if self.unit else name
 
     def is_better(self, value: float, than: float) -> bool:
-        """Whether ``value`` is strictly better."""
+        """Return whether ``value`` is strictly better."""
         return value < than if self.better == "lower" else value > than
 
     def show(self, value: float) -> str:
-        """A value with its unit, for people."""
+        """Return a value with its unit, for display."""
         return f"{value:.{self.decimals}f} {self.unit}".rstrip()
 
 
 class Target(msgspec.Struct, frozen=True):
-    """What the metric of an attempt is held against, and how near to it is neutral; in the metric's unit."""
+    """The goal of an attempt, and the distance from it within which feedback is neutral; in the metric's unit."""
 
     threshold: float
     neutral_band: float
 
 
 class Quality(msgspec.Struct, frozen=True):
-    """Something about *how* a trial was done (knowledge of performance), kept in its details.
+    """A measure of how a trial was done (knowledge of performance), taken from its details.
 
     Args:
-        field: the field of ``Details``; its mean over an attempt's correct trials is compared with that of the last
-            attempt alike.
-        better: which way is better.
-        improved: what is said of one that is better than before: "smoother".
-        aim: what is asked for otherwise: "as smoothly as you can".
-        margin: a smaller difference is not worth telling.
+        field: the field of ``Details``. Its mean over an attempt's correct trials is compared with that of the last
+            comparable attempt.
+        better: the direction of improvement.
+        improved: the word for an improvement: "smoother".
+        aim: the advice otherwise: "as smoothly as you can".
+        margin: smaller differences are ignored.
     """
 
     field: str
@@ -64,13 +64,16 @@ class Quality(msgspec.Struct, frozen=True):
     margin: float
 
     def change(self, value: float, before: float) -> float:
-        """How much better than before, in margins; negative where it is worse."""
+        """Return the improvement over ``before``, in margins; negative if it is worse."""
         difference = before - value if self.better == "lower" else value - before
         return difference / self.margin
 
 
 class Situation(msgspec.Struct, frozen=True):
-    """Where in a session a prompt stands. ``chance`` belongs to this trial alone, ``session`` to all of them."""
+    """The position of a prompt in the session.
+
+    ``streams`` are the random streams of this trial, ``session`` those that all trials share.
+    """
 
     attempt: int
     trial: int
@@ -80,7 +83,7 @@ class Situation(msgspec.Struct, frozen=True):
 
 
 class Cue(msgspec.Struct, frozen=True):
-    """What the agent does before a prompt to draw the eye to a side: it looks there, points there, or both."""
+    """A cue to a side before the prompt: the agent looks there, points there, or both."""
 
     side: Literal["left", "right"]
     lead_ms: int
@@ -88,19 +91,19 @@ class Cue(msgspec.Struct, frozen=True):
 
 
 class Stimulus(msgspec.Struct, frozen=True):
-    """What a prompt shows.
+    """The content of a prompt.
 
     Args:
-        name: what is stored in ``trials.stimulus``.
-        expected: the key that answers it, empty where no single key does.
+        name: stored in ``trials.stimulus``.
+        expected: the key that answers it; empty if no single key does.
         text: the plain-text line, one unbroken run of characters: "Press: f".
-        glyph: what stands very large on the screen; defaults to ``name``.
-        hint: a word of help under it.
-        choices: among how many stimuli it was drawn.
-        signals: whether it asks for a response at once, so that the time from its onset is a reaction time.
-        seat: whose it is, in a task with several seats; empty: everybody's.
-        halves: what stands in the left and in the right half of the screen, in place of ``glyph``.
-        cue: what the agent does before it. Whose turn it is, is then not told before.
+        glyph: shown very large; defaults to ``name``.
+        hint: shown under the glyph.
+        choices: the number of stimuli it was drawn from.
+        signals: True if it asks for an immediate response, so that the time from its onset is a reaction time.
+        seat: the seat that responds, in a task with several; empty for all of them.
+        halves: the contents of the left and right half of the screen, instead of ``glyph``.
+        cue: given before the prompt. Nothing else then announces whose turn it is.
     """
 
     name: str
@@ -116,10 +119,9 @@ class Stimulus(msgspec.Struct, frozen=True):
 
 
 class Trial(msgspec.Struct, frozen=True):
-    """A prompt that is up: what was shown, since when (ns), and what was perceived so far.
+    """A trial whose prompt is shown: the stimulus, its onset (ns) and the percepts so far.
 
-    ``started``: when the participant started the trial, where that is theirs to do. ``cued``: when the agent gave its
-    cue.
+    ``started``: when the participant started the trial, if they do (ns). ``cued``: when the agent gave its cue (ns).
     """
 
     situation: Situation
@@ -130,24 +132,24 @@ class Trial(msgspec.Struct, frozen=True):
     cued: int | None = None
 
     def latency_ms(self, at: int) -> float:
-        """Milliseconds from onset to a stamp."""
+        """Return the milliseconds from onset to a time stamp."""
         return (at - self.onset) / MS
 
 
 class Result(msgspec.Struct, frozen=True, kw_only=True):
-    """How a trial ended.
+    """The outcome of a trial.
 
     Args:
-        correct: whether the response was the right one.
-        response: what was done; None for a miss.
-        response_at: its stamp in ns; None for a miss.
-        onset_at: where a response lasts: the stamp of its beginning, as ``response_at`` is that of its end. It
-            takes the place of the prompt's onset in the trial's row, and a reaction time is counted up to it.
-        value: what the trial adds to the attempt's metric; None where it adds nothing.
-        details: more to keep with the trial, as the task's ``Details`` declare.
-        flags: marks for ``trials.timing``; the framework adds ``anticipation``.
-        remark: what the participant should hear of it, where an attempt failed for want of right trials: a sentence
-            without numbers, instead of the theme's.
+        correct: True if the response was the right one.
+        response: the response; None for a miss.
+        response_at: its time stamp (ns); None for a miss.
+        onset_at: for a response that lasts: the time stamp of its onset, while ``response_at`` is that of its end. It
+            replaces the prompt's onset in the trial's row, and a reaction time is counted up to it.
+        value: the trial's contribution to the attempt's metric; None for none.
+        details: more to store with the trial, as the task's ``Details`` declare.
+        flags: added to ``trials.timing``; the framework adds ``anticipation``.
+        remark: said instead of the theme's phrase if the attempt fails for lack of correct trials: a sentence without
+            numbers.
     """
 
     correct: bool
@@ -161,20 +163,18 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def counts(self) -> bool:
-        """Whether the trial's value belongs in the metric."""
+        """True if the trial's value counts for the metric."""
         return self.correct and self.value is not None and "anticipation" not in self.flags
 
 
 Results = dict[str, Result]
-
-
-"""How a trial ended for each of those who took part, by their seat."""
+"""Results of a trial by seat."""
 
 
 class Mark(msgspec.Struct, frozen=True):
-    """What a therapist can say of a trial with one key.
+    """A therapist's mark on a trial, set with one key.
 
-    ``counts``: whether it can be correct all the same; ``remark``: what the participant hears where it cannot.
+    ``counts``: True if the trial can still be correct. ``remark``: said to the participant if it cannot.
     """
 
     name: str
@@ -184,7 +184,7 @@ class Mark(msgspec.Struct, frozen=True):
     remark: str = ""
 
     def applied(self, result: Result) -> Result:
-        """A result with this mark."""
+        """Return a result with this mark."""
         return msgspec.structs.replace(
             result,
             correct=result.correct and self.counts,
@@ -194,21 +194,21 @@ class Mark(msgspec.Struct, frozen=True):
 
 
 class Again(msgspec.Struct, frozen=True):
-    """Nothing can be said of a trial, through no fault of the participant's: it is repeated under the same number.
+    """A trial that could not be measured, through no fault of the participant: it is repeated under the same number.
 
     Args:
         reason: a word for the log: ``gap``.
-        words: what the participant is told.
+        text: said to the participant.
     """
 
     reason: str
-    words: str
+    text: str
 
 
 class Score(msgspec.Struct, frozen=True):
-    """An attempt's result. ``accuracy`` is None where a task has none.
+    """The score of an attempt. ``accuracy`` is None in a task without it.
 
-    ``won``: in how many trials this seat was the first, where they race.
+    ``won``: in a race, the number of trials that this seat won.
     """
 
     metric: float | None
@@ -219,12 +219,12 @@ class Score(msgspec.Struct, frozen=True):
 
 
 class Performance(msgspec.Struct, frozen=True):
-    """How a simulated participant does one prompt.
+    """A simulated participant's performance of one prompt.
 
     Args:
-        reaction_ms: the reaction time drawn for this person, prompt and moment.
-        slips: whether this person gets it wrong this time.
-        pace: how long a movement takes this person this time, as a share of what it takes a healthy one.
+        reaction_ms: the reaction time drawn for this prompt.
+        slips: True if the response is wrong.
+        pace: the duration of a movement, as a multiple of a healthy person's.
         unsteadiness: 0 for a hand that goes straight, 1 for one that halts and dwells.
     """
 
@@ -235,10 +235,8 @@ class Performance(msgspec.Struct, frozen=True):
 
 
 Act = tuple[float, Any]
-
-
-"""What a simulated participant does: when (ms after the prompt), and a key's name or a movement of the hand."""
+"""An act of a simulated participant: ms after the prompt, and the name of a key or a movement of the hand."""
 
 
 class Details(msgspec.Struct, frozen=True):
-    """The base of what a task keeps with each trial: declare the fields, for the data dictionary."""
+    """Base of the details stored with each trial. Declare their fields in a subclass, for the data dictionary."""

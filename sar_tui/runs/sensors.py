@@ -30,7 +30,7 @@ def open_sensors(task: type[Task], parameters: TaskParameters, seed: int, clock:
         ParameterError: as ``open_sensor``, or two seats name the same device.
         StoreError: as ``open_sensor``.
     """
-    seats = task.sensed(parameters)
+    seats = task.sensor_seats(parameters)
     _check_distinct(parameters, seats)
     return [open_sensor(parameters, seed + number, clock, folder, seat) for number, seat in enumerate(seats)]
 
@@ -117,7 +117,7 @@ def _stored_source(name: str, folder: Path, clock: Clock | None, seat: str) -> R
 def sensor_nodes(task: Task, seed: int, *feeds: ImuFeed) -> list[Node]:
     """Make the nodes of a live session's sensors, one a seat; a simulated one moves like an average hand."""
     nodes: list[Node] = []
-    for seat, feed in zip(task.sensed(task.parameters), feeds, strict=True):
+    for seat, feed in zip(task.sensor_seats(task.parameters), feeds, strict=True):
         nodes.append(Imu(feed, seat))
         if move := _mover(feed.source):
             nodes.append(SimulatedMover(PEOPLE["average"], task, seed, move, seat))

@@ -44,7 +44,7 @@ def simulate(
 
     def make_nodes(task: Task, theme: Theme) -> list[Node]:
         others = [*([SimulatedOperator(operator, plan.seed)] if operator else []), *output_nodes(task, theme)]
-        if task.sensed(task.parameters):
+        if task.sensor_seats(task.parameters):
             from sar_tui.runs.sensors import simulated_nodes  # imports numpy
 
             return [*simulated_nodes(person, task, plan.seed, clock, partner or person), *others]

@@ -27,7 +27,7 @@ def main(name: str, folders: list[str]) -> None:
     task = kind(build(kind.Parameters, {"attempts": 2}))
     clock = VirtualClock()
     Keyboard()
-    if kind.sensed(task.parameters):
+    if kind.sensor_seats(task.parameters):
         from sar_tui.inputs.feed import ImuFeed
         from sar_tui.inputs.sensor import Imu
         from sar_tui.inputs.sources import open_source
@@ -39,7 +39,7 @@ def main(name: str, folders: list[str]) -> None:
     from sar_tui.simulation.person import PEOPLE
 
     participant: list[Node] = [SimulatedParticipant(PEOPLE["average"], task, 0)]
-    if kind.sensed(task.parameters):
+    if kind.sensor_seats(task.parameters):
         hand = open_source("simulated", clock=clock)
         move = getattr(hand, "move", None)
         participant = [SimulatedParticipant(PEOPLE["average"], task, 0, move), Imu(ImuFeed(hand, clock.now))]

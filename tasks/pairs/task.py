@@ -64,7 +64,7 @@ class PairsTask(Task):
     parameters: PairsParameters
 
     @classmethod
-    def sensed(cls, parameters: TaskParameters) -> tuple[str, ...]:
+    def sensor_seats(cls, parameters: TaskParameters) -> tuple[str, ...]:
         reaching = isinstance(parameters, PairsParameters) and parameters.respond_with == "reaches"
         return cls.seats if reaching else ()
 
@@ -72,7 +72,7 @@ class PairsTask(Task):
         super().__init__(parameters)
         self._levels = levels(self.parameters.layout)
         self._owners = owners(self.parameters.layout)
-        self._reaching = bool(self.sensed(parameters))
+        self._reaching = bool(self.sensor_seats(parameters))
 
     @property
     def levels(self) -> int:
@@ -182,7 +182,7 @@ class PairsTask(Task):
 
     def _line(self, seat: str, half: str) -> str:
         """What is asked of a seat, as plain text."""
-        return f"{self.called(seat)}: {self.tr('reach out and back') if self._reaching else half}"
+        return f"{self.display_name(seat)}: {self.tr('reach out and back') if self._reaching else half}"
 
     def _side(self, situation: Situation) -> int:
         """Each side as often as the other in an attempt, in an order of its own."""

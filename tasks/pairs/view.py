@@ -51,7 +51,7 @@ class PairsView(TaskView):
 
     def _name(self, seat: str, width: int) -> str:
         """Name a seat by its place, and by its participant's code too if both fit."""
-        place, name = self.task.seat_name(seat), self.task.called(seat)
+        place, name = self.task.seat_name(seat), self.task.display_name(seat)
         words = "{who}"
         if seat == self._turn:
             words = self.tr("[ {who}: your turn ]")

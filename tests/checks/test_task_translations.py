@@ -169,7 +169,7 @@ def test_a_number_in_a_translation_of_it_is_told_with_its_language(call: Call, f
         ('Result(correct=False, remark=self.tr("a"))', {"a"}),
         ('Result(correct=False, remark=tr("a" if x else "b"))\ntr("c")', {"a", "b"}),
         ('A = {"k": "a"}\nwhy = tr(A[x])\nAgain("k", why)', {"a"}),
-        ('Again(reason="k", words=self.tr("a"))', {"a"}),
+        ('Again(reason="k", text=self.tr("a"))', {"a"}),
         ('task.Again("k", "a")', {"a"}),
         ('Other("k", tr("a"))', set()),
     ],

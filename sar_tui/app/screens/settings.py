@@ -99,7 +99,7 @@ class SettingsScreen(Screen[None]):
     def _problems(self) -> dict[str, str]:
         try:
             parameters = build(self._motor_task.Parameters, self._values())
-            if seats := self._motor_task.sensed(parameters):
+            if seats := self._motor_task.sensor_seats(parameters):
                 from sar_tui.runs.sensors import check_sensors
 
                 check_sensors(parameters, seats)

@@ -68,7 +68,7 @@ def _paused(waiting: Waiting, task: Task, tr: Language) -> Words | None:
             why = waiting.detail or tr("The sensor sends nothing. Check its cable.")
             unheard = tr("The sensor on your hand is not heard just now. Nothing is lost.")
             if len(task.seats) > 1 and waiting.seat:
-                unheard = f"{task.called(waiting.seat)}: {unheard}"
+                unheard = f"{task.display_name(waiting.seat)}: {unheard}"
             return Words(
                 tr("Please wait"),
                 f"{unheard}\n\n"

@@ -105,7 +105,7 @@ class ActionCenter(Node):
         """Words for one of several: they say for whom they are."""
         if len(self._task.seats) == 1:
             return words
-        who = self._task.called(seat)
+        who = self._task.display_name(seat)
         return self._task.tr("{who}: {words}", who=who, words=words)
 
     def _to_all(self, situation: str) -> str:

@@ -69,7 +69,7 @@ class EventHandler(AttemptFlow):
         super().__init__(task, seed)
         self.vital = vital
         self._pause_reason = ""
-        self._blockers = Blockers(task.sensed(task.parameters))
+        self._blockers = Blockers(task.sensor_seats(task.parameters))
         self._status: Literal["completed", "aborted"] = "completed"
 
     # --- the session -------------------------------------------------------------------------------------

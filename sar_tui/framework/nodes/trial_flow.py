@@ -255,9 +255,9 @@ class TrialFlow(TimedNode, ABC):
         self._agains += 1
         if self._agains < MOST_AGAIN:
             self._void(again.reason)
-            self._begin_trial(again.words)
+            self._begin_trial(again.text)
         else:
-            self._finish(Result(correct=False, flags=("unmeasured", again.reason), remark=again.words))
+            self._finish(Result(correct=False, flags=("unmeasured", again.reason), remark=again.text))
 
     def _finish(self, result: Result | Results) -> None:
         """Record the trial, and go on to the next or to the end of the attempt."""

@@ -168,8 +168,8 @@ def test_a_sensor_that_comes_loose_pauses_the_session_and_whose_it_is_is_told() 
 
 def test_with_keys_nobody_wears_a_sensor() -> None:
     keys, hands = make(), make(respond_with="reaches")
-    assert (keys.sensed(keys.parameters), keys.nodes()) == ((), ())
-    assert hands.sensed(hands.parameters) == ("A", "B")
+    assert (keys.sensor_seats(keys.parameters), keys.nodes()) == ((), ())
+    assert hands.sensor_seats(hands.parameters) == ("A", "B")
     assert [node.name for node in hands.nodes()] == ["reach_perception", "reach_perception_b"]
 
 

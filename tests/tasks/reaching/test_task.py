@@ -37,7 +37,7 @@ def words_of(task: Task) -> Iterator[str]:
     for reason in ("samples", "gap", "rate"):
         again = judged(task, percept(invalid=reason))
         assert isinstance(again, Again)
-        yield again.words
+        yield again.text
 
 
 def situation(level: int = 1) -> Situation:
@@ -141,8 +141,8 @@ def test_a_reach_that_the_sensor_missed_is_done_again_with_a_word_that_blames_th
     again = judged(make(), percept(invalid=reason, onset=6 * SECOND, end=7 * SECOND))
     assert isinstance(again, Again)
     assert again.reason == reason
-    assert "sensor" in again.words
-    assert again.words.endswith(".")
+    assert "sensor" in again.text
+    assert again.text.endswith(".")
 
 
 @pytest.mark.parametrize("key", ["space", "enter", "x"])
