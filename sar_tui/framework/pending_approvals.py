@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from sar_tui.framework.messages import PendingApproval
-from sar_tui.framework.policies.arbitration import is_owed
+from sar_tui.framework.policies.arbitration import is_awaited
 
 
 class PendingApprovals:
@@ -20,7 +20,7 @@ class PendingApprovals:
     @property
     def is_awaited(self) -> bool:
         """Whether the session waits for one of them."""
-        return any(map(is_owed, self._waiting.values()))
+        return any(map(is_awaited, self._waiting.values()))
 
     @property
     def next_deadline(self) -> int | None:

@@ -113,7 +113,7 @@ def mode_times(told: Iterable[Told], parameters: OperatorSettings) -> list[ModeT
             case m.OperatorChanged():
                 state = msgspec.structs.replace(state, operated=message.operated)
             case m.ModeChanged():
-                state = arbitration.choose(state, message.kind, message.mode)
+                state = arbitration.set_mode(state, message.kind, message.mode)
     return [
         ModeTime(kind, mode, seconds(time), seconds(unattended))
         for (kind, mode), (time, unattended) in sorted(times.items(), key=_in_order)

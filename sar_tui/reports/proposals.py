@@ -111,7 +111,7 @@ class ProposalLog:
             case m.OperatorChanged():
                 self.state = msgspec.structs.replace(self.state, operated=message.operated)
             case m.ModeChanged():
-                self.state = arbitration.choose(self.state, message.kind, message.mode)
+                self.state = arbitration.set_mode(self.state, message.kind, message.mode)
             case m.Proposal():
                 self._propose(run, at, message)
             case m.PendingApproval():
@@ -147,7 +147,7 @@ class ProposalLog:
                 self._cause = (at, "stopped")
 
     def _propose(self, run: int, at: int, proposal: m.Proposal) -> Case:
-        kind = arbitration.RULED.get(proposal.kind, "filler")
+        kind = arbitration.CONTROLLED.get(proposal.kind, "filler")
         case = self.cases[proposal.id] = Case(
             id=proposal.id,
             run=run,

@@ -52,7 +52,7 @@ class Approvals(TimedNode, ABC):
 
         Returns the proposal as it was decided on.
         """
-        if not arbitration.is_apart(self._rules, self._parameters, proposal):
+        if not arbitration.is_gesture_separate(self._rules, self._parameters, proposal):
             self._decide(proposal)
             return proposal
         words = replace(proposal, gesture="")
@@ -62,14 +62,14 @@ class Approvals(TimedNode, ABC):
         return words
 
     def _decide(self, proposal: Proposal) -> None:
-        verdict = arbitration.rule(self._rules, self._parameters, proposal, self.now)
-        match verdict.what:
+        verdict = arbitration.decide(self._rules, self._parameters, proposal, self.now)
+        match verdict.outcome:
             case "act":
                 self._queue.add(accepted(proposal, ground=verdict.ground))
             case "drop":
                 self.emit(DROPPED, Dropped(id=proposal.id, reason="no operator"))
-            case "offer" if verdict.offer:
-                self._ask_operator(verdict.offer)
+            case "wait" if verdict.pending:
+                self._ask_operator(verdict.pending)
 
     def _ask_operator(self, pending: PendingApproval) -> None:
         self._pending.add(pending)
@@ -84,18 +84,18 @@ class Approvals(TimedNode, ABC):
         text = f"Level {change.previous} → {change.level}"
         proposal = Proposal(seat=change.seat, id=f"l{self._level_requests + 1}", kind="difficulty", text=text)
         if request.is_last:
-            verdict = arbitration.rule(self._rules, self._parameters, proposal, self.now)
-            return m.LevelReply(happens=verdict.what == "act")
+            verdict = arbitration.decide(self._rules, self._parameters, proposal, self.now)
+            return m.LevelReply(happens=verdict.outcome == "act")
         self._level_requests += 1
         self._give_up_levels("amended")
-        verdict = arbitration.rule(self._rules, self._parameters, proposal, self.now, change.level)
-        if verdict.offer:
-            self._ask_operator(verdict.offer)
-        elif verdict.what == "drop":
+        verdict = arbitration.decide(self._rules, self._parameters, proposal, self.now, change.level)
+        if verdict.pending:
+            self._ask_operator(verdict.pending)
+        elif verdict.outcome == "drop":
             pending = PendingApproval(proposal=proposal, mode=self._rules.mode("difficulty"))
             self._decide_level(pending, "rejected", change.previous)
         self._publish_state()
-        return m.LevelReply(happens=verdict.what == "act")
+        return m.LevelReply(happens=verdict.outcome == "act")
 
     def _note_outcome(self, ended: m.AttemptEnded) -> None:
         """Give up a pending level if its attempt, scored again, has another outcome and requested no new level."""
@@ -141,11 +141,11 @@ class Approvals(TimedNode, ABC):
 
     def _apply_mode(self, chosen: m.ModeChanged) -> None:
         """Apply a new mode, also to what waits already."""
-        self._rules = arbitration.choose(self._rules, chosen.kind, chosen.mode)
-        for pending in self._pending.clear(lambda one: arbitration.RULED[one.proposal.kind] == chosen.kind):
-            verdict = arbitration.rule(self._rules, self._parameters, pending.proposal, self.now, pending.level)
-            if verdict.offer:
-                self._ask_operator(verdict.offer)
+        self._rules = arbitration.set_mode(self._rules, chosen.kind, chosen.mode)
+        for pending in self._pending.clear(lambda one: arbitration.CONTROLLED[one.proposal.kind] == chosen.kind):
+            verdict = arbitration.decide(self._rules, self._parameters, pending.proposal, self.now, pending.level)
+            if verdict.pending:
+                self._ask_operator(verdict.pending)
             else:
                 self._act(pending, chosen.actor, "operator")
 

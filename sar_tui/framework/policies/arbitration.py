@@ -1,7 +1,7 @@
-"""Arbitration: whether a proposal is acted on, waits for an operator, or is left out. Pure (see the operator's modes).
+"""Arbitration: whether a proposal is acted on, waits for an operator, or is dropped. Pure.
 
-Who waits for what: a mode for each kind of action says whether an operator has to decide; without an operator the
-modes do not hold, and what they would have held back is done, or left out, as the session is set.
+Each kind of action has a mode that says whether an operator has to decide. Without an operator the modes do not apply;
+`operator_lost` says whether an action that they would have held back is done or dropped.
 """
 
 from typing import Literal
@@ -12,7 +12,7 @@ from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import ControlledKind, Ground, Kind, Mode, PendingApproval, Proposal
 from sar_tui.framework.settings.operator import OperatorSettings
 
-RULED: dict[Kind, ControlledKind] = {
+CONTROLLED: dict[Kind, ControlledKind] = {
     "greeting": "instruction",
     "instruction": "instruction",
     "goodbye": "instruction",
@@ -22,30 +22,30 @@ RULED: dict[Kind, ControlledKind] = {
     "gesture": "gesture",
     "difficulty": "difficulty",
 }
-"""Whose mode a kind goes by. What is not here is nobody's to rule over: an operator's own, and what covers a wait."""
+"""The kind whose mode applies to each kind of action. Others always act: an operator's own remarks, and fillers."""
 
 
 class Arbitration(msgspec.Struct, frozen=True):
-    """The modes that are set, and whether there is an operator, so that they hold."""
+    """The modes that are set, and whether there is an operator, so that they apply."""
 
     modes: dict[ControlledKind, Mode]
     operated: bool = False
 
     def mode(self, kind: Kind) -> Mode:
-        """The mode that is set for a kind of action, whether or not anybody is there."""
-        return self.modes[RULED[kind]] if kind in RULED else "autonomous"
+        """Return the mode of a kind of action, with or without an operator."""
+        return self.modes[CONTROLLED[kind]] if kind in CONTROLLED else "autonomous"
 
 
 class Verdict(msgspec.Struct, frozen=True):
-    """What becomes of a proposal at once, and on what ground; an ``offer`` waits for an operator."""
+    """The decision on a proposal and its ground. ``pending`` is the approval to wait for."""
 
-    what: Literal["act", "drop", "offer"]
+    outcome: Literal["act", "drop", "wait"]
     ground: Ground = "mode"
-    offer: PendingApproval | None = None
+    pending: PendingApproval | None = None
 
 
 def start(parameters: OperatorSettings) -> Arbitration:
-    """The modes a session begins with; nobody is there yet."""
+    """Return the modes at the start of a session, without an operator."""
     return Arbitration(
         {
             "feedback": parameters.operator_feedback,
@@ -57,18 +57,18 @@ def start(parameters: OperatorSettings) -> Arbitration:
     )
 
 
-def choose(state: Arbitration, kind: ControlledKind, mode: Mode) -> Arbitration:
-    """The modes after one is set."""
+def set_mode(state: Arbitration, kind: ControlledKind, mode: Mode) -> Arbitration:
+    """Return the modes after a change of one."""
     return msgspec.structs.replace(state, modes={**state.modes, kind: mode})
 
 
-def rule(
+def decide(
     state: Arbitration, parameters: OperatorSettings, proposal: Proposal, now: int, level: int | None = None
 ) -> Verdict:
-    """What becomes of a proposal made at ``now`` (ns).
+    """Decide on a proposal made at ``now`` (ns).
 
-    An offer falls due after the operator's time; of feedback that is given after a fixed delay, with that, so that its
-    moment does not tell who decided.
+    The operator has ``operator_time_ms``. For feedback with a fixed delay it is that delay instead, so that its timing
+    does not show who decided.
     """
     mode = state.mode(proposal.kind)
     if mode == "autonomous":
@@ -76,20 +76,20 @@ def rule(
     if not state.operated:
         return Verdict("act" if parameters.operator_lost == "autonomous" else "drop", "no operator")
     deadline = proposal.due if proposal.due > now else now + parameters.operator_time_ms * MS
-    offer = PendingApproval(seat=proposal.seat, proposal=proposal, mode=mode, level=level)
+    pending = PendingApproval(seat=proposal.seat, proposal=proposal, mode=mode, level=level)
     if mode != "manual":
         otherwise = "act" if mode == "veto" else parameters.operator_timeout
-        offer = msgspec.structs.replace(offer, deadline=deadline, otherwise=otherwise)
-    return Verdict("offer", offer=offer)
+        pending = msgspec.structs.replace(pending, deadline=deadline, otherwise=otherwise)
+    return Verdict("wait", pending=pending)
 
 
-def is_apart(state: Arbitration, parameters: OperatorSettings, proposal: Proposal) -> bool:
-    """Whether a proposal's gesture is ruled on apart from its words, because its mode is not the agent's own."""
-    if not proposal.gesture or proposal.kind not in RULED:
+def is_gesture_separate(state: Arbitration, parameters: OperatorSettings, proposal: Proposal) -> bool:
+    """Return whether a proposal's gesture is decided separately from its text, because its mode is not autonomous."""
+    if not proposal.gesture or proposal.kind not in CONTROLLED:
         return False
     return state.mode("gesture") != "autonomous" and (state.operated or parameters.operator_lost == "silent")
 
 
-def is_owed(offer: PendingApproval) -> bool:
-    """Whether the session waits for an offer: it is an answer or a change of level, and decided by a set time."""
-    return offer.deadline is not None and offer.proposal.kind in ("feedback", "difficulty")
+def is_awaited(pending: PendingApproval) -> bool:
+    """Return whether the session waits for an approval: of feedback or a change of level, with a deadline."""
+    return pending.deadline is not None and pending.proposal.kind in ("feedback", "difficulty")
