@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -27,6 +27,9 @@ Data = Annotated[
 Tasks = Annotated[
     list[Path] | None,
     typer.Option("--tasks", metavar="DIR", show_default=False, help="Look for tasks here, too. May be repeated."),
+]
+RecordedSession = Annotated[
+    str, typer.Argument(metavar="SESSION|last", help="Its id, or the beginning of it.", show_default=False)
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Pairs = Annotated[
@@ -102,6 +105,14 @@ class Home(NamedTuple):
             yield database
         finally:
             database.conn.close()
+
+    @contextmanager
+    def session(self, name: str) -> "Iterator[tuple[sqlite_utils.Database, dict[str, Any]]]":
+        """Open the database at a recorded session, given its id, the start of it, or ``last``. Raises StoreError."""
+        from sar_tui.store.sessions import find
+
+        with self.database() as database:
+            yield database, find(database, self.folder, name)
 
 
 def console(*, error: bool = False) -> "Console":

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, RecordedSession, Tasks, console, print_json
 from sar_tui.cli.detect import detector_option
 from sar_tui.cli.errors import Refused
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
@@ -88,9 +88,7 @@ class _Trial(NamedTuple):
 
 def reanalyse(
     context: typer.Context,
-    session: Annotated[
-        str, typer.Argument(metavar="SESSION|last", help="Its id, or the beginning of it.", show_default=False)
-    ],
+    session: RecordedSession,
     detector: Annotated[
         DetectorName | None,
         detector_option("Detector to use, with its defaults; else the one of the session.", show_default=False),
@@ -105,9 +103,7 @@ def reanalyse(
     """
     from sar_tui.store import sessions as store
 
-    home = Home.of(context, data, tasks)
-    with home.database() as database:
-        found = store.find(database, home.folder, session)
+    with Home.of(context, data, tasks).session(session) as (database, found):
         kept = [row for row in store.rows(database, "trials", found["id"]) if _has_window(row)]
         if any(row["seat"] != "A" for row in store.rows(database, "trials", found["id"])):
             raise Refused(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, RecordedSession, Tasks, console, print_json
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -66,9 +66,7 @@ def sessions(
 
 def show(
     context: typer.Context,
-    session: Annotated[
-        str, typer.Argument(metavar="SESSION|last", help="Its id, or the beginning of it.", show_default=False)
-    ],
+    session: RecordedSession,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -78,8 +76,7 @@ def show(
     from sar_tui.store import sessions as store
 
     home = Home.of(context, data, tasks)
-    with home.database() as database:
-        found = store.find(database, home.folder, session)
+    with home.session(session) as (database, found):
         found["operators"] = store.operators(database, found["id"]).get(found["id"], [])
         attempts = store.rows(database, "attempts", found["id"])
         trials = store.rows(database, "trials", found["id"])

@@ -1,4 +1,4 @@
-"""How far an operator agreed with the agent. Pure."""
+"""Agreement of operators with the agent. Pure."""
 
 from collections import Counter
 from collections.abc import Hashable, Iterable, Sequence
@@ -6,18 +6,21 @@ from statistics import median
 
 import msgspec
 
-from sar_tui.reports.proposals import Case
+from sar_tui.reports.proposals import ProposalRecord
 
 
 class Agreement(msgspec.Struct, frozen=True):
-    """Over the proposals on which an operator decided.
+    """Agreement over the proposals on which an operator decided.
 
-    ``decided``, and of those ``accepted`` as they were, ``edited``, ``vetoed``; ``accepted_share``.
-    ``words_changed_…``: which share of its words an edit changed (`word_distance`): the median over ``edits_of_words``,
-    and the largest.
-    ``valences``: so many of those decided have a valence and were to be said; in ``valences_overridden`` of them it was
-    another. ``valence_kappa``: Cohen's, of proposed and said, None where both are the same one throughout.
-    ``valence_table`` counts them: proposed, then said.
+    Attributes:
+        decided: number of proposals, of which ``accepted`` unchanged, ``edited`` and ``vetoed``.
+        accepted_share: of those decided.
+        edits_of_words: number of edits that changed words.
+        words_changed_median, words_changed_most: share of words that these changed (`word_distance`).
+        valences: number of decided and said proposals that have a valence.
+        valences_overridden: of these, number with another valence than proposed.
+        valence_kappa: Cohen's kappa of proposed and said; None if both have only one and the same value.
+        valence_table: counts by proposed, then said valence.
     """
 
     decided: int
@@ -34,16 +37,16 @@ class Agreement(msgspec.Struct, frozen=True):
     valence_table: dict[str, dict[str, int]]
 
 
-def agreement(cases: Iterable[Case]) -> Agreement:
-    """Compare what was proposed with what operators made of it."""
-    decided = [case for case in cases if case.verdict]
-    counts = Counter(case.verdict for case in decided)
+def agreement(records: Iterable[ProposalRecord]) -> Agreement:
+    """Compare proposals with the operators' decisions."""
+    decided = [record for record in records if record.verdict]
+    counts = Counter(record.verdict for record in decided)
     edits = [
-        word_distance(case.text, case.said)
-        for case in decided
-        if case.verdict == "edited" and case.said is not None and case.said != case.text
+        word_distance(record.text, record.said)
+        for record in decided
+        if record.verdict == "edited" and record.said is not None and record.said != record.text
     ]
-    pairs = [(case.valence, case.said_valence) for case in decided if case.valence and case.said_valence]
+    pairs = [(each.valence, each.said_valence) for each in decided if each.valence and each.said_valence]
     table: dict[str, dict[str, int]] = {}
     for (proposed, said), n in sorted(Counter(pairs).items()):
         table.setdefault(str(proposed), {})[str(said)] = n
@@ -64,9 +67,9 @@ def agreement(cases: Iterable[Case]) -> Agreement:
 
 
 def kappa(pairs: Sequence[tuple[Hashable, Hashable]]) -> float | None:
-    """Cohen's kappa (1960) of two judgments of the same things: agreement beyond that of chance, 1 at most.
+    """Return Cohen's kappa (1960) of two ratings of the same items: agreement beyond chance, at most 1.
 
-    None where it is not defined: without any, or where both are the same one throughout.
+    None if it is not defined: without items, or if all ratings are the same.
     """
     if not pairs:
         return None
@@ -78,9 +81,9 @@ def kappa(pairs: Sequence[tuple[Hashable, Hashable]]) -> float | None:
 
 
 def word_distance(before: str, after: str) -> float:
-    """Which share of the words is another, 0 to 1.
+    """Return the share of words that differ, 0 to 1.
 
-    The fewest words to be put in, taken out or replaced (Levenshtein 1966), over the number of words of the longer.
+    Levenshtein distance (1966) in words, divided by the number of words of the longer text.
     """
     one, other = before.split(), after.split()
     if not one and not other:

@@ -1,4 +1,4 @@
-"""The thesis' Figure 4.4 in text: result and level over the attempts of a session."""
+"""Text plot of result and level over the attempts of a session (the thesis' Figure 4.4)."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -8,11 +8,11 @@ from typing import Any
 from sar_tui.framework.language import Language
 
 REACHED, MISSED, EMPTY, LEVEL, GOAL = "●", "○", "×", "░", "╌"
-"""What stands for an attempt that reached its goal, missed it, had nothing to average; for the level; for the goal."""
+"""Markers of an attempt with its goal reached, missed, or without a result; of the level; of the goal."""
 
 _ENGLISH = Language()
 _MARGIN = 7
-"""Columns for the numbers of the left axis, and the name of the lower one."""
+"""Columns for the left axis' numbers and the lower axis' name."""
 _SMALLEST = (30, 7)
 
 
@@ -33,13 +33,13 @@ def attempts_figure(
 
     Args:
         levels: of each attempt.
-        metrics: of each attempt; None where there was nothing to average.
-        metric: its name and unit, as the heading of the left axis.
-        goals: of each attempt; it may be another at each level.
-        width, height: in characters, the heading and the axes included.
-        color: with ANSI colours; the markers tell the same without.
-        outcomes: ``success`` or ``failure`` of each attempt; without them all have the same marker.
-        beside: metrics and goals of a figure that this one is compared with: the left axis has room for them too.
+        metrics: of each attempt; None without a result.
+        metric: name and unit, the heading of the left axis.
+        goals: of each attempt; they may differ by level.
+        width, height: in characters, including heading and axes.
+        color: use ANSI colours.
+        outcomes: ``success`` or ``failure`` of each attempt; if empty, all have the same marker.
+        beside: metrics and goals of a figure shown beside this one, so that both have the same axis.
         tr: the language of the other words.
 
     Returns:
@@ -71,7 +71,7 @@ def _body(
     beside: Sequence[float],
     tr: Language,
 ) -> str:
-    """The axes and what stands between them; a canvas of two lines less than the height."""
+    """Draw the axes and the data, on a canvas two lines lower than the height."""
     count, rows = len(levels), size[1] - 2
     attempts = range(1, count + 1)
     plt.limit_size(False, False)
@@ -124,7 +124,7 @@ def _heading(
     width: int,
     tr: Language,
 ) -> str:
-    """The names of the axes at both ends, and between them as much of the legend as there is room for."""
+    """Return the names of both axes, and between them as much of the legend as fits."""
     used = set(_marks(metrics, outcomes))
     legend = [f"{REACHED} {tr('reached')}", f"{MISSED} {tr('missed')}"] if outcomes else []
     legend += [f"{EMPTY} {tr('no result')}"] if EMPTY in used else []
@@ -139,21 +139,21 @@ def _heading(
 
 
 def _runs(metrics: Sequence[float | None]) -> Iterator[list[tuple[int, float]]]:
-    """The attempts that a line may join: those with a result, side by side."""
+    """Yield runs of consecutive attempts with a result, to be joined by a line."""
     for has_result, run in groupby(enumerate(metrics, start=1), key=lambda item: item[1] is not None):
         if has_result:
             yield [(attempt, value) for attempt, value in run if value is not None]
 
 
 def _limits(values: Sequence[float]) -> tuple[float, float]:
-    """Room above and below the values."""
+    """Return the axis limits, with a margin around the values."""
     low, high = min(values), max(values)
     room = 0.06 * (high - low) or 0.1 * abs(high) or 1.0
     return low - room, high + room
 
 
 def _round_numbers(low: float, high: float, most: int) -> list[float]:
-    """At most ``most`` round numbers between two bounds, a step of 1, 2 or 5 times a power of ten apart."""
+    """Return at most ``most`` round numbers between two bounds, in steps of 1, 2 or 5 times a power of ten."""
     power = 10 ** math.floor(math.log10((high - low) / most))
     step = next(s for m in (1, 2, 5, 10, 20) if (high - low) / (s := m * power) <= most)
     first = math.ceil(low / step)

@@ -1,4 +1,4 @@
-"""What an operator did beside the session's plan, and what did not come through. Pure."""
+"""Deviations from the session's plan: operators' commands, lost operators, refused and missed acts. Pure."""
 
 from collections.abc import Collection, Iterator, Sequence
 
@@ -6,18 +6,23 @@ import msgspec
 
 from sar_tui.framework import messages as m
 from sar_tui.reports.presence import seconds
-from sar_tui.reports.record import Told, spans
+from sar_tui.reports.record import LoggedMessage, spans
 
-_STEERING = ("level", "skip", "repeat", "pause", "end", "stop", "mark")
-"""Of the commands, those that make a session another than it would have been; a pause ends by itself."""
+_COMMANDS = ("level", "skip", "repeat", "pause", "end", "stop", "mark")
+"""Commands that change the course of a session. `resume` only ends a pause."""
 
 
 class Deviation(msgspec.Struct, frozen=True):
-    """One of them: ``what``, ``at_s`` since the beginning of its run, and by whom.
+    """Deviation from the plan.
 
-    ``what``: ``mode``, ``level``, ``skip``, ``repeat``, ``pause``, ``end``, ``stop``, ``mark``; ``baton`` (another
-    operator holds it); ``lost``, ``left`` (an operator); ``refused`` (an act was not let in), ``missed`` (it came to
-    nothing). ``count``: for refused acts, of how many this tells. ``duration_s``: of a pause.
+    Attributes:
+        at_s: from the start of its run.
+        what: ``mode``, ``level``, ``skip``, ``repeat``, ``pause``, ``end``, ``stop``, ``mark``; ``baton`` (stored
+            spelling: another operator took control); ``lost``, ``left`` (an operator); ``refused``, ``missed`` (an
+            act).
+        actor: who caused it.
+        count: number of refused acts that one message reports.
+        duration_s: of a pause.
     """
 
     run: int
@@ -29,12 +34,12 @@ class Deviation(msgspec.Struct, frozen=True):
     duration_s: float | None = None
 
 
-def deviations(told: Sequence[Told], operators: Collection[str]) -> list[Deviation]:
-    """All of a session, in order. ``operators``: whose steering counts; a participant's own pause is none."""
-    known = spans(told)
+def deviations(messages: Sequence[LoggedMessage], operators: Collection[str]) -> list[Deviation]:
+    """Return all deviations of a session, in order. ``operators``: those whose commands count."""
+    known = spans(messages)
     holder = ""
     found = []
-    for index, (run, at, message) in enumerate(told):
+    for index, (run, at, message) in enumerate(messages):
         if run not in known:
             continue
         if isinstance(message, m.OperatorChanged) and message.state == "baton":
@@ -43,7 +48,7 @@ def deviations(told: Sequence[Told], operators: Collection[str]) -> list[Deviati
                 continue
         for what, detail in _deviation(message, operators):
             count = message.count if isinstance(message, m.ActRefused) else 1
-            duration = _pause_s(told, index) if what == "pause" else None
+            duration = _pause_s(messages, index) if what == "pause" else None
             at_s = seconds(at - known[run].began)
             found.append(Deviation(run, at_s, what, getattr(message, "actor", ""), detail, count, duration))
     return found
@@ -53,7 +58,7 @@ def _deviation(message: m.Message, operators: Collection[str]) -> Iterator[tuple
     match message:
         case m.ModeChanged():
             yield "mode", f"{message.kind}: {message.mode}"
-        case m.Operator(command=what) if message.actor in operators and what in _STEERING:
+        case m.Operator(command=what) if message.actor in operators and what in _COMMANDS:
             yield what, "" if message.value is None and what == "level" else str(message.value or message.reason)
         case m.OperatorChanged(state="baton"):
             yield "baton", ""
@@ -65,11 +70,11 @@ def _deviation(message: m.Message, operators: Collection[str]) -> Iterator[tuple
             yield "missed", f"{message.what}: {message.why}"
 
 
-def _pause_s(told: Sequence[Told], index: int) -> float:
-    """How long a pause lasted: until the session waits for something else, or its run ends; 0 if it was none."""
-    run, at, _ = told[index]
+def _pause_s(messages: Sequence[LoggedMessage], index: int) -> float:
+    """Return the duration of a pause: until the session goes on or its run ends; 0 if it did not pause."""
+    run, at, _ = messages[index]
     until = at
-    for later in told[index + 1 :]:
+    for later in messages[index + 1 :]:
         if later.run != run:
             break
         until = later.at

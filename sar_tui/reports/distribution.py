@@ -1,4 +1,4 @@
-"""How times are spread: the figures in which they are reported, and a drawing of them. Pure."""
+"""Distribution of times: statistics and a histogram. Pure."""
 
 import math
 from collections.abc import Sequence
@@ -7,13 +7,13 @@ from statistics import median, quantiles
 import msgspec
 
 BINS = 12
-"""At most so many bars."""
+"""Largest number of bars."""
 _LONGEST = 4
-"""Cells for one time, where there are few."""
+"""Most cells for one time, if there are few."""
 
 
 class Distribution(msgspec.Struct, frozen=True):
-    """Figures of ``n`` times, in ms: percentiles (``p5`` …), ``iqr`` (p75 less p25), and the longest (``worst``)."""
+    """Statistics of ``n`` times in ms: percentiles (``p5`` …), ``iqr`` (p75 − p25), the longest (``worst``)."""
 
     n: int
     median: float
@@ -26,7 +26,7 @@ class Distribution(msgspec.Struct, frozen=True):
 
 
 def distribution(times: Sequence[float]) -> Distribution | None:
-    """Describe times in ms; None where there are none. Percentiles are interpolated (R's type 7)."""
+    """Return the statistics of times (ms), or None without times. Percentiles are interpolated (R's type 7)."""
     if not times:
         return None
     cuts = quantiles(times, n=20, method="inclusive") if len(times) > 1 else [times[0]] * 19
@@ -44,7 +44,7 @@ def distribution(times: Sequence[float]) -> Distribution | None:
 
 
 class Bin(msgspec.Struct, frozen=True):
-    """How many times were at least ``low`` and below ``high``, ms."""
+    """Number of times from ``low`` up to but not including ``high`` (ms)."""
 
     low: float
     high: float
@@ -54,7 +54,7 @@ class Bin(msgspec.Struct, frozen=True):
 def bins(times: Sequence[float], most: int = BINS) -> list[Bin]:
     """Count times (ms) in bins of one round width: 1, 2 or 5 times a power of ten, 1 ms or more; at most ``most`` bins.
 
-    The first holds the shortest time, the last the longest; none is left out between them.
+    The first holds the shortest time, the last the longest; empty bins between them are included.
     """
     if not times:
         return []
@@ -74,7 +74,7 @@ def _width(low: float, high: float, most: int) -> float:
 
 
 def histogram(times: Sequence[float], width: int) -> list[str]:
-    """Draw times (ms): a line a bin, ``width`` characters at most."""
+    """Draw times (ms), one line for each bin, at most ``width`` characters wide."""
     found = bins(times)
     if not found:
         return []

@@ -1,4 +1,4 @@
-"""What was written down while a session ran: remarks, and event marks. Pure."""
+"""Notes and event marks of a session. Pure."""
 
 from collections.abc import Sequence
 
@@ -6,11 +6,11 @@ import msgspec
 
 from sar_tui.framework import messages as m
 from sar_tui.reports.presence import seconds
-from sar_tui.reports.record import Told, spans
+from sar_tui.reports.record import LoggedMessage, spans
 
 
-class Written(msgspec.Struct, frozen=True):
-    """A remark, or an event mark with its ``label``: ``at_s`` since its run's beginning, when its key was pressed."""
+class Note(msgspec.Struct, frozen=True):
+    """Note, or event mark with its ``label``. ``at_s``: of the key, from the start of its run."""
 
     run: int
     at_s: float
@@ -19,11 +19,11 @@ class Written(msgspec.Struct, frozen=True):
     label: str
 
 
-def written(told: Sequence[Told]) -> list[Written]:
-    """All of a session, in order."""
-    known = spans(told)
+def notes(messages: Sequence[LoggedMessage]) -> list[Note]:
+    """Return all notes and event marks of a session, in order."""
+    known = spans(messages)
     return [
-        Written(run, seconds((message.at or at) - known[run].began), message.actor, message.text, message.label)
-        for run, at, message in told
+        Note(run, seconds((message.at or at) - known[run].began), message.actor, message.text, message.label)
+        for run, at, message in messages
         if isinstance(message, m.NoteAdded) and run in known
     ]

@@ -1,4 +1,4 @@
-"""What became of a session's outputs: how much each did, and what it failed in."""
+"""Summary of a session's outputs: actions done and failed."""
 
 from collections import Counter
 from typing import Any
@@ -7,12 +7,12 @@ import msgspec
 import sqlite_utils
 
 _OVER = ("done", "aborted", "failed")
-_TOLD = """SELECT topic, message FROM events
+_REPORTS = """SELECT topic, message FROM events
            WHERE session=? AND topic IN ('output/opened', 'output/report') ORDER BY seq"""
 
 
 class OutputSummary(msgspec.Struct):
-    """One output of a session; ``why``: the reason that it gave most often for a failure."""
+    """Output of a session. ``why``: the most frequent reason for its failures."""
 
     output: str
     address: str = ""
@@ -23,7 +23,7 @@ class OutputSummary(msgspec.Struct):
 
     @property
     def line(self) -> str:
-        """How it failed: "speech: 5 of 5 failed (There is no sound card.)". Empty where it did not."""
+        """Its failures, as "speech: 5 of 5 failed (There is no sound card.)"; empty if there are none."""
         if not self.failed:
             return ""
         why = f" ({self.why})" if self.why else ""
@@ -31,19 +31,19 @@ class OutputSummary(msgspec.Struct):
 
 
 def output_summaries(database: sqlite_utils.Database, session: str) -> list[OutputSummary]:
-    """The outputs of a session, in the order in which they were opened; none in sessions without an agent's outputs.
+    """Summarise the outputs of a session in the order in which they were opened.
 
-    Of each part the last report counts.
+    The last report on each part of an action counts.
     """
     opened: dict[str, OutputSummary] = {}
     last: dict[tuple[str, str, str], dict[str, Any]] = {}
-    for topic, text in database.execute(_TOLD, (session,)):
+    for topic, text in database.execute(_REPORTS, (session,)):
         message = msgspec.json.decode(text)
         found = opened.setdefault(message["output"], OutputSummary(message["output"]))
         if topic == "output/opened":
             found.address = message["address"]
         elif message["state"] in _OVER:
-            last[message["output"], message["action"], message["deed"]] = message
+            last[message["output"], message["action"], message["deed"]] = message  # stored spelling of `part`
     reasons: dict[str, Counter[str]] = {name: Counter() for name in opened}
     for (name, _, _), report in last.items():
         found = opened[name]

@@ -1,4 +1,4 @@
-"""When the participant paused, and how they said they were. Pure."""
+"""Pauses of the participant, with their reasons. Pure."""
 
 from collections.abc import Collection, Sequence
 
@@ -6,14 +6,16 @@ import msgspec
 
 from sar_tui.framework import messages as m
 from sar_tui.reports.presence import seconds
-from sar_tui.reports.record import Told, spans
+from sar_tui.reports.record import LoggedMessage, spans
 
 
 class Pause(msgspec.Struct, frozen=True):
-    """A pause that the participant asked for: from ``at_s`` (since its run's beginning) on, for ``duration_s``.
+    """Pause of the participant.
 
-    ``reason``: as they gave it, ``tired``, ``pain``, ``finished``, or empty; ``ended_by``: who went on, empty where the
-    run ended with it.
+    Attributes:
+        at_s: from the start of its run.
+        reason: ``tired``, ``pain``, ``finished`` or empty.
+        ended_by: who resumed; empty if the run ended.
     """
 
     run: int
@@ -23,13 +25,13 @@ class Pause(msgspec.Struct, frozen=True):
     ended_by: str
 
 
-def pauses(told: Sequence[Told], operators: Collection[str]) -> list[Pause]:
-    """All of a session, in order. ``operators``: whose pauses are none of the participant's."""
-    known = spans(told)
+def pauses(messages: Sequence[LoggedMessage], operators: Collection[str]) -> list[Pause]:
+    """Return all pauses of the participant, in order. ``operators``: those whose pauses do not count."""
+    known = spans(messages)
     found: list[Pause] = []
     is_open = is_paused = False
 
-    for run, at, message in told:
+    for run, at, message in messages:
         if run not in known:
             continue
         if is_open and found[-1].run == run:
@@ -42,7 +44,7 @@ def pauses(told: Sequence[Told], operators: Collection[str]) -> list[Pause]:
                 if not is_open:
                     found.append(Pause(run, seconds(at - known[run].began), 0.0, "", ""))
                     is_open = True
-                if message.reason:  # they pause first, and may say then how they are
+                if message.reason:  # given after the pause has begun
                     found[-1] = msgspec.structs.replace(found[-1], reason=message.reason)
             case m.Operator(command="resume") if is_open:
                 found[-1] = msgspec.structs.replace(found[-1], ended_by=message.actor)
@@ -50,6 +52,6 @@ def pauses(told: Sequence[Told], operators: Collection[str]) -> list[Pause]:
                 if message.stage != "paused" and is_open:
                     is_open = False
                     if not is_paused:
-                        found.pop()  # it could not be just then
+                        found.pop()  # the session could not pause just then
                 is_paused = message.stage == "paused"
     return found

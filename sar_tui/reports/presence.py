@@ -1,4 +1,4 @@
-"""When an operator was there, and how long each mode was set. Pure."""
+"""Presence of operators, and the time for which each mode was set. Pure."""
 
 from collections.abc import Iterable, Sequence
 
@@ -8,16 +8,20 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.messages import ControlledKind, Mode
 from sar_tui.framework.policies import arbitration
 from sar_tui.framework.settings.operator import OperatorSettings
-from sar_tui.reports.record import Told, spans
+from sar_tui.reports.record import LoggedMessage, spans
 
 _NS = 1e9
 
 
 class Absence(msgspec.Struct, frozen=True):
-    """There was no operator any more: from ``at_s`` (since its run's beginning) on, for ``duration_s``.
+    """Time without an operator after there had been one.
 
-    ``actor`` went last; ``state``: ``left``, ``lost``; ``detail``: how that was seen; ``came_back``: whether there was
-    an operator again before the run ended.
+    Attributes:
+        at_s: from the start of its run.
+        actor: the last operator.
+        state: ``left`` or ``lost``.
+        detail: how the loss was noticed.
+        came_back: whether there was an operator again before the run ended.
     """
 
     run: int
@@ -30,16 +34,16 @@ class Absence(msgspec.Struct, frozen=True):
 
 
 class Presence(msgspec.Struct, frozen=True):
-    """How long a session's runs were in all, and how much of that there was an operator, s."""
+    """Duration of all runs, and of the time with an operator (s)."""
 
     duration_s: float
     operated_s: float
     absences: tuple[Absence, ...]
 
 
-def presence(told: Sequence[Told]) -> Presence:
-    """When there was an operator; what is before the first one came is no absence."""
-    known = spans(told)
+def presence(messages: Sequence[LoggedMessage]) -> Presence:
+    """Return the time with an operator. The time before the first one joins is no absence."""
+    known = spans(messages)
     operated, absences = 0, []
     since: dict[int, int] = {}
     gone: dict[int, tuple[int, m.OperatorChanged]] = {}
@@ -58,9 +62,9 @@ def presence(told: Sequence[Told]) -> Presence:
             )
         )
 
-    for run, at, message in told:
+    for run, at, message in messages:
         if isinstance(message, m.SessionStarted):
-            since.pop(run, None)  # who was there before a run begins is not there for the arbiter
+            since.pop(run, None)  # the arbiter forgets operators when a run begins
         if not isinstance(message, m.OperatorChanged) or run not in known:
             continue
         if message.operated and run not in since:
@@ -79,7 +83,7 @@ def presence(told: Sequence[Told]) -> Presence:
 
 
 class ModeTime(msgspec.Struct, frozen=True):
-    """How long a mode was set for a kind of action; ``unattended_s``: of that, without an operator. In s."""
+    """Time for which a mode was set for a kind of action. ``unattended_s``: of that, without an operator."""
 
     kind: ControlledKind
     mode: Mode
@@ -87,10 +91,10 @@ class ModeTime(msgspec.Struct, frozen=True):
     unattended_s: float
 
 
-def mode_times(told: Iterable[Told], parameters: OperatorSettings) -> list[ModeTime]:
-    """How long each mode was set, by kind, over all runs; modes that never were are left out."""
-    told = list(told)
-    known = spans(told)
+def mode_times(messages: Iterable[LoggedMessage], parameters: OperatorSettings) -> list[ModeTime]:
+    """Return the time of each kind and mode over all runs, without modes that were never set."""
+    messages = list(messages)
+    known = spans(messages)
     state = arbitration.start(parameters)
     times: dict[tuple[ControlledKind, Mode], list[int]] = {}
     last: dict[int, int] = {}
@@ -103,7 +107,7 @@ def mode_times(told: Iterable[Told], parameters: OperatorSettings) -> list[ModeT
             spent[1] += 0 if state.operated else lasted
         last[run] = at
 
-    for run, at, message in told:
+    for run, at, message in messages:
         if run in last:
             pass_until(run, max(at, last[run]))
         match message:
@@ -130,5 +134,5 @@ MODES: tuple[Mode, ...] = ("autonomous", "veto", "approve", "manual")
 
 
 def seconds(ns: int) -> float:
-    """To the millisecond."""
+    """Return seconds, to the millisecond."""
     return round(ns / _NS, 3)

@@ -1,4 +1,4 @@
-"""What became of each thing that the agent proposed: in which mode, who decided, and when. Pure."""
+"""Outcome of each proposal: its mode, who decided, and when. Pure."""
 
 from collections.abc import Iterable
 from typing import Literal
@@ -9,7 +9,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.messages import ControlledKind, Mode, Valence
 from sar_tui.framework.policies import arbitration
 from sar_tui.framework.settings.operator import OperatorSettings
-from sar_tui.reports.record import Told
+from sar_tui.reports.record import LoggedMessage
 
 Fate = Literal[
     "agent",
@@ -28,11 +28,14 @@ Fate = Literal[
     "mode_changed",
     "open",
 ]
-"""``agent``: done, for its kind was the agent's own; ``accepted``, ``edited``: done, an operator decided; ``vetoed``:
-one stopped it before it began; ``cut_off``: after; ``timed_out_…``: nobody decided in time; ``no_operator_…``: nobody
-was there; ``manual_dropped``: only an operator would have done it, and did not; ``late``, ``stopped``, ``amended``: as
-`messages.Dropped`; ``mode_changed``: an operator took its kind over while it waited, and did not do it; ``open``:
-undecided when the record ends."""
+"""Outcome of a proposal.
+
+``agent``: done, because its kind was autonomous. ``accepted``, ``edited``: an operator decided, and it was done.
+``vetoed``: stopped by an operator before it began; ``cut_off``: after. ``timed_out_…``: nobody decided in time.
+``no_operator_…``: there was no operator. ``manual_dropped``: left to the operator, who did not do it. ``late``,
+``stopped``, ``amended``: as in `messages.Dropped`. ``mode_changed``: an operator set its kind to manual while it was
+pending, and did not do it. ``open``: undecided when the record ends.
+"""
 Verdict = Literal["accepted", "edited", "vetoed"]
 _DROPPED: dict[str, Fate] = {
     "vetoed": "vetoed",
@@ -45,28 +48,33 @@ _DROPPED: dict[str, Fate] = {
 }
 
 
-class Case(msgspec.Struct):
-    """One proposal, and what became of it. Times in ns.
+class ProposalRecord(msgspec.Struct):
+    """Proposal and its outcome. Times in ns.
 
-    ``kind``: whose mode it went by, or ``filler``. ``mode``: as it was set when it was proposed. ``offered``: when it
-    was put before an operator; ``seen``: when it stood on whose screen; ``keyed``: the stamp of the first key that
-    decided on it, and ``by`` whom. ``resolved``: when it was decided, by whomever. ``verdict``: the last of an
-    operator's, whatever became of it then. ``text`` and ``valence`` as proposed; ``said`` and ``said_valence`` as
-    decided.
+    Attributes:
+        kind: the kind whose mode applied, or ``filler``.
+        mode: when it was proposed.
+        pending_at: when it was put before an operator.
+        seen: when it was on the screen, by operator.
+        key_at, by: time stamp of the first key that decided on it, and whose it was.
+        resolved_at: when it was decided, by an operator or not.
+        verdict: the operator's last, whatever happened afterwards.
+        text, valence: as proposed.
+        said, said_valence: as decided.
     """
 
     id: str
     run: int
     kind: ControlledKind | Literal["filler"]
     mode: Mode
-    proposed: int
+    proposed_at: int
     text: str = ""
     valence: Valence | None = None
-    offered: int | None = None
+    pending_at: int | None = None
     seen: dict[str, int] = {}
-    keyed: int | None = None
+    key_at: int | None = None
     by: str = ""
-    resolved: int | None = None
+    resolved_at: int | None = None
     verdict: Verdict | None = None
     fate: Fate = "open"
     said: str | None = None
@@ -74,36 +82,37 @@ class Case(msgspec.Struct):
 
     @property
     def decision_ms(self) -> float | None:
-        """From its standing on the deciding operator's screen to their key; None if it was not decided by a key, or is
-        not known to have been seen."""
+        """Time from the deciding operator's screen to their key; None without a key, or if it was not seen."""
         shown = self.seen.get(self.by)
-        return None if self.keyed is None or shown is None else (self.keyed - shown) / 1e6
+        return None if self.key_at is None or shown is None else (self.key_at - shown) / 1e6
 
     @property
     def waiting_ms(self) -> float | None:
-        """From its offer until it was decided, by whomever; None if it was never offered, or is open."""
-        return None if self.offered is None or self.resolved is None else (self.resolved - self.offered) / 1e6
+        """Time pending until it was decided by anyone; None if it was never pending or is still open."""
+        return (
+            None if self.pending_at is None or self.resolved_at is None else (self.resolved_at - self.pending_at) / 1e6
+        )
 
 
 class ProposalLog:
-    """Follows the messages of a session from proposal to outcome.
+    """Log of a session's proposals, built message by message.
 
     Attributes:
-        cases: by id, in the order in which they were proposed.
-        state: the modes that are set, and whether there is an operator, as the arbiter had them.
+        records: by id, in order.
+        state: modes, and whether there is an operator, as the arbiter had them.
     """
 
     def __init__(self, parameters: OperatorSettings) -> None:
-        self.cases: dict[str, Case] = {}
+        self.records: dict[str, ProposalRecord] = {}
         self.state = arbitration.start(parameters)
         self._decisions: dict[str, tuple[int, m.Decision]] = {}
-        self._level_ruled = -1
-        self._offered_as: dict[str, Mode] = {}
+        self._level_decided_at = -1
+        self._pending_mode: dict[str, Mode] = {}
         self._cause: tuple[int, Fate] = (-1, "open")
 
-    def hear(self, told: Told) -> None:
-        """Take the next message."""
-        run, at, message = told
+    def add(self, logged: LoggedMessage) -> None:
+        """Add the next message."""
+        run, at, message = logged
         self._note_cause(at, message)
         match message:
             case m.SessionStarted():
@@ -111,31 +120,31 @@ class ProposalLog:
             case m.OperatorChanged():
                 self.state = msgspec.structs.replace(self.state, operated=message.operated)
             case m.ModeChanged():
-                self.state = arbitration.set_mode(self.state, message.kind, message.mode)
+                self.state = arbitration.choose(self.state, message.kind, message.mode)
             case m.Proposal():
                 self._propose(run, at, message)
             case m.PendingApproval():
-                case = self.cases.get(message.proposal.id) or self._propose(run, at, message.proposal)
-                case.offered = at if case.offered is None else case.offered
-                self._offered_as[case.id] = message.mode
-            case m.ProposalSeen() if known := self.cases.get(message.action):
+                record = self.records.get(message.proposal.id) or self._propose(run, at, message.proposal)
+                record.pending_at = at if record.pending_at is None else record.pending_at
+                self._pending_mode[record.id] = message.mode
+            case m.ProposalSeen() if known := self.records.get(message.action):
                 known.seen.setdefault(message.actor, message.at or at)
             case m.Decision():
                 self._decisions[message.action] = at, message
-            case m.Action() if known := self.cases.get(message.id):
+            case m.Action() if known := self.records.get(message.id):
                 self._decide(known, at, message)
-            case m.Dropped() if known := self.cases.get(message.id):
+            case m.Dropped() if known := self.records.get(message.id):
                 self._drop(known, at, message)
-            case m.Halt(reason="vetoed") if known := self.cases.get(message.action):
+            case m.Halt(reason="vetoed") if known := self.records.get(message.action):
                 known.fate, known.verdict = "cut_off", "vetoed"
-                self._key(known, at)
+                self._note_key(known, at)
             case m.LevelDecided():
-                self._rule_level(run, at, message)
+                self._decide_level(run, at, message)
             case m.LevelChanged():
                 self._level_changed(run, at, message)
 
     def _note_cause(self, at: int, message: m.Message) -> None:
-        """Of a level that falls away it is not told why; what comes before it in its cascade tells."""
+        """Note why a pending level may be rejected: the reason is not logged, but its cause precedes it."""
         match message:
             case m.AttemptStarted():
                 self._cause = (-1, "open")
@@ -146,90 +155,92 @@ class ProposalLog:
             case m.Operator(command="stop"):
                 self._cause = (at, "stopped")
 
-    def _propose(self, run: int, at: int, proposal: m.Proposal) -> Case:
+    def _propose(self, run: int, at: int, proposal: m.Proposal) -> ProposalRecord:
         kind = arbitration.CONTROLLED.get(proposal.kind, "filler")
-        case = self.cases[proposal.id] = Case(
+        record = self.records[proposal.id] = ProposalRecord(
             id=proposal.id,
             run=run,
             kind=kind,  # type: ignore[arg-type]
             mode=self.state.mode(proposal.kind),
-            proposed=at,
+            proposed_at=at,
             text=proposal.text,
-            valence=None if proposal.kind == "gesture" else proposal.valence,  # it is its words' already
+            valence=None if proposal.kind == "gesture" else proposal.valence,  # counted with its words
         )
-        return case
+        return record
 
-    def _decide(self, case: Case, at: int, action: m.Action) -> None:
-        """It is told twice of what an operator decided: then, and when its turn comes."""
-        case.said, case.said_valence = action.text, action.valence
-        if case.resolved is None:
-            case.resolved = at
+    def _decide(self, record: ProposalRecord, at: int, action: m.Action) -> None:
+        """Note an action. It is logged twice if an operator decided: then, and when it is done."""
+        record.said, record.said_valence = action.text, action.valence
+        if record.resolved_at is None:
+            record.resolved_at = at
         if action.ground == "operator":
-            case.verdict = case.fate = "edited" if action.decision == "edited" else "accepted"
-            self._key(case, at)
+            record.verdict = record.fate = "edited" if action.decision == "edited" else "accepted"
+            self._note_key(record, at)
         else:
-            case.fate = _done(action.ground)
+            record.fate = _done(action.ground)
 
-    def _drop(self, case: Case, at: int, dropped: m.Dropped) -> None:
-        case.fate, case.said, case.said_valence = _DROPPED[dropped.reason], None, None
-        if dropped.reason == "manual" and self._has_changed_its_mode(case):
-            case.fate = "mode_changed"
-        if case.resolved is None:
-            case.resolved = at
+    def _drop(self, record: ProposalRecord, at: int, dropped: m.Dropped) -> None:
+        record.fate, record.said, record.said_valence = _DROPPED[dropped.reason], None, None
+        if dropped.reason == "manual" and self._has_changed_its_mode(record):
+            record.fate = "mode_changed"
+        if record.resolved_at is None:
+            record.resolved_at = at
         if dropped.reason == "vetoed":
-            case.verdict = "vetoed"
-            self._key(case, at)
+            record.verdict = "vetoed"
+            self._note_key(record, at)
 
-    def _key(self, case: Case, at: int) -> None:
-        """Whose key it was: a decision in the same cascade."""
-        decided_at, decision = self._decisions.get(case.id, (-1, None))
-        if case.keyed is None and decision and decided_at == at:
-            case.keyed, case.by = decision.at or at, decision.actor
+    def _note_key(self, record: ProposalRecord, at: int) -> None:
+        """Note the key that decided: a decision in the same cascade."""
+        decided_at, decision = self._decisions.get(record.id, (-1, None))
+        if record.key_at is None and decision and decided_at == at:
+            record.key_at, record.by = decision.at or at, decision.actor
 
-    # --- changes of level ----------------------------------------------------------------------------------------
+    # --- changes of level ------------------------------------------------------------------------------------------
 
-    def _rule_level(self, run: int, at: int, ruled: m.LevelDecided) -> None:
-        if ruled.decision != "rejected":
-            self._level_ruled = at
-        case = self.cases.get(ruled.id) or self._propose(run, at, m.Proposal(id=ruled.id, kind="difficulty", text=""))
-        case.resolved = at
-        if ruled.ground == "operator":
-            case.verdict = case.fate = "vetoed" if ruled.decision == "rejected" else ruled.decision
-            self._key(case, at)
-        elif ruled.decision != "rejected":
-            case.fate = _done(ruled.ground)
+    def _decide_level(self, run: int, at: int, decided: m.LevelDecided) -> None:
+        if decided.decision != "rejected":
+            self._level_decided_at = at
+        record = self.records.get(decided.id) or self._propose(
+            run, at, m.Proposal(id=decided.id, kind="difficulty", text="")
+        )
+        record.resolved_at = at
+        if decided.ground == "operator":
+            record.verdict = record.fate = "vetoed" if decided.decision == "rejected" else decided.decision
+            self._note_key(record, at)
+        elif decided.decision != "rejected":
+            record.fate = _done(decided.ground)
         else:
             not_done: dict[str, Fate] = {"deadline": "timed_out_dropped", "no operator": "no_operator_dropped"}
-            case.fate = not_done.get(ruled.ground) or self._fallen_away(case, at)
+            record.fate = not_done.get(decided.ground) or self._rejection_cause(record, at)
 
-    def _fallen_away(self, case: Case, at: int) -> Fate:
-        """Why a level that waited came to nothing without anybody's deciding: by what came in the same cascade."""
+    def _rejection_cause(self, record: ProposalRecord, at: int) -> Fate:
+        """Return why a pending level was rejected without a decision, from the cause in the same cascade."""
         cause_at, cause = self._cause
         if cause_at == at:
             return cause
-        if case.mode == "manual":
+        if record.mode == "manual":
             return "manual_dropped"
-        return "mode_changed" if self._has_changed_its_mode(case) else "amended"
+        return "mode_changed" if self._has_changed_its_mode(record) else "amended"
 
-    def _has_changed_its_mode(self, case: Case) -> bool:
-        return self._offered_as.get(case.id, case.mode) != case.mode
+    def _has_changed_its_mode(self, record: ProposalRecord) -> bool:
+        return self._pending_mode.get(record.id, record.mode) != record.mode
 
     def _level_changed(self, run: int, at: int, change: m.LevelChanged) -> None:
-        """A change that nobody was asked about is told of by itself alone; after the last attempt nobody ever is."""
-        if change.reason == "operator" or self._level_ruled == at:
+        """Note a change of level that was never pending, as after the last attempt."""
+        if change.reason == "operator" or self._level_decided_at == at:
             return
-        id = f"level {len(self.cases) + 1}"
-        case = self._propose(run, at, m.Proposal(seat=change.seat, id=id, kind="difficulty", text=""))
-        case.resolved = at
-        case.fate = "agent" if case.mode == "autonomous" or self.state.operated else "no_operator_done"
+        id = f"level {len(self.records) + 1}"
+        record = self._propose(run, at, m.Proposal(seat=change.seat, id=id, kind="difficulty", text=""))
+        record.resolved_at = at
+        record.fate = "agent" if record.mode == "autonomous" or self.state.operated else "no_operator_done"
 
 
-def cases(told: Iterable[Told], parameters: OperatorSettings) -> list[Case]:
-    """All that was proposed in a session, in order, and what became of it."""
-    docket = ProposalLog(parameters)
-    for each in told:
-        docket.hear(each)
-    return list(docket.cases.values())
+def proposal_records(messages: Iterable[LoggedMessage], parameters: OperatorSettings) -> list[ProposalRecord]:
+    """Return all proposals of a session, in order, with their outcomes."""
+    log = ProposalLog(parameters)
+    for message in messages:
+        log.add(message)
+    return list(log.records.values())
 
 
 def _done(ground: m.Ground) -> Fate:

@@ -1,4 +1,4 @@
-"""The record of a session, to be reported on: its messages, and the run that each belongs to."""
+"""Recorded messages of a session, with the run that each belongs to."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -11,8 +11,8 @@ from sar_tui.framework.topics import ALL
 from sar_tui.store.database import StoreError
 
 
-class Told(NamedTuple):
-    """A message of a session. ``at`` (ns) is that of its cascade, and compares within one ``run`` alone."""
+class LoggedMessage(NamedTuple):
+    """Message of a session. ``at``: time of its cascade (ns), comparable only within its run."""
 
     run: int
     at: int
@@ -20,25 +20,25 @@ class Told(NamedTuple):
 
 
 class Span(NamedTuple):
-    """A run of the program on a session: from its beginning to the last that was recorded of it, ns."""
+    """Run of the program on a session, from its start to its last message (ns)."""
 
     run: int
     began: int
     ended: int
 
 
-def read(database: sqlite_utils.Database, session: str) -> list[Told]:
-    """All messages of a session, in order; samples of sensors are left out.
+def read(database: sqlite_utils.Database, session: str) -> list[LoggedMessage]:
+    """Read all messages of a session in order, except sensor samples.
 
     Raises:
-        StoreError: a message that this version of the program cannot read.
+        StoreError: this version of the program cannot read a message.
     """
     found = []
     for seq, run, at, name, text in database.execute(
         "SELECT seq, run, at_ns, topic, message FROM events WHERE session=? ORDER BY seq", (session,)
     ):
         try:
-            found.append(Told(run, at, msgspec.json.decode(text, type=ALL[name].type)))
+            found.append(LoggedMessage(run, at, msgspec.json.decode(text, type=ALL[name].type)))
         except (KeyError, msgspec.MsgspecError) as error:
             raise StoreError(
                 f"Message {seq} of session {session} cannot be read by this version of sar-tui."
@@ -46,10 +46,10 @@ def read(database: sqlite_utils.Database, session: str) -> list[Told]:
     return found
 
 
-def spans(told: Iterable[Told]) -> dict[int, Span]:
-    """The runs of a session, by number. A run begins when the session is started in it."""
+def spans(messages: Iterable[LoggedMessage]) -> dict[int, Span]:
+    """Return the runs of a session by number. A run begins with its `SessionStarted`."""
     found: dict[int, Span] = {}
-    for run, at, message in told:
+    for run, at, message in messages:
         if isinstance(message, SessionStarted):
             found[run] = Span(run, at, at)
         elif run in found:
@@ -57,7 +57,7 @@ def spans(told: Iterable[Told]) -> dict[int, Span]:
     return found
 
 
-def people(told: Iterable[Told], role: Role) -> list[str]:
-    """Who was there in a role, by name, in the order in which they came."""
-    changes = (message for _, _, message in told if isinstance(message, OperatorChanged))
+def peers(messages: Iterable[LoggedMessage], role: Role) -> list[str]:
+    """Return the names of those who had a role, in the order in which they joined."""
+    changes = (message for _, _, message in messages if isinstance(message, OperatorChanged))
     return list(dict.fromkeys(changed.actor for changed in changes if changed.role == role))

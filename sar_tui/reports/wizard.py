@@ -1,4 +1,4 @@
-"""What a paper has to report about its wizard (Riek 2012), as far as a session's record can tell. Pure."""
+"""Operator statistics that a Wizard-of-Oz paper must report (Riek 2012), as far as they are recorded. Pure."""
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -11,11 +11,11 @@ from sar_tui.framework.parameters import TaskParameters, current_values
 from sar_tui.reports.agreement import Agreement, agreement
 from sar_tui.reports.deviations import Deviation, deviations
 from sar_tui.reports.distribution import Distribution, distribution
-from sar_tui.reports.notes import Written, written
+from sar_tui.reports.notes import Note, notes
 from sar_tui.reports.pauses import Pause, pauses
 from sar_tui.reports.presence import KINDS, MODES, Absence, mode_times, presence
-from sar_tui.reports.proposals import Case, Fate, cases
-from sar_tui.reports.record import Told, people
+from sar_tui.reports.proposals import Fate, ProposalRecord, proposal_records
+from sar_tui.reports.record import LoggedMessage, peers
 
 _PLANNED = (
     *(f"operator_{kind}" for kind in KINDS),
@@ -26,14 +26,17 @@ _PLANNED = (
     "operator_lost",
     "operator_lost_ms",
 )
-"""The settings that say who decides, and how long that may take."""
+"""Settings of who decides, and how long that may take."""
 
 
-class Proposals(msgspec.Struct, frozen=True):
-    """A kind of proposal in one mode: for how long that was set, how many there were, and what became of them.
+class ProposalSummary(msgspec.Struct, frozen=True):
+    """Proposals of one kind in one mode.
 
-    ``time_s``, and its share of the session; ``unattended_s``: of that, without an operator. ``n``, and its share of
-    the proposals of the kind. ``fates``: how many came to what (see `cases.Fate`); they add up to ``n``.
+    Attributes:
+        time_s: for which the mode was set; ``time_share``: of the session.
+        unattended_s: of that, without an operator.
+        n: number of proposals; ``share``: of those of the kind.
+        fates: counts by outcome (see `proposals.Fate`), which add up to ``n``.
     """
 
     kind: str
@@ -47,14 +50,20 @@ class Proposals(msgspec.Struct, frozen=True):
 
 
 class WizardReport(msgspec.Struct, frozen=True):
-    """Everything; times in s, latencies in ms.
+    """Report on the operators of a session. Times in s, latencies in ms.
 
-    ``plan``: the settings that rule over operators, as they were when the session began. ``operated``: whether an
-    operator was ever there. ``initiated``: what operators did of their own accord, by what it was. ``decision_ms``:
-    from a proposal's standing on the operator's screen to the key; ``undecided_seen``: so many stood there without
-    one; ``waiting_ms``: from an offer until it was decided, by whomever; ``link_ms``: from the stamp of an operator's
-    key to its arrival in the session. ``counts``: of the deviations, by what they are. ``pauses``: the participant's
-    own. ``written``: the notes and event marks themselves.
+    Attributes:
+        plan: operator settings at the start of the session.
+        operated: whether there was ever an operator.
+        initiated: counts of what operators did on their own initiative.
+        decision_ms: from a proposal's appearance on the operator's screen to the key.
+        undecided_seen: number of proposals that appeared without being decided by a key.
+        waiting_ms: time pending until a proposal was decided by anyone.
+        link_ms: from the time stamp of an operator's key to its arrival in the session.
+        counts: of the deviations by type.
+        pauses: the participant's own.
+        notes, event_marks: numbers of them.
+        written: the notes and event marks.
     """
 
     session: str
@@ -64,7 +73,7 @@ class WizardReport(msgspec.Struct, frozen=True):
     observers: list[str]
     duration_s: float
     operated_s: float
-    proposals: list[Proposals]
+    proposals: list[ProposalSummary]
     initiated: dict[str, int]
     decision_ms: Distribution | None
     undecided_seen: int
@@ -78,82 +87,84 @@ class WizardReport(msgspec.Struct, frozen=True):
     pauses: list[Pause]
     notes: int
     event_marks: int
-    written: list[Written]
+    written: list[Note]
 
 
-class Times(msgspec.Struct, frozen=True):
-    """The latencies themselves, to be drawn, ms."""
+class Latencies(msgspec.Struct, frozen=True):
+    """Single latencies (ms), for histograms."""
 
     decision: list[float]
     waiting: list[float]
     link: list[float]
 
 
-def report(session: str, parameters: Mapping[str, Any], told: Sequence[Told]) -> tuple[WizardReport, Times]:
+def report(
+    session: str, parameters: Mapping[str, Any], messages: Sequence[LoggedMessage]
+) -> tuple[WizardReport, Latencies]:
     """Report on a session.
 
     Args:
         session: its id.
-        parameters: of its task, as stored; those of versions that had no operator may be missing.
-        told: its messages.
+        parameters: of its task, as stored; older versions may lack some.
+        messages: as recorded.
     """
     settings = msgspec.convert(current_values(TaskParameters, parameters), TaskParameters)
-    operators = people(told, "operator")
-    proposed = cases(told, settings)
-    there = presence(told)
-    found = deviations(told, operators)
-    times = Times(
-        decision=[case.decision_ms for case in proposed if case.decision_ms is not None],
-        waiting=[case.waiting_ms for case in proposed if case.waiting_ms is not None],
-        link=list(_link_ms(told, operators)),
+    operators = peers(messages, "operator")
+    records = proposal_records(messages, settings)
+    there = presence(messages)
+    found = deviations(messages, operators)
+    latencies = Latencies(
+        decision=[each.decision_ms for each in records if each.decision_ms is not None],
+        waiting=[each.waiting_ms for each in records if each.waiting_ms is not None],
+        link=list(_link_ms(messages, operators)),
     )
-    noted = written(told)
+    written = notes(messages)
     counts = Counter[str]()
     for deviation in found:
         counts[deviation.what] += deviation.count
-    made = WizardReport(
+    whole = WizardReport(
         session=session,
         plan={name: getattr(settings, name) for name in _PLANNED},
         operated=bool(operators),
         operators=operators,
-        observers=people(told, "observer"),
+        observers=peers(messages, "observer"),
         duration_s=there.duration_s,
         operated_s=there.operated_s,
-        proposals=_proposals(proposed, told, settings, there.duration_s),
-        initiated=dict(Counter(_initiated(told, operators))),
-        decision_ms=distribution(times.decision),
-        undecided_seen=sum(bool(case.seen) and case.keyed is None for case in proposed),
-        waiting_ms=distribution(times.waiting),
-        link_ms=distribution(times.link),
-        agreement=agreement(proposed),
-        agreement_by_kind=_agreement_by_kind(proposed),
+        proposals=_proposals(records, messages, settings, there.duration_s),
+        initiated=dict(Counter(_initiated(messages, operators))),
+        decision_ms=distribution(latencies.decision),
+        undecided_seen=sum(bool(each.seen) and each.key_at is None for each in records),
+        waiting_ms=distribution(latencies.waiting),
+        link_ms=distribution(latencies.link),
+        agreement=agreement(records),
+        agreement_by_kind=_agreement_by_kind(records),
         counts=dict(counts),
         absences=list(there.absences),
         deviations=found,
-        pauses=pauses(told, operators),
-        notes=sum(not note.label for note in noted),
-        event_marks=sum(bool(note.label) for note in noted),
-        written=noted,
+        pauses=pauses(messages, operators),
+        notes=sum(not note.label for note in written),
+        event_marks=sum(bool(note.label) for note in written),
+        written=written,
     )
-    return made, times
+    return whole, latencies
 
 
 def _proposals(
-    proposed: Sequence[Case], told: Sequence[Told], settings: TaskParameters, duration_s: float
-) -> list[Proposals]:
-    """A row for each kind and mode that was set at some time, or in which there was a proposal."""
-    times = {(time.kind, time.mode): time for time in mode_times(told, settings)}
-    of_kind = Counter(case.kind for case in proposed)
+    records: Sequence[ProposalRecord], messages: Sequence[LoggedMessage], settings: TaskParameters, duration_s: float
+) -> list[ProposalSummary]:
+    """Return a row for each kind and mode that was ever set or has a proposal."""
+    times = {(time.kind, time.mode): time for time in mode_times(messages, settings)}
+    of_kind = Counter(record.kind for record in records)
     rows = []
     for kind in (*KINDS, "filler"):
         for mode in MODES:
-            here = [case for case in proposed if (case.kind, case.mode) == (kind, mode)]
+            here = [record for record in records if (record.kind, record.mode) == (kind, mode)]
             time = times.get((kind, mode))  # type: ignore[arg-type]
             if not here and time is None:
                 continue
-            fates = Counter(case.fate for case in here)
+            fates = Counter(record.fate for record in here)
             rows.append(
-                Proposals(
+                ProposalSummary(
                     kind=kind,
                     mode=mode,
                     time_s=time.time_s if time else 0.0,
@@ -167,12 +178,12 @@ def _proposals(
     return rows
 
 
-def _agreement_by_kind(proposed: Sequence[Case]) -> dict[str, Agreement]:
-    """Only of the kinds on which an operator decided."""
-    decided: dict[str, list[Case]] = {}
-    for case in proposed:
-        if case.verdict:
-            decided.setdefault(case.kind, []).append(case)
+def _agreement_by_kind(records: Sequence[ProposalRecord]) -> dict[str, Agreement]:
+    """Return the agreement for each kind on which an operator decided."""
+    decided: dict[str, list[ProposalRecord]] = {}
+    for record in records:
+        if record.verdict:
+            decided.setdefault(record.kind, []).append(record)
     return {kind: agreement(decided[kind]) for kind in KINDS if kind in decided}
 
 
@@ -180,9 +191,9 @@ def _share(part: float, whole: float) -> float | None:
     return round(part / whole, 4) if whole else None
 
 
-def _initiated(told: Iterable[Told], operators: Collection[str]) -> Iterator[str]:
-    """What operators did without being asked: by kind of remark, by command, modes."""
-    for _, _, message in told:
+def _initiated(messages: Iterable[LoggedMessage], operators: Collection[str]) -> Iterator[str]:
+    """Yield what operators did on their own initiative: remarks by kind, commands, changes of mode."""
+    for _, _, message in messages:
         match message:
             case m.Remark():
                 yield message.source
@@ -192,9 +203,9 @@ def _initiated(told: Iterable[Told], operators: Collection[str]) -> Iterator[str
                 yield "mode"
 
 
-def _link_ms(told: Iterable[Told], operators: Collection[str]) -> Iterator[float]:
-    """From the stamp of each act to its arrival."""
+def _link_ms(messages: Iterable[LoggedMessage], operators: Collection[str]) -> Iterator[float]:
+    """Yield the time from the time stamp of each act to its arrival."""
     acts = m.Operator | m.Decision | m.Remark | m.ModeChanged | m.ProposalSeen | m.NoteAdded
-    for _, at, message in told:
+    for _, at, message in messages:
         if isinstance(message, acts) and message.at and message.actor in operators:
             yield (at - message.at) / 1e6

@@ -49,7 +49,7 @@ def test_people_read_who_was_there_how_fast_they_were_and_how_far_they_agreed(ca
     assert f"Session {session}: keyboard, SIM, simulated." in called.out
     assert "Operators: operator.simulated. There was an operator for" in called.out
     agreed = made["agreement"]
-    assert f"On {agreed['decided']} proposals an operator decided: {agreed['accepted']} as proposed" in called.out
+    assert f"Operators decided on {agreed['decided']} proposals: {agreed['accepted']} as proposed" in called.out
     assert f"{made['decision_ms']['median']:.1f}" in called.out
     assert "█" in called.out
     assert "Cohen's kappa" in called.out

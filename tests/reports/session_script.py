@@ -3,12 +3,12 @@
 from typing import Any
 
 from sar_tui.framework import messages as m
-from sar_tui.reports.record import Told
+from sar_tui.reports.record import LoggedMessage
 
 WHO = "operator.anna"
 
 
-class Script(list[Told]):
+class Script(list[LoggedMessage]):
     """Messages of a session, each said at a time in ms; begins with run 1 at 0."""
 
     def __init__(self) -> None:
@@ -22,7 +22,7 @@ class Script(list[Told]):
 
     def say(self, ms: float, *messages: m.Message) -> "Script":
         """All of one cascade."""
-        self.extend(Told(self.run, round(ms * 1e6), message) for message in messages)
+        self.extend(LoggedMessage(self.run, round(ms * 1e6), message) for message in messages)
         return self
 
     def join(self, ms: float, who: str = WHO, state: Any = "joined", *, operated: bool = True) -> "Script":

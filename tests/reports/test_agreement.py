@@ -7,15 +7,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.reports.agreement import agreement, kappa, word_distance
-from sar_tui.reports.proposals import Case
+from sar_tui.reports.proposals import ProposalRecord
 
 VALENCES = st.sampled_from(["positive", "neutral", "negative"])
 WORDS = st.lists(st.sampled_from(["well", "done", "slow", "again"]), max_size=6).map(" ".join)
 
 
-def case(verdict: Any, text: str = "Well done.", said: str | None = None, *valences: Any) -> Case:
+def decided(verdict: Any, text: str = "Well done.", said: str | None = None, *valences: Any) -> ProposalRecord:
     before, after = valences or (None, None)
-    return Case("a1", 1, "feedback", "approve", 0, text, before, verdict=verdict, said=said, said_valence=after)
+    return ProposalRecord(
+        "a1", 1, "feedback", "approve", 0, text, before, verdict=verdict, said=said, said_valence=after
+    )
 
 
 def test_kappa_of_a_table_worked_out_by_hand() -> None:
@@ -72,14 +74,14 @@ def test_the_share_is_between_nothing_and_all_and_a_detour_is_never_shorter(one:
 def test_a_session_worked_out_by_hand() -> None:
     found = agreement(
         [
-            case("accepted", "Well done.", "Well done.", "positive", "positive"),
-            case("accepted", "Well done.", "Well done.", "positive", "positive"),
-            case("accepted", "Too slow.", "Too slow.", "negative", "negative"),
-            case("edited", "Too slow.", "A bit slow.", "negative", "neutral"),
-            case("edited", "one two three four", "one two three five", "positive", "positive"),
-            case("edited", "Well done.", "Well done.", "positive", "neutral"),
-            case("vetoed", "Too slow.", None, "negative", None),
-            case(None, "Too slow.", "Too slow.", "negative", "negative"),
+            decided("accepted", "Well done.", "Well done.", "positive", "positive"),
+            decided("accepted", "Well done.", "Well done.", "positive", "positive"),
+            decided("accepted", "Too slow.", "Too slow.", "negative", "negative"),
+            decided("edited", "Too slow.", "A bit slow.", "negative", "neutral"),
+            decided("edited", "one two three four", "one two three five", "positive", "positive"),
+            decided("edited", "Well done.", "Well done.", "positive", "neutral"),
+            decided("vetoed", "Too slow.", None, "negative", None),
+            decided(None, "Too slow.", "Too slow.", "negative", "negative"),
         ]
     )
     assert (found.decided, found.accepted, found.edited, found.vetoed) == (7, 3, 3, 1)
@@ -94,5 +96,5 @@ def test_a_session_worked_out_by_hand() -> None:
 
 
 def test_where_nobody_decided_there_is_nothing_to_agree_on() -> None:
-    found = agreement([case(None)])
+    found = agreement([decided(None)])
     assert (found.decided, found.accepted_share, found.words_changed_median, found.valence_kappa) == (0,) + (None,) * 3

@@ -9,9 +9,9 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.distribution import Distribution
-from sar_tui.reports.notes import Written
-from sar_tui.reports.proposals import cases
-from sar_tui.reports.record import Told, read
+from sar_tui.reports.notes import Note
+from sar_tui.reports.proposals import proposal_records
+from sar_tui.reports.record import LoggedMessage, read
 from sar_tui.reports.wizard import WizardReport, report
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
@@ -50,20 +50,20 @@ def evening() -> Script:
 
 
 def test_a_session_worked_out_by_hand() -> None:
-    made, times = report("s1", SETTINGS, evening())
+    made, latencies = report("s1", SETTINGS, evening())
     assert (made.session, made.operated, made.operators, made.observers) == ("s1", True, [WHO], ["observer.eve"])
     assert (made.duration_s, made.operated_s) == (50, 40)
     (feedback,) = (row for row in made.proposals if row.kind == "feedback")
     assert (feedback.mode, feedback.time_s, feedback.time_share, feedback.unattended_s) == ("approve", 50, 1, 10)
     assert (feedback.n, feedback.share) == (4, 1)
     assert feedback.fates == {"accepted": 1, "edited": 1, "timed_out_done": 1, "no_operator_done": 1}
-    assert times.decision == [970, 2000]
+    assert latencies.decision == [970, 2000]
     assert made.decision_ms == Distribution(
         n=2, median=1485, iqr=515, p5=1021.5, p25=1227.5, p75=1742.5, p95=1948.5, worst=2000
     )
     assert made.undecided_seen == 1
-    assert times.waiting == [1002, 2034, 4000], "what was not offered did not wait"
-    assert sorted(times.link) == [0, 1, 2, 3, 4, 10, 10, 10]
+    assert latencies.waiting == [1002, 2034, 4000], "what was not offered did not wait"
+    assert sorted(latencies.link) == [0, 1, 2, 3, 4, 10, 10, 10]
     assert made.initiated == {"phrase": 1, "gesture": 1, "level": 1}
     assert (made.agreement.decided, made.agreement.accepted_share, made.agreement.valences_overridden) == (2, 0.5, 1)
     assert made.agreement.words_changed_median == 0.3333
@@ -71,7 +71,7 @@ def test_a_session_worked_out_by_hand() -> None:
     assert made.counts == {"level": 1, "lost": 1}
     assert [(absence.at_s, absence.duration_s) for absence in made.absences] == [(40, 10)]
     assert (made.notes, made.event_marks) == (1, 1)
-    assert made.written == [Written(1, 27, WHO, "Tired today.", ""), Written(1, 28, WHO, "", "yawn")]
+    assert made.written == [Note(1, 27, WHO, "Tired today.", ""), Note(1, 28, WHO, "", "yawn")]
     assert (made.plan["operator_feedback"], made.plan["operator_timeout"], made.pauses) == ("approve", "act", [])
 
 
@@ -90,8 +90,8 @@ def test_a_session_that_ended_as_it_began_has_no_shares_of_time() -> None:
 
 
 def test_a_participants_own_stop_is_no_act_of_the_operators() -> None:
-    made, times = report("s1", {}, Script().join(0).say(5000, m.Operator(command="stop", at=4_000_000_000)))
-    assert (made.initiated, times.link, made.counts) == ({}, [], {})
+    made, latencies = report("s1", {}, Script().join(0).say(5000, m.Operator(command="stop", at=4_000_000_000)))
+    assert (made.initiated, latencies.link, made.counts) == ({}, [], {})
 
 
 # --- simulated sessions ---------------------------------------------------------------------------------------------
@@ -105,10 +105,10 @@ class Simulated:
         plan = make_plan(catalogue, keyboard, ["SIM"], values, seed=3, mode="simulated")
         self.id = simulate(plan, PEOPLE["average"], data, catalogue, operator=CHARACTERS.get(who))
         self.database = connect(data)
-        self.told: list[Told] = read(self.database, self.id)
+        self.messages: list[LoggedMessage] = read(self.database, self.id)
         self.parameters = plan.parameters
         self.report: WizardReport = report(
-            self.id, sessions.find(self.database, data, self.id)["parameters"], self.told
+            self.id, sessions.find(self.database, data, self.id)["parameters"], self.messages
         )[0]
 
     @property
@@ -140,15 +140,15 @@ def test_every_proposal_came_to_one_thing(simulated: Simulated) -> None:
 
 
 def test_what_was_said_and_done_is_what_the_table_of_actions_says(simulated: Simulated) -> None:
-    told = {case.id: case for case in cases(simulated.told, simulated.parameters)}
+    records = {record.id: record for record in proposal_records(simulated.messages, simulated.parameters)}
     rows = {row["id"]: row for row in simulated.actions if row["kind"] not in ("remark", "difficulty")}
-    assert {id for id in rows if id[0] == "a"} == {id for id in told if id[0] == "a"}
+    assert {id for id in rows if id[0] == "a"} == {id for id in records if id[0] == "a"}
     for id, row in rows.items():
         if row["decision"] == "dropped":
-            assert told[id].said is None, id
+            assert records[id].said is None, id
         elif row["final"]:
-            assert told[id].said == row["final"]["text"], id
-            assert (told[id].verdict == "edited") == (row["decision"] == "edited"), id
+            assert records[id].said == row["final"]["text"], id
+            assert (records[id].verdict == "edited") == (row["decision"] == "edited"), id
 
 
 def test_no_operator_is_faster_than_a_hand_and_none_slower_than_the_deadline(simulated: Simulated) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.parameters import TaskParameters
-from sar_tui.reports.proposals import Case, Fate, cases
+from sar_tui.reports.proposals import Fate, ProposalRecord, proposal_records
 from tests.reports.session_script import Script, action, decision, offer, proposal, ruled, seen
 
 ALONE = TaskParameters()
@@ -20,9 +20,9 @@ MANUAL = TaskParameters(operator_difficulty="manual")
 A1 = proposal("a1", valence="negative", text="Too slow.")
 
 
-def only(script: Script, parameters: TaskParameters = APPROVE) -> Case:
-    (case,) = cases(script, parameters)
-    return case
+def only(script: Script, parameters: TaskParameters = APPROVE) -> ProposalRecord:
+    (record,) = proposal_records(script, parameters)
+    return record
 
 
 def offered() -> Script:
@@ -31,25 +31,25 @@ def offered() -> Script:
 
 
 def test_what_the_agent_may_do_alone_is_its_own() -> None:
-    case = only(Script().join(10).say(1000, A1, action(A1, ground="mode")), ALONE)
-    assert (case.kind, case.mode, case.fate, case.verdict) == ("feedback", "autonomous", "agent", None)
-    assert (case.offered, case.waiting_ms, case.decision_ms) == (None, None, None)
+    record = only(Script().join(10).say(1000, A1, action(A1, ground="mode")), ALONE)
+    assert (record.kind, record.mode, record.fate, record.verdict) == ("feedback", "autonomous", "agent", None)
+    assert (record.pending_at, record.waiting_ms, record.decision_ms) == (None, None, None)
 
 
 def test_an_accepted_proposal_has_its_two_latencies() -> None:
     script = offered().say(1835, decision("a1", ms=1830), action(A1)).say(2500, action(A1))
-    case = only(script)
-    assert (case.mode, case.fate, case.verdict) == ("approve", "accepted", "accepted")
-    assert case.decision_ms == 800, "from the screen to the key, not to its arrival"
-    assert case.waiting_ms == 835, "from the offer to the decision, not to its turn"
-    assert case.said == "Too slow."
+    record = only(script)
+    assert (record.mode, record.fate, record.verdict) == ("approve", "accepted", "accepted")
+    assert record.decision_ms == 800, "from the screen to the key, not to its arrival"
+    assert record.waiting_ms == 835, "from the offer to the decision, not to its turn"
+    assert record.said == "Too slow."
 
 
 def test_an_edit_keeps_what_was_proposed_and_what_was_said() -> None:
     milder = action(A1, "edited", text="A little slow.", valence="neutral")
-    case = only(offered().say(1500, decision("a1", "edit", 1499), milder).say(1600, milder))
-    assert (case.fate, case.verdict) == ("edited", "edited")
-    assert (case.text, case.said, case.valence, case.said_valence) == (
+    record = only(offered().say(1500, decision("a1", "edit", 1499), milder).say(1600, milder))
+    assert (record.fate, record.verdict) == ("edited", "edited")
+    assert (record.text, record.said, record.valence, record.said_valence) == (
         "Too slow.",
         "A little slow.",
         "negative",
@@ -58,28 +58,30 @@ def test_an_edit_keeps_what_was_proposed_and_what_was_said() -> None:
 
 
 def test_a_veto_leaves_nothing_said() -> None:
-    case = only(offered().say(1500, decision("a1", "veto", 1500), m.Dropped(id="a1", reason="vetoed")))
-    assert (case.fate, case.verdict, case.said, case.decision_ms) == ("vetoed", "vetoed", None, 470)
+    record = only(offered().say(1500, decision("a1", "veto", 1500), m.Dropped(id="a1", reason="vetoed")))
+    assert (record.fate, record.verdict, record.said, record.decision_ms) == ("vetoed", "vetoed", None, 470)
 
 
 def test_what_was_accepted_can_be_vetoed_while_it_waits_for_its_turn_and_the_first_key_is_timed() -> None:
     script = offered().say(1230, decision("a1", ms=1230), action(A1))
     script.say(1900, decision("a1", "veto", 1900), m.Dropped(id="a1", reason="vetoed"))
-    case = only(script)
-    assert (case.fate, case.verdict, case.decision_ms, case.waiting_ms) == ("vetoed", "vetoed", 200, 230)
+    record = only(script)
+    assert (record.fate, record.verdict, record.decision_ms, record.waiting_ms) == ("vetoed", "vetoed", 200, 230)
 
 
 def test_what_was_accepted_and_then_came_too_late_was_agreed_with_all_the_same() -> None:
     script = offered().say(1230, decision("a1", ms=1230), action(A1)).say(3000, m.Dropped(id="a1", reason="late"))
-    case = only(script)
-    assert (case.fate, case.verdict, case.said) == ("late", "accepted", None)
+    record = only(script)
+    assert (record.fate, record.verdict, record.said) == ("late", "accepted", None)
 
 
 def test_what_is_cut_off_under_way_is_vetoed_but_was_begun() -> None:
     script = Script().join(10).say(1000, A1, action(A1, ground="mode"))
-    case = only(script.say(1600, decision("a1", "veto", 1590), m.Halt(action="a1", reason="vetoed", asked=1590)), ALONE)
-    assert (case.fate, case.verdict, case.keyed) == ("cut_off", "vetoed", 1_590_000_000)
-    assert case.decision_ms is None, "it stood on no operator's screen"
+    record = only(
+        script.say(1600, decision("a1", "veto", 1590), m.Halt(action="a1", reason="vetoed", asked=1590)), ALONE
+    )
+    assert (record.fate, record.verdict, record.key_at) == ("cut_off", "vetoed", 1_590_000_000)
+    assert record.decision_ms is None, "it stood on no operator's screen"
 
 
 def test_a_halt_of_everything_is_not_an_operators_verdict() -> None:
@@ -89,8 +91,8 @@ def test_a_halt_of_everything_is_not_an_operators_verdict() -> None:
 
 def test_a_key_after_the_deadline_decides_nothing() -> None:
     script = offered().say(5000, action(A1, ground="deadline"))
-    case = only(script.say(5100, decision("a1", "veto", 5090), m.ActMissed(actor="x", what="veto a1", why="late")))
-    assert (case.fate, case.verdict, case.keyed, case.waiting_ms) == ("timed_out_done", None, None, 4000)
+    record = only(script.say(5100, decision("a1", "veto", 5090), m.ActMissed(actor="x", what="veto a1", why="late")))
+    assert (record.fate, record.verdict, record.key_at, record.waiting_ms) == ("timed_out_done", None, None, 4000)
 
 
 @pytest.mark.parametrize(
@@ -107,8 +109,8 @@ def test_a_key_after_the_deadline_decides_nothing() -> None:
     ],
 )
 def test_each_end_without_an_operator_has_its_name(end: m.Message, fate: str) -> None:
-    case = only(offered().say(5000, end))
-    assert (case.fate, case.verdict, case.keyed) == (fate, None, None)
+    record = only(offered().say(5000, end))
+    assert (record.fate, record.verdict, record.key_at) == (fate, None, None)
 
 
 @pytest.mark.parametrize("reason", get_args(get_type_hints(m.Dropped)["reason"]))
@@ -121,14 +123,14 @@ def test_for_each_reason_to_drop_a_proposal_there_is_a_fate(reason: Any) -> None
 def test_two_operators_are_timed_each_by_their_own_screen() -> None:
     script = offered().say(1400, seen("a1", 1390, "operator.ben"))
     ben = m.Decision(action="a1", verdict="accept", actor="operator.ben", at=1_890_000_000)
-    case = only(script.say(1895, ben, action(A1)))
-    assert (case.by, case.decision_ms) == ("operator.ben", 500)
+    record = only(script.say(1895, ben, action(A1)))
+    assert (record.by, record.decision_ms) == ("operator.ben", 500)
 
 
 def test_a_key_that_changed_nothing_does_not_count_for_what_a_change_of_mode_decides_later() -> None:
     script = offered().say(1500, decision("a1", ms=1500))
-    case = only(script.say(3000, m.ModeChanged(kind="feedback", mode="autonomous"), action(A1)))
-    assert (case.verdict, case.keyed, case.waiting_ms) == ("accepted", None, 2000)
+    record = only(script.say(3000, m.ModeChanged(kind="feedback", mode="autonomous"), action(A1)))
+    assert (record.verdict, record.key_at, record.waiting_ms) == ("accepted", None, 2000)
 
 
 def test_a_decision_by_who_never_had_it_on_screen_has_no_latency() -> None:
@@ -139,7 +141,10 @@ def test_a_decision_by_who_never_had_it_on_screen_has_no_latency() -> None:
 def test_the_mode_is_that_which_was_set_when_it_was_proposed() -> None:
     later = proposal("a2")
     script = Script().join(10).say(1000, A1).say(2000, m.ModeChanged(kind="feedback", mode="manual")).say(3000, later)
-    assert [(case.id, case.mode) for case in cases(script, APPROVE)] == [("a1", "approve"), ("a2", "manual")]
+    assert [(record.id, record.mode) for record in proposal_records(script, APPROVE)] == [
+        ("a1", "approve"),
+        ("a2", "manual"),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -153,14 +158,14 @@ def test_the_mode_is_that_which_was_set_when_it_was_proposed() -> None:
     ],
 )
 def test_a_kind_goes_by_the_mode_of_its_ruler(kind: Any, ruled_by: str, mode: str) -> None:
-    case = only(Script().join(10).say(1000, proposal("a1", kind)))
-    assert (case.kind, case.mode) == (ruled_by, mode)
+    record = only(Script().join(10).say(1000, proposal("a1", kind)))
+    assert (record.kind, record.mode) == (ruled_by, mode)
 
 
 def test_a_gesture_apart_is_a_case_of_its_own_whose_valence_is_counted_with_its_words() -> None:
     wave = proposal("a1.gesture", "gesture", "", gesture="nod", valence="negative")
     script = Script().join(10).say(1000, A1, offer(A1), offer(wave)).say(1500, decision(wave.id), action(wave))
-    assert [(case.id, case.kind, case.fate, case.valence) for case in cases(script, APPROVE)] == [
+    assert [(record.id, record.kind, record.fate, record.valence) for record in proposal_records(script, APPROVE)] == [
         ("a1", "feedback", "open", "negative"),
         ("a1.gesture", "gesture", "accepted", None),
     ]
@@ -168,7 +173,7 @@ def test_a_gesture_apart_is_a_case_of_its_own_whose_valence_is_counted_with_its_
 
 def test_an_operators_own_words_are_no_proposal() -> None:
     said = m.Action(id="o1", kind="remark", text="Take your time.", decision="initiated", actor="x", ground="operator")
-    assert cases(Script().join(10).say(1000, said), APPROVE) == []
+    assert proposal_records(Script().join(10).say(1000, said), APPROVE) == []
 
 
 # --- levels -------------------------------------------------------------------------------------------------------
@@ -193,9 +198,9 @@ UP = m.LevelChanged(previous=1, level=2, reason="success")
 def test_a_change_of_level_that_waited_is_one_case(ruling: m.LevelDecided, fate: str, verdict: str | None) -> None:
     told = () if ruling.decision == "rejected" else (UP,)
     script = Script().join(10).say(1000, offer(L1, level=2)).say(1700, ruling, *told)
-    case = only(script)
-    assert (case.kind, case.mode, case.fate, case.verdict) == ("difficulty", "approve", fate, verdict)
-    assert case.waiting_ms == 700
+    record = only(script)
+    assert (record.kind, record.mode, record.fate, record.verdict) == ("difficulty", "approve", fate, verdict)
+    assert record.waiting_ms == 700
 
 
 def test_a_level_that_only_the_operator_would_have_changed_stays() -> None:
@@ -218,8 +223,8 @@ def switched() -> Script:
 
 def test_a_level_whose_mode_was_changed_while_it_waited_falls_away_for_that() -> None:
     script = switched().say(9000, STARTED, ruled("l1", 0, "rejected", "mode"))
-    case = only(script)
-    assert (case.mode, case.fate, case.verdict) == ("approve", "mode_changed", None)
+    record = only(script)
+    assert (record.mode, record.fate, record.verdict) == ("approve", "mode_changed", None)
 
 
 def test_words_whose_mode_was_changed_while_they_waited_fall_away_for_that() -> None:
@@ -242,14 +247,14 @@ def test_a_level_that_falls_away_for_another_reason_says_that_one(cause: m.Messa
 
 def test_a_level_that_is_held_back_without_being_offered_is_a_case_too() -> None:
     script = Script().say(1000, ruled("l1", 1, "rejected", "no operator"))
-    case = only(script)
-    assert (case.fate, case.offered, case.waiting_ms) == ("no_operator_dropped", None, None)
+    record = only(script)
+    assert (record.fate, record.pending_at, record.waiting_ms) == ("no_operator_dropped", None, None)
 
 
 def test_a_level_that_nobody_was_asked_about_is_the_agents_own() -> None:
     down = m.LevelChanged(previous=2, level=1, reason="failure")
-    found = cases(Script().join(10).say(1000, UP).say(2000, down), ALONE)
-    assert [(case.kind, case.fate) for case in found] == [("difficulty", "agent")] * 2
+    found = proposal_records(Script().join(10).say(1000, UP).say(2000, down), ALONE)
+    assert [(record.kind, record.fate) for record in found] == [("difficulty", "agent")] * 2
 
 
 def test_without_an_operator_a_level_that_would_wait_is_done_without_one() -> None:
@@ -265,10 +270,10 @@ def test_after_the_last_attempt_no_operator_is_asked_about_the_level() -> None:
 
 
 def test_a_level_set_by_hand_is_no_proposal() -> None:
-    assert cases(Script().say(1000, m.LevelChanged(previous=1, level=3, reason="operator")), ALONE) == []
+    assert proposal_records(Script().say(1000, m.LevelChanged(previous=1, level=3, reason="operator")), ALONE) == []
 
 
 def test_a_change_that_takes_the_place_of_one_that_waited_is_counted_beside_it() -> None:
     script = Script().join(10).say(1000, offer(L1, "manual", 2)).join(2000, state="lost", operated=False)
     script.say(3000, ruled("l1", 0, "rejected", "mode"), UP)
-    assert [case.fate for case in cases(script, MANUAL)] == ["manual_dropped", "no_operator_done"]
+    assert [record.fate for record in proposal_records(script, MANUAL)] == ["manual_dropped", "no_operator_done"]
