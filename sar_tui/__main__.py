@@ -2,8 +2,7 @@
 
 import sys
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""
+from sar_tui import INTERRUPTED
 
 
 def main() -> None:

@@ -1,49 +1,56 @@
-"""What the app leaves in the terminal when it has closed: what became of the session, and how to get back to it."""
+"""The lines that the app leaves in the terminal: what became of the session, and the command to get back to it."""
 
-import contextlib
 import shlex
-import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sar_tui import INTERRUPTED
 from sar_tui.store.database import default_folder
 
 if TYPE_CHECKING:
-    from sar_tui.app.app import SarTui
+    from sar_tui.app.live import LiveSession
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""
 UNSAVED = "The disk would not take the session's last messages; the trials acknowledged before are safe."
 
 
-def say_last_words(app: "SarTui", code: int) -> None:
-    """Print them."""
-    for line in last_words(app, code):
-        with contextlib.suppress(OSError):  # the terminal may be gone: then there is nobody to tell
-            print(line, file=sys.stderr)
+def exit_message(
+    code: int,
+    failure: str,
+    live: "LiveSession | None",
+    folder: Path,
+    tasks: Sequence[Path],
+    *,
+    names_ended_session: bool,
+) -> Iterator[str]:
+    """Yield the lines to print.
 
+    Args:
+        code: the exit code.
+        failure: why the app ended, if it failed.
+        live: its last session, if there was one.
+        folder: of the data.
+        tasks: folders that `--tasks` named.
+        names_ended_session: True if the app was opened for this session only.
+    """
 
-def last_words(app: "SarTui", code: int) -> list[str]:
-    """What there is to say, a line each."""
-    words = [app.failure] if app.failure else []
+    def command(name: str, session: str) -> str:
+        parts = ["sar-tui", *name.split(), session]
+        if folder.resolve() != default_folder().resolve():
+            parts += ["--data", str(folder)]
+        for each in tasks:
+            parts += ["--tasks", str(each)]
+        return shlex.join(parts)
+
+    if failure:
+        yield failure
     if code == INTERRUPTED:
-        words.append("Stopped with Ctrl-C.")
-    live = app.live
+        yield "Stopped with Ctrl-C."
     if live and not live.run.session.ended and not live.run.session.broken:
-        words.append(f"The session is kept. Go on with it: {_command(app, 'resume', live.run.id)}")
-    elif live and app.begins_at_once:
-        words.append(f"The session is kept. Look at it: {_command(app, 'show', live.run.id)}")
+        yield f"The session is kept. Resume it: {command('resume', live.run.id)}"
+    elif live and names_ended_session:
+        yield f"The session is kept. Look at it: {command('show', live.run.id)}"
         if live.can_be_joined:
-            words.append(f"What operators did: {_command(app, 'report wizard', live.run.id)}")
+            yield f"What operators did: {command('report wizard', live.run.id)}"
     if live and live.unsaved:
-        words.append(UNSAVED)
-    return words
-
-
-def _command(app: "SarTui", name: str, session: str) -> str:
-    """A command for a session, as it has to be typed from here."""
-    words = ["sar-tui", *name.split(), session]
-    if app.folder.resolve() != default_folder().resolve():
-        words += ["--data", str(app.folder)]
-    for folder in app.catalogue.extra_tasks:
-        words += ["--tasks", str(folder)]
-    return shlex.join(words)
+        yield UNSAVED

@@ -136,8 +136,8 @@ class LiveSession:
         """How many messages are not on the disk."""
         return self.run.recorder.pending
 
-    def let_go(self) -> None:
-        """Let go of devices at once; what they say to that is kept, if there is still somebody to write it down."""
+    def release(self) -> None:
+        """Release devices at once; their last reports are recorded if the recorder still runs."""
         self.run.session.detach()
         if not self.run.recorder.wait(0):
             self.run.session.bus.drain()
@@ -150,7 +150,7 @@ class LiveSession:
         """
         if self._closing:
             return
-        self.let_go()
+        self.release()
         self._closing = True
         app.workers.cancel_group(app, "session")
         if isinstance(self.clock, LiveClock):

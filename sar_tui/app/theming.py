@@ -1,38 +1,41 @@
-"""What the app wears: the themes there are, the one that is worn, and its edits."""
+"""The app's themes: those there are to choose from, the active one, and edits of it."""
 
 from typing import TYPE_CHECKING
 
-from textual.app import App
 from textual.timer import Timer
 
 from sar_tui.app.theme_watch import LOOK_SECONDS, ThemeWatch
 from sar_tui.framework.theme import ENGLISH, Theme
 from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError
+from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.textual_theme import textual_theme
 
 if TYPE_CHECKING:
     from sar_tui.app.live import LiveSession
 
 
-class ThemedApp(App[int]):
-    """The part of the app that themes are: chosen, worn, and worn anew when they are edited.
+class ThemedApp(BaseApp):
+    """The part of the app that chooses themes, and applies them again when they are edited.
 
     Args:
-        catalogue: the tasks and themes there are.
+        catalogue: the installed tasks and themes.
+
+    Attributes:
+        pending_notice: a notice about an edited theme that waits until no participant sees the screen.
 
     Raises:
         PluginError: no theme can be read.
     """
 
-    if TYPE_CHECKING:  # what the whole app knows
+    if TYPE_CHECKING:  # defined by the whole app
 
         @property
         def _open(self) -> "LiveSession | None":
             """The session that is open."""
 
         @property
-        def _seats_participant(self) -> bool:
-            """Whether a participant sits in front of the screen."""
+        def _has_participant(self) -> bool:
+            """True while a participant sits in front of the screen."""
 
     _edits: Timer
 
@@ -40,28 +43,28 @@ class ThemedApp(App[int]):
         super().__init__()
         self.catalogue = catalogue
         self.themes: dict[str, Theme] = {}
-        self.untold = ""
-        self.theme_watch = ThemeWatch(catalogue, self._wear_edited, self._tell_editor)
-        self._looks = True
-        self._wear_any()
+        self.pending_notice = ""
+        self.theme_watch = ThemeWatch(catalogue, self._apply_edited, self._notify_editor)
+        self._looks_for_edits = True
+        self._use_any_theme()
 
-    def look_after_themes(self) -> None:
+    def watch_themes(self) -> None:
         """Look for edits from here on."""
         self._edits = self.set_interval(LOOK_SECONDS, self.theme_watch.look)
 
     def load_themes(self) -> None:
-        """Have every theme to choose. One that cannot be read is told, and keeps nobody from the others."""
-        worn, self.themes = self.themes, {}
+        """Load every theme, to choose from; report one that cannot be read and load the others."""
+        loaded, self.themes = self.themes, {}
         for name in self.catalogue.theme_names():
             try:
-                theme = self.themes[name] = worn.get(name) or self.catalogue.theme(name)
+                theme = self.themes[name] = loaded.get(name) or self.catalogue.theme(name)
             except PluginError as error:
-                self._tell_editor(str(error))
+                self._notify_editor(str(error))
             else:
                 self.register_theme(textual_theme(theme))
 
-    def _wear_any(self) -> None:
-        """Wear the default theme; where somebody's own has taken its name and cannot be read, the first that can."""
+    def _use_any_theme(self) -> None:
+        """Use the default theme; if a user's own of that name cannot be read, the first that can."""
         names = dict.fromkeys((DEFAULT_THEME, *self.catalogue.theme_names()))
         for last, name in enumerate(names, 1):
             try:
@@ -73,49 +76,39 @@ class ThemedApp(App[int]):
                 return
 
     def use_theme(self, name: str) -> None:
-        """Wear a theme of the Social-Behavioral Base, and every edit of it. Raises PluginError."""
-        self._wear(self.themes.get(name) or self.catalogue.theme(name), ENGLISH)
+        """Use a theme of the Social-Behavioral Base, and every edit of it. Raises PluginError."""
+        self._use(self.themes.get(name) or self.catalogue.theme(name), ENGLISH)
 
-    def _wear(self, theme: Theme, language: str) -> None:
+    def _use(self, theme: Theme, language: str) -> None:
         self.themes[theme.name] = theme
-        self._put_on(theme)
-        self.theme = f"sar-{theme.name}"
+        self.apply_theme(theme)
         self.theme_watch.follow(theme.name, language)
 
-    def _put_on(self, theme: Theme) -> None:
-        """Have the colours of a theme; show them, if it is the one that is worn."""
-        anew = textual_theme(theme)
-        if self.available_themes.get(anew.name) == anew:
-            return
-        self.register_theme(anew)
-        if self.theme == anew.name:
-            self.mutate_reactive(App.theme)
-
     def look_for_edits(self, looks: bool) -> None:
-        """Look now and then whether the theme was edited; or not, because a trial is about to begin."""
-        if looks != self._looks:
-            self._looks = looks
+        """Look for edits of the theme now and then; or stop, because a trial is about to begin."""
+        if looks != self._looks_for_edits:
+            self._looks_for_edits = looks
             if looks:
                 self._edits.resume()
             else:
                 self._edits.pause()
                 self.clear_notifications()
 
-    def _wear_edited(self, theme: Theme) -> None:
-        self.untold = ""
+    def _apply_edited(self, theme: Theme) -> None:
+        self.pending_notice = ""
         self.themes[theme.name] = theme
-        self._put_on(theme)
+        self.apply_theme(theme)
         if self._open and self._open.run.session.theme.name == theme.name:
             self._open.run.session.wear(theme)
 
-    def _tell_editor(self, words: str) -> None:
-        """Tell whoever edits a theme; but not on the screen of a participant, where it is told when they have gone."""
-        if self._seats_participant:
-            self.untold = words
+    def _notify_editor(self, text: str) -> None:
+        """Notify the editor of a theme; not on a participant's screen, but when they have left."""
+        if self._has_participant:
+            self.pending_notice = text
         else:
-            self.notify(words, severity="warning", timeout=15, markup=False)
+            self.notify(text, severity="warning", timeout=15, markup=False)
 
-    def _tell_what_waited(self) -> None:
-        if words := self.untold:
-            self.untold = ""
-            self._tell_editor(words)
+    def _show_pending_notice(self) -> None:
+        if text := self.pending_notice:
+            self.pending_notice = ""
+            self._notify_editor(text)

@@ -5,12 +5,12 @@ from typing import Annotated
 
 import typer
 
-from sar_tui import __version__
+from sar_tui import INTERRUPTED, __version__
 from sar_tui.cli.agent_view import follow_agent
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, need_screen
 from sar_tui.cli.detect import detect
 from sar_tui.cli.doctor.command import doctor as doctor_command
-from sar_tui.cli.errors import INTERRUPTED, Commands
+from sar_tui.cli.errors import Commands
 from sar_tui.cli.graph import graph
 from sar_tui.cli.link import app as link_app
 from sar_tui.cli.live import resume, run

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import typer
 
 from sar_tui.cli.common import Data, Home, Tasks, need_screen
-from sar_tui.cli.errors import FAILED
 from sar_tui.cli.session_choice import Joined, Link
 
 if TYPE_CHECKING:
@@ -43,7 +42,7 @@ def follow_agent(
         return connect(where, f"{_NAME}-{os.getpid()}", "observer", listener, loop)
 
     app = AgentApp(catalogue.theme(DEFAULT_THEME), join)
-    app.run()
+    code = app.run_here()
     if app.failure:
         print(app.failure, file=sys.stderr)
-    raise typer.Exit(FAILED if app.failure else app.return_code or 0)
+    raise typer.Exit(code)

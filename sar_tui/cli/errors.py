@@ -7,7 +7,9 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+from sar_tui import INTERRUPTED
+
+FAILED, BAD_INPUT = 1, 2
 DEBUG = "SAR_TUI_DEBUG"
 
 _UsageError: type[Exception] = typer.BadParameter.__bases__[

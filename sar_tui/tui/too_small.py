@@ -1,7 +1,9 @@
-"""Says that the terminal is too small, until it is not."""
+"""A screen that covers the app while the terminal is too small."""
+
+from typing import Any
 
 from textual import events
-from textual.app import ComposeResult
+from textual.app import App, ComposeResult
 from textual.geometry import Size
 from textual.screen import Screen
 from textual.widgets import Static
@@ -12,18 +14,30 @@ MINIMUM = Size(80, 24)
 
 
 def is_too_small(size: Size) -> bool:
-    """Whether the screens do not fit. A size of 0 is not known yet."""
+    """True if the screens do not fit. A size of 0 is not known yet."""
     return 0 < size.width < MINIMUM.width or 0 < size.height < MINIMUM.height
 
 
+def cover_if_too_small(app: App[Any], size: Size) -> None:
+    """Cover the app's screen while it does not fit, and uncover it again.
+
+    A cover with another screen on top of it, such as the help, uncovers by itself when that one is closed.
+    """
+    if not is_too_small(size):
+        if isinstance(app.screen, TooSmallScreen):
+            app.pop_screen()
+    elif not any(isinstance(screen, TooSmallScreen) for screen in app.screen_stack):
+        app.push_screen(TooSmallScreen())
+
+
 class TooSmallScreen(Screen[None]):
-    """Stands over whatever was there; a session beneath it is paused."""
+    """Asks for a larger window; a session below it is paused."""
 
     def compose(self) -> ComposeResult:
         yield Static(id="too-small", markup=False)
 
     def on_screen_resume(self) -> None:
-        """What stood over this screen is gone; the window may have grown meanwhile."""
+        """Uncover if the window grew while another screen was on top of this one."""
         if self.is_current and not is_too_small(self.app.size):
             self.dismiss()
 

@@ -228,7 +228,7 @@ def test_the_exit_code_tells_of_a_failure_however_the_app_was_left(
         app.failure = failure
 
     monkeypatch.setattr(app_module.SarTui, "run", left_with_ctrl_q)
-    monkeypatch.setattr(app_module, "stamp_keys_as_read", lambda: None)
+    monkeypatch.setattr("sar_tui.tui.base_app.stamp_keys_as_read", lambda: None)
     assert run_app(data, catalogue) == code
 
 

@@ -17,6 +17,7 @@ from sar_tui.framework.messages import SensorChanged, SensorState
 from sar_tui.framework.topics import SENSOR
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
+from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.language import app_language, session_language
 from tests.app.app_driver import AppDriver, known, sit_down
 from tests.untranslated import english_in, phrases
@@ -65,7 +66,7 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_of_a_text_tha
     package = APP.parent
     rooms = (APP, package / "widgets", package / "tui")
     code = [*(path for room in rooms for path in room.rglob("*.py")), package / "reports" / "attempts_plot.py"]
-    bindings = [*SarTui.BINDINGS, *SessionScreen.BINDINGS, *SensorCheckScreen.BINDINGS]
+    bindings = [*BaseApp.BINDINGS, *SarTui.BINDINGS, *SessionScreen.BINDINGS, *SensorCheckScreen.BINDINGS]
     labels = {binding.description for binding in bindings if isinstance(binding, Binding) and binding.show}
     texts = {"palette", *labels}.union(*(texts_in(path.read_text("utf-8")) for path in code))
     translations = read_words(APP / "words.es.toml")

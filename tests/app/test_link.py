@@ -4,7 +4,6 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.app.exit_message import last_words
 from sar_tui.framework import messages as m
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import OPERATOR, PROMPT, SHOWN, THEME
@@ -46,5 +45,5 @@ async def test_an_operator_who_ends_the_session_is_in_its_record_by_name(
         await driver.wait(1000)
         assert driver.session.ended
         assert [(act["command"], act["actor"]) for act in driver.messages(OPERATOR.name)] == [("end", ANNA)]
-        assert any(f"sar-tui report wizard {driver.session_id}" in words for words in last_words(driver.app, 0))
+        assert any(f"sar-tui report wizard {driver.session_id}" in words for words in driver.app.exit_lines(0))
     assert stored(data, "SELECT status FROM sessions") == [("aborted",)]

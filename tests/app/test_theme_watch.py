@@ -205,7 +205,7 @@ async def test_in_a_session_the_participant_reads_nothing_of_an_edit_that_is_wro
         driver.app.screen.dismiss()
         await driver.settle()
         assert driver.sees("The theme mine cannot be read")
-        assert driver.app.untold == ""
+        assert driver.app.pending_notice == ""
 
 
 async def test_what_was_wrong_with_an_edit_is_kept_for_the_terminal_until_it_is_mended(
@@ -214,11 +214,11 @@ async def test_what_was_wrong_with_an_edit_is_kept_for_the_terminal_until_it_is_
     async with sit_down(data, themes, plan(keyboard, theme="mine")) as driver:
         edit(folder, '"#7cc4e8"', '"blueish"')
         await look(driver)
-        assert driver.app.untold.startswith("Theme edited. One thing to mend: ")
+        assert driver.app.pending_notice.startswith("Theme edited. One thing to mend: ")
         assert not driver.sees("Theme edited")
         edit(folder, '"blueish"', '"#7cc4e8"')
         await look(driver)
-        assert driver.app.untold == ""
+        assert driver.app.pending_notice == ""
 
 
 async def test_the_palette_offers_no_theme_while_a_session_is_open_so_that_its_own_is_still_followed(

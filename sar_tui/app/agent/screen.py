@@ -72,7 +72,7 @@ class AgentViewScreen(Screen[None]):
 
     def wear(self, theme: Theme) -> None:
         self._agent.wear(theme)
-        self.app.wear(theme)
+        self.app.apply_theme(theme)
 
     def wait(self, waiting: Waiting) -> None:
         """Hold still while a response is awaited, as the participant's own screen does."""

@@ -1,0 +1,76 @@
+"""The base of the three apps: the participant's, the operator's panel, and the agent in a window of its own."""
+
+import os
+import sys
+from typing import ClassVar
+
+from textual import events
+from textual.app import App
+from textual.binding import Binding, BindingType
+
+from sar_tui import INTERRUPTED
+from sar_tui.framework.theme import Theme
+from sar_tui.tui.gc_control import SWITCH_INTERVAL
+from sar_tui.tui.ordered_keys import in_order
+from sar_tui.tui.textual_theme import textual_theme
+from sar_tui.tui.timestamps import stamp_keys_as_read
+
+DEBUG = "SAR_TUI_DEBUG"
+"""Environment variable: show the traceback of a fault."""
+
+
+class BaseApp(App[int]):
+    """An app that ends in order: with an exit code, and after a fault with one sentence in place of a traceback.
+
+    Attributes:
+        failure: why it ended, for the terminal it leaves; empty if all is well.
+        key_seconds: when the last key was read (s), for actions, which Textual does not pass the key event.
+    """
+
+    TITLE = "sar-tui"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("ctrl+q", "quit", "Quit", priority=True, id="quit"),
+        Binding("ctrl+c", "interrupt", "Stop", show=False, priority=True, id="interrupt"),
+    ]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.failure = ""
+        self.key_seconds = 0.0
+
+    def run_here(self) -> int:
+        """Run in this terminal or browser; returns the exit code."""
+        stamp_keys_as_read()
+        sys.setswitchinterval(SWITCH_INTERVAL)  # an input thread must get to its time stamp while the screen is drawn
+        self.run()
+        return self.return_code or int(bool(self.failure))
+
+    async def on_event(self, event: events.Event) -> None:
+        if isinstance(event, events.Key):
+            self.key_seconds = event.time
+        if not await in_order(self, event):
+            await super().on_event(event)
+
+    def apply_theme(self, theme: Theme) -> None:
+        """Show the colours of a theme, also if it has the name of the present one."""
+        colors = textual_theme(theme)
+        is_new = self.available_themes.get(colors.name) != colors
+        if is_new:
+            self.register_theme(colors)
+        if self.theme != colors.name:
+            self.theme = colors.name
+        elif is_new:
+            self.mutate_reactive(App.theme)
+
+    def action_interrupt(self) -> None:
+        """Ctrl-C."""
+        self.exit(return_code=INTERRUPTED)
+
+    def _handle_exception(self, error: Exception) -> None:
+        """End after a fault of ours, without a traceback unless `SAR_TUI_DEBUG` is set."""
+        if self.is_headless or os.environ.get(DEBUG):
+            super()._handle_exception(error)
+            return
+        self.failure = f"sar-tui failed ({type(error).__name__}: {error}). Set {DEBUG}=1 to see where."
+        self._return_code = 1
+        self._close_messages_no_wait()
