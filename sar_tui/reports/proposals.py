@@ -120,7 +120,7 @@ class ProposalLog:
             case m.OperatorChanged():
                 self.state = msgspec.structs.replace(self.state, operated=message.operated)
             case m.ModeChanged():
-                self.state = arbitration.choose(self.state, message.kind, message.mode)
+                self.state = arbitration.set_mode(self.state, message.kind, message.mode)
             case m.Proposal():
                 self._propose(run, at, message)
             case m.PendingApproval():
