@@ -1,1 +1,1 @@
-"""``sar-tui doctor``: a file for each group of checks."""
+"""``sar-tui doctor``: a module for each group of checks."""

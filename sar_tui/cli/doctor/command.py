@@ -1,4 +1,4 @@
-"""``sar-tui doctor``: what works here, and how to mend what does not."""
+"""``sar-tui doctor``: check this machine and this installation, and say how to fix what does not work."""
 
 from typing import TYPE_CHECKING
 
@@ -8,14 +8,14 @@ from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
 from sar_tui.cli.errors import FAILED
 
 if TYPE_CHECKING:
-    from sar_tui.cli.doctor.check import Finding
+    from sar_tui.cli.doctor.finding import Finding
 
 _MARKS = {"ok": "✓", "care": "!", "bad": "✗"}
 
 
 def doctor(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
-    """Tell what works here, and how to mend the rest."""
-    from sar_tui.cli.doctor.general import examine
+    """Check what works here, and say how to fix the rest."""
+    from sar_tui.cli.doctor.examination import examine
 
     findings = list(examine(Home.of(context, data, tasks)))
     if as_json:
@@ -27,7 +27,7 @@ def doctor(context: typer.Context, as_json: AsJson = False, data: Data = None, t
 
 
 def _print(findings: "list[Finding]") -> None:
-    """A line each, and under it how to mend it."""
+    """Print a paragraph for each finding, with the advice below it."""
     import textwrap
 
     width = max(60, console().width)
@@ -36,6 +36,6 @@ def _print(findings: "list[Finding]") -> None:
         head = f"{_MARKS[finding.state]} {finding.name.ljust(widest)}  "
         margin = " " * len(head)
         print(textwrap.fill(finding.found, width, initial_indent=head, subsequent_indent=margin))
-        if finding.mend:
-            mend = textwrap.fill(finding.mend, width, initial_indent=f"{margin}→ ", subsequent_indent=f"{margin}  ")
-            print(mend)
+        if finding.advice:
+            arrow = f"{margin}→ "
+            print(textwrap.fill(finding.advice, width, initial_indent=arrow, subsequent_indent=f"{margin}  "))

@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sar_tui.cli.doctor.check import Finding
+from sar_tui.cli.doctor.finding import Finding
 
 if TYPE_CHECKING:
     from sar_tui.link.authority import IssuedInvitation

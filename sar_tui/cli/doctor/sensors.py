@@ -1,4 +1,4 @@
-"""What `sar-tui doctor` finds of motion sensors: the driver, a sensor, and whether one may use it."""
+"""Motion sensors: the driver, a sensor, and the permission to use it."""
 
 import os
 import queue
@@ -6,16 +6,16 @@ import sys
 import time
 from pathlib import Path
 
-from sar_tui.cli.doctor.check import Finding
+from sar_tui.cli.doctor.finding import Finding
 
 _SENSOR_S = 0.5
-"""How long a motion sensor is waited for; one that is plugged in tells of itself within 100 ms."""
+"""Time to wait for a motion sensor; one that is plugged in attaches within 100 ms."""
 _UDEV = tuple(map(Path, ("/etc/udev/rules.d", "/run/udev/rules.d", "/usr/lib/udev/rules.d", "/lib/udev/rules.d")))
 _NO_SENSOR = "Only tasks that measure movement need one; `--imu simulated` tries them without."
 
 
 def sensor_driver() -> Finding:
-    """Whether a PhidgetSpatial could be used: the Python package, its native library, and what that needs."""
+    """Check that the Phidget package and its native library load."""
     from sar_tui.drivers.phidget import new_channel
     from sar_tui.inputs.phidget import NO_LIBRARY, NO_PACKAGE
 
@@ -28,27 +28,27 @@ def sensor_driver() -> Finding:
         problem = NO_PACKAGE
     except OSError as error:
         problem = NO_LIBRARY.format(error)
-    found, _, mend = problem.rpartition("; ")
-    return Finding("Sensor driver", "care", found, f"{_capital(mend)}. {_NO_SENSOR}")
+    found, _, advice = problem.rpartition("; ")
+    return Finding("Sensor driver", "care", found, f"{_capitalized(advice)}. {_NO_SENSOR}")
 
 
 def motion_sensor() -> Finding:
-    """Whether there is a PhidgetSpatial on a USB port. None is no fault."""
+    """Look for a PhidgetSpatial on a USB port. It is fine if there is none."""
     from sar_tui.drivers.phidget import usb_denied
     from sar_tui.inputs.imu import Status
     from sar_tui.inputs.phidget import NO_PERMISSION, PhidgetSource
 
     if usb_denied():
-        found, _, mend = NO_PERMISSION.partition(": ")
-        return Finding("Motion sensor", "bad", found, _capital(mend))
-    told: queue.SimpleQueue[Status] = queue.SimpleQueue()
+        found, _, advice = NO_PERMISSION.partition(": ")
+        return Finding("Motion sensor", "bad", found, _capitalized(advice))
+    statuses: queue.SimpleQueue[Status] = queue.SimpleQueue()
     source = PhidgetSource()
-    source.start(lambda sample: None, told.put)
+    source.start(lambda sample: None, statuses.put)
     try:
         until = time.monotonic() + _SENSOR_S
         while (left := until - time.monotonic()) > 0:
             try:
-                status = told.get(timeout=left)
+                status = statuses.get(timeout=left)
             except queue.Empty:
                 break
             if status.state == "attached" and (info := source.info):
@@ -68,10 +68,10 @@ def motion_sensor() -> Finding:
 
 
 def _has_udev_rule(folders: tuple[Path, ...] = _UDEV) -> bool:
-    """Whether this system has a rule for Phidgets."""
+    """Return True if this system has a udev rule for Phidgets."""
     rules = (rule for folder in folders for rule in folder.glob("*.rules"))
     return any("06c2" in rule.read_text(errors="replace").lower() for rule in rules if os.access(rule, os.R_OK))
 
 
-def _capital(words: str) -> str:
-    return words[:1].upper() + words[1:]
+def _capitalized(text: str) -> str:
+    return text[:1].upper() + text[1:]

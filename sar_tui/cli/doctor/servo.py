@@ -1,17 +1,17 @@
-"""What `sar-tui doctor` finds of servo motors: a controller, and whether it lets go of them by itself."""
+"""Servo motors: a controller, and its failsafe."""
 
 import threading
 
-from sar_tui.cli.doctor.check import Finding
+from sar_tui.cli.doctor.finding import Finding
 
 _SERVO_S = 0.5
-"""How long a controller is waited for, where a Phidget is plugged in at all."""
+"""Time to wait for a controller if a Phidget is plugged in."""
 _NAME = "Servo controller"
 _NO_SERVO = "Only a robot that moves needs one; the screen draws each gesture."
 
 
 def servo_controller() -> Finding:
-    """Whether there is a controller of RC servos on a USB port. None is no fault."""
+    """Look for a controller of RC servos on a USB port. It is fine if there is none."""
     from sar_tui.drivers.phidget import describe, new_channel, plugged_in, usb_denied
     from sar_tui.outputs.servo.address import parse
     from sar_tui.outputs.servo.channel import FAILSAFE_MS, ServoChannel
@@ -21,11 +21,11 @@ def servo_controller() -> Finding:
     if usb_denied():
         return Finding(_NAME, "care", "a Phidget is plugged in that you may not use", "See: Motion sensor.")
     address = parse("")
-    told = threading.Event()
-    servo = ServoChannel(address.wires[0], address, failsafe=True, changed=told.set)
+    changed = threading.Event()
+    servo = ServoChannel(address.wires[0], address, failsafe=True, changed=changed.set)
     try:
         servo.open(new_channel("RCServo"))
-        told.wait(_SERVO_S)
+        changed.wait(_SERVO_S)
         found, attached = (f"{servo.model}, " if servo.attached else servo.trouble), servo.attached
     except Exception as error:
         return Finding(_NAME, "care", describe(error), f"See: Sensor driver. {_NO_SERVO}")
@@ -34,6 +34,6 @@ def servo_controller() -> Finding:
     if not attached:
         return Finding(_NAME, "ok", found or f"none plugged in, or another program uses it. {_NO_SERVO}")
     if servo.has_failsafe:
-        return Finding(_NAME, "ok", f"{found}lets go of its motors {FAILSAFE_MS} ms after a program that uses it hangs")
-    mend = "Should the program be killed in mid-gesture, unplug the controller's power to make its motors limp."
-    return Finding(_NAME, "care", f"{found}has no failsafe", mend)
+        return Finding(_NAME, "ok", f"{found}makes its motors limp {FAILSAFE_MS} ms after a program that uses it hangs")
+    advice = "If the program is killed during a gesture, unplug the controller's power to make its motors limp."
+    return Finding(_NAME, "care", f"{found}has no failsafe", advice)

@@ -225,8 +225,8 @@ def test_who_has_no_sensor_yet_is_told_what_one_needs(
     if system != "linux":
         monkeypatch.setattr(sensors.sys, "platform", system)
     found = sensors.motion_sensor()
-    assert (found.state, bool(found.mend)) == ("ok", bool(says))
-    assert found.mend.startswith(says)
+    assert (found.state, bool(found.advice)) == ("ok", bool(says))
+    assert found.advice.startswith(says)
     assert ("No permission is needed" in found.found) == (system == "win32")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.cli.doctor.check import Finding
+from sar_tui.cli.doctor.finding import Finding
 from sar_tui.cli.doctor.link import browser, invitations, operator_here
 from sar_tui.link.authority import FOLDER, Authority
 from sar_tui.link.discovery import JoinableSession, announce
@@ -40,7 +40,7 @@ def without(monkeypatch: pytest.MonkeyPatch, *packages: str) -> None:
 
 def test_where_a_socket_can_be_opened_it_is_told_and_nothing_is_left(runtime: Path) -> None:
     found = operator_here()
-    assert (found.name, found.state, found.mend) == ("Operator here", "ok", "")
+    assert (found.name, found.state, found.advice) == ("Operator here", "ok", "")
     assert found.found == f"through {runtime}/sar-tui, private to you; no session can be joined now"
     assert list((runtime / "sar-tui").iterdir()) == []
 
@@ -76,7 +76,7 @@ def test_a_folder_in_which_no_socket_can_be_opened_needs_care(runtime: Path, mon
         "care",
         f"no socket can be opened in {runtime}/sar-tui: Operation not supported",
     )
-    assert "XDG_RUNTIME_DIR" in found.mend
+    assert "XDG_RUNTIME_DIR" in found.advice
 
 
 def test_what_is_not_installed_is_no_fault_and_its_cure_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -103,7 +103,7 @@ def test_a_browser_is_not_enough_without_the_link(monkeypatch: pytest.MonkeyPatc
 
 
 def test_a_browser_can_be_served() -> None:
-    assert (browser().state, browser().mend) == ("ok", "")
+    assert (browser().state, browser().advice) == ("ok", "")
 
 
 def test_without_an_invitation_nobody_can_join(tmp_path: Path) -> None:
@@ -141,7 +141,7 @@ def test_keys_that_others_can_look_at_need_care(tmp_path: Path) -> None:
     Authority.open_or_create(tmp_path)
     (tmp_path / FOLDER).chmod(0o755)
     found = invitations(tmp_path, NOW)
-    assert (found.state, f"chmod 700 {tmp_path / FOLDER}" in found.mend) == ("care", True)
+    assert (found.state, f"chmod 700 {tmp_path / FOLDER}" in found.advice) == ("care", True)
 
 
 def test_a_damaged_register_is_told_with_what_it_means(tmp_path: Path) -> None:
@@ -149,4 +149,4 @@ def test_a_damaged_register_is_told_with_what_it_means(tmp_path: Path) -> None:
     (tmp_path / FOLDER / "invitations.json").write_text("{")
     found = invitations(tmp_path, NOW)
     assert (found.state, "is damaged" in found.found) == ("bad", True)
-    assert "no session can listen" in found.mend
+    assert "no session can listen" in found.advice

@@ -27,7 +27,7 @@ def test_a_controller_with_a_failsafe_is_well(motor: FakeServo) -> None:
     motor.during["open"] = motor.plug_in
     finding = servo_controller()
     assert finding.state == "ok"
-    assert finding.found.startswith("16x RC Servo Phidget (RCC1000_0), serial 620001, lets go of its motors 1000 ms")
+    assert finding.found.startswith("16x RC Servo Phidget (RCC1000_0), serial 620001, makes its motors limp 1000 ms")
     assert motor.told("setEngaged") == []
     assert motor.told("close") == [None]
 
@@ -38,12 +38,12 @@ def test_a_controller_without_one_is_told_with_what_that_means(motor: FakeServo)
     finding = servo_controller()
     assert finding.state == "care"
     assert "has no failsafe" in finding.found
-    assert "limp" in finding.mend
+    assert "limp" in finding.advice
 
 
 def test_none_is_no_fault(motor: FakeServo) -> None:
     finding = servo_controller()
-    assert (finding.state, finding.mend) == ("ok", "")
+    assert (finding.state, finding.advice) == ("ok", "")
     assert finding.found.startswith("none plugged in, or another program uses it.")
     assert motor.told("close") == [None]
 
@@ -71,7 +71,7 @@ def test_one_that_may_not_be_used_points_to_where_that_is_mended(
 ) -> None:
     monkeypatch.setattr(phidget, "usb_denied", lambda: True)
     finding = servo_controller()
-    assert (finding.state, finding.mend) == ("care", "See: Motion sensor.")
+    assert (finding.state, finding.advice) == ("care", "See: Motion sensor.")
     assert motor.calls == []
 
 
@@ -85,7 +85,7 @@ def test_a_driver_that_does_not_load_points_to_where_that_is_mended(
     finding = servo_controller()
     assert finding.state == "care"
     assert "libusb-1.0.so.0" in finding.found
-    assert "Sensor driver" in finding.mend
+    assert "Sensor driver" in finding.advice
 
 
 def test_a_controller_that_another_program_uses_says_so(motor: FakeServo) -> None:

@@ -2,7 +2,7 @@
 
 import sys
 
-from sar_tui.cli.doctor.check import Finding
+from sar_tui.cli.doctor.finding import Finding
 from sar_tui.cli.doctor.speech import sound_card, speech_engine
 from tests.needs_speech import needs_speech
 from tests.outputs.voice_fixtures import ENGINE, NOBODY, program_with
@@ -11,21 +11,21 @@ from tests.outputs.voice_fixtures import ENGINE, NOBODY, program_with
 @needs_speech
 def test_an_engine_with_voices_for_each_language_is_fine() -> None:
     found = speech_engine()
-    assert (found.name, found.state, found.mend) == ("Speech", "ok", "")
+    assert (found.name, found.state, found.advice) == ("Speech", "ok", "")
     assert found.found.endswith("voices, for English and Spanish too")
 
 
 def test_an_engine_without_a_spanish_voice_needs_care() -> None:
     found = speech_engine(program_with(ENGINE))
     assert (found.state, found.found) == ("care", "1 voice, but none for Spanish")
-    assert "espeak-ng" in found.mend
+    assert "espeak-ng" in found.advice
 
 
 def test_no_engine_needs_care_and_says_what_to_install() -> None:
     found = speech_engine(program_with("def init(): raise RuntimeError"))
     assert found.state == "care"
     assert "speech engine" in found.found
-    assert found.mend.endswith("Without it, the agent's words are on the screen only.")
+    assert found.advice.endswith("Without it, the agent's words are on the screen only.")
 
 
 def test_a_sound_card_is_named_by_its_system() -> None:
@@ -35,7 +35,7 @@ def test_a_sound_card_is_named_by_its_system() -> None:
 def test_no_sound_card_needs_care_and_says_what_to_do() -> None:
     found = sound_card(backends=("WASAPI",))
     assert (found.name, found.state) == ("Sound card", "care")
-    assert found.mend.startswith("Connect loudspeakers")
+    assert found.advice.startswith("Connect loudspeakers")
 
 
 def test_a_voice_that_does_not_answer_needs_care() -> None:

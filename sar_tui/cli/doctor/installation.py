@@ -1,0 +1,69 @@
+"""The installation: versions, tasks, themes and outputs."""
+
+import platform
+from collections.abc import Callable
+
+from sar_tui.cli.common import Home
+from sar_tui.cli.doctor.finding import Finding
+
+
+def python() -> Finding:
+    """Report the versions."""
+    import textual
+
+    import sar_tui
+
+    versions = f"sar-tui {sar_tui.__version__}, Textual {textual.__version__}, {platform.system()}"
+    return Finding("Python", "ok", f"{platform.python_version()}, with {versions}")
+
+
+def tasks(home: Home) -> Finding:
+    """Load every task."""
+    from sar_tui.plugins import PluginError
+
+    try:
+        catalogue = home.catalogue()
+    except PluginError as error:
+        return Finding("Tasks", "bad", str(error), "Name a folder that exists with --tasks.")
+    return _loaded("Tasks", catalogue.task_names(), catalogue.task, "`sar-tui tasks check FOLDER` says more.")
+
+
+def themes(home: Home) -> Finding:
+    """Load every theme."""
+    catalogue = home._replace(tasks=()).catalogue()
+    return _loaded("Themes", catalogue.theme_names(), catalogue.theme, "Fix its folder, or remove it.")
+
+
+def outputs() -> Finding:
+    """Load the plug-ins among the outputs. None is opened: that takes an address, which only a session has."""
+    from importlib.metadata import entry_points
+
+    from sar_tui.outputs.outputs import GROUP, output_names
+
+    problems = []
+    for entry in entry_points(group=GROUP):
+        try:
+            entry.load()
+        except Exception as error:
+            problems.append(
+                f"The output {entry.name} ({entry.value}) cannot be loaded: {type(error).__name__}: {error}."
+            )
+    if problems:
+        return Finding("Outputs", "bad", " ".join(problems), "Install its package again, or remove it.")
+    return Finding("Outputs", "ok", ", ".join(output_names()))
+
+
+def _loaded(name: str, names: list[str], load: Callable[[str], object], advice: str) -> Finding:
+    from sar_tui.plugins import PluginError
+
+    problems = []
+    for each in names:
+        try:
+            load(each)
+        except PluginError as error:
+            problems.append(str(error))
+    if problems:
+        return Finding(name, "bad", " ".join(problems), advice)
+    if not names:
+        return Finding(name, "bad", "There are none.", "Install sar-tui again.")
+    return Finding(name, "ok", ", ".join(names))

@@ -1,0 +1,37 @@
+"""The database, and the disk that it is on."""
+
+import shutil
+from pathlib import Path
+
+from sar_tui.cli.common import Home
+from sar_tui.cli.doctor.finding import Finding, State
+
+_MEGABYTE = 1_000_000
+_LITTLE, _TOO_LITTLE = 500 * _MEGABYTE, 20 * _MEGABYTE
+
+
+def database(home: Home) -> Finding:
+    """Check that the database can be opened and is not damaged."""
+    from sar_tui.store.database import FILE, StoreError
+
+    try:
+        with home.database() as opened:
+            (version,) = opened.execute("PRAGMA user_version").fetchone()
+            (state,) = opened.execute("PRAGMA quick_check(1)").fetchone()
+    except StoreError as error:
+        return Finding("Data", "bad", str(error), "Choose another folder with --data or SAR_TUI_DATA.")
+    path = home.folder / FILE
+    if state != "ok":
+        return Finding("Data", "bad", f"{path} is damaged: {state}.", "Restore a backup.")
+    return Finding("Data", "ok", f"{path}, data version {version}, can be written to")
+
+
+def disk_space(folder: Path) -> Finding:
+    """Check that the disk of the data folder has room."""
+    place = next(existing for existing in (folder.resolve(), *folder.resolve().parents) if existing.exists())
+    free = shutil.disk_usage(place).free
+    found = f"{free / 1000 / _MEGABYTE:.1f} GB free" if free > 1000 * _MEGABYTE else f"{free / _MEGABYTE:.0f} MB free"
+    state: State = "bad" if free < _TOO_LITTLE else "care" if free < _LITTLE else "ok"
+    return Finding(
+        "Disk space", state, found, "" if state == "ok" else "Free some space: a full disk pauses a session."
+    )
