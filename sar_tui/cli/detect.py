@@ -1,6 +1,6 @@
 """``sar-tui detect``: the reaches in a recording of a motion sensor."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
 from statistics import median
@@ -19,6 +19,28 @@ if TYPE_CHECKING:
 
 _MOST_MISSING = 10
 """A recording with more time in its holes than so many times what was measured is no recording of reaches."""
+
+_FLAGS = {
+    "no_rest": "the hand was not still before it, so the sensor's bias is a guess",
+    "gap": "samples are missing in it",
+    "cut": "the recording begins or ends in it",
+    "timed_out": "it lasted too long, and was ended",
+    "endless": "it never came to an end",
+    "reversed": "out is not the way that this hand reaches out",
+    "low_rate": "there are few samples a second, so its boundaries are less sure",
+    "saturated": "it was faster than the sensor can measure, so only its times are known",
+    "moving": "the hand was still moving when it was measured",
+    "error": "the sensor reported an error",
+    "samples": "too few samples to find anything in",
+    "rate": "too few samples a second to find anything in",
+    "several": "there was more than one reach, and this is the largest",
+}
+
+
+def explain_flags(flags: Iterable[str]) -> Iterator[str]:
+    """Yield a line for each different flag."""
+    for flag in dict.fromkeys(flags):
+        yield f"{flag}: {_FLAGS[flag]}" if flag in _FLAGS else flag
 
 
 def read_detector(text: str) -> DetectorName:
@@ -142,7 +164,6 @@ def _later(reach: "Reach", by_s: float) -> "Reach":
 
 
 def _print(recording: "Recording", reaches: "Sequence[Reach]", detector: str) -> None:
-    from sar_tui.cli.flag_words import words
     from sar_tui.cli.tables import add, table
 
     out = console()
@@ -164,7 +185,7 @@ def _print(recording: "Recording", reaches: "Sequence[Reach]", detector: str) ->
                 ", ".join(reach.flags),
             )
         out.print(made)
-        for line in words(flag for reach in reaches for flag in reach.flags):
+        for line in explain_flags(flag for reach in reaches for flag in reach.flags):
             out.print(line, markup=False, soft_wrap=True)
     out.print(_sentence(recording, reaches, detector), markup=False, soft_wrap=True)
 

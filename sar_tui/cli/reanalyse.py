@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, RecordedSession, Tasks, console, print_json
-from sar_tui.cli.detect import detector_option
+from sar_tui.cli.detect import detector_option, explain_flags
 from sar_tui.cli.errors import Refused
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
 
@@ -180,7 +180,6 @@ def _again(measured: _Measured, trial: _Trial) -> Row:
 
 
 def _print(rows: Sequence[Row], recorded: Sequence[Row]) -> None:
-    from sar_tui.cli.flag_words import words
     from sar_tui.cli.tables import add, table
 
     numbers = ("attempt", "trial", "recorded, ms", "now, ms", "difference, ms")
@@ -205,7 +204,7 @@ def _print(rows: Sequence[Row], recorded: Sequence[Row]) -> None:
         )
     out = console()
     out.print(made)
-    for line in words(flag for row in rows for flag in row["flags"]):
+    for line in explain_flags(flag for row in rows for flag in row["flags"]):
         out.print(line, markup=False, soft_wrap=True)
     for row in rows:
         if row["missing_samples"]:

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 import sar_tui
-from sar_tui.cli.detect import Acceleration, Hand, Rate
-from sar_tui.cli.flag_words import words
+from sar_tui.cli.detect import Acceleration, Hand, Rate, explain_flags
 from sar_tui.inputs.recording_file import Units
 from sar_tui.motion.analysis import AnalysisParameters
 from sar_tui.motion.detection import DETECTORS
@@ -79,7 +78,7 @@ def test_people_read_a_table_the_flags_in_words_and_a_sentence(call: Call, write
 
 
 def test_every_flag_can_be_told_even_one_that_is_new() -> None:
-    assert list(words(["gap", "new", "gap"])) == ["gap: samples are missing in it", "new"]
+    assert list(explain_flags(["gap", "new", "gap"])) == ["gap: samples are missing in it", "new"]
 
 
 def test_a_recording_without_a_reach_is_no_error(call: Call, write: Write, recorded: list[Row]) -> None:
