@@ -1,7 +1,7 @@
-"""Finds tasks and themes, and loads them: those that ship, the user's own, and entry points.
+"""Finds and loads tasks and themes: bundled ones, the user's own, and tasks from entry points.
 
-A task folder is loaded by path under the synthetic package ``sar_tui_tasks``, so that a bundled folder, a
-checkout's and a user's own work alike.
+A task folder is loaded by path under the synthetic package ``sar_tui_tasks``, so that bundled, checkout and user
+folders work alike.
 """
 
 import importlib
@@ -24,15 +24,15 @@ DEFAULT_THEME = "calm"
 
 
 class PluginError(Exception):
-    """A task or theme cannot be found or loaded; one or two clear sentences."""
+    """A task or theme cannot be found or loaded; the message is one or two clear sentences."""
 
 
 class Catalogue:
-    """What is installed.
+    """Installed tasks and themes.
 
     Args:
-        tasks: more folders to look for tasks in, before those that ship (`--tasks DIR`).
-        themes: more folders to look for themes in.
+        tasks: more folders with tasks, searched before the bundled ones (`--tasks DIR`).
+        themes: more folders with themes.
     """
 
     def __init__(self, tasks: tuple[Path, ...] = (), themes: tuple[Path, ...] = ()) -> None:
@@ -44,12 +44,12 @@ class Catalogue:
         self._themes = (*themes, user_folder() / "themes", _shipped("themes"))
 
     def task_names(self) -> list[str]:
-        """The names of all tasks that can be chosen, whether or not they load."""
+        """Return the names of all tasks, including those that fail to load."""
         folders = (path.parent.name for path in _children(self._tasks, "task.py"))
         return sorted({*folders, *(entry.name for entry in entry_points(group="sar_tui.tasks"))})
 
     def task(self, name: str) -> type[Task]:
-        """Load a task by name. Raises PluginError, saying what is wrong with it."""
+        """Load a task by name. Raises PluginError."""
         for path in _children(self._tasks, "task.py"):
             if path.parent.name == name:
                 return load_task(path.parent)
@@ -59,11 +59,11 @@ class Catalogue:
         raise PluginError(f"There is no task {name}. There is: {', '.join(self.task_names())}.")
 
     def theme_names(self) -> list[str]:
-        """The names of all themes."""
+        """Return the names of all themes."""
         return sorted({path.parent.name for path in _children(self._themes, "theme.toml")})
 
     def theme_folder(self, name: str) -> Path:
-        """Where a theme is. Raises PluginError."""
+        """Return the folder of a theme. Raises PluginError."""
         for path in _children(self._themes, "theme.toml"):
             if path.parent.name == name:
                 return path.parent
@@ -75,12 +75,12 @@ class Catalogue:
 
 
 def user_folder() -> Path:
-    """Where a user keeps their own tasks and themes."""
+    """Return the folder of a user's own tasks and themes."""
     return platformdirs.user_config_path("sar-tui")
 
 
 def _shipped(kind: str) -> Path:
-    """The folder of bundled tasks or themes: inside an installed package, beside it in a checkout."""
+    """Return the folder of bundled tasks or themes: inside an installed package, beside it in a checkout."""
     package = Path(sar_tui.__file__).parent
     inside = package / kind
     return inside if inside.is_dir() else package.parent / kind
@@ -93,7 +93,7 @@ def _children(folders: tuple[Path, ...], file: str) -> Iterator[Path]:
 
 
 def task_folder(task: type[Task]) -> Path:
-    """The folder a task was loaded from."""
+    """Return the folder that a task was loaded from."""
     return Path(inspect.getfile(task)).parent
 
 
@@ -168,7 +168,7 @@ def _make_package(name: str, path: list[str]) -> None:
 
 
 def _missing_methods(values: list[object]) -> list[str]:
-    """What an unfinished task among them still has to define."""
+    """Return the methods that an incomplete task among the values does not define."""
     unfinished = (value for value in values if isinstance(value, type) and issubclass(value, Task))
     return sorted(next((value.__abstractmethods__ for value in unfinished), frozenset()))
 
@@ -189,10 +189,10 @@ def _checked(task: type[Task], name: str) -> type[Task]:
 
 
 def load_theme(folder: Path, language: str = ENGLISH) -> Theme:
-    """Load a theme's folder in a language; what is missing or wrong in it is the default theme's (`Theme.repairs`).
+    """Load a theme's folder in a language, with missing or wrong parts from the default theme (`Theme.repairs`).
 
     Raises:
-        PluginError: its files cannot be read at all.
+        PluginError: its files cannot be read.
     """
     default = _shipped("themes") / DEFAULT_THEME
     try:

@@ -1,1 +1,1 @@
-"""Checks that a task or theme plug-in keeps its contract."""
+"""Checks that a task or theme plug-in fulfils its contract."""

@@ -1,4 +1,4 @@
-"""Tests a task folder against the contract, one named check after the other."""
+"""Checks a task folder against the contract of tasks."""
 
 import math
 import tempfile
@@ -26,7 +26,7 @@ from sar_tui.store import sessions
 from sar_tui.store.database import connect
 
 ATTEMPTS = 10
-"""How many attempts each simulated participant makes."""
+"""Number of attempts of each simulated participant."""
 THEME = "calm"
 SEED = 1
 

@@ -1,4 +1,4 @@
-"""What a task says in English, how much of it its ``words.<language>.toml`` has, and whether it keeps to words."""
+"""Checks a task's texts: their translations in ``words.<language>.toml``, and remarks without numbers."""
 
 import ast
 from collections.abc import Iterator, Sequence
@@ -17,7 +17,7 @@ _APP = Path(sar_tui.__file__).parent / "app"
 
 
 def problems(kind: type[Task]) -> list[str]:
-    """What is missing or wrong in a task's own files of words, a sentence each. Without files it speaks English."""
+    """Return what is missing or wrong in a task's files of translations, one sentence each."""
     folder = task_folder(kind)
     texts = sorted(declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in folder.glob("*.py"))))
     return [problem for path in sorted(folder.glob("words.*.toml")) for problem in _problems(path, texts)]
@@ -41,7 +41,7 @@ def _problems(path: Path, texts: list[str]) -> Iterator[str]:
 
 
 def declared(kind: type[Task]) -> set[str]:
-    """The texts that a task declares, and that its participants read."""
+    """Return the declared texts of a task that participants read."""
     metric = kind.metric
     texts = {kind.title, kind.summary, kind.trials, metric.label, metric.improved, metric.worsened}
     texts.update(text for quality in kind.qualities for text in (quality.improved, quality.aim))
@@ -50,7 +50,7 @@ def declared(kind: type[Task]) -> set[str]:
 
 
 def numbers(kind: type[Task]) -> list[str]:
-    """The numbers in what a task adds to feedback in words, in any of its languages; a sentence each."""
+    """Return a sentence for each text with a number that a task adds to feedback in words, in any of its languages."""
     metric, folder = kind.metric, task_folder(kind)
     said = {metric.improved, metric.worsened, *(mark.remark for mark in kind.marks)}
     said.update(text for quality in kind.qualities for text in (quality.improved, quality.aim))
@@ -65,9 +65,9 @@ def numbers(kind: type[Task]) -> list[str]:
 
 
 def all_texts(catalogue: Catalogue) -> set[str]:
-    """All that a participant can read in English, but for the agent's phrases; a task that does not load says nothing.
+    """Return all English texts that a participant can read, except the agent's phrases and tasks that fail to load.
 
-    The Spanish of the app and of the framework is whole, so that its keys are their texts.
+    The Spanish translations of the app and the framework are complete, so their keys are all of their texts.
     """
     texts = {*read_words(_APP / "words.es.toml"), *read_words(_FRAMEWORK / "words.es.toml")}
     for name in catalogue.task_names():
@@ -80,17 +80,17 @@ def all_texts(catalogue: Catalogue) -> set[str]:
 
 
 def texts_in(source: str) -> set[str]:
-    """The texts that a module hands to ``tr``: written there, or in its constants."""
+    """Return the texts that a module passes to ``tr``: literals or its constants."""
     return _Module(ast.parse(source)).texts()
 
 
 def remarks_in(source: str) -> set[str]:
-    """Those of them that a module makes remarks of: of a `Result`, or of an `Again` (the last of which is one)."""
+    """Return the texts that a module uses as the remark of a `Result` or the text of an `Again`."""
     return _Module(ast.parse(source)).remarks()
 
 
 class _Module:
-    """A module as read: what it calls by which name."""
+    """A parsed module, with the expressions assigned to each name."""
 
     def __init__(self, tree: ast.Module) -> None:
         self._tree = tree
@@ -129,7 +129,7 @@ class _Module:
         return found - {""}
 
     def _strings(self, node: ast.expr, seen: frozenset[str]) -> Iterator[str]:
-        """What an expression can be: a text, one of two, one of those in a table or tuple."""
+        """Yield the texts that an expression can be: a literal, one of two, an entry of a dict or tuple."""
         match node:
             case ast.Constant(value=str() as text):
                 yield text

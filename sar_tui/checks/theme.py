@@ -1,4 +1,4 @@
-"""Tests a theme's folder, one named check after the other."""
+"""Checks a theme's folder."""
 
 from collections.abc import Collection, Iterator
 from pathlib import Path
@@ -20,7 +20,7 @@ _LOOKS = {
 
 
 class Contrast(msgspec.Struct, frozen=True):
-    """How well a colour of text is seen on the ground where it is seen least."""
+    """The least contrast of a text colour, and the background where it has it."""
 
     color: str
     ground: str
@@ -28,7 +28,7 @@ class Contrast(msgspec.Struct, frozen=True):
 
 
 class Report(msgspec.Struct, frozen=True):
-    """What the check of a theme found. ``english``: by language, the situations in which English is spoken."""
+    """Results of checking a theme. ``english``: the situations in which English is spoken, by language."""
 
     theme: str
     languages: tuple[str, ...]
@@ -42,11 +42,11 @@ class Report(msgspec.Struct, frozen=True):
 
 
 def check(folder: Path, texts: Collection[str]) -> Report:
-    """Check a theme's folder in every language that it has.
+    """Check a theme's folder in each of its languages.
 
     Args:
-        folder: the theme's.
-        texts: what the screens and the tasks say, in English; a theme may have words of its own for these.
+        folder: of the theme.
+        texts: the English texts of the screens and tasks, for which a theme may have its own wordings.
     """
     spoken = languages(folder) or (ENGLISH,)
     readings: dict[str, Reading] = {}
@@ -79,31 +79,31 @@ def _contrasts(reading: Reading) -> tuple[Contrast, ...]:
 
 
 def _look(reading: Reading, contrasts: tuple[Contrast, ...]) -> Iterator[Check]:
-    """What ``theme.toml`` says; it is the same in every language."""
-    told = reading.told
-    yield Check(_LOOKS["settings"], tuple(told["settings"]))
+    """Check ``theme.toml``, which is the same for all languages."""
+    problems = reading.problems
+    yield Check(_LOOKS["settings"], tuple(problems["settings"]))
     minimum = f"has a contrast of at least {reading.theme.minimum_contrast:g}"
-    yield Check(minimum, tuple(told["colors"]), ", ".join(f"{c.color} {c.ratio:.2f}" for c in contrasts))
+    yield Check(minimum, tuple(problems["colors"]), ", ".join(f"{c.color} {c.ratio:.2f}" for c in contrasts))
     for part in ("faces", "gestures", "manner"):
-        yield Check(_LOOKS[part], tuple(told[part]))
+        yield Check(_LOOKS[part], tuple(problems[part]))
 
 
 def _words(readings: dict[str, Reading]) -> Iterator[Check]:
     for language, reading in readings.items():
         own = [wordings for name, wordings in reading.theme.phrases.items() if name not in reading.english]
         count = sum(map(len, own))
-        yield Check(f"can say everything in {language}", tuple(reading.told["wordings"]), f"{count} wordings")
-        yield Check(f"has the vocabulary in {language}", tuple(reading.told["vocabulary"]))
+        yield Check(f"can say everything in {language}", tuple(reading.problems["wordings"]), f"{count} wordings")
+        yield Check(f"has the vocabulary in {language}", tuple(reading.problems["vocabulary"]))
 
 
 def _screens(folder: Path, texts: Collection[str]) -> Iterator[Check]:
-    """The theme's own words for the screens, where it has some."""
+    """Check the theme's own wordings of texts on the screens, if it has any."""
     for path in sorted(folder.glob("words.*.toml")):
         name = f"words the screens in {path.name.split('.')[1]}"
         try:
-            own, told = read_texts(path)
+            own, problems = read_texts(path)
         except ThemeError as error:
             yield Check(name, (str(error),))
             continue
         unknown = [f"Nothing says {english!r}, which {path.name} has words for." for english in own.keys() - texts]
-        yield Check(name, (*told, *sorted(unknown)), f"{len(own)} texts")
+        yield Check(name, (*problems, *sorted(unknown)), f"{len(own)} texts")

@@ -1,4 +1,4 @@
-"""Begins a new task as a copy of the example."""
+"""Creates a new task as a copy of the example."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ _NAME = "example"
 
 
 def make(name: str, to: Path) -> Path:
-    """Make the folder of a new task; returns it, absolute. Raises Refused."""
+    """Create the folder of a new task and return its absolute path. Raises Refused."""
     if not name.isidentifier() or not name.islower():
         raise Refused(f"A task is named like a Python name in small letters, such as tapping; {name!r} is not.")
     folder = to.resolve() / name
@@ -23,7 +23,7 @@ def make(name: str, to: Path) -> Path:
 
 
 def _renamed(text: str, name: str, folder: Path) -> str:
-    """The example's text, with the new task's name in the places that name it."""
+    """Return the text of the example with the name of the new task."""
     title = "".join(word.capitalize() for word in name.split("_"))
     for there, here in (
         ("ExampleParameters", f"{title}Parameters"),

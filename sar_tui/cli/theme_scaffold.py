@@ -1,4 +1,4 @@
-"""Begins a new theme as a copy of another."""
+"""Creates a new theme as a copy of another."""
 
 import re
 from pathlib import Path
@@ -10,7 +10,7 @@ _NAME = "[a-z][a-z0-9]*(-[a-z0-9]+)*"
 
 
 def make(name: str, model: str, to: Path, catalogue: Catalogue) -> Path:
-    """Make the folder of a new theme; returns it, absolute. Raises Refused, and PluginError where there is no model."""
+    """Create the folder of a new theme and return its absolute path. Raises Refused, or PluginError without a model."""
     if not re.fullmatch(_NAME, name):
         raise Refused(f"A theme is named in small letters, such as evening or warm-light; {name!r} is not.")
     source = catalogue.theme_folder(model)

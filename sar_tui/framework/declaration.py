@@ -1,4 +1,4 @@
-"""Declares parameters: their titles, units, bounds and help; reads and shows their values."""
+"""Declares parameters: title, unit, bounds and help; reads and shows their values."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -24,11 +24,11 @@ def meta(
 
     Args:
         title: its name on the settings form.
-        unit: its unit, shown beside the field.
+        unit: shown beside the field.
         help: one or two plain sentences.
-        takes: of a text, what it may be, in words: "a code of small letters, such as en".
-        group: the heading on the settings form under which it stands; a task's own need none, and one that is common
-            to every task keeps its heading where a task declares it anew.
+        takes: what a text may be, in words: "a code of small letters, such as en".
+        group: its heading on the settings form. A task's own parameters need none; a common one that a task redeclares
+            keeps its heading.
         renamed: former spellings of a choice, each with its present one: ``{"thesis": "consecutive"}``. Stored
             settings and `--set` may still use them; ``current_values`` translates.
         bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``.
@@ -46,7 +46,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class ParameterError(ValueError):
-    """One or more parameters cannot be. ``problems`` maps each name to one clear sentence."""
+    """One or more parameters are invalid. ``problems`` maps each name to one clear sentence."""
 
     def __init__(self, problems: Mapping[str, str]) -> None:
         self.problems = dict(problems)
@@ -54,7 +54,7 @@ class ParameterError(ValueError):
 
 
 class Field(msgspec.Struct, frozen=True):
-    """One parameter as declared: all that a form, a check or a manual needs to know of it."""
+    """A declared parameter: all that a form, a check or a manual needs."""
 
     name: str
     title: str
@@ -74,7 +74,7 @@ class Field(msgspec.Struct, frozen=True):
 
     @property
     def bounds(self) -> str:
-        """What is allowed, in words: "1 to 200"."""
+        """The allowed values, in words: "1 to 200"."""
         if self.choices:
             return ", ".join(self.choices)
         if self.ge is not None and self.le is not None:
@@ -82,7 +82,7 @@ class Field(msgspec.Struct, frozen=True):
         return {"bool": "yes or no", "list": f"{self.items}, spaced"}.get(self.kind, "")
 
     def problem(self, value: object) -> str:
-        """Why ``value`` cannot be, and what can, in one sentence."""
+        """Return why ``value`` is invalid and what is allowed, in one sentence."""
         shown = show(value) or "empty"
         shown = shown if len(shown) <= _LONG else f"{shown[:_LONG]}…"
         if self.choices:
@@ -96,7 +96,7 @@ class Field(msgspec.Struct, frozen=True):
 
     @property
     def _allowed(self) -> str:
-        """What a text or a list may be: "at most 8 words, spaced"."""
+        """The allowed texts or lists: "at most 8 words, spaced"."""
         if self.takes:
             return self.takes
         parts, spaced = (self.items, ", spaced") if self.kind == "list" else ("letters", "")
@@ -147,12 +147,12 @@ def declared_field(field: inspect.Field) -> Field:
 
 
 def _in_order(field: inspect.Field, values: tuple[str, ...]) -> tuple[str, ...]:
-    """The default first, then the rest: msgspec forgets the order in which they were written."""
+    """Return the default first, then the rest by name: msgspec does not keep their order."""
     return tuple(sorted(values, key=lambda value: (value != field.default, value)))
 
 
 def read(field: Field, text: str) -> object:
-    """What a person typed for a field, as a value to be checked by ``build``."""
+    """Convert what a person typed for a field to a value that ``build`` checks."""
     text = text.strip()
     if field.kind == "list":
         return text.replace(",", " ").split()
@@ -164,7 +164,7 @@ def read(field: Field, text: str) -> object:
 
 
 def show(value: object) -> str:
-    """A value as a person would type it: the inverse of ``read``."""
+    """Return a value as a person would type it: the inverse of ``read``."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""The words of an answer to an attempt: results and performance, in words and in figures."""
+"""Text of feedback on an attempt: results and performance, in words and in figures."""
 
 import math
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Quality
 
 ALIKE = 0.2
-"""Results that differ by no more than this share are near enough for the ways they came about to be compared."""
+"""Largest relative difference of results whose performance is compared."""
 _VOCABULARY = {
     "last attempt": "last_attempt",
     "best attempt": "best_attempt",
@@ -20,21 +20,21 @@ _VOCABULARY = {
 
 
 class Wordings(Protocol):
-    """Where wordings come from: one for a situation, its slots filled."""
+    """Source of wordings: returns one for a situation, with its slots filled."""
 
     def __call__(self, situation: str, **slots: str) -> str: ...
 
     def choose(self, choices: Sequence[str]) -> str:
-        """One of some texts, at random."""
+        """Return one of some texts, at random."""
         ...
 
-    def call(self, name: str) -> str:
-        """A word of the theme's vocabulary."""
+    def vocabulary(self, name: str) -> str:
+        """Return a word of the theme's vocabulary."""
         ...
 
 
 class Answer(NamedTuple):
-    """The words of an answer, and how they are meant: what face and gesture go with them."""
+    """Text of feedback, and the valence and degree that choose its face and gesture."""
 
     text: str
     valence: Valence
@@ -42,30 +42,30 @@ class Answer(NamedTuple):
 
 
 class _Pair(NamedTuple):
-    """The same, in words and in figures."""
+    """A sentence in words, and its equivalent in figures."""
 
     words: str
     figures: str
 
 
-class _Done(NamedTuple):
-    """How it was done, in words and in figures, and whether that was better than before."""
+class _PerformanceText(NamedTuple):
+    """Knowledge of performance in words and in figures, and its valence."""
 
     words: str
     figures: str
     valence: Valence
 
     def text(self, form: Form) -> str:
-        """One sentence in any form: the figures say all that the words do."""
+        """Return the sentence in a form; the figures include the words."""
         return self.words if form == "qualitative" else self.figures
 
 
 class FeedbackText:
-    """Puts an answer into words.
+    """Writes the text of feedback.
 
     Args:
-        task: whose metric and qualities are spoken of.
-        word: makes a wording for a situation.
+        task: has the metric and the qualities.
+        word: returns a wording for a situation.
     """
 
     def __init__(self, task: Task, word: Wordings) -> None:
@@ -73,10 +73,10 @@ class FeedbackText:
         self._word = word
 
     def answer(self, feedback: Feedback, recalled: RecalledAttempts) -> Answer:
-        """What there is to say, in the form and about what the choice says; and the manner that goes with it."""
+        """Return the text of feedback, with the form and content of its choice."""
         choice = feedback.choice
         if choice.attempts > 1:
-            return Answer(self._formed(self._summary(feedback), choice.form), feedback.valence, choice.degree)
+            return Answer(self._in_form(self._summary(feedback), choice.form), feedback.valence, choice.degree)
         failed = feedback.reason in ("accuracy", "empty")
         done = self._performance(feedback, recalled) if choice.content != "results" and not failed else None
         if done and choice.content == "performance":
@@ -84,22 +84,22 @@ class FeedbackText:
         results = self._results(feedback, recalled)
         if failed and feedback.remark:
             results = _Pair(feedback.remark, results.figures)
-        texts = [self._formed(results, choice.form), *([done.text(choice.form)] if done else [])]
+        texts = [self._in_form(results, choice.form), *([done.text(choice.form)] if done else [])]
         return Answer(" ".join(texts), feedback.valence, choice.degree)
 
-    def _formed(self, told: "_Pair", form: Form) -> str:
-        """Words, figures or both, as the form wants it."""
-        return {"qualitative": told.words, "quantitative": told.figures, "both": f"{told.words} {told.figures}"}[form]
+    def _in_form(self, pair: "_Pair", form: Form) -> str:
+        """Return the words, the figures or both."""
+        return {"qualitative": pair.words, "quantitative": pair.figures, "both": f"{pair.words} {pair.figures}"}[form]
 
     # --- knowledge of results ------------------------------------------------------------------------------
 
     def _results(self, feedback: Feedback, recalled: RecalledAttempts) -> "_Pair":
-        told_by_reason = feedback.reason in ("accuracy", "empty", *RACED)
-        situation = feedback.reason if told_by_reason else _graded(feedback)
+        is_reason = feedback.reason in ("accuracy", "empty", *RACED)
+        situation = feedback.reason if is_reason else _graded(feedback)
         return _Pair(self._word(situation), self._figures(feedback, recalled))
 
     def _figures(self, feedback: Feedback, recalled: RecalledAttempts) -> str:
-        """Compare with what is asked for; where there is nothing to compare with, give the result and the goal."""
+        """Compare with the chosen reference; without one, give the result and the goal."""
         if feedback.reason in RACED:
             return self._word("race_figures", reached=str(feedback.won), trials=str(feedback.trials))
         if feedback.reason in ("accuracy", "empty") or feedback.metric is None:
@@ -110,7 +110,7 @@ class FeedbackText:
         if before is None:
             return self._word(f"{feedback.valence}_first", value=value, goal=goal)
         metric, reference = self._task.metric, self._named(feedback, recalled)
-        decimals = self._task.metric.decimals  # people subtract the figures they are shown
+        decimals = self._task.metric.decimals  # round first: people subtract the figures they see
         difference = self._show(abs(round(feedback.metric, decimals) - round(before, decimals)))
         if difference == self._show(0):
             return self._word(f"{feedback.valence}_same", value=value, goal=goal, reference=reference)
@@ -125,16 +125,16 @@ class FeedbackText:
         )
 
     def _named(self, feedback: Feedback, recalled: RecalledAttempts) -> str:
-        """What the result is held against, in words. The last at that level need not be the last there was."""
+        """Return the name of the reference. The last attempt at a level is not always the last attempt."""
         name = _VOCABULARY[feedback.choice.compared_with]
         if name == "last_attempt" and feedback.attempt - 1 not in {
             attempt.attempt for attempt in recalled.attempts if attempt.metric is not None
         }:
             name = "last_at_level"
-        return self._word.call(name)
+        return self._word.vocabulary(name)
 
     def _reference(self, feedback: Feedback, recalled: RecalledAttempts) -> float | None:
-        """What the result is held against: at the same level, but for the goal."""
+        """Return the value that the result is compared with: from the same level, or the goal."""
         if feedback.choice.compared_with == "goal":
             return feedback.goal
         earlier = [attempt for attempt in _before(feedback, recalled) if attempt.metric is not None]
@@ -165,42 +165,41 @@ class FeedbackText:
 
     # --- knowledge of performance --------------------------------------------------------------------------
 
-    def _performance(self, feedback: Feedback, recalled: RecalledAttempts) -> "_Done | None":
-        """What was better about *how* it was done than when it was last done alike; else what to heed next.
+    def _performance(self, feedback: Feedback, recalled: RecalledAttempts) -> "_PerformanceText | None":
+        """Return what improved since the last comparable attempt, else advice; None if nothing was measured.
 
-        Alike is at the same level, and with nearly the same result: a slower movement has more of everything. None
-        where nothing was measured.
+        Comparable attempts have the same level and nearly the same result: a slower movement has more of everything.
         """
         measured = [quality for quality in self._task.qualities if quality.field in feedback.qualities]
         if not measured or feedback.metric is None:
             return None
         tr, aims = self._task.tr, self._word.choose([quality.aim for quality in measured])
-        before = _alike(feedback, recalled)
+        before = _comparable(feedback, recalled)
         changes = [
             (quality.change(feedback.qualities[quality.field], before.qualities[quality.field]), quality)
             for quality in measured
             if before and quality.field in before.qualities
         ]
         if not changes or before is None:
-            return self._told(feedback, "neutral", "performance_first", {"aim": tr(aims)})
+            return self._performance_text(feedback, "neutral", "performance_first", {"aim": tr(aims)})
         latest = before.attempt == feedback.attempt - 1
-        reference = {"reference": self._word.call("last_attempt" if latest else "last_at_level")}
+        reference = {"reference": self._word.vocabulary("last_attempt" if latest else "last_at_level")}
         best, worst = max(changes, key=lambda change: change[0]), min(changes, key=lambda change: change[0])
         if best[0] >= 1:
             words = {"change": tr(best[1].improved), **reference}
             share = _share(best[1], feedback, before)
-            return self._told(feedback, "positive", "performance_improved", words, share, aim=tr(aims))
+            return self._performance_text(feedback, "positive", "performance_improved", words, share, aim=tr(aims))
         if worst[0] <= -1:
             words = {"aim": tr(worst[1].aim), **reference}
             share = _share(worst[1], feedback, before)
-            return self._told(feedback, "negative", "performance_worsened", words, share)
+            return self._performance_text(feedback, "negative", "performance_worsened", words, share)
         words = {"aim": tr(aims), **reference}
         share = _share(worst[1], feedback, before)
-        return self._told(
+        return self._performance_text(
             feedback, "neutral", "performance_same", words, share if share is not None and share <= ALIKE else None
         )
 
-    def _told(
+    def _performance_text(
         self,
         feedback: Feedback,
         valence: Valence,
@@ -208,22 +207,22 @@ class FeedbackText:
         words: dict[str, str],
         share: float | None = None,
         aim: str = "",
-    ) -> "_Done":
-        """In words; and in figures: the change as a share, where people can make something of it, else the result."""
+    ) -> "_PerformanceText":
+        """Return the text in words and in figures: the change as a share up to 100 %, else the result."""
         said = self._word(situation, **words)
         if share is not None and share <= 1:
             figures = self._word(f"{situation}_figures", **words, percent=f"{100 * share:.0f} %")
-        elif feedback.choice.content == "both":  # the results have told the figures already
+        elif feedback.choice.content == "both":  # the results give the figures already
             figures = said
         else:
             assert feedback.metric is not None
             shown = {"value": self._show(feedback.metric), "goal": self._show(feedback.goal)}
             figures = self._word("performance_first_figures", aim=words.get("aim", aim), **shown)
-        return _Done(said, figures, valence)
+        return _PerformanceText(said, figures, valence)
 
 
 def _graded(feedback: Feedback) -> str:
-    """The situation of a result, by how far it lies from its goal."""
+    """Return the situation of a result, by its distance from the goal."""
     degree = feedback.choice.degree
     return feedback.valence if feedback.valence == "neutral" or degree == "clear" else f"{feedback.valence}_{degree}"
 
@@ -232,7 +231,7 @@ def _before(feedback: Feedback, recalled: RecalledAttempts) -> list[AttemptEnded
     return [attempt for attempt in recalled.attempts if attempt.attempt < feedback.attempt]
 
 
-def _alike(feedback: Feedback, recalled: RecalledAttempts) -> AttemptEnded | None:
+def _comparable(feedback: Feedback, recalled: RecalledAttempts) -> AttemptEnded | None:
     reach = math.inf if feedback.metric is None else ALIKE * abs(feedback.metric)
     return next(
         (
@@ -245,6 +244,6 @@ def _alike(feedback: Feedback, recalled: RecalledAttempts) -> AttemptEnded | Non
 
 
 def _share(quality: Quality, feedback: Feedback, before: AttemptEnded) -> float | None:
-    """How much a quality has changed, as a share of what it was; None where it was nothing."""
+    """Return the relative change of a quality; None if it was 0."""
     now, then = feedback.qualities[quality.field], before.qualities[quality.field]
     return abs(now - then) / abs(then) if then else None

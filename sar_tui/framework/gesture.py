@@ -1,4 +1,4 @@
-"""Gestures: a small vocabulary, as keyframes that a drawn robot and a real one move through alike."""
+"""Gestures as keyframes, for a drawn robot and a real one."""
 
 import math
 from bisect import bisect_right
@@ -6,15 +6,15 @@ from bisect import bisect_right
 import msgspec
 
 GESTURES = ("nod", "shake", "cheer", "wave", "point_left", "point_right", "lean_in", "rest")
-"""The gestures every theme has."""
+"""Gestures of every theme."""
 JOINTS = ("nod", "turn", "left_arm", "right_arm", "lean")
-"""What a body may have: the head down (1) or up, turned to the participant's right (1) or left; the arms raised (1);
-the body towards the participant (1). 0 is rest; a robot without a joint leaves it out."""
+"""Joints of a body: the head down (1) or up, turned to the participant's right (1) or left; the arms raised (1); the
+body towards the participant (1). 0 is rest; a robot without a joint leaves it out."""
 LONGEST_MS = 10_000
 
 
 class Pose(msgspec.Struct, frozen=True):
-    """Where each joint is, from -1 to 1; 0 is rest."""
+    """Position of each joint, from -1 to 1; 0 is rest."""
 
     nod: float = 0.0
     turn: float = 0.0
@@ -27,7 +27,7 @@ REST = Pose()
 
 
 class Keyframe(Pose, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A pose to be in ``at_ms`` milliseconds after the gesture began."""
+    """A pose, and its time in ms from the start of the gesture."""
 
     at_ms: int
 
@@ -38,24 +38,24 @@ class Keyframe(Pose, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Gesture(msgspec.Struct, frozen=True):
-    """A way through keyframes. It begins where the body is, and ends at its last keyframe."""
+    """A movement through keyframes, from the present pose to the last keyframe."""
 
     keyframes: tuple[Keyframe, ...]
 
     @property
     def duration_ms(self) -> int:
-        """From its beginning to its last keyframe."""
+        """Time from the start to the last keyframe."""
         return self.keyframes[-1].at_ms
 
     @property
     def farthest(self) -> Pose:
-        """The keyframe that is farthest from rest: what a single picture shows of it."""
+        """The keyframe farthest from rest, for a still picture."""
         return max(self.keyframes, key=lambda frame: sum(abs(getattr(frame, joint)) for joint in JOINTS)).pose
 
     def pose_at(self, ms: float, start: Pose = REST) -> Pose:
-        """Where the body is ``ms`` after the beginning, having begun in ``start``.
+        """Return the pose ``ms`` after the start of the gesture in ``start``.
 
-        Each way from keyframe to keyframe is eased at both ends by half a cosine, so that nothing jerks.
+        The movement between keyframes is eased by half a cosine.
         """
         after = bisect_right(self.keyframes, ms, key=lambda frame: frame.at_ms)
         if after == len(self.keyframes):
@@ -67,7 +67,7 @@ class Gesture(msgspec.Struct, frozen=True):
         return Pose(*(getattr(origin, j) + share * (getattr(goal, j) - getattr(origin, j)) for j in JOINTS))
 
     def problems(self, name: str) -> list[str]:
-        """What is wrong with it, a sentence each."""
+        """Return what is wrong with the gesture, one sentence each."""
         if not self.keyframes:
             return [f"The gesture {name} has no keyframes."]
         times = [frame.at_ms for frame in self.keyframes]

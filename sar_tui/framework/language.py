@@ -1,4 +1,4 @@
-"""What people read, in their language: English stands in the code, its translations in ``words.<language>.toml``."""
+"""Translates texts: the English is in the code, the translations in ``words.<language>.toml``."""
 
 import functools
 import re
@@ -9,17 +9,17 @@ from pathlib import Path
 import msgspec
 
 _DECIMAL_POINT = frozenset("en zh ja ko he th es-mx es-us es-pr es-do es-gt es-hn es-ni es-pa es-sv".split())
-"""Languages that write 0.5, not 0,5."""
+"""Languages with a decimal point, not a comma."""
 
 
 class Language:
-    """Translates, text by text; what it has no translation for stays English.
+    """Translates texts. A text without a translation stays English.
 
-    So does what has a translation whose slots are not those of its English: nobody should read "{gaol}".
+    A translation whose slots differ from those of its English is ignored.
 
     Args:
         code: ``en``, ``es``, ``es-mx``.
-        texts: translations by their English text. Slots like ``{goal}`` stand in both.
+        texts: translations by their English text. Both have slots like ``{goal}``.
     """
 
     def __init__(self, code: str = "en", texts: Mapping[str, str] | None = None) -> None:
@@ -27,9 +27,9 @@ class Language:
         self.texts = {english: own for english, own in (texts or {}).items() if not slot_problem(english, own)}
 
     def __call__(self, text: str, **slots: object) -> str:
-        """A text in this language, its slots filled; without any it is left as it stands.
+        """Return a text in this language, with its slots filled; without ``slots`` braces are kept.
 
-        Words that fill a slot have their figures written as this language writes them.
+        Numbers in the values of slots get the decimal sign of this language.
         """
         own = self.texts.get(text, text)
         if not slots:
@@ -37,18 +37,18 @@ class Language:
         return own.format(**{name: self.figures(it) if isinstance(it, str) else it for name, it in slots.items()})
 
     def figures(self, text: str) -> str:
-        """A text with its figures written as this language writes them: 0,5 where English has 0.5."""
+        """Return a text with this language's decimal sign in its numbers: 0,5 for 0.5 in Spanish."""
         if not _DECIMAL_POINT.isdisjoint((self.code, self.code.partition("-")[0])):
             return text
         return re.sub(r"(\d)\.(\d)", r"\1,\2", text)
 
     def including(self, texts: Mapping[str, str]) -> "Language":
-        """This language with more translations, which go before its own."""
+        """Return this language with more translations, which take precedence."""
         return Language(self.code, {**self.texts, **texts})
 
 
 def language(code: str, *folders: Path) -> Language:
-    """A language, with the translations that folders have for it; a later one goes before an earlier one."""
+    """Return a language with the translations in some folders; later folders take precedence."""
     texts: dict[str, str] = {}
     for folder in folders:
         for path in words_files(folder, code):
@@ -57,13 +57,13 @@ def language(code: str, *folders: Path) -> Language:
 
 
 def words_files(folder: Path, code: str) -> tuple[Path, ...]:
-    """Where a folder has the translations of a language: for ``es-mx`` those of ``es``, and then its own."""
+    """Return the files of translations of a language in a folder: for ``es-mx`` that of ``es`` first, then its own."""
     return tuple(folder / f"words.{name}.toml" for name in dict.fromkeys((code.partition("-")[0], code)))
 
 
 @functools.cache
 def read_words(path: Path) -> dict[str, str]:
-    """The translations of a file; none where it is missing or cannot be read."""
+    """Return the translations in a file; none if it is missing or unreadable."""
     try:
         found = msgspec.toml.decode(path.read_bytes().decode("utf-8-sig"))
     except (OSError, ValueError):
@@ -72,7 +72,7 @@ def read_words(path: Path) -> dict[str, str]:
 
 
 def slots(text: str) -> frozenset[str]:
-    """The slots of a text, as they stand in it: ``{goal}``, ``{share:.0%}``. Raises ValueError: a lone brace."""
+    """Return the slots of a text as written: ``{goal}``, ``{share:.0%}``. Raises ValueError for a single brace."""
     found = set()
     for _, name, form, conversion in string.Formatter().parse(text):
         if name is not None:
@@ -82,7 +82,7 @@ def slots(text: str) -> frozenset[str]:
 
 @functools.cache
 def slot_problem(english: str, own: str) -> str:
-    """Why a translation cannot be used, in a few words: it has other slots than its English. Empty where it can."""
+    """Return how the slots of a translation differ from those of its English, as a phrase; empty if they agree."""
     try:
         wanted = slots(english)
     except ValueError:  # a text with a brace of its own, which is never filled
@@ -94,5 +94,5 @@ def slot_problem(english: str, own: str) -> str:
     if missing := sorted(wanted - given):
         return f"lacks {', '.join(missing)}"
     if more := sorted(given - wanted):
-        return f"has {', '.join(more)}, which the English has not"
+        return f"has {', '.join(more)}, which the English does not have"
     return ""

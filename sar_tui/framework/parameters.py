@@ -87,7 +87,7 @@ P = TypeVar("P", bound=TaskParameters)
 
 
 def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
-    """The declared parameters of a task, the task's own first, then those common to all."""
+    """Return the declared parameters of a task: its own first, then the common ones."""
     common = _declared(TaskParameters)
     found = [
         msgspec.structs.replace(
@@ -101,9 +101,9 @@ def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
 
 
 def grouped(parameters: type[TaskParameters]) -> dict[str, tuple[Field, ...]]:
-    """The declared parameters by heading, in the order in which people are to read them.
+    """Return the declared parameters by heading, in the order of the settings form.
 
-    First the task's own under ``""``, then the headings that only this task has, then those common to every task.
+    The task's own under ``""`` come first, then headings that only this task has, then the common ones.
     """
     common = list(dict.fromkeys(field.group for field in fields(TaskParameters)))
     found: dict[str, list[Field]] = {}
@@ -132,10 +132,10 @@ def current_values(parameters: type[TaskParameters], values: Mapping[str, Any]) 
 
 
 def build(parameters: type[P], values: Mapping[str, object]) -> P:
-    """Make checked parameters from values, typed or as text.
+    """Build checked parameters from values, typed or as text.
 
     Raises:
-        ParameterError: naming every parameter that is unknown, out of bounds, or at odds with another.
+        ParameterError: names every parameter that is unknown, out of bounds, or in conflict with another.
     """
     declared = {field.name: field for field in fields(parameters)}
     types = {field.name: field.type for field in msgspec.structs.fields(parameters)}
@@ -158,7 +158,7 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
 
 
 def changed(parameters: TaskParameters) -> dict[str, Any]:
-    """Only what differs from the defaults, as plain values."""
+    """Return the parameters that differ from their defaults, as plain values."""
     return {
         field.name: msgspec.to_builtins(getattr(parameters, field.name))
         for field in fields(type(parameters))

@@ -9,7 +9,7 @@ FIGURES = frozenset({"value", "goal", "difference", "percent", "correct", "trial
 _VALENCES = ("positive", "neutral", "negative")
 
 PHRASE_KEYS: dict[str, set[str]] = {
-    # what has no result in it
+    # without a result
     "greeting": set(),
     "welcome_back": set(),
     "encouragement": set(),
@@ -17,19 +17,19 @@ PHRASE_KEYS: dict[str, set[str]] = {
     "filler": set(),
     "goodbye": set(),
     "goodbye_early": set(),
-    # the same to two people at once
+    # the same, to two people at once
     "greeting_both": set(),
     "welcome_back_both": set(),
     "encouragement_both": set(),
     "rest_both": set(),
     "goodbye_both": set(),
     "goodbye_early_both": set(),
-    # what came of a race
+    # the result of a race
     "won": set(),
     "lost": set(),
     "drawn": set(),
     "race_figures": {"reached", "trials"},
-    # knowledge of results, in words; how far from the goal sets the degree
+    # knowledge of results, in words; the distance from the goal sets the degree
     "positive_slight": set(),
     "positive": set(),
     "positive_strong": set(),
@@ -98,7 +98,7 @@ def _folded(text: str) -> str:
 
 
 _NUMBER_WORDS = {language: frozenset(_folded(words).split()) for language, words in _SPELLED.items()}
-"""The same, folded as `holds_number` compares them."""
+"""Number words by language, in the form that `holds_number` compares."""
 
 
 def holds_number(text: str, language: str = "en") -> bool:

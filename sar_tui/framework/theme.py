@@ -1,4 +1,4 @@
-"""The Social-Behavioral Base: how the agent looks, moves and speaks, as data in a folder."""
+"""The Social-Behavioral Base: the agent's look, movements and speech, as data."""
 
 import re
 from typing import Annotated
@@ -10,22 +10,22 @@ from sar_tui.framework.contrast import contrast, is_color
 from sar_tui.framework.gesture import Gesture
 
 FACES = ("neutral", "listening", "happy", "encouraging", "thinking", "speaking", "sleeping")
-"""The expressions every theme draws."""
+"""Expressions of every theme."""
 GROUNDS = ("background", "surface")
-"""The colours that text stands on."""
+"""Background colours of text."""
 GAZES = ("ahead", "left", "right", "up", "down")
 TONES = ("go", "success", "end")
-"""Short tones: a prompt is up, praise, an attempt is over."""
+"""Short tones: at a prompt, with praise, at the end of an attempt."""
 ENGLISH = "en"
-"""The language every theme has, and every phrase falls back to."""
+"""The language of every theme, used for phrases that another lacks."""
 
 
 class ThemeError(ValueError):
-    """A theme cannot be used; one clear sentence."""
+    """A theme cannot be used; the message is one clear sentence."""
 
 
 class Colors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The colours of the screen, as #rrggbb."""
+    """Colours of the screen, as #rrggbb."""
 
     background: str
     surface: str
@@ -37,7 +37,7 @@ class Colors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     negative: str
 
     def contrasts(self) -> dict[tuple[str, str], float]:
-        """The WCAG ratio of each colour of text with each ground, by their names; those that are none are left out."""
+        """Return the WCAG ratio of each valid text colour on each background, by their names."""
         colors = {name: value for name, value in msgspec.structs.asdict(self).items() if is_color(value)}
         return {
             (name, ground): contrast(colors[name], colors[ground])
@@ -48,9 +48,9 @@ class Colors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Voice(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """How the agent speaks: words a minute, loudness from 0 to 1.
+    """The agent's voice: words per minute, loudness from 0 to 1.
 
-    By language: ``rates`` where that differs, ``names`` of the speech engine's voices.
+    ``rates`` and ``names`` (of the speech engine's voices) are by language.
     """
 
     rate: Annotated[int, Meta(ge=80, le=400)] = 165
@@ -59,12 +59,12 @@ class Voice(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     names: dict[str, str] = {}
 
     def rate_in(self, language: str) -> int:
-        """Words a minute in a language."""
+        """Return the words per minute in a language."""
         return self.rates.get(language, self.rate)
 
 
 class Manner(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What goes with words: an expression, a gesture, a look, a tone; empty where there is none."""
+    """The expression, gesture, gaze and tone that go with a text; empty for none."""
 
     face: str = "speaking"
     gesture: str = ""
@@ -89,11 +89,11 @@ MANNERS: dict[str, Manner] = {
     "negative": Manner("encouraging", "lean_in"),
     "negative_strong": Manner("encouraging", "lean_in"),
 }
-"""What a theme may set by kind and degree, with what goes for those it does not set."""
+"""Default manners by kind and degree; a theme may set its own."""
 
 
 class Note(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A part of a tone: its frequency (Hz, 0 is silence) and duration (ms)."""
+    """A part of a tone: frequency (Hz, 0 is silence) and duration (ms)."""
 
     hz: Annotated[float, Meta(ge=0, le=8000)]
     ms: Annotated[int, Meta(ge=10, le=1000)]
@@ -107,14 +107,16 @@ _TONES = {
 
 
 class Theme(msgspec.Struct, frozen=True):
-    """A persona in one language: its colours, faces, voice, manner and gestures, its wordings for each situation.
+    """A persona in one language: colours, faces, voice, manners, gestures, and wordings for each situation.
 
-    ``minimum_contrast`` is the WCAG ratio that all text keeps against the background and the surface. ``languages``
-    are those the theme's folder has phrases in; a phrase that ``language`` lacks is English. ``mouth_line`` is the
-    line of a face, from 0, that moves when it speaks. ``units`` says how a unit is spoken, in one form or
-    two, ``second | seconds``; ``images`` name files that
-    may stand for faces; ``texts`` are the theme's own words for what the screens say in English. ``repairs`` tells what
-    was missing or wrong in its folder, a sentence each, where another theme's part stands instead.
+    Attributes:
+        minimum_contrast: the least WCAG ratio of text on the background and the surface.
+        languages: those that the theme's folder has phrases in. A phrase that ``language`` lacks is English.
+        mouth_line: the line of a face, from 0, that moves when it speaks.
+        units: spoken forms of units, one or two: ``second | seconds``.
+        images: files shown instead of faces.
+        texts: the theme's own wordings of texts on the screens, by their English.
+        repairs: one sentence for each part that was missing or wrong in the folder and replaced from another theme.
     """
 
     name: str
@@ -139,15 +141,15 @@ class Theme(msgspec.Struct, frozen=True):
     repairs: tuple[str, ...] = ()
 
     def manner(self, name: str) -> Manner:
-        """What goes with words of a kind or degree."""
+        """Return the manner of a kind or degree."""
         return self.manners.get(name) or MANNERS.get(name) or Manner()
 
     def notes(self, tone: str) -> tuple[Note, ...]:
-        """The notes of a tone; none for one that there is not."""
+        """Return the notes of a tone; none for an unknown one."""
         return self.tones.get(tone) or _TONES.get(tone, ())
 
     def spoken(self, text: str) -> str:
-        """A text as it is to be spoken: units after a number in full, in the singular after 1 alone."""
+        """Return a text as spoken: units after a number in full, in the singular after 1."""
         if not self.units:
             return text
         units = "|".join(re.escape(unit) for unit in sorted(self.units, key=len, reverse=True))
@@ -156,6 +158,6 @@ class Theme(msgspec.Struct, frozen=True):
         return re.sub(spelled, lambda found: f"{found[1]} {self._unit(found[2], found[1])}", text)
 
     def _unit(self, unit: str, number: str) -> str:
-        """A unit in full, in the form that a number asks for."""
+        """Return a unit in full, in the form for a number."""
         singular, _, plural = map(str.strip, self.units[unit].partition("|"))
         return singular if number == "1" or not plural else plural

@@ -1,7 +1,7 @@
 """Reads a theme's folder: ``theme.toml``, ``phrases.<language>.toml``, and ``words.<language>.toml`` if there is one.
 
-What is missing or wrong in it is taken from another theme, and told in ``Theme.repairs``: a participant hears a coach
-even while its words are being edited.
+Parts that are missing or wrong are taken from another theme and listed in ``Theme.repairs``, so that a session runs
+even while a theme is being edited.
 """
 
 from pathlib import Path
@@ -10,54 +10,54 @@ import msgspec
 
 from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
 from sar_tui.theme_folder.appearance import read_look
-from sar_tui.theme_folder.phrases import read_words
+from sar_tui.theme_folder.phrases import read_phrases
 from sar_tui.theme_folder.screens import screen_texts
 
-Told = dict[str, list[str]]
+Problems = dict[str, list[str]]
 
 
 class Reading(msgspec.Struct, frozen=True):
     """A theme as read, and what was missing or wrong in its folder.
 
-    ``told`` holds a sentence each, by part: ``settings``, ``colors``, ``faces``, ``gestures``, ``manner``,
-    ``wordings``, ``vocabulary``, ``texts``. ``english`` names the situations whose wordings are English for want
-    of any in the language.
+    ``problems`` holds sentences by part: ``settings``, ``colors``, ``faces``, ``gestures``, ``manner``, ``wordings``,
+    ``vocabulary``, ``texts``. ``english`` names the situations whose wordings are English because the language has
+    none.
     """
 
     theme: Theme
-    told: Told
+    problems: Problems
     english: tuple[str, ...]
 
 
 def languages(folder: Path) -> tuple[str, ...]:
-    """The languages that a theme's folder has phrases in, English first."""
+    """Return the languages that a theme's folder has phrases in, English first."""
     found = sorted(path.name.split(".")[1] for path in folder.glob("phrases.*.toml"))
     return tuple(sorted(found, key=lambda language: language != ENGLISH))
 
 
 def files(folder: Path) -> tuple[Path, ...]:
-    """The files that a theme is made of."""
+    """Return the files of a theme."""
     return tuple(sorted(path for path in folder.glob("*.toml")))
 
 
 def read_theme(folder: Path, language: str = ENGLISH, base: Theme | None = None) -> Theme:
-    """A theme in a language.
+    """Read a theme in a language.
 
     Args:
-        folder: its folder; its name is the theme's.
-        language: which; phrases that it lacks are English. For ``es-mx`` those of ``es`` will do.
-        base: what is missing or wrong is taken from there; without it, it stays missing.
+        folder: the theme's folder, with its name.
+        language: of the phrases; those that it lacks are English. ``es-mx`` uses those of ``es``, too.
+        base: theme that replaces what is missing or wrong; without it, that stays missing.
 
     Raises:
-        ThemeError: a file is missing, or is no TOML.
+        ThemeError: a file is missing or not TOML.
     """
     reading = read(folder, language, base)
-    repairs = [sentence for part in reading.told.values() for sentence in part]
+    repairs = [sentence for part in reading.problems.values() for sentence in part]
     return msgspec.structs.replace(reading.theme, repairs=tuple(repairs))
 
 
 def read(folder: Path, language: str = ENGLISH, base: Theme | None = None) -> Reading:
-    """The same, with what is wrong by part. Raises ThemeError, and nothing else, whatever is in the folder."""
+    """Read a theme with its problems by part. Raises ThemeError and nothing else, whatever is in the folder."""
     try:
         return _read(folder, language, base)
     except ThemeError:
@@ -67,7 +67,7 @@ def read(folder: Path, language: str = ENGLISH, base: Theme | None = None) -> Re
 
 
 def may_have_images(folder: Path) -> bool:
-    """Whether a theme may have images for faces. It costs far less than to read the theme."""
+    """Return whether a theme may have images for faces, without reading the whole theme."""
     try:
         return b"images" in (folder / "theme.toml").read_bytes()
     except OSError:
@@ -76,8 +76,8 @@ def may_have_images(folder: Path) -> bool:
 
 def _read(folder: Path, language: str, base: Theme | None) -> Reading:
     look = read_look(folder, base)
-    words = read_words(folder, language, base)
-    texts, told = screen_texts(folder, language)
+    words = read_phrases(folder, language, base)
+    texts, problems = screen_texts(folder, language)
     theme = Theme(
         name=folder.name,
         language=words.language,
@@ -88,4 +88,4 @@ def _read(folder: Path, language: str, base: Theme | None) -> Reading:
         texts=texts,
         **look.parts,
     )
-    return Reading(theme, {**look.told, **words.told, "texts": told}, words.english)
+    return Reading(theme, {**look.problems, **words.problems, "texts": problems}, words.english)

@@ -1,4 +1,4 @@
-"""``theme.toml``: how the agent looks, moves and sounds."""
+"""Reads ``theme.toml``: the agent's look, movements and voice."""
 
 import tomllib
 from pathlib import Path
@@ -25,7 +25,7 @@ from sar_tui.framework.theme import (
 from sar_tui.theme_folder.faces import drawing_problems, fitted
 
 LEAST_CONTRAST = 4.5
-"""What text has to keep at least to be legible, whatever a theme asks for (WCAG 2.2, AA)."""
+"""Least contrast of legible text; a theme may ask for more (WCAG 2.2, AA)."""
 _SETTINGS = {
     "title": Annotated[str, Meta(min_length=1)],
     "summary": str,
@@ -40,14 +40,14 @@ _BLACK, _WHITE = "#000000", "#ffffff"
 
 
 class Look(msgspec.Struct, frozen=True):
-    """The parts of a `Theme` that ``theme.toml`` says, and what is missing or wrong in it, by part."""
+    """The parts of a `Theme` in ``theme.toml``, and its problems by part."""
 
     parts: dict[str, Any]
-    told: dict[str, list[str]]
+    problems: dict[str, list[str]]
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """What a file says. Raises ThemeError: it is missing, or not TOML; one sentence."""
+    """Return the contents of a file. Raises ThemeError, with one sentence, if it is missing or not TOML."""
     try:
         return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     except FileNotFoundError as error:
@@ -62,9 +62,9 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def read_look(folder: Path, base: Theme | None) -> Look:
-    """What a folder's ``theme.toml`` says; what cannot be used is the base's. Raises ThemeError."""
+    """Read a folder's ``theme.toml``; unusable parts are taken from ``base``. Raises ThemeError."""
     reader = _Reader(folder, read_toml(folder / "theme.toml"), base)
-    return Look(reader.parts(), reader.told)
+    return Look(reader.parts(), reader.problems)
 
 
 class _Reader:
@@ -74,12 +74,14 @@ class _Reader:
         self._folder = folder
         self._table = table
         self._base = base
-        self.told: dict[str, list[str]] = {part: [] for part in ("settings", "colors", "faces", "gestures", "manner")}
+        self.problems: dict[str, list[str]] = {
+            part: [] for part in ("settings", "colors", "faces", "gestures", "manner")
+        }
 
     def parts(self) -> dict[str, Any]:
-        """Everything, in the order in which one part needs another."""
+        """Return all parts, read in the order in which they depend on each other."""
         known = (*_SETTINGS, "mouth_line", *_TABLES)
-        self.told["settings"] += [f"theme.toml has no use for {name}." for name in self._table if name not in known]
+        self.problems["settings"] += [f"theme.toml has no use for {name}." for name in self._table if name not in known]
         settings = {name: self._setting(name) for name in _SETTINGS}
         mouth_line = self._mouth_line()
         gestures = self._gestures()
@@ -98,28 +100,28 @@ class _Reader:
     # --- one value, one table ------------------------------------------------------------------------------
 
     def _converted(self, part: str, name: str, value: object, kind: Any) -> Any:
-        """A value as its kind; None where it cannot be one."""
+        """Return a value as its type; None if it cannot be converted."""
         try:
             return msgspec.convert(value, kind)
         except msgspec.ValidationError as error:
-            self.told[part].append(f"{name} in theme.toml cannot be used: {error}.")
+            self.problems[part].append(f"{name} in theme.toml cannot be used: {error}.")
             return None
 
     def _entries(self, part: str, name: str) -> dict[str, Any]:
-        """A table; empty where it is missing or none."""
+        """Return a table; empty if it is missing or not a table."""
         entries = self._table.get(name, {})
         if isinstance(entries, dict):
             return entries
-        self.told[part].append(f"{name} in theme.toml has to be a table.")
+        self.problems[part].append(f"{name} in theme.toml has to be a table.")
         return {}
 
     def _setting(self, name: str) -> Any:
         default = {"title": self._folder.name, "summary": "", "dark": True, "minimum_contrast": LEAST_CONTRAST}
         if name not in self._table:
-            self.told["settings"].append(f"theme.toml does not say its {name}.")
+            self.problems["settings"].append(f"theme.toml does not say its {name}.")
         elif name == "minimum_contrast" and _is_below(self._table[name], LEAST_CONTRAST):
             least = f"{LEAST_CONTRAST:g}, below which text is hard to read"
-            self.told["settings"].append(
+            self.problems["settings"].append(
                 f"minimum_contrast is {_printable(str(self._table[name]))}; it has to be at least {least}."
             )
         else:
@@ -131,23 +133,23 @@ class _Reader:
     # --- colours -------------------------------------------------------------------------------------------
 
     def _colors(self, minimum: float) -> Colors:
-        """The colours; a bad one is the base's, and text too faint to read is black or white."""
-        given, told = self._entries("colors", "colors"), self.told["colors"]
+        """Return the colours; invalid ones are the base's, and text with too little contrast becomes black or white."""
+        given, problems = self._entries("colors", "colors"), self.problems["colors"]
         names = [field.name for field in msgspec.structs.fields(Colors)]
-        told += [
+        problems += [
             f"{name} is not a colour of a theme; these are: {', '.join(names)}." for name in given if name not in names
         ]
         found = {}
         for name in names:
             value = given.get(name, "")
             if not (isinstance(value, str) and is_color(value)):
-                told.append(f"{name} is not a colour like #a0b1c2: {value or 'nothing'}.")
+                problems.append(f"{name} is not a colour like #a0b1c2: {value or 'nothing'}.")
                 value = getattr(self._base.colors, name) if self._base else ""
             found[name] = value
         colors = Colors(**found)
         faint = {(name, ground): ratio for (name, ground), ratio in colors.contrasts().items() if ratio < minimum}
         for (name, ground), ratio in faint.items():
-            told.append(f"{name} on {ground} has a contrast of {cut(ratio):g}, less than {minimum:g}.")
+            problems.append(f"{name} on {ground} has a contrast of {cut(ratio):g}, less than {minimum:g}.")
         if not self._base:
             return colors
         return msgspec.structs.replace(colors, **{name: _legible(colors) for name, _ in faint})
@@ -159,34 +161,38 @@ class _Reader:
         return 2 if line is None else int(line)
 
     def _faces(self, mouth_line: int) -> dict[str, str]:
-        """The drawings, all of one size; a missing or unfit one is the base's."""
-        given, told = self._entries("faces", "faces"), self.told["faces"]
-        told += [f"{name} is not an expression; these are: {', '.join(FACES)}." for name in given if name not in FACES]
+        """Return the drawings, all of one size; a missing or unusable one is the base's."""
+        given, problems = self._entries("faces", "faces"), self.problems["faces"]
+        problems += [
+            f"{name} is not an expression; these are: {', '.join(FACES)}." for name in given if name not in FACES
+        ]
         drawn = {}
         for name in FACES:
             face = given.get(name)
             if not isinstance(face, str) or not face.strip():
-                told.append(f"There is no face for {name}.")
-            elif problems := drawing_problems(name, face.strip("\n"), mouth_line):
-                told += problems
+                problems.append(f"There is no face for {name}.")
+            elif wrong := drawing_problems(name, face.strip("\n"), mouth_line):
+                problems += wrong
             else:
                 drawn[name] = face.strip("\n")
         heights = sorted({len(face.split("\n")) for face in drawn.values()})
         if len(heights) > 1:
-            told.append(f"The faces have {' and '.join(map(str, heights))} lines; all have to have the same number.")
+            problems.append(
+                f"The faces have {' and '.join(map(str, heights))} lines; all have to have the same number."
+            )
         return fitted({**(self._base.faces if self._base else {}), **drawn})
 
     def _images(self) -> dict[str, str]:
-        """Files that stand for faces; those that are not in the folder are left out."""
+        """Return the image files of faces; those outside the folder are left out."""
         good = {}
         folder = self._folder.resolve()
         for name, file in self._entries("faces", "images").items():
             if name not in FACES:
-                self.told["faces"].append(f"images.{name} is not an expression; these are: {', '.join(FACES)}.")
+                self.problems["faces"].append(f"images.{name} is not an expression; these are: {', '.join(FACES)}.")
             elif not isinstance(file, str) or (path := _file(folder, file)) is None:
-                self.told["faces"].append(f"There is no image {_printable(str(file))} for {name}.")
+                self.problems["faces"].append(f"There is no image {_printable(str(file))} for {name}.")
             elif not path.is_relative_to(folder):
-                self.told["faces"].append(f"The image {file} for {name} has to lie in the theme's folder.")
+                self.problems["faces"].append(f"The image {file} for {name} has to lie in the theme's folder.")
             else:
                 good[name] = file
         return good
@@ -194,27 +200,27 @@ class _Reader:
     # --- gestures and manner -------------------------------------------------------------------------------
 
     def _gestures(self) -> dict[str, Gesture]:
-        """The gestures; one that is missing or cannot be moved through is the base's."""
-        given, told = self._entries("gestures", "gestures"), self.told["gestures"]
+        """Return the gestures; a missing or unusable one is the base's."""
+        given, problems = self._entries("gestures", "gestures"), self.problems["gestures"]
         good: dict[str, Gesture] = {}
         for name, frames in given.items():
             keyframes = self._converted("gestures", f"gestures.{name}", frames, tuple[Keyframe, ...])
             if keyframes is None:
                 continue
             gesture = Gesture(keyframes)
-            if problems := gesture.problems(name):
-                told += problems
+            if wrong := gesture.problems(name):
+                problems += wrong
             else:
                 good[name] = gesture
-        told += [f"There is no gesture {name}." for name in GESTURES if name not in given]
+        problems += [f"There is no gesture {name}." for name in GESTURES if name not in given]
         return {**(self._base.gestures if self._base else {}), **good}
 
     def _manners(self, gestures: dict[str, Gesture]) -> dict[str, Manner]:
-        """What goes with words, where it differs; what a table leaves out is as usual for its kind."""
+        """Return the manners that the theme sets; what a table leaves out is the default of its kind."""
         good = {}
         for name, value in self._entries("manner", "manner").items():
             if name not in MANNERS:
-                self.told["manner"].append(f"{name} has no manner; these have: {', '.join(MANNERS)}.")
+                self.problems["manner"].append(f"{name} has no manner; these have: {', '.join(MANNERS)}.")
                 continue
             usual = msgspec.structs.asdict(MANNERS[name])
             asked = {**usual, **value} if isinstance(value, dict) else value
@@ -226,7 +232,7 @@ class _Reader:
                 for kind, known in (("face", FACES), ("gesture", gestures), ("gaze", GAZES), ("tone", TONES))
                 if (chosen := getattr(manner, kind)) and chosen not in known
             ]
-            self.told["manner"] += unknown
+            self.problems["manner"] += unknown
             if not unknown:
                 good[name] = manner
         return good
@@ -235,18 +241,18 @@ class _Reader:
         good = {}
         for name, value in self._entries("manner", "tones").items():
             if name not in TONES:
-                self.told["manner"].append(f"{name} is not a tone; these are: {', '.join(TONES)}.")
+                self.problems["manner"].append(f"{name} is not a tone; these are: {', '.join(TONES)}.")
             elif notes := self._converted("manner", f"tones.{name}", value, _NOTES):
                 good[name] = notes
         return good
 
 
 def _file(folder: Path, name: str) -> Path | None:
-    """A file by its name; None where there is none, or where none can be called so."""
+    """Return a file by its name; None if there is none or the name is invalid."""
     try:
         path = (folder / name).resolve()
         return path if path.is_file() else None
-    except (OSError, ValueError, RuntimeError):  # too long, a NUL in it, a ring of links
+    except (OSError, ValueError, RuntimeError):  # a name that is too long or contains NUL, or a cycle of links
         return None
 
 
@@ -255,11 +261,11 @@ def _is_below(value: object, least: float) -> bool:
 
 
 def _legible(colors: Colors) -> str:
-    """Black or white, whichever is seen better on both grounds."""
+    """Return black or white, whichever has more contrast on both backgrounds."""
     return max((_BLACK, _WHITE), key=lambda one: min(contrast(one, getattr(colors, ground)) for ground in GROUNDS))
 
 
 def _printable(name: str) -> str:
-    """A name as it can stand in a sentence: not too long, and nothing in it that a terminal would obey."""
+    """Return a name shortened and without control characters, for an error message."""
     cut = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}…"
     return "".join(character if character.isprintable() else "�" for character in cut)

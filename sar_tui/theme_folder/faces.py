@@ -1,14 +1,14 @@
-"""Drawings of faces: how large they may be, and what they may be drawn with."""
+"""Drawings of faces: their size and their characters."""
 
 import unicodedata
 from collections.abc import Mapping
 
 WIDTH, HEIGHT = 11, 4
-"""The most columns and lines of a face; arms are drawn beside it."""
+"""Largest number of columns and lines of a face; arms are drawn beside it."""
 
 
 def drawing_problems(name: str, face: str, mouth_line: int) -> list[str]:
-    """What is wrong with a drawing, a sentence each."""
+    """Return what is wrong with a drawing, one sentence each."""
     lines = face.split("\n")
     found = []
     if len(lines) > HEIGHT or max(map(len, lines)) > WIDTH:
@@ -22,7 +22,7 @@ def drawing_problems(name: str, face: str, mouth_line: int) -> list[str]:
 
 
 def fitted(faces: Mapping[str, str]) -> dict[str, str]:
-    """The same faces, filled up with spaces to the size of the largest: editors take spaces off the ends of lines."""
+    """Return faces padded to the size of the largest: editors strip trailing spaces."""
     lines = {name: face.split("\n") for name, face in faces.items()}
     height = max(map(len, lines.values()), default=0)
     width = max((len(line) for face in lines.values() for line in face), default=0)
@@ -33,5 +33,5 @@ def fitted(faces: Mapping[str, str]) -> dict[str, str]:
 
 
 def _is_one_column(character: str) -> bool:
-    """Whether a terminal gives it one column: no emoji, no East Asian letter, nothing that joins what is before it."""
+    """Return whether a character takes one column: no emoji, wide East Asian or combining character."""
     return unicodedata.category(character)[0] not in "MC" and unicodedata.east_asian_width(character) not in "WF"

@@ -1,4 +1,4 @@
-"""``phrases.<language>.toml``: what the agent says."""
+"""Reads ``phrases.<language>.toml``: the agent's wordings."""
 
 from pathlib import Path
 from typing import Any
@@ -10,113 +10,113 @@ from sar_tui.framework.theme import ENGLISH, Theme
 from sar_tui.theme_folder.appearance import read_toml
 
 _TABLES = {"vocabulary": VOCABULARY, "units": ()}
-"""The tables of words in a file of phrases, and what has to be in each."""
+"""Tables in a file of phrases, with the entries that each must have."""
 MOST_FORMS = 2
-"""How many forms a unit may have: singular | plural."""
+"""Largest number of forms of a unit: singular | plural."""
 
 
-class Words(msgspec.Struct, frozen=True):
-    """The parts of a `Theme` that its phrases say, and what is missing or wrong in them, by part.
+class Phrases(msgspec.Struct, frozen=True):
+    """The parts of a `Theme` in its phrases, and their problems by part.
 
-    ``language`` is the one they are in; ``english`` names the situations that it has no wording for, but English has.
+    ``english`` names the situations whose wordings are English because ``language`` has none.
     """
 
     language: str
     phrases: dict[str, tuple[str, ...]]
     vocabulary: dict[str, str]
     units: dict[str, str]
-    told: dict[str, list[str]]
+    problems: dict[str, list[str]]
     english: tuple[str, ...]
 
 
-def read_words(folder: Path, language: str, base: Theme | None) -> Words:
-    """What a folder's phrases say in a language, else in English, else the base's. Raises ThemeError."""
-    told: dict[str, list[str]] = {"wordings": [], "vocabulary": []}
-    sources = _sources(folder, language, told["wordings"])
+def read_phrases(folder: Path, language: str, base: Theme | None) -> Phrases:
+    """Read a folder's phrases in a language, else in English, else the base's. Raises ThemeError."""
+    problems: dict[str, list[str]] = {"wordings": [], "vocabulary": []}
+    sources = _sources(folder, language, problems["wordings"])
     spoken = sources[0][0]
-    phrases, english = _phrases(sources, base, told["wordings"])
-    tables = {table: _table(table, sources, base, told["vocabulary"]) for table in _TABLES}
-    return Words(spoken, phrases, tables["vocabulary"], tables["units"], told, english)
+    phrases, english = _phrases(sources, base, problems["wordings"])
+    tables = {table: _table(table, sources, base, problems["vocabulary"]) for table in _TABLES}
+    return Phrases(spoken, phrases, tables["vocabulary"], tables["units"], problems, english)
 
 
-def _sources(folder: Path, language: str, told: list[str]) -> list[tuple[str, dict[str, Any]]]:
-    """The files to look in, best first, each with its language."""
+def _sources(folder: Path, language: str, problems: list[str]) -> list[tuple[str, dict[str, Any]]]:
+    """Return the contents of the files to use, best first, each with its language."""
     wanted = [ENGLISH] if language == ENGLISH else [language, language.partition("-")[0]]
     own = next((code for code in wanted if (folder / f"phrases.{code}.toml").is_file()), ENGLISH)
     if own == ENGLISH != wanted[-1]:
-        told.append(f"There is no phrases.{language}.toml; the agent speaks English.")
+        problems.append(f"There is no phrases.{language}.toml; the agent speaks English.")
     found = [(language if own in wanted else ENGLISH, read_toml(folder / f"phrases.{own}.toml"))]
     if own == ENGLISH:
         return found
     if (folder / f"phrases.{ENGLISH}.toml").is_file():
         return [*found, (ENGLISH, read_toml(folder / f"phrases.{ENGLISH}.toml"))]
-    told.append(f"There is no phrases.{ENGLISH}.toml, which every theme has.")
+    problems.append(f"There is no phrases.{ENGLISH}.toml, which every theme has.")
     return found
 
 
 def _phrases(
-    sources: list[tuple[str, dict[str, Any]]], base: Theme | None, told: list[str]
+    sources: list[tuple[str, dict[str, Any]]], base: Theme | None, problems: list[str]
 ) -> tuple[dict[str, tuple[str, ...]], tuple[str, ...]]:
     spoken, own = sources[0]
-    told += [
+    problems += [
         f"{name} is not a situation ({spoken})." for name in own if name not in PHRASE_KEYS and name not in _TABLES
     ]
     found, english = {}, []
     for situation in PHRASE_KEYS:
         for language, source in sources:
-            wordings = _wordings(situation, source.get(situation, ()), language, told)
+            wordings = _wordings(situation, source.get(situation, ()), language, problems)
             if not wordings:
                 continue
             if language != spoken:
-                told.append(f"There is no wording for {situation} ({spoken}); the English is said.")
+                problems.append(f"There is no wording for {situation} ({spoken}); the English is said.")
                 english.append(situation)
             found[situation] = wordings
             break
         else:
-            told.append(f"There is no wording for {situation} ({spoken}).")
+            problems.append(f"There is no wording for {situation} ({spoken}).")
             found[situation] = base.phrases[situation] if base else ()
     return found, tuple(english)
 
 
-def _wordings(situation: str, given: object, language: str, told: list[str]) -> tuple[str, ...]:
-    """The wordings that can be said."""
+def _wordings(situation: str, given: object, language: str, problems: list[str]) -> tuple[str, ...]:
+    """Return the wordings that can be used."""
     try:
         wordings = msgspec.convert(given, tuple[str, ...])
     except msgspec.ValidationError:
-        told.append(f"The wordings for {situation} ({language}) have to be a list of texts.")
+        problems.append(f"The wordings for {situation} ({language}) have to be a list of texts.")
         return ()
     good = []
     for wording in wordings:
-        problems = wording_problems(situation, wording, language)
-        told += problems
-        if not problems:
+        wrong = wording_problems(situation, wording, language)
+        problems += wrong
+        if not wrong:
             good.append(wording)
     return tuple(good)
 
 
 def _table(
-    table: str, sources: list[tuple[str, dict[str, Any]]], base: Theme | None, told: list[str]
+    table: str, sources: list[tuple[str, dict[str, Any]]], base: Theme | None, problems: list[str]
 ) -> dict[str, str]:
-    """A small table of words: of the language, else English, else the base's."""
+    """Return a table of words: of the language, else English, else the base's."""
     found: dict[str, str] = {}
     spoken = sources[0][0]
     for language, source in reversed(sources):
         entries = source.get(table, {})
         if not isinstance(entries, dict):
-            told.append(f"{table} ({language}) has to be a table.")
+            problems.append(f"{table} ({language}) has to be a table.")
             continue
         good = {name: word for name, word in entries.items() if isinstance(word, str) and word.strip()}
-        told += [f"{name} in {table} ({language}) has to be a text." for name in entries if name not in good]
+        problems += [f"{name} in {table} ({language}) has to be a text." for name in entries if name not in good]
         wrong = _units_problems(good, language) if table == "units" else _vocabulary_problems(good, language)
-        told += wrong.values()
+        problems += wrong.values()
         if language == spoken:
-            told += [f"The {table} lacks {name} ({language})." for name in _TABLES[table] if name not in entries]
+            problems += [f"The {table} lacks {name} ({language})." for name in _TABLES[table] if name not in entries]
         found.update({name: word for name, word in good.items() if name not in wrong})
     return {**(getattr(base, table) if base else {}), **found}
 
 
 def _vocabulary_problems(words: dict[str, str], language: str) -> dict[str, str]:
-    """Why words of the vocabulary cannot be used, by name."""
+    """Return why words of the vocabulary cannot be used, by name."""
     wrong = {}
     for name, word in words.items():
         if name not in VOCABULARY:
@@ -127,7 +127,7 @@ def _vocabulary_problems(words: dict[str, str], language: str) -> dict[str, str]
 
 
 def _units_problems(words: dict[str, str], language: str) -> dict[str, str]:
-    """Why units cannot be spoken so, by name."""
+    """Return why spoken units cannot be used, by name."""
     wrong = {}
     for name, word in words.items():
         forms = word.split("|")

@@ -1,4 +1,4 @@
-"""``words.<language>.toml``: a theme's own words for what the screens say."""
+"""Reads ``words.<language>.toml``: a theme's own wordings of texts on the screens."""
 
 from pathlib import Path
 
@@ -7,30 +7,30 @@ from sar_tui.theme_folder.appearance import read_toml
 
 
 def screen_texts(folder: Path, language: str) -> tuple[dict[str, str], list[str]]:
-    """The words for a language that can be used, by their English, and what is wrong with the others.
+    """Return the usable wordings for a language by their English, and the problems of the others.
 
     Raises:
-        ThemeError: a file is no TOML.
+        ThemeError: a file is not TOML.
     """
     texts: dict[str, str] = {}
-    told: list[str] = []
+    problems: list[str] = []
     for path in words_files(folder, language):
         if path.is_file():
             own, wrong = read_texts(path)
             texts.update(own)
-            told += wrong
-    return texts, told
+            problems += wrong
+    return texts, problems
 
 
 def read_texts(path: Path) -> tuple[dict[str, str], list[str]]:
-    """The same, of one file. Raises ThemeError."""
+    """Return the usable wordings in one file, and the problems of the others. Raises ThemeError."""
     texts: dict[str, str] = {}
-    told = []
+    problems = []
     for english, own in read_toml(path).items():
         if not isinstance(own, str):
-            told.append(f"The wording of {english!r} in {path.name} is not a text.")
+            problems.append(f"The wording of {english!r} in {path.name} is not a text.")
         elif problem := slot_problem(english, own):
-            told.append(f"The wording of {english!r} in {path.name} {problem}.")
+            problems.append(f"The wording of {english!r} in {path.name} {problem}.")
         else:
             texts[english] = own
-    return texts, told
+    return texts, problems

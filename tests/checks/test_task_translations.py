@@ -88,7 +88,7 @@ def test_each_text_that_is_not_translated_is_told(call: Call, folder: Path, text
     ("own", "told"),
     [
         ('"Pulse: {tecla}"', "lacks {key}."),
-        ('"Pulse: {key} {tecla}"', "has {tecla}, which the English has not."),
+        ('"Pulse: {key} {tecla}"', "has {tecla}, which the English does not have."),
         ('"Pulse: {key"', "has broken slots (expected '}' before end of string)."),
     ],
 )

@@ -51,7 +51,7 @@ def test_what_a_language_has_no_words_for_is_english_and_the_rest_is_not(tmp_pat
     [
         ("Less than {goal}.", "Menos de {gaol}.", "lacks {goal}"),
         ("Less than {goal}.", "Menos.", "lacks {goal}"),
-        ("Less than {goal}.", "Menos de {goal}, {nombre}.", "has {nombre}, which the English has not"),
+        ("Less than {goal}.", "Menos de {goal}, {nombre}.", "has {nombre}, which the English does not have"),
         ("Less than {goal}.", "Menos de {goal:d}.", "lacks {goal}"),
         ("Less than {goal}.", "Menos de {goal!r}.", "lacks {goal}"),
         ("Less than {goal}.", "Menos de {goal.real}.", "lacks {goal}"),
@@ -59,7 +59,7 @@ def test_what_a_language_has_no_words_for_is_english_and_the_rest_is_not(tmp_pat
         ("Less than {goal}.", "Menos de {}.", "lacks {goal}"),
         ("Less than {goal}.", "Menos de {goal.", "has broken slots"),
         ("Less than {goal}.", "Menos de goal}.", "has broken slots"),
-        ("Ready?", "¿Listo, {goal}?", "has {goal}, which the English has not"),
+        ("Ready?", "¿Listo, {goal}?", "has {goal}, which the English does not have"),
     ],
 )
 def test_a_translation_with_other_slots_than_its_english_is_told_and_not_used(

@@ -12,15 +12,15 @@ from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
 
-# What a level asks for, easiest first: these keys, one after the other, over and over.
+# The keys of each level, easiest first; they are tapped in turn, again and again.
 SEQUENCES = ("f", "fj", "dfj", "dfjk", "sdfjkl")
 
 
 class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
-    """What a therapist can set. Each is a field on the settings form, and `--set NAME=VALUE` on the command line.
+    """Parameters of the task. Each is a field on the settings form, and `--set NAME=VALUE` on the command line.
 
-    The parameters of `TaskParameters` are there, too; declare one of them again to give it another default or
-    other bounds. ``meta`` takes a title, a unit, a sentence of help, and the bounds, both inclusive.
+    The common ones of `TaskParameters` are inherited; redeclare one to change its default or bounds. ``meta`` takes a
+    title, a unit, a sentence of help, and inclusive bounds.
     """
 
     prompts_per_attempt: Annotated[
@@ -41,16 +41,16 @@ class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
 
 
 class ExampleDetails(Details, frozen=True):
-    """What is kept with each trial beyond the common columns, in ``trials.details``."""
+    """Details stored with each trial in ``trials.details``, besides the common columns."""
 
-    taps: Annotated[int, msgspec.Meta(description="How many taps there were, right or wrong.")]
-    wrong: Annotated[int, msgspec.Meta(description="How many of them were not the next key of the sequence.")]
+    taps: Annotated[int, msgspec.Meta(description="Number of taps, right or wrong.")]
+    wrong: Annotated[int, msgspec.Meta(description="Number of taps that were not the next key of the sequence.")]
 
 
 class ExampleTask(Task):
     """One trial is one turn of tapping. The metric is the rate of right taps.
 
-    A task keeps no state: all it needs is handed to it, so that a trial can be repeated, resumed and replayed.
+    A task keeps no state between calls, so that a trial can be repeated, resumed and replayed.
     """
 
     name = "example"  # the folder has the same name
@@ -80,23 +80,23 @@ class ExampleTask(Task):
         )
 
     def stimulus(self, situation: Situation) -> Stimulus:
-        """What a prompt shows. It follows from the situation alone: draw what is random from ``situation.streams``."""
+        """Return the prompt. It depends on the situation alone: draw random values from ``situation.streams``."""
         keys = SEQUENCES[situation.level - 1]
         return Stimulus(
             name=keys,
             expected="",  # no single key ends this trial
-            text=f"Tap: {keys}",  # the plain line that a screen reader reads: keep it in one line
-            glyph=keys,  # what stands very large on the screen
+            text=f"Tap: {keys}",  # for screen readers: one line
+            glyph=keys,  # shown very large
             hint="again and again",
             choices=len(keys),
         )
 
     def perceived(self, trial: Trial, percept: Any) -> Result | None:
-        """Judge a key while the prompt is up. None: go on waiting; the key is kept in ``trial.percepts``."""
+        """Judge a key press while the prompt is shown. None: keep waiting; the press is added to ``trial.percepts``."""
         return None
 
     def timed_out(self, trial: Trial) -> Result:
-        """Judge the trial when its time is over."""
+        """Judge the trial when it times out."""
         taps: Sequence[KeyPerceived] = [percept for percept in trial.percepts if not percept.repeat]
         if not taps:
             return Result(correct=False, details={"taps": 0, "wrong": 0})
@@ -111,12 +111,12 @@ class ExampleTask(Task):
             correct=wrong <= self.parameters.wrong_share * len(taps),
             response="".join(tap.key for tap in taps),
             response_at=taps[0].at,
-            value=right / seconds,  # what this trial adds to the metric: an attempt's is the mean of its trials'
+            value=right / seconds,  # the metric of an attempt is the mean of its trials' values
             details={"taps": len(taps), "wrong": wrong},
         )
 
     def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
-        """What a simulated participant presses: (milliseconds after onset, key). Only a task of one key needs none."""
+        """Return the key presses of a simulated participant: (ms after onset, key)."""
         pace = performance.reaction_ms / 2
         duration = self.parameters.response_timeout_ms
         first = performance.reaction_ms

@@ -195,5 +195,5 @@ class _Words:
     def choose(self, choices: Sequence[str]) -> str:
         return self._streams.choice(choices, "aim", self.count)
 
-    def call(self, name: str) -> str:
+    def vocabulary(self, name: str) -> str:
         return self.theme.vocabulary[name]

@@ -1,4 +1,4 @@
-"""When a kind word helps before an attempt, and when a rest is due."""
+"""Encouragement before a hard attempt, and reminders of rest."""
 
 from collections.abc import Sequence
 
@@ -6,11 +6,11 @@ from sar_tui.framework.messages import AttemptEnded
 
 
 def is_hard(attempts: Sequence[AttemptEnded], level: int) -> bool:
-    """Whether the next attempt is a hard one: at a level higher than any before, or after two failures in a row.
+    """Return whether the next attempt is hard: at a new highest level, or after two failures in a row.
 
     Args:
-        attempts: those scored so far, oldest first.
-        level: of the next one.
+        attempts: scored so far, oldest first.
+        level: of the next attempt.
     """
     if not attempts:
         return False
@@ -19,5 +19,5 @@ def is_hard(attempts: Sequence[AttemptEnded], level: int) -> bool:
 
 
 def rest_due(attempts: int, every: int) -> bool:
-    """Whether to remind of rest after so many attempts; ``every`` 0 is never."""
+    """Return whether a reminder of rest is due after ``attempts`` attempts; ``every`` 0 is never."""
     return bool(every) and attempts > 0 and attempts % every == 0

@@ -61,26 +61,26 @@ def judge(score: Score, metric: Metric, target: Target, min_accuracy: float) -> 
     return Judgement(outcome, "positive", "goal") if success else Judgement(outcome, "negative", "missed")
 
 
-def judge_race(scores: dict[str, Score], verdicts: dict[str, Judgement]) -> dict[str, Judgement]:
-    """What to tell those who raced: how often each was the first, whatever they reached.
+def judge_race(scores: dict[str, Score], judgements: dict[str, Judgement]) -> dict[str, Judgement]:
+    """Return the judgements of a race: by the number of trials won, whatever the goal.
 
-    Who was more often is praised, who was less often consoled; a draw is neutral. Whether the goal was reached, as
-    ``verdicts`` has it, stands; it is also what is told without a race, or where nobody won anything.
+    The winner is praised, the loser consoled, and a draw is neutral; the outcomes are those of ``judgements``. Without
+    a race, or if nobody won a trial, ``judgements`` are returned.
     """
     won = {seat: score.won for seat, score in scores.items() if score.won is not None}
     most = max(won.values(), default=0)
     if len(won) < 2 or not most:
-        return verdicts
+        return judgements
     is_drawn = min(won.values()) == most
-    told: dict[str, tuple[Valence, Reason]] = {
+    by_seat: dict[str, tuple[Valence, Reason]] = {
         seat: ("neutral", "drawn") if is_drawn else ("positive", "won") if count == most else ("negative", "lost")
         for seat, count in won.items()
     }
-    return {seat: Judgement(verdicts[seat].outcome, *what) for seat, what in told.items()}
+    return {seat: Judgement(judgements[seat].outcome, *what) for seat, what in by_seat.items()}
 
 
 def degree(metric: float | None, target: Target) -> Degree:
-    """How far a result lies from its goal, as a share of that: how warm praise or consolation is."""
+    """Return the distance of a result from its goal, relative to the goal, in three degrees."""
     if metric is None or not target.threshold:
         return "clear"
     share = abs(metric - target.threshold) / abs(target.threshold)
@@ -88,7 +88,7 @@ def degree(metric: float | None, target: Target) -> Degree:
 
 
 def summary(recent: tuple[JudgedAttempt, ...]) -> tuple[Score, Target, int]:
-    """Some attempts as one: the means of their results, accuracies and goals, and how many reached theirs."""
+    """Return the means of some attempts (results, accuracies, goals), and how many reached their goals."""
     measured = [judged for judged in recent if judged.score.metric is not None]
     accuracies = [judged.score.accuracy for judged in recent if judged.score.accuracy is not None]
     accuracy = sum(accuracies) / len(accuracies) if accuracies else None
@@ -104,10 +104,12 @@ def summary(recent: tuple[JudgedAttempt, ...]) -> tuple[Score, Target, int]:
 def judge_summary(
     recent: tuple[JudgedAttempt, ...], metric: Metric, min_accuracy: float
 ) -> tuple[Judgement, Score, Target, int]:
-    """Judge some attempts as one, as ``judge`` does; but no praise where fewer than half reached their goal, and no
-    consolation where more than half did, whatever the mean: one very fast or slow attempt is not the rest.
+    """Judge some attempts together, by their means.
 
-    Returns the judgement, the mean score, the mean goal, and how many reached theirs.
+    The judgement is neutral instead of positive if fewer than half reached their goals, and instead of negative if more
+    than half did: a single outlier can move the mean.
+
+    Returns the judgement, the mean score, the mean goal, and how many reached their goals.
     """
     score, target, reached = summary(recent)
     judged = judge(score, metric, target, min_accuracy)
