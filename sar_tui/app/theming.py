@@ -99,7 +99,7 @@ class ThemedApp(BaseApp):
         self.themes[theme.name] = theme
         self.apply_theme(theme)
         if self._open and self._open.run.session.theme.name == theme.name:
-            self._open.run.session.wear(theme)
+            self._open.run.session.apply_theme(theme)
 
     def _notify_editor(self, text: str) -> None:
         """Notify the editor of a theme; not on a participant's screen, but when they have left."""

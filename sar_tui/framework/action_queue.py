@@ -36,14 +36,14 @@ class ActionQueue:
 
     def take(self, id: str) -> Action | None:
         """It waits no longer; None where it does not."""
-        return next(iter(self.clear(lambda action: action.id == id)), None)
+        return next(iter(self.remove(lambda action: action.id == id)), None)
 
     def next(self, now: int, held: Collection[Kind] = ()) -> Action | None:
         """Whose turn it is now; None where nothing may begin yet. Kinds that are ``held`` go on waiting."""
         ready = next((action for action in self.waiting if action.due <= now and action.kind not in held), None)
-        return ready if ready and (self.current is None or self.breaks_off(ready)) else None
+        return ready if ready and (self.current is None or self.interrupts(ready)) else None
 
-    def breaks_off(self, action: Action) -> bool:
+    def interrupts(self, action: Action) -> bool:
         """Whether an action takes the place of what is under way; nobody's answer is cut off by another's."""
         if self.current is None or action.policy != "interrupt" or action.priority < self.current.priority:
             return False
@@ -59,7 +59,7 @@ class ActionQueue:
         self._open = set(open_parts)
         self.current = action if self._open else None
 
-    def close(self, action: str, output: str, part: ActionPart) -> bool:
+    def finish_part(self, action: str, output: str, part: ActionPart) -> bool:
         """An output is done with its part; True if with that the action is over."""
         if self.current is None or self.current.id != action:
             return False
@@ -74,8 +74,8 @@ class ActionQueue:
         self._open.clear()
         self.current = None
 
-    def clear(self, gives_up: Callable[[Action], bool] = lambda _: True) -> tuple[Action, ...]:
+    def remove(self, which: Callable[[Action], bool] = lambda _: True) -> tuple[Action, ...]:
         """Give up what waits, or some of it; returns that."""
-        gone = tuple(filter(gives_up, self._waiting))
+        gone = tuple(filter(which, self._waiting))
         self._waiting = [action for action in self._waiting if action not in gone]
         return gone

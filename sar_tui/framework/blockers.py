@@ -1,4 +1,4 @@
-"""What keeps a session from going on that nobody in it can help: a disk that refuses, a sensor that is loose."""
+"""Tracks disk and sensor failures that block the session."""
 
 from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import SensorChanged, StorageChanged
@@ -6,45 +6,45 @@ from sar_tui.framework.messages import SensorChanged, StorageChanged
 _LOST = ("detached", "stalled", "ended")
 _BACK = ("attached", "flowing")
 _RECENT = 5 * SECOND
-"""An error so short a time before a sensor falls silent is the reason for it."""
+"""An error at most this long before a sensor stops is taken as the cause."""
 
 
 class Blockers:
-    """Keeps what was told of the disk and of the sensors.
+    """State of the disk and of the sensors that the task needs.
 
     Args:
-        sensors_of: the seats that need a sensor each, which is missing until it is attached.
+        sensors_of: the seats that need a sensor. A sensor is missing until it is attached.
     """
 
     def __init__(self, sensors_of: tuple[str, ...]) -> None:
         self._sensors_of = sensors_of
         self.disk_refuses = False
         self._lost = dict.fromkeys(sensors_of, "")
-        self._disk_says = ""
+        self._disk_error = ""
         self._errors: dict[str, SensorChanged] = {}
 
     @property
     def sensor_lost(self) -> bool:
-        """Whether nothing comes from a sensor that is needed."""
+        """True if a sensor that is needed sends no data."""
         return bool(self._lost)
 
     @property
-    def lacking(self) -> str:
-        """The seat whose sensor that is; empty where it is so at several."""
+    def lost_seat(self) -> str:
+        """The seat whose sensor sends no data; empty if there are several."""
         return next(iter(self._lost)) if len(self._lost) == 1 else ""
 
-    def begin_run(self) -> None:
-        """A run of the program begins: nothing is known yet."""
+    def reset(self) -> None:
+        """Forget what was reported: a run of the program begins."""
         self.disk_refuses = False
         self._lost = dict.fromkeys(self._sensors_of, "")
 
-    def hear_storage(self, storage: StorageChanged) -> None:
-        """The disk told something."""
+    def update_storage(self, storage: StorageChanged) -> None:
+        """Take in a report of the disk."""
         self.disk_refuses = not storage.working
-        self._disk_says = storage.reason
+        self._disk_error = storage.reason
 
-    def hear_sensor(self, sensor: SensorChanged) -> bool:
-        """A sensor told something; False if that is nothing to a session: it lost a sample, say."""
+    def update_sensor(self, sensor: SensorChanged) -> bool:
+        """Take in a report of a sensor; False if it does not matter to the session, such as a lost sample."""
         if sensor.seat not in self._sensors_of:
             return False
         if sensor.state in _BACK:
@@ -61,7 +61,7 @@ class Blockers:
         error = self._errors.get(lost.seat)
         return error.detail if error and lost.at - error.at < _RECENT else ""
 
-    def says(self, reason: str) -> str:
-        """The words of what stands in the way, for the experimenter."""
+    def detail(self, reason: str) -> str:
+        """Return the error message of the disk or the sensors, for the experimenter."""
         sensors = " ".join(dict.fromkeys(filter(None, self._lost.values())))
-        return {"storage": self._disk_says, "sensor": sensors}.get(reason, "")
+        return {"storage": self._disk_error, "sensor": sensors}.get(reason, "")

@@ -1,8 +1,8 @@
 """The message system: typed topics, services, one thread, run to completion.
 
-A message of an *input* topic (a key, a timer that fired, an operator's act) begins a cascade. Handlers publish
-*derived* messages, which queue and are delivered in order until none is left; only then does the next input
-begin. So causes come before effects, and feeding the recorded inputs again derives the same messages.
+A message of an *input* topic (a key, a timer, an operator's act) begins a cascade. Handlers publish *derived* messages,
+which are queued and delivered in order; the next input begins when the queue is empty. So causes come before effects,
+and replaying the recorded inputs derives the same messages.
 """
 
 import threading
@@ -26,11 +26,11 @@ class Topic(Generic[M]):
     """A named channel that carries one type of message.
 
     Args:
-        name: how it is called in the database and on a graph, e.g. ``input/key``.
-        type: the message class; another class is refused.
-        origin: ``input`` for what comes from outside the nodes, ``derived`` for what they conclude.
-        keep: a late subscriber is given the last value.
-        stream: too many to log one by one (sensor samples); they are not numbered, nor written to ``events``.
+        name: in the database and on graphs, e.g. ``input/key``.
+        type: the message class; other classes are refused.
+        origin: ``input`` for messages from outside the nodes, ``derived`` for messages that follow from them.
+        keep: late subscribers receive the last message.
+        stream: too many messages to log one by one (sensor samples): without numbers, and not stored in ``events``.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class Topic(Generic[M]):
 
 
 class Service(Generic[Q, A]):
-    """A named question that one node answers at once."""
+    """A named request that one node answers at once."""
 
     def __init__(self, name: str, request: type[Q], answer: type[A]) -> None:
         self.name = name
@@ -65,13 +65,13 @@ class Service(Generic[Q, A]):
 
 
 FAULT = Topic("framework/fault", Fault)
-"""A handler raised. Published by the bus itself, so it is declared here."""
+"""A handler raised an exception. Declared here because the bus publishes it."""
 
 
 class Record(NamedTuple):
-    """A message as it passed: its number, the time of its cascade (ns), its topic.
+    """A published message with its number, the time of its cascade (ns), and its topic.
 
-    A stream's message has no number of its own; it carries that of the message which comes next.
+    A message of a stream carries the number of the next message that is not of a stream.
     """
 
     seq: int
@@ -81,7 +81,7 @@ class Record(NamedTuple):
 
 
 class Tap(Protocol):
-    """A listener to everything: the recorder. It is given whole cascades, so that none is ever half on disk."""
+    """Listener to all messages, such as the recorder. It receives whole cascades, so that none is stored in part."""
 
     def __call__(self, cascade: list[Record]) -> None: ...
 
@@ -90,7 +90,7 @@ class Bus:
     """Carries messages between nodes on one thread.
 
     Args:
-        clock: gives the time at which a cascade begins. May be replaced between cascades (replay, then live).
+        clock: gives the time of each cascade. May be replaced between cascades (replay, then live).
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -109,46 +109,46 @@ class Bus:
 
     @property
     def now(self) -> int:
-        """When the present cascade began, in ns: the same for all its messages, and the same again in a replay."""
+        """Time at which the current cascade began, in ns: the same for all its messages, and in a replay."""
         return self._now
 
     def count_from(self, seq: int) -> None:
-        """Number the next message ``seq``: a resumed session goes on counting."""
+        """Number the next message ``seq``, to continue the numbers of a resumed session."""
         self._seq = seq
 
     def subscribe(self, topic: Topic[M], handler: Callable[[M], None], owner: str = "") -> None:
-        """Deliver ``topic`` to ``handler``, after those subscribed before it. ``owner`` is named in a Fault."""
+        """Deliver ``topic`` to ``handler``, after earlier subscribers. ``owner`` is named in a Fault."""
         self._handlers.setdefault(topic.name, []).append((owner, handler))
         if topic.keep and topic.name in self._kept:
             handler(self._kept[topic.name])  # type: ignore[arg-type]
 
     def serve(self, service: Service[Q, A], handler: Callable[[Q], A]) -> None:
-        """Answer ``service`` with ``handler``. Raises ValueError if another does already."""
+        """Answer ``service`` with ``handler``. Raises ValueError if it is served already."""
         if service.name in self._services:
             raise ValueError(f"{service.name} is served already")
         self._services[service.name] = handler
 
     def tap(self, listener: Tap) -> None:
-        """Show ``listener`` every message, a cascade at a time, once it is over."""
+        """Pass every message to ``listener``, one complete cascade at a time."""
         self._taps.append(listener)
 
     def untap(self, listener: Tap) -> None:
-        """Stop showing messages to ``listener``."""
+        """Stop passing messages to ``listener``."""
         self._taps.remove(listener)
 
     def call(self, service: Service[Q, A], request: Q) -> A:
-        """Ask, and be answered at once. The answerer's exception is the caller's."""
+        """Send a request and return the answer. Exceptions of the service are raised here."""
         if type(request) is not service.request:
             raise TypeError(f"{service.name} takes {service.request.__name__}, not {type(request).__name__}")
         answer: A = self._services[service.name](request)
         return answer
 
     def publish(self, topic: Topic[M], message: M) -> None:
-        """Publish on the owning thread.
+        """Publish a message on the owning thread.
 
         Raises:
             TypeError: the topic carries another type.
-            RuntimeError: called from another thread, or a derived message with no cause.
+            RuntimeError: called from another thread, or a derived message outside a cascade.
         """
         if threading.get_ident() != self._owner:
             raise RuntimeError(f"{topic.name} published from another thread; use post()")
@@ -156,7 +156,7 @@ class Bus:
             raise TypeError(f"{topic.name} carries {topic.type.__name__}, not {type(message).__name__}")
         if topic.origin == "derived":
             if not self._running:
-                raise RuntimeError(f"{topic.name} is derived: it can only follow from an input")
+                raise RuntimeError(f"{topic.name} is derived: it can only be published while an input is handled")
             self._derived.append((topic, message))
         else:
             self._inputs.append((topic, message))
@@ -167,14 +167,14 @@ class Bus:
         self._derived.append((FAULT, _fault(owner, place, error)))
 
     def post(self, topic: Topic[M], message: M) -> None:
-        """Publish an input from any thread: it is delivered as soon as the owning thread is free."""
+        """Publish an input from any thread; it is delivered as soon as the owning thread is free."""
         if topic.origin != "input" or type(message) is not topic.type:
             raise TypeError(f"{topic.name} cannot be posted with {type(message).__name__}")
         self._inputs.append((topic, message))
         self.clock.call_soon(self.drain)
 
     def drain(self) -> None:
-        """Deliver what waits, one cascade after the other. Harmless when nothing does."""
+        """Deliver the inputs that wait, one cascade after the other. Does nothing if none waits."""
         if self._running:
             return
         self._running = True
@@ -215,6 +215,6 @@ def _fault(owner: str, topic: str, error: Exception) -> Fault:
 
 
 def _place(error: Exception) -> str:
-    """Where it was raised: "line 12 of task.py"."""
+    """Return where an exception was raised: "line 12 of task.py"."""
     frame = traceback.extract_tb(error.__traceback__)[-1]
     return f"line {frame.lineno} of {PurePath(frame.filename).name}"

@@ -1,7 +1,7 @@
 """Clocks: integer nanoseconds, live or virtual.
 
-Everything in a session takes its time from one clock, so that the same nodes run in front of a person and,
-thousands of times faster, in a simulation, a replay or a test.
+A session takes all times from one clock, so the same nodes run live and, thousands of times faster, in a simulation, a
+replay or a test.
 """
 
 import asyncio
@@ -20,34 +20,34 @@ SECOND = 1_000_000_000
 
 
 def host_now() -> int:
-    """The host's steady clock in ns: the one Textual stamps keys with (``perf_counter`` on Windows)."""
+    """Return the host's monotonic clock in ns, the one Textual uses for key events (``perf_counter`` on Windows)."""
     return time.perf_counter_ns() if sys.platform == "win32" else time.monotonic_ns()
 
 
 class Handle(Protocol):
-    """A callback that is due, and can be called off."""
+    """Scheduled callback that can be cancelled."""
 
     def cancel(self) -> None: ...
 
 
 class Clock(Protocol):
-    """What a session needs of time."""
+    """Interface of the clocks that a session can use."""
 
     def now(self) -> int:
-        """The present, in ns. Comparable only within one run of the program."""
+        """Return the present time in ns, comparable only within one run of the program."""
         ...
 
     def call_at(self, when: int, callback: Callable[[], object]) -> Handle:
-        """Call back at ``when`` (ns), on the thread that owns the clock."""
+        """Call ``callback`` at ``when`` (ns), on the thread that owns the clock."""
         ...
 
     def call_soon(self, callback: Callable[[], object]) -> None:
-        """Call back as soon as the owning thread is free. The one method other threads may call."""
+        """Call ``callback`` as soon as the owning thread is free. The only method that other threads may call."""
         ...
 
 
 class LiveClock:
-    """The host's steady clock. Its callbacks run inside ``run``, so that whoever awaits that owns the session."""
+    """The host's monotonic clock. Callbacks run inside ``run``; the task that awaits it owns the session."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
@@ -70,7 +70,7 @@ class LiveClock:
 
 
 class _Due:
-    """A place in the virtual clock's queue."""
+    """Entry of the virtual clock's queue."""
 
     __slots__ = ("callback",)
 
@@ -82,11 +82,11 @@ class _Due:
 
 
 class VirtualClock:
-    """A clock that stands still until told to move, and then jumps from one callback to the next.
+    """A clock that stands still until it is stepped, and then jumps from one callback to the next.
 
-    Twenty minutes of a session pass in milliseconds, and identically each time: callbacks run in the order of
-    their time, and of their request where times are equal. ``set`` moves the clock without running anything;
-    that is what a replay wants, in which the recorded timer firings stand in for the timers.
+    Twenty minutes of a session take milliseconds, and are the same each time: callbacks run in the order of their time,
+    and those of the same time in the order of their request. ``set`` moves the clock without running callbacks, for a
+    replay, in which recorded timer messages replace the timers.
     """
 
     def __init__(self, start: int = 0) -> None:
@@ -106,11 +106,11 @@ class VirtualClock:
         self.call_at(self._now, callback)
 
     def set(self, now: int) -> None:
-        """Set the time without running what would have been due; it then runs late."""
+        """Set the time without running the callbacks due until then; they run late."""
         self._now = now
 
     def step(self, until: int | None = None) -> bool:
-        """Jump to the next callback (not beyond ``until``) and run it; False when there is none."""
+        """Jump to the next callback (not beyond ``until``) and run it; False if there is none."""
         while self._queue:
             when, _, due = self._queue[0]
             if until is not None and when > until:
@@ -123,7 +123,7 @@ class VirtualClock:
         return False
 
     def advance(self, duration: int) -> None:
-        """Let ``duration`` ns pass, running all that falls due."""
+        """Let ``duration`` ns pass, and run the callbacks due in that time."""
         until = self._now + duration
         while self.step(until):
             pass

@@ -1,4 +1,4 @@
-"""The graph of nodes and topics, from the nodes' own declarations (the thesis' Figures 4.2 and 4.6)."""
+"""Graph of nodes and topics, from the declarations of the nodes (thesis, Figures 4.2 and 4.6)."""
 
 from collections.abc import Sequence
 from typing import Any, ClassVar, Literal, Protocol
@@ -10,33 +10,33 @@ from sar_tui.framework.node import Node
 from sar_tui.framework.topics import TIMER
 
 OUTSIDE = "app"
-"""Where topics come from that no node emits: the program around the loop."""
+"""Name of the source of topics that no node emits: the program around the loop."""
 
 
 class Listener(Protocol):
-    """A tap on the bus that speaks up, too: it is no node, for it hears everything."""
+    """A tap on the bus that also emits. It is not a node, because it receives every topic."""
 
     name: ClassVar[str]
     emits: ClassVar[tuple[Topic[Any], ...]]
 
 
-class Part(msgspec.Struct, frozen=True):
+class Part(msgspec.Struct, frozen=True, rename={"receives": "hears"}):
     """A node of the graph, with the names of its topics and services.
 
-    ``kind``: ``input`` (hears nothing), ``output`` (only reports back), ``node`` (in between), ``tap`` (hears
+    ``kind``: ``input`` (receives nothing), ``output`` (emits only reports), ``node`` (in between), ``tap`` (receives
     everything), ``outside`` (the program around them).
     """
 
     name: str
     kind: Literal["input", "node", "output", "tap", "outside"]
     emits: tuple[str, ...] = ()
-    hears: tuple[str, ...] = ()
+    receives: tuple[str, ...] = ()
     asks: tuple[str, ...] = ()
     answers: tuple[str, ...] = ()
 
 
 class Edge(msgspec.Struct, frozen=True):
-    """What one node tells (``topic``) or asks (``service``) another; ``name`` is the topic's or the service's."""
+    """A ``topic`` from the node that emits it to one that receives it, or a ``service`` from caller to server."""
 
     source: str = msgspec.field(name="from")
     target: str = msgspec.field(name="to")
@@ -45,32 +45,32 @@ class Edge(msgspec.Struct, frozen=True):
 
 
 class Graph(msgspec.Struct, frozen=True):
-    """Who there is, and who tells or asks whom what."""
+    """Nodes and edges."""
 
     nodes: tuple[Part, ...]
     edges: tuple[Edge, ...]
 
 
 def graph(nodes: Sequence[type[Node]], taps: Sequence[type[Listener]] = ()) -> Graph:
-    """Make the graph of a loop. What a node tells itself, its timers above all, is left out.
+    """Return the graph of a loop, without the messages of nodes to themselves, such as timers.
 
     Args:
-        nodes: in the order in which they hear a message.
-        taps: those who hear everything; they have an edge from a topic that nobody else hears.
+        nodes: in the order in which they receive a message.
+        taps: receive everything; edges are drawn for topics that no node receives.
     """
     parts = [_part(node) for node in nodes]
     parts += [Part(tap.name, "tap", emits=_names(tap.emits)) for tap in taps]
     emitted = {name for part in parts for name in part.emits}
-    orphans = dict.fromkeys(name for part in parts for name in part.hears if name not in emitted)
+    orphans = dict.fromkeys(name for part in parts for name in part.receives if name not in emitted)
     if orphans:
         parts.append(Part(OUTSIDE, "outside", emits=tuple(orphans)))
-    heard = {name for part in parts for name in part.hears}
+    received = {name for part in parts for name in part.receives}
     told = [
         Edge(source.name, target.name, name, "topic")
         for source in parts
         for name in source.emits
         for target in parts
-        if target is not source and (name in target.hears or (target.kind == "tap" and name not in heard))
+        if target is not source and (name in target.receives or (target.kind == "tap" and name not in received))
     ]
     asked = [
         Edge(source.name, target.name, name, "service")
@@ -83,15 +83,15 @@ def graph(nodes: Sequence[type[Node]], taps: Sequence[type[Listener]] = ()) -> G
 
 
 def _part(node: type[Node]) -> Part:
-    emits, hears = _names(node.emits), _names(node.hears())
+    emits, receives = _names(node.emits), _names(node.receives())
     kind: Literal["input", "node", "output"] = "node"
     if all(topic.origin == "input" for topic in node.emits) and emits:
-        kind = "output" if hears else "input"
+        kind = "output" if receives else "input"
     return Part(
         node.name,
         kind,
         emits=emits,
-        hears=hears,
+        receives=receives,
         asks=tuple(service.name for service in node.asks),
         answers=tuple(service.name for service in node.answers()),
     )
@@ -102,7 +102,7 @@ def _names(topics: Sequence[Topic[Any]]) -> tuple[str, ...]:
 
 
 def spine(whole: Graph) -> list[str]:
-    """The longest way a message takes through the loop, from an input onwards: names, each once."""
+    """Return the names on the longest path from an input through the loop, each once."""
     inner = {part.name for part in whole.nodes if part.kind in ("input", "node", "output")}
     told: dict[str, list[str]] = {}
     for edge in whole.edges:

@@ -1,4 +1,4 @@
-"""A node: a list of what it hears, what it answers and what it says."""
+"""Base classes of nodes: topics they receive and emit, services they answer, timers."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar, TypeVar
@@ -9,7 +9,7 @@ from sar_tui.framework.messages import Message, TimerFired
 from sar_tui.framework.topics import TIMER
 
 STALLED = 250 * MS
-"""A program that comes so late to a timer stood still meanwhile."""
+"""A timer later than this means that the program was suspended."""
 
 F = TypeVar("F", bound=Callable[..., Any])
 M = TypeVar("M", bound=Message)
@@ -21,14 +21,14 @@ def on(topic: Topic[Any]) -> Callable[[F], F]:
     """Mark a method as the handler of ``topic``."""
 
     def mark(method: F) -> F:
-        method.hears = topic  # type: ignore[attr-defined]
+        method.receives = topic  # type: ignore[attr-defined]
         return method
 
     return mark
 
 
 def serves(service: Service[Any, Any]) -> Callable[[F], F]:
-    """Mark a method as the answerer of ``service``."""
+    """Mark a method as the one that answers ``service``."""
 
     def mark(method: F) -> F:
         method.serves = service  # type: ignore[attr-defined]
@@ -38,10 +38,10 @@ def serves(service: Service[Any, Any]) -> Callable[[F], F]:
 
 
 class Node:
-    """The base of all nodes.
+    """Base of all nodes.
 
-    A subclass names itself, declares what it ``emits`` and ``asks``, and marks its handlers with ``on`` and
-    ``serves``. `sar-tui graph` draws the system from these declarations, and ``emit`` holds a node to them.
+    A subclass has a name, declares what it ``emits`` and ``asks``, and marks its handlers with ``on`` and ``serves``.
+    `sar-tui graph` draws the system from these declarations, and ``emit`` and ``ask`` enforce them.
     """
 
     name: str
@@ -53,51 +53,51 @@ class Node:
         self._token = 0
 
     @classmethod
-    def hears(cls) -> tuple[Topic[Any], ...]:
-        """The topics this node handles, in the order of its methods."""
-        return tuple(method.hears for method in _marked(cls, "hears"))
+    def receives(cls) -> tuple[Topic[Any], ...]:
+        """Return the topics this node handles, in the order of its methods."""
+        return tuple(method.receives for method in _marked(cls, "receives"))
 
     @classmethod
     def answers(cls) -> tuple[Service[Any, Any], ...]:
-        """The services this node answers."""
+        """Return the services this node answers."""
         return tuple(method.serves for method in _marked(cls, "serves"))
 
     def attach(self, bus: Bus) -> None:
-        """Join a bus."""
+        """Subscribe to the bus."""
         self.bus = bus
-        for method in _marked(type(self), "hears"):
-            bus.subscribe(method.hears, getattr(self, method.__name__), self.name)
+        for method in _marked(type(self), "receives"):
+            bus.subscribe(method.receives, getattr(self, method.__name__), self.name)
         for method in _marked(type(self), "serves"):
             bus.serve(method.serves, getattr(self, method.__name__))
 
     def detach(self) -> None:
-        """Let go of what the node holds outside of the bus: a device, a thread. Harmless when called again."""
+        """Release resources outside the bus: a device, a thread. May be called again."""
 
     def emit(self, topic: Topic[M], message: M) -> None:
-        """Publish one of the declared topics. Raises ValueError for another."""
+        """Publish a message. Raises ValueError if the topic is not declared in ``emits``."""
         if topic not in self.emits:
             raise ValueError(f"{self.name} does not declare that it emits {topic.name}")
         self.bus.publish(topic, message)
 
     def ask(self, service: Service[Q, A], request: Q) -> A:
-        """Ask one of the declared services. Raises ValueError for another."""
+        """Call a service. Raises ValueError if it is not declared in ``asks``."""
         if service not in self.asks:
             raise ValueError(f"{self.name} does not declare that it asks {service.name}")
         return self.bus.call(service, request)
 
     @property
     def now(self) -> int:
-        """The time of the present cascade, in ns."""
+        """Time of the current cascade, in ns."""
         return self.bus.now
 
 
 class TimedNode(Node):
-    """A node with timers. A firing is an ordinary input message, so that a replay needs no timers at all."""
+    """A node with timers. A timer publishes an input message when it fires, so a replay needs no timers."""
 
     emits: ClassVar[tuple[Topic[Any], ...]] = (TIMER,)
 
     def set_timer(self, name: str, due: int) -> None:
-        """Have ``timer(name, late)`` called at ``due`` (ns), instead of any earlier timer of that name."""
+        """Call ``timer(name, late)`` at ``due`` (ns). Replaces an earlier timer of that name."""
         self.cancel_timer(name)
         self._token += 1
         fired = TimerFired(node=self.name, name=name, token=self._token, due=due)
@@ -105,28 +105,28 @@ class TimedNode(Node):
         self._timers[name] = (self._token, handle)
 
     def cancel_timer(self, name: str) -> None:
-        """Call a timer off, if it is set."""
+        """Cancel a timer, if it is set."""
         if name in self._timers:
             self._timers.pop(name)[1].cancel()
 
     def cancel_timers(self) -> None:
-        """Call all timers off."""
+        """Cancel all timers."""
         for name in list(self._timers):
             self.cancel_timer(name)
 
     @on(TIMER)
     def timer_fired(self, fired: TimerFired) -> None:
-        """Pass a firing on, unless it is another node's or was called off while it waited its turn."""
+        """Handle the firing of a timer, unless it is another node's or was cancelled meanwhile."""
         if fired.node == self.name and self._timers.get(fired.name, (0,))[0] == fired.token:
             del self._timers[fired.name]
             self.timer(fired.name, self.now - fired.due)
 
     def timer(self, name: str, late: int) -> None:
-        """A timer of this node fired, ``late`` ns after it was due."""
+        """Handle a timer of this node that fired ``late`` ns after it was due."""
 
 
 def _marked(cls: type, mark: str) -> list[Any]:
-    """The methods of a class and its bases that carry ``mark``, in the order they were written."""
+    """Return the methods of a class and its bases that carry ``mark``, in source order, bases first."""
     methods: dict[str, Any] = {}
     for base in reversed(cls.__mro__):
         methods.update({name: value for name, value in vars(base).items() if hasattr(value, mark)})

@@ -37,11 +37,11 @@ class PendingApprovals:
 
     def take_due(self, now: int) -> tuple[PendingApproval, ...]:
         """Those whose time is over."""
-        return self.clear(lambda pending: pending.deadline is not None and pending.deadline <= now)
+        return self.remove(lambda pending: pending.deadline is not None and pending.deadline <= now)
 
-    def clear(self, gives_up: Callable[[PendingApproval], bool] = lambda _: True) -> tuple[PendingApproval, ...]:
+    def remove(self, which: Callable[[PendingApproval], bool] = lambda _: True) -> tuple[PendingApproval, ...]:
         """Some of them wait no longer; returns those."""
-        gone = tuple(filter(gives_up, self._waiting.values()))
+        gone = tuple(filter(which, self._waiting.values()))
         for pending in gone:
             del self._waiting[pending.proposal.id]
         return gone

@@ -1,7 +1,7 @@
-"""Chance that is the same every time: numbers derived from what they are for, never from a running generator.
+"""Reproducible random numbers, derived from a key and a stream name instead of a running generator.
 
-A prompt repeated after a pause, or drawn again by a resumed session or a replay, comes out the same, whatever
-was drawn in between. The numbers come from BLAKE2b, so they do not change with the version of Python.
+A prompt that is repeated after a pause, in a resumed session or in a replay is the same again, whatever was drawn in
+between. The numbers come from BLAKE2b, so they do not depend on the version of Python.
 """
 
 import random
@@ -13,10 +13,10 @@ T = TypeVar("T")
 
 
 class RandomStreams:
-    """A source of named random numbers.
+    """Source of named random numbers.
 
     Args:
-        key: what the numbers are for, e.g. ``(seed, attempt, trial)``.
+        key: the purpose of the numbers, e.g. ``(seed, attempt, trial)``.
     """
 
     def __init__(self, *key: int | str) -> None:
@@ -27,13 +27,13 @@ class RandomStreams:
         return int.from_bytes(blake2b(name.encode(), digest_size=8).digest(), "big")
 
     def uniform(self, *stream: int | str) -> float:
-        """The number in [0, 1) that belongs to ``stream``: 53 random bits."""
+        """Return the number in [0, 1) of ``stream``: 53 random bits."""
         return (self._bits(stream) >> 11) / (1 << 53)
 
     def choice(self, options: Sequence[T], *stream: int | str) -> T:
-        """The option that belongs to ``stream``, each as likely as the next."""
+        """Return the option of ``stream``; all are equally likely."""
         return options[int(self.uniform(*stream) * len(options))]
 
     def generator(self, *stream: int | str) -> random.Random:
-        """A generator for many numbers, begun anew for ``stream`` at each call."""
+        """Return a new generator for ``stream``; each call returns one with the same numbers."""
         return random.Random(self._bits(stream))

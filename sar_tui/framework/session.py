@@ -59,8 +59,8 @@ class Session:
         self.ended = False
         self.is_agent_acting = False
         self._tr = task.tr
-        self._speak_as(theme)
-        self.bus.subscribe(THEME, lambda worn: self._speak_as(worn.theme))
+        self._use_texts(theme)
+        self.bus.subscribe(THEME, lambda applied: self._use_texts(applied.theme))
         core = core_nodes(task, theme, seed)
         for node in core:
             node.attach(self.bus)
@@ -68,7 +68,7 @@ class Session:
         self._vital = next(node.vital for node in core if isinstance(node, EventHandler))
         self._extra = extra
         self.bus.subscribe(SESSION_ENDED, lambda _: self._end())
-        self.bus.subscribe(ACTING, self._hear_agent)
+        self.bus.subscribe(ACTING, self._agent_acted)
         self.bus.subscribe(FAULT, self.faults.append)
 
     @property
@@ -80,7 +80,7 @@ class Session:
         """Begin a run: attach the inputs and outputs, and start the loop."""
         for node in self._extra:
             node.attach(self.bus)
-        self.wear(self.theme)
+        self.apply_theme(self.theme)
         started = SessionStarted(
             run=run,
             task=self.task.name,
@@ -92,7 +92,7 @@ class Session:
         )
         self.bus.publish(SESSION, started)
 
-    def wear(self, theme: Theme) -> None:
+    def apply_theme(self, theme: Theme) -> None:
         """Take on a theme: what is said from here on is said in its words."""
         self.theme = theme
         self.bus.publish(THEME, ThemeApplied(theme=theme))
@@ -151,11 +151,11 @@ class Session:
         """Inputs end by themselves when they hear it; outputs still have a goodbye to say."""
         self.ended = True
 
-    def _speak_as(self, theme: Theme) -> None:
+    def _use_texts(self, theme: Theme) -> None:
         """The task's words are the theme's, where that has its own: in a replay, those it had then."""
         self.task.tr = self._tr.including(theme.texts)
 
-    def _hear_agent(self, agent: AgentActing) -> None:
+    def _agent_acted(self, agent: AgentActing) -> None:
         self.is_agent_acting = agent.acting
 
 

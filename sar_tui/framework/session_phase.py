@@ -11,33 +11,33 @@ ASK_KEY = "tab"
 
 
 class Phase(Enum):
-    """Where the session stands."""
+    """Phase of a session."""
 
     INSTRUCTIONS = auto()
-    READY = auto()  # waits for Enter to begin an attempt
-    AGENT = auto()  # the agent speaks or moves; the trial goes on when it is still
+    READY = auto()  # waits for Enter, which begins an attempt
+    AGENT = auto()  # the agent speaks or moves; the trial continues when it is still
     START = auto()  # waits for the participant to start the trial
     QUIET = auto()  # waits until no key has been pressed for a moment
     FOREPERIOD = auto()
-    STORING = auto()  # the foreperiod is over; the last trial is not on disk yet
+    STORING = auto()  # the foreperiod is over, but the last trial is not on disk yet
     ONSET = auto()  # the prompt is on its way to the screen
     RESPONSE = auto()
-    ANSWER = auto()  # the attempt is over; its answer comes after a delay
+    ANSWER = auto()  # the attempt is over; its feedback comes after a delay
     PAUSED = auto()
-    REVIEW = auto()  # every attempt is done and answered; waits for Enter
-    CLOSING = auto()  # nothing more is done; the last trial is not on disk yet
+    REVIEW = auto()  # every attempt is done; waits for Enter
+    CLOSING = auto()  # the session is over, but the last trial is not on disk yet
     ENDED = auto()
-    BROKEN = auto()  # the task, or the program, has failed
+    BROKEN = auto()  # the task or the program has failed
 
 
 BEFORE_PROMPT = {Phase.QUIET, Phase.FOREPERIOD, Phase.STORING}
 IN_TRIAL = {Phase.AGENT, Phase.START, *BEFORE_PROMPT, Phase.ONSET, Phase.RESPONSE}
 OVER = {Phase.CLOSING, Phase.ENDED, Phase.BROKEN}
-ENTER_GOES_ON = ("interrupted", "restored")
+ENTER_RESUMES = ("interrupted", "restored")
 PAUSES: dict[str, str] = {"interrupted": "enter", "restored": "enter", "sensor": "sensor"}
-"""What a pause waits for, by its reason; else for somebody to say that it goes on."""
+"""What a pause waits for, by its reason; any other waits for a command to resume."""
 MARKABLE = {Phase.AGENT, Phase.START, Phase.ANSWER, Phase.READY, Phase.REVIEW}
-"""Where a mark is the last trial's."""
+"""Phases in which a mark applies to the last trial."""
 WAITS: dict[Phase, tuple[str, str]] = {
     Phase.INSTRUCTIONS: ("enter", "instructions"),
     Phase.READY: ("enter", "attempt"),

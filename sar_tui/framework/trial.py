@@ -37,17 +37,17 @@ class OpenTrial:
         self._percepts: tuple[Percept, ...] = ()
         self._flags: list[str] = []
 
-    def anew(self) -> "OpenTrial":
+    def repeated(self) -> "OpenTrial":
         """The same trial, to be repeated."""
         return OpenTrial(self.situation, self.stimulus, self.seats, self.presentation)
 
     @property
     def turn(self) -> str:
         """Whose turn it is, as far as that is told before the prompt; empty: everybody's, or not to be known."""
-        return "" if self.stimulus.cue else self._whose
+        return "" if self.stimulus.cue else self._seat
 
     @property
-    def _whose(self) -> str:
+    def _seat(self) -> str:
         return self.seats[0] if len(self.seats) == 1 else ""
 
     def draw_foreperiod(self, shortest_ms: int, longest_ms: int) -> int:
@@ -80,7 +80,7 @@ class OpenTrial:
         """Present it once more."""
         self.presentation += 1
         return Prompt(
-            seat=self._whose,
+            seat=self._seat,
             attempt=self.situation.attempt,
             trial=self.situation.trial,
             presentation=self.presentation,

@@ -81,12 +81,12 @@ def test_what_nobody_takes_a_while_for_is_over_as_it_begins() -> None:
 
 def test_it_is_over_when_each_output_has_done_its_part() -> None:
     queue = begun(ActionQueue(), proposal("a"))
-    assert not queue.close("a", "speech", "say")
-    assert not queue.close("a", "speech", "say"), "told twice is no more than told once"
-    assert not queue.close("b", "robot", "say"), "another action"
-    assert not queue.close("a", "robot", "gesture")
+    assert not queue.finish_part("a", "speech", "say")
+    assert not queue.finish_part("a", "speech", "say"), "told twice is no more than told once"
+    assert not queue.finish_part("b", "robot", "say"), "another action"
+    assert not queue.finish_part("a", "robot", "gesture")
     assert queue.is_acting
-    assert queue.close("a", "robot", "say")
+    assert queue.finish_part("a", "robot", "say")
     assert not queue.is_acting
 
 
@@ -95,10 +95,10 @@ def test_what_of_one_policy_is_given_up_leaves_the_rest() -> None:
     kept, helps = proposal("kept"), proposal("helps", policy="drop")
     queue.add(kept)
     queue.add(helps)
-    assert queue.clear(lambda proposal: proposal.policy == "drop") == (helps,)
+    assert queue.remove(lambda proposal: proposal.policy == "drop") == (helps,)
     assert queue.waiting == (kept,)
     assert queue.is_acting, "what is under way is not given up by it"
-    assert queue.clear() == (kept,)
+    assert queue.remove() == (kept,)
 
 
 class AgendaMachine(RuleBasedStateMachine):
@@ -149,7 +149,7 @@ class AgendaMachine(RuleBasedStateMachine):
     @rule(part=st.sampled_from(sorted(OPEN)), mine=st.booleans())
     def report(self, part: tuple[str, ActionPart], mine: bool) -> None:
         assert self.current is not None
-        over = self.queue.close(self.current.id if mine else "another", *part)
+        over = self.queue.finish_part(self.current.id if mine else "another", *part)
         if mine:
             self.open.discard(part)
         assert over == (mine and not self.open)
@@ -164,7 +164,7 @@ class AgendaMachine(RuleBasedStateMachine):
 
     @rule(only=st.sampled_from(["", *POLICIES]))
     def give_up(self, only: str) -> None:
-        gone = {given_up.id for given_up in self.queue.clear(lambda each: only in ("", each.policy))}
+        gone = {given_up.id for given_up in self.queue.remove(lambda each: only in ("", each.policy))}
         assert gone == {name for name, waiting in self.waiting.items() if only in ("", waiting.policy)}
         self.waiting = {name: waiting for name, waiting in self.waiting.items() if name not in gone}
 

@@ -42,7 +42,7 @@ def driver() -> LoopDriver:
 
 
 def test_what_is_said_from_then_on_is_said_in_its_words_and_manner(driver: LoopDriver) -> None:
-    driver.session.wear(edited(CALM, "Splendid", manners={"positive_strong": Manner("neutral", "shake", "up", "end")}))
+    driver.session.apply_theme(edited(CALM, "Splendid", manners={"positive_strong": Manner("neutral", "shake", "up", "end")}))
     driver.attempt()
     first, second = said(driver)
     assert first in CALM.phrases["positive_strong"]
@@ -54,24 +54,24 @@ def test_what_is_said_from_then_on_is_said_in_its_words_and_manner(driver: LoopD
 def test_every_output_wears_it_too() -> None:
     puppet = Puppet()
     driver = LoopDriver(KEYBOARD, CALM, extra=[OutputNode(puppet, "puppet", CALM)], **SET_UP)
-    driver.session.wear(edited(CALM, "Splendid", name="edited"))
+    driver.session.apply_theme(edited(CALM, "Splendid", name="edited"))
     assert [what[1] for what in puppet.asked if what[0] == "apply_theme"] == ["calm", "calm", "edited"]
 
 
 def test_the_tasks_own_words_are_the_themes_where_it_has_some(driver: LoopDriver) -> None:
     assert driver.waiting.attempt_name == "attempt 2 of 4"
-    driver.session.wear(edited(CALM, "Splendid", texts=ROUNDS))
+    driver.session.apply_theme(edited(CALM, "Splendid", texts=ROUNDS))
     driver.attempt()
     assert driver.waiting.attempt_name == "round 3 of 4"
-    driver.session.wear(CALM)
+    driver.session.apply_theme(CALM)
     driver.attempt()
     assert driver.waiting.attempt_name == "attempt 4 of 4"
 
 
 def test_a_session_that_wore_several_themes_is_gone_on_with_in_whatever_it_wears_now(driver: LoopDriver) -> None:
-    driver.session.wear(edited(CALM, "Splendid", texts=ROUNDS))
+    driver.session.apply_theme(edited(CALM, "Splendid", texts=ROUNDS))
     driver.attempt()
-    driver.session.wear(edited(CALM, "Great"))
+    driver.session.apply_theme(edited(CALM, "Great"))
     driver.attempt()
     resumed = sit(edited(CALM, "Bravo", name="calm"), driver)
     assert resumed.waiting.reason == "interrupted"
@@ -93,7 +93,7 @@ def test_a_themes_own_texts_may_have_changed_since_the_session_was_cut_off() -> 
 
 def test_a_theme_is_in_the_record_as_it_was_worn(driver: LoopDriver) -> None:
     worn = edited(CALM, "Splendid", texts=ROUNDS)
-    driver.session.wear(worn)
+    driver.session.apply_theme(worn)
     for record in driver.records:
         if record.topic is THEME:
             text = msgspec.json.encode(record.message)
@@ -113,7 +113,7 @@ def test_whenever_it_is_edited_and_cut_off_every_answer_is_in_the_words_of_its_t
             case "wear":
                 count += 1
                 worn = edited(CALM, f"{'x' * count}", texts=ROUNDS if count % 2 else {})
-                driver.session.wear(worn)
+                driver.session.apply_theme(worn)
             case "wait":
                 driver.wait(700)
             case "cut":

@@ -275,7 +275,7 @@ def test_a_node_is_held_to_what_it_declares(bus: Bus) -> None:
     faults: list[Fault] = []
     bus.subscribe(FAULT, faults.append)
     bus.publish(IN, said("go"))
-    assert (Shy.hears(), Shy.answers()) == ((IN,), (DOUBLE,))
+    assert (Shy.receives(), Shy.answers()) == ((IN,), (DOUBLE,))
     assert [fault.error for fault in faults] == ["ValueError: shy does not declare that it asks test/double"]
     with pytest.raises(ValueError, match="does not declare that it emits test/kept"):
         node.emit(KEPT, said("secret"))

@@ -1,4 +1,4 @@
-"""The nodes of the loop, one a file, in the order a key press meets them."""
+"""Nodes of the loop."""
 
 VITAL = ("perception", "event_handler", "memory")
-"""The nodes without which a session cannot go on."""
+"""The nodes without which a session cannot continue."""

@@ -65,9 +65,9 @@ class ActionCenter(Node):
         self._answered = 0
 
     @on(THEME)
-    def wear(self, worn: ThemeApplied) -> None:
+    def theme_applied(self, applied: ThemeApplied) -> None:
         """A theme that was edited is spoken from here on."""
-        self._words.theme = worn.theme
+        self._words.theme = applied.theme
 
     @on(SESSION)
     def greet(self, session: SessionStarted) -> None:

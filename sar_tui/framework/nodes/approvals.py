@@ -107,7 +107,7 @@ class Approvals(TimedNode, ABC):
             self._give_up_levels("amended")
 
     def _give_up_levels(self, reason: str) -> None:
-        for pending in self._pending.clear(is_level):
+        for pending in self._pending.remove(is_level):
             self._give_up(pending, reason, "mode")
 
     def _decide_level(
@@ -142,7 +142,7 @@ class Approvals(TimedNode, ABC):
     def _apply_mode(self, chosen: m.ModeChanged) -> None:
         """Apply a new mode, also to what waits already."""
         self._rules = arbitration.set_mode(self._rules, chosen.kind, chosen.mode)
-        for pending in self._pending.clear(lambda one: arbitration.CONTROLLED[one.proposal.kind] == chosen.kind):
+        for pending in self._pending.remove(lambda one: arbitration.CONTROLLED[one.proposal.kind] == chosen.kind):
             verdict = arbitration.decide(self._rules, self._parameters, pending.proposal, self.now, pending.level)
             if verdict.pending:
                 self._ask_operator(verdict.pending)
@@ -163,7 +163,7 @@ class Approvals(TimedNode, ABC):
                 self._give_up(pending, "expired", "deadline")
 
     def _do_without_operator(self, which: Callable[[PendingApproval], bool] = lambda _: True) -> None:
-        for pending in self._pending.clear(which):
+        for pending in self._pending.remove(which):
             if self._parameters.operator_lost == "autonomous":
                 self._act(pending, "agent", "no operator")
             else:
@@ -178,7 +178,7 @@ class Approvals(TimedNode, ABC):
 
     def _queue_decided(self, action: Action) -> None:
         """Queue an action that was waited for, instead of the filler that covered the wait."""
-        for filler in self._queue.clear(lambda waiting: waiting.kind == "filler"):
+        for filler in self._queue.remove(lambda waiting: waiting.kind == "filler"):
             self.emit(DROPPED, Dropped(id=filler.id, reason="late"))
         self._queue.add(action)
         self.emit(DECIDED, action)

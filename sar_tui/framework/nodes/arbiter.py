@@ -98,9 +98,9 @@ class Arbiter(Approvals):
         self._announced.append(opened)
 
     @on(THEME)
-    def wear(self, worn: m.ThemeApplied) -> None:
+    def theme_applied(self, applied: m.ThemeApplied) -> None:
         """Operators' words are said in the manner of the theme."""
-        self._theme = worn.theme
+        self._theme = applied.theme
 
     @on(SESSION)
     def session_started(self, _: m.SessionStarted) -> None:
@@ -136,7 +136,7 @@ class Arbiter(Approvals):
     @on(ATTEMPT_STARTED)
     def attempt_started(self, _: m.AttemptStarted) -> None:
         """What only waited for an operator who might have wanted it is over with the pause between attempts."""
-        for pending in self._pending.clear(lambda one: one.deadline is None):
+        for pending in self._pending.remove(lambda one: one.deadline is None):
             self._give_up(pending, "manual", "mode")
         self._publish_state()
 
@@ -229,7 +229,7 @@ class Arbiter(Approvals):
             self._drop("stopped", actor=act.actor)
             self.emit(HALT, Halt(reason="stopped", asked=act.at or self.now))
         elif act.command == "level":
-            for pending in self._pending.clear(is_level):
+            for pending in self._pending.remove(is_level):
                 self._decide_level(pending, "rejected", 0, act.actor, "operator")
         self._publish_state()
 
@@ -246,7 +246,7 @@ class Arbiter(Approvals):
 
     @on(REPORT)
     def reported(self, report: m.OutputReport) -> None:
-        if report.state in _OVER and self._queue.close(report.action, report.output, report.part):
+        if report.state in _OVER and self._queue.finish_part(report.action, report.output, report.part):
             self._begin_next()
 
     def timer(self, name: str, late: int) -> None:
@@ -308,9 +308,9 @@ class Arbiter(Approvals):
             self.emit(ARBITER_STATE, state)
 
     def _drop(self, reason: str, what: Callable[[Utterance], bool] = lambda _: True, actor: str = "agent") -> None:
-        for action in self._queue.clear(what):
+        for action in self._queue.remove(what):
             self.emit(DROPPED, Dropped(id=action.id, reason=reason, actor=_who(reason, actor)))  # type: ignore[arg-type]
-        for pending in self._pending.clear(lambda one: what(one.proposal)):
+        for pending in self._pending.remove(lambda one: what(one.proposal)):
             self._give_up(pending, reason, "mode", _who(reason, actor))
 
 

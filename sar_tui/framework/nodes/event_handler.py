@@ -12,7 +12,7 @@ from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.nodes.attempt_flow import AttemptFlow
 from sar_tui.framework.session_phase import (
     ASK_KEY,
-    ENTER_GOES_ON,
+    ENTER_RESUMES,
     IN_TRIAL,
     OVER,
     PAUSES,
@@ -85,7 +85,7 @@ class EventHandler(AttemptFlow):
         self._is_decision_pending = False
         self.cancel_timers()
         self._stored = self._last_trial
-        self._blockers.begin_run()
+        self._blockers.reset()
         was_menu = self._phase is Phase.PAUSED and self._pause_reason not in PAUSES
         if self._phase is Phase.CLOSING:
             self._end()
@@ -130,7 +130,7 @@ class EventHandler(AttemptFlow):
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:
         """A disk that refuses pauses the session; one that writes again lets it go on."""
-        self._blockers.hear_storage(storage)
+        self._blockers.update_storage(storage)
         if self._phase in (Phase.CLOSING, Phase.PAUSED):
             self._wait(self._phase)
         elif self._blockers.disk_refuses and self._phase not in OVER:
@@ -139,7 +139,7 @@ class EventHandler(AttemptFlow):
     @on(SENSOR)
     def sensor_changed(self, sensor: m.SensorChanged) -> None:
         """A sensor from which nothing comes stops the session; when it comes again, the session goes on."""
-        if self._phase in OVER or not self._blockers.hear_sensor(sensor):
+        if self._phase in OVER or not self._blockers.update_sensor(sensor):
             return
         lost = self._blockers.sensor_lost
         waits_for_sensor = self._phase is Phase.PAUSED and self._pause_reason == "sensor"
@@ -209,7 +209,7 @@ class EventHandler(AttemptFlow):
                 self._close("completed")
             case Phase.READY | Phase.REVIEW, key if key == ASK_KEY:
                 self._request_feedback()
-            case Phase.PAUSED, "enter" if self._reason in ENTER_GOES_ON:
+            case Phase.PAUSED, "enter" if self._reason in ENTER_RESUMES:
                 self._resume()
 
     # --- waiting ------------------------------------------------------------------------------------------------
@@ -225,8 +225,8 @@ class EventHandler(AttemptFlow):
         self._phase = phase
         why = reason or self._reason
         notice = self._notice_for(phase)
-        detail = self._blockers.says(why)
-        seat = self._blockers.lacking if why == "sensor" else self._turn
+        detail = self._blockers.detail(why)
+        seat = self._blockers.lost_seat if why == "sensor" else self._turn
         told = waiting_message(phase, self._attempts, self.task, notice=notice, reason=why, detail=detail, seat=seat)
         self.emit(WAITING, told)
 

@@ -1,4 +1,4 @@
-"""Memory: what happened so far in this session, for those who ask."""
+"""Memory: answers recalls of the session's scored attempts."""
 
 from sar_tui.framework.messages import AttemptEnded, Recall, RecalledAttempts, SessionStarted
 from sar_tui.framework.node import Node, on, serves
@@ -6,7 +6,7 @@ from sar_tui.framework.topics import ATTEMPT_ENDED, RECALL, SESSION
 
 
 class Memory(Node):
-    """Working memory (thesis 3.2.5). It hears an attempt before feedback on it is due, so a recall includes it."""
+    """Working memory (thesis 3.2.5). It receives an attempt before the feedback on it, so a recall includes it."""
 
     name = "memory"
 
@@ -17,12 +17,12 @@ class Memory(Node):
 
     @on(SESSION)
     def session_started(self, session: SessionStarted) -> None:
-        """What was achieved in earlier sessions is told at the beginning."""
+        """Store the best results of earlier sessions."""
         self._earlier_best = {session.seat: session.best, **session.others_best}
 
     @on(ATTEMPT_ENDED)
     def attempt_ended(self, attempt: AttemptEnded) -> None:
-        """An attempt that is scored once more takes its own place."""
+        """Store an attempt; one that is scored again replaces its earlier score."""
         self._attempts[attempt.seat, attempt.attempt] = attempt
 
     @serves(RECALL)

@@ -1,4 +1,4 @@
-"""Perception: raw messages become what a task needs. Filtering lives here."""
+"""Perception: turns raw key presses into percepts."""
 
 from collections.abc import Callable
 
@@ -10,12 +10,12 @@ from sar_tui.framework.topics import KEY, PERCEIVED, SESSION
 
 
 class Perception(Node):
-    """Tells presses from repeats, and how far apart they are (thesis 4.2.1: "the time between key presses").
+    """Distinguishes presses from repeats, and measures the time between them (thesis 4.2.1).
 
     Args:
         parameters: the Task Base.
-        seat_of: where several people share a keyboard: whose a key is, empty for nobody's. Each has presses, repeats
-            and gaps of their own.
+        seat_of: returns the seat of a key if participants share a keyboard; empty for no seat. Repeats and gaps are
+            determined for each seat.
     """
 
     name = "perception"
@@ -29,7 +29,7 @@ class Perception(Node):
 
     @on(SESSION)
     def session_started(self, _: SessionStarted) -> None:
-        """Stamps of an earlier run cannot be compared."""
+        """Forget earlier presses: time stamps of different runs cannot be compared."""
         self._last.clear()
 
     @on(KEY)

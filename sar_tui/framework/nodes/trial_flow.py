@@ -16,11 +16,11 @@ from sar_tui.framework.trial_types import Again, Mark, Result, Results
 
 GRACE = 50 * MS
 """A response stamped in time may be handled this much after the time-out was, however late that itself came."""
-MOST_AGAIN = 3
+MAX_REPEATS = 3
 """After so many times of which nothing can be said a trial counts as missed: nobody is asked without end."""
 HELD_KEY = 700 * MS
 """The key that starts a trial, so soon after itself, is held: keyboards repeat first after 250 to 660 ms."""
-HELD = 3 * SECOND
+HELD_NOTICE = 3 * SECOND
 """After this long without quiet the participant is asked to let go of the keys."""
 
 
@@ -42,13 +42,13 @@ class TrialFlow(TimedNode, ABC):
         self._stored = (0, 0)
         self._last_trial = (0, 0)
         self._focused = True
-        self._agains = 0
+        self._repeats = 0
         self._last_key: int | None = None
         self._start_key_at: int | None = None
         self._restless_since = 0
         self._notice = ""
         self._is_agent_acting = False
-        self._after_agent: Callable[[], None] = self._lead_up
+        self._after_agent: Callable[[], None] = self._prepare_prompt
 
     @abstractmethod
     def _wait(self, phase: Phase, reason: str = "") -> None:
@@ -75,7 +75,7 @@ class TrialFlow(TimedNode, ABC):
     def _begin_trial(self, notice: str = "") -> None:
         """Let the participant start the trial, where that is theirs to do; else let it come by itself."""
         self._notice = notice
-        self._when_agent_is_still(self._let_start if self.task.start_key else self._lead_up)
+        self._when_agent_is_still(self._await_start if self.task.start_key else self._prepare_prompt)
 
     def _when_agent_is_still(self, step: Callable[[], None]) -> None:
         """Nobody is asked to move while they are spoken to."""
@@ -91,14 +91,14 @@ class TrialFlow(TimedNode, ABC):
         if not agent.acting and self._phase is Phase.AGENT:
             self._after_agent()
 
-    def _let_start(self) -> None:
+    def _await_start(self) -> None:
         self._wait(Phase.START)
 
     def _start_trial(self, at: int) -> None:
         self._trial.started = at
-        self._lead_up()
+        self._prepare_prompt()
 
-    def _lead_up(self) -> None:
+    def _prepare_prompt(self) -> None:
         if self.task.has_foreperiod:
             self._await_quiet()
         else:
@@ -152,7 +152,7 @@ class TrialFlow(TimedNode, ABC):
             case "grace":
                 self._finish(self.task.timed_out(self._trial.view()))
 
-    def _disturbed(self) -> None:
+    def _restart_foreperiod(self) -> None:
         """A key where none belongs: wait for quiet, and begin the foreperiod anew."""
         if self._phase is not Phase.QUIET:
             self._trial.false_starts += 1
@@ -161,7 +161,7 @@ class TrialFlow(TimedNode, ABC):
             self._await_quiet()
         else:
             self._set_quiet_timer()
-            if self.now - self._restless_since > HELD:
+            if self.now - self._restless_since > HELD_NOTICE:
                 self._restless_since = self.now
                 self._wait(Phase.QUIET, "held")
 
@@ -203,7 +203,7 @@ class TrialFlow(TimedNode, ABC):
             case Phase.START if percept.key == self.task.start_key and not self._is_held(percept.at):
                 self._start_trial(percept.at)
             case phase if phase in BEFORE_PROMPT and self.task.has_foreperiod:
-                self._disturbed()
+                self._restart_foreperiod()
             case Phase.ONSET:
                 self._trial.early.append(percept)
             case Phase.RESPONSE:
@@ -223,7 +223,7 @@ class TrialFlow(TimedNode, ABC):
         if self._phase in IN_TRIAL:
             self._trial.flag("paste")
         if self._phase in BEFORE_PROMPT and self.task.has_foreperiod:
-            self._disturbed()
+            self._restart_foreperiod()
 
     @on(FOCUS)
     def focus_changed(self, focus: m.FocusChanged) -> None:
@@ -252,8 +252,8 @@ class TrialFlow(TimedNode, ABC):
     # --- over -------------------------------------------------------------------------------------------------
 
     def _try_again(self, again: Again) -> None:
-        self._agains += 1
-        if self._agains < MOST_AGAIN:
+        self._repeats += 1
+        if self._repeats < MAX_REPEATS:
             self._void(again.reason)
             self._begin_trial(again.text)
         else:
@@ -263,7 +263,7 @@ class TrialFlow(TimedNode, ABC):
         """Record the trial, and go on to the next or to the end of the attempt."""
         self.cancel_timers()
         results = result if isinstance(result, dict) else dict.fromkeys(self._trial.seats, result)
-        self._agains = 0
+        self._repeats = 0
         kept = self._trial_done({seat: self._flagged(mine) for seat, mine in results.items()})
         for seat, mine in kept.items():
             self.emit(TRIAL, self._trial.ended(mine, seat))
@@ -283,4 +283,4 @@ class TrialFlow(TimedNode, ABC):
             if self._trial.mark:
                 self._mark_open_trial(None)
             self.emit(VOIDED, self._trial.voided(reason))
-            self._trial = self._trial.anew()
+            self._trial = self._trial.repeated()

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.nodes.trial_flow import MOST_AGAIN
+from sar_tui.framework.nodes.trial_flow import MAX_REPEATS
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, PROMPT, TRIAL, VOIDED, WAITING
 from tests.lifting_task import SLIPPED, Lift, LiftDriver
@@ -353,11 +353,11 @@ def test_a_trial_may_be_done_over_as_soon_as_its_prompt_is_seen(sit: Sit) -> Non
 def test_however_often_a_trial_is_done_over_its_prompt_is_the_same(sit: Sit) -> None:
     driver = sit(signal=True)
     driver.begin_lifts()
-    for _ in range(MOST_AGAIN - 1):
+    for _ in range(MAX_REPEATS - 1):
         driver.lift(end="?")
     driver.lift()
     prompts = driver.all(PROMPT)
-    assert [(prompt.trial, prompt.presentation) for prompt in prompts] == [(1, n) for n in range(1, MOST_AGAIN + 1)]
+    assert [(prompt.trial, prompt.presentation) for prompt in prompts] == [(1, n) for n in range(1, MAX_REPEATS + 1)]
     assert len({prompt.stimulus for prompt in prompts}) == 1
     shown = [record.at for record in driver.records if record.topic is PROMPT]
     began = [record.at for record in driver.records if record.topic is WAITING and record.message.what == "foreperiod"]
@@ -368,7 +368,7 @@ def test_however_often_a_trial_is_done_over_its_prompt_is_the_same(sit: Sit) -> 
 def test_a_trial_of_which_nothing_can_be_said_is_not_asked_for_without_end(sit: Sit) -> None:
     driver = sit()
     driver.begin_lifts()
-    for _ in range(MOST_AGAIN):
+    for _ in range(MAX_REPEATS):
         driver.lift(end="?")
     (missed,) = driver.all(TRIAL)
     assert (missed.correct, missed.timing.flags) == (False, ("unmeasured", "slipped"))
