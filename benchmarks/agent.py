@@ -15,7 +15,7 @@ import msgspec
 from benchmarks.silent_app import MOTOR, PLAYER
 from sar_tui.store.database import FILE
 from sar_tui.timing.closed_loop import SAR_TUI, Block, Mismatch, Program, Row, take_turns
-from sar_tui.timing.error_statistics import ErrorStatistics, spread
+from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
 
@@ -63,7 +63,7 @@ def measure(
     stopped = _stops(stops, folder / "stops", on_stop)
     measured = take_turns((SILENT, SPEAKING), trials, BLOCKS, folder, lambda name: on_press())
     errors = {name: [trial.error_ms for trial in done] for name, done in measured.items()}
-    figures = {name: spread(of_program) for name, of_program in errors.items()}
+    figures = {name: error_statistics(of_program) for name, of_program in errors.items()}
     return {
         "stops": {name: _summary(values) for name, values in _by_name(stopped).items()},
         "stops_ms": [stop.told | stop.witnessed for stop in stopped],
@@ -99,11 +99,11 @@ def _program(name: str, outputs: str) -> Program:
         return [sys.executable, "-m", "benchmarks.silent_app", str(folder), *ordered[3:], *said]
 
     def recorded(folder: Path) -> list[Row]:
-        rows = SAR_TUI.recorded(folder)
+        rows = SAR_TUI.read_trials(folder)
         _check_heard(folder, outputs, len(rows))
         return rows
 
-    return Program(name, command, recorded, SAR_TUI.leave)
+    return Program(name, command, recorded, SAR_TUI.quit_key)
 
 
 def _check_heard(folder: Path, outputs: str, trials: int) -> None:

@@ -21,8 +21,8 @@ from sar_tui.operator.commands import TOO_SOON
 from sar_tui.operator.keymap import KEY_COMMANDS, key_name
 from sar_tui.store.database import FILE
 from sar_tui.timing.closed_loop import SAR_TUI, Block, Mismatch, Row, take_turns
-from sar_tui.timing.error_statistics import ErrorStatistics, spread
-from sar_tui.timing.pty import Terminal, together, visible
+from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
+from sar_tui.timing.pty import Terminal, read_together, visible
 
 MEDIAN_MS, P99_MS = 20.0, 100.0
 """From an operator's key to the participant's screen."""
@@ -54,7 +54,7 @@ def measure(acts: int, trials: int, folder: Path, on_act: Callable[[], None], on
     latencies = _acts(min(acts, MOST_ATTEMPTS), folder / "operator", on_act)
     measured = take_turns((ALONE, OPERATED), trials, BLOCKS, folder, lambda name: on_press())
     errors = {name: [trial.error_ms for trial in done] for name, done in measured.items()}
-    figures = {name: spread(of_program) for name, of_program in errors.items()}
+    figures = {name: error_statistics(of_program) for name, of_program in errors.items()}
     acts_done = {name: _summary(values) for name, values in latencies.items()}
     return {
         "acts": acts_done,
@@ -115,12 +115,12 @@ def _recorded(folder: Path) -> list[Row]:
     states = [changed["state"] for changed in Log(folder).told("operator/presence")]
     if states != ["joined", "baton"]:
         raise Mismatch(f"The operator should have been there all the time, but was: {', '.join(states)}.")
-    return SAR_TUI.recorded(folder)
+    return SAR_TUI.read_trials(folder)
 
 
 ALONE = msgspec.structs.replace(SAR_TUI, name="without an operator")
 OPERATED = msgspec.structs.replace(
-    SAR_TUI, name="with an operator", command=_operated, recorded=_recorded, beside=_attended
+    SAR_TUI, name="with an operator", command=_operated, read_trials=_recorded, companion=_attended
 )
 
 
@@ -153,7 +153,7 @@ def _acts(count: int, folder: Path, on_act: Callable[[], None]) -> dict[str, lis
     with Terminal(command) as participant:
         participant.wait_for(_ENTER)
         with panel(Log(folder).session(), folder) as operator:
-            together(participant, operator)
+            read_together(participant, operator)
             seats = _Seats(participant, operator, Log(folder))
             for number in range(count):
                 seats.answer(number)

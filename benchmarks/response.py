@@ -7,11 +7,11 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.timing.closed_loop import BARE, SAR_TUI, Trial, python_program, take_turns
-from sar_tui.timing.error_statistics import ErrorStatistics, spread
+from sar_tui.timing.closed_loop import BASELINE, SAR_TUI, Trial, python_program, take_turns
+from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 
 NAIVE = python_program("naive Textual", "benchmarks.naive")
-PROGRAMS = (BARE, NAIVE, SAR_TUI)
+PROGRAMS = (BASELINE, NAIVE, SAR_TUI)
 BLOCKS = 5
 
 MAX_MEDIAN_MS = 0.5
@@ -28,11 +28,11 @@ def measure(trials: int, folder: Path, on_press: Callable[[str], None]) -> dict[
     """
     measured = take_turns(PROGRAMS, trials, BLOCKS, folder, on_press)
     errors = {name: [trial.error_ms for trial in done] for name, done in measured.items()}
-    figures = {name: spread(of_program) for name, of_program in errors.items()}
+    figures = {name: error_statistics(of_program) for name, of_program in errors.items()}
     return {
         "programs": {name: msgspec.structs.asdict(of_program) for name, of_program in figures.items()},
         "quality": _quality(measured[SAR_TUI.name]),
-        "checks": _checks(figures[SAR_TUI.name], figures[BARE.name]),
+        "checks": _checks(figures[SAR_TUI.name], figures[BASELINE.name]),
         "errors_ms": {name: [round(error, 4) for error in of_program] for name, of_program in errors.items()},
     }
 
@@ -41,7 +41,7 @@ def _quality(trials: list[Trial]) -> dict[str, Any]:
     """What sar-tui says of its own trials: where onsets were stamped, how late handlers and loop were, flags."""
     kept = [trial.timing for trial in trials]
     late = {
-        f"{name}_median": spread([timing[name] for timing in kept]).median_ms
+        f"{name}_median": error_statistics([timing[name] for timing in kept]).median_ms
         for name in ("handler_delay_ms", "loop_lag_ms")
     }
     return {

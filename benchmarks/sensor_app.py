@@ -14,12 +14,12 @@ from collections.abc import Callable
 from contextlib import closing, suppress
 from pathlib import Path
 
+from benchmarks.fake_phidget import FakeSpatial
 from sar_tui.app.app import run_app
 from sar_tui.inputs import sources
 from sar_tui.inputs.phidget import PhidgetSource, new_channel
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
-from sar_tui.simulation.fake_phidget import FakeSpatial
 from sar_tui.store.database import FILE
 
 

@@ -32,8 +32,8 @@ from sar_tui.cli.common import console, print_json
 from sar_tui.cli.errors import FAILED
 from sar_tui.cli.tables import add, table
 from sar_tui.store import provenance
-from sar_tui.timing.closed_loop import BARE, MOST_PROMPTS, SAR_TUI, Mismatch, take_turns
-from sar_tui.timing.error_statistics import ErrorStatistics, spread
+from sar_tui.timing.closed_loop import BASELINE, MAX_PROMPTS, SAR_TUI, Mismatch, take_turns
+from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.scripted_participant import NoPrompt
 
 FILE = provenance.TIMING_FILE
@@ -77,11 +77,15 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
     load = os.getloadavg()[0]
     try:
         with _progress(2 * trials) as on_press:
-            measured = take_turns((SAR_TUI, BARE), trials, max(4, math.ceil(trials / MOST_PROMPTS)), folder, on_press)
+            measured = take_turns(
+                (SAR_TUI, BASELINE), trials, max(4, math.ceil(trials / MAX_PROMPTS)), folder, on_press
+            )
     except (NoPrompt, Mismatch, TimeoutError) as error:
         print(f"Timing could not be measured. {error}", file=sys.stderr)
         return FAILED
-    own, bare = (spread([trial.error_ms for trial in measured[program.name]]) for program in (SAR_TUI, BARE))
+    own, bare = (
+        error_statistics([trial.error_ms for trial in measured[program.name]]) for program in (SAR_TUI, BASELINE)
+    )
     machine = provenance.machine()
     at_flush = [trial.timing.get("onset_source") == "flush" for trial in measured[SAR_TUI.name]]
     verdict, reasons = judge(

@@ -26,6 +26,7 @@ from sar_tui.framework.topics import (
     SESSION_ENDED,
     THEME,
 )
+from sar_tui.simulation.ex_gaussian import ex_gaussian
 
 NAME = "operator.simulated"
 PAINTING = 30 * MS
@@ -78,8 +79,8 @@ class OperatorProfile(msgspec.Struct, frozen=True):
     def reaction_ms(self, text: str, streams: RandomStreams) -> float:
         """From a proposal's being seen to the key; never below 150 ms."""
         generator = streams.generator("reaction", self.name)
-        normal = generator.gauss(self.mean_ms - self.tau_ms, self.sigma_ms)
-        return max(150.0, self.ms_per_word * len(text.split()) + normal + generator.expovariate(1 / self.tau_ms))
+        choice_ms = ex_gaussian(generator, self.mean_ms, self.sigma_ms, self.tau_ms)
+        return max(150.0, self.ms_per_word * len(text.split()) + choice_ms)
 
     def verdict(self, streams: RandomStreams) -> str:
         """What becomes of a proposal: ``accept``, ``veto``, ``edit``, or ``miss``."""

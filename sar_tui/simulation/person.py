@@ -6,6 +6,7 @@ import msgspec
 
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.trial_types import Performance
+from sar_tui.simulation.ex_gaussian import ex_gaussian
 
 
 class Person(msgspec.Struct, frozen=True):
@@ -71,8 +72,7 @@ class Person(msgspec.Struct, frozen=True):
     def reaction_ms(self, choices: int, attempt: int, streams: RandomStreams) -> float:
         """One reaction time; never below 120 ms, the fastest a choice can be."""
         generator = streams.generator("reaction", self.name)
-        normal = generator.gauss(self.mean_ms(choices, attempt) - self.tau_ms, self.sigma_ms)
-        return max(120.0, normal + generator.expovariate(1 / self.tau_ms))
+        return max(120.0, ex_gaussian(generator, self.mean_ms(choices, attempt), self.sigma_ms, self.tau_ms))
 
     def misses_it(self, streams: RandomStreams) -> bool:
         """Whether this prompt is not answered."""

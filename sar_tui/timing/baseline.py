@@ -1,7 +1,7 @@
-"""A reaction task with nothing around it: the terminal in raw mode, `os.write`, `os.read`. POSIX only.
+"""A minimal reaction task: the terminal in raw mode, `os.write`, `os.read`. POSIX only.
 
-No program in Python at this terminal can time a key better: it is what sar-tui's own timing is held against.
-Run as ``python -m sar_tui.timing.baseline FILE``; each trial is a line of JSON in FILE.
+No Python program can time a key in this terminal better, so sar-tui's own timing is compared with it. Run as
+``python -m sar_tui.timing.baseline FILE``; each trial is written to FILE as a line of JSON.
 """
 
 import argparse
@@ -18,11 +18,11 @@ if sys.platform != "win32":
     import tty
 
 
-class Sheet:
-    """What a bare program is to do, from its command line, and where it writes down what happened.
+class Procedure:
+    """The trials of a minimal program, from its command line, and the file that it records them in.
 
     Attributes:
-        prompts: how many.
+        prompts: number of trials.
     """
 
     def __init__(self) -> None:
@@ -40,39 +40,39 @@ class Sheet:
         self._file = given.file.open("w")
 
     def key(self, trial: int) -> str:
-        """The key that a trial (0, 1, …) asks for."""
+        """Return the key that a trial (0, 1, …) asks for."""
         return RandomStreams(self._seed, trial).choice("fj", "order")
 
     def foreperiod(self, trial: int) -> float:
-        """How long to wait before its prompt, in s."""
+        """Return the foreperiod of a trial in s."""
         share = RandomStreams(self._seed, trial).uniform("foreperiod")
         return self._shortest + share * (self._longest - self._shortest)
 
-    def enter(self, trial: int, response: str, reaction_time_ms: float) -> None:
-        """Write a trial down."""
+    def record(self, trial: int, response: str, reaction_time_ms: float) -> None:
+        """Write a trial to the file."""
         row = {"stimulus": self.key(trial), "response": response, "correct": response == self.key(trial)}
         self._file.write(json.dumps(row | {"reaction_time_ms": reaction_time_ms}) + "\n")
         self._file.flush()
 
 
 def main() -> None:
-    """Ask for Enter, and run the trials."""
-    sheet = Sheet()
+    """Wait for Enter, and run the trials."""
+    procedure = Procedure()
     before = termios.tcgetattr(0)
     tty.setraw(0)
     try:
         os.write(1, b"\x1b[2JPress Enter to begin\r\n")
         while os.read(0, 1) != b"\r":
             pass
-        for trial in range(sheet.prompts):
+        for trial in range(procedure.prompts):
             os.write(1, b"\x1b[2J")
-            time.sleep(sheet.foreperiod(trial))
+            time.sleep(procedure.foreperiod(trial))
             termios.tcflush(0, termios.TCIFLUSH)
-            os.write(1, f"Press: {sheet.key(trial)}\r\n".encode())
+            os.write(1, f"Press: {procedure.key(trial)}\r\n".encode())
             onset = time.monotonic_ns()
             pressed = os.read(0, 16)
             response = time.monotonic_ns()
-            sheet.enter(trial, pressed.decode(), (response - onset) / 1e6)
+            procedure.record(trial, pressed.decode(), (response - onset) / 1e6)
     finally:
         termios.tcsetattr(0, termios.TCSADRAIN, before)
 

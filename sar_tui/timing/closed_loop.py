@@ -1,7 +1,7 @@
-"""Reaction times that programs record, against those of a scripted participant who knows the truth.
+"""Compare the reaction times that programs record with the true ones of a scripted participant.
 
-A block is one run of one program in a terminal of its own. The programs take turns, so that whatever the machine
-does meanwhile befalls them alike.
+A block is one run of one program in a terminal of its own. The programs take turns, so that disturbances of the
+machine affect them alike.
 """
 
 import gc
@@ -22,17 +22,17 @@ from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answ
 Row = dict[str, Any]
 
 SHORTEST_MS, LONGEST_MS = 150, 350
-"""The planned delays: slower than any anticipation, and quick enough to measure hundreds."""
+"""Bounds of the planned delays: slower than an anticipation, and fast enough to measure hundreds."""
 FOREPERIOD_MS = 40, 80
-"""The wait before a prompt."""
+"""Bounds of the foreperiod."""
 QUIET_MS = 20
-"""The wait before the wait, where a program has one."""
-SLIPS = 0.05
-"""The share of planned wrong keys."""
+"""Quiet time before the foreperiod, in programs that have one."""
+ERROR_RATE = 0.05
+"""Share of planned wrong keys."""
 
 
 class Block(msgspec.Struct, frozen=True):
-    """What one run of a program is asked to do."""
+    """The number of prompts of one run of a program, and its seed."""
 
     prompts: int
     seed: int
@@ -42,45 +42,45 @@ class Program(msgspec.Struct, frozen=True):
     """A program that shows prompts and records reaction times.
 
     Args:
-        name: what tables call it.
-        command: from an empty folder to write in, and a block, to a command.
-        recorded: from that folder to the recorded trials in order: ``response``, ``correct``,
-            ``reaction_time_ms``, and ``timing`` where there is one.
-        leave: the key that ends it, if it does not end by itself.
-        beside: from that folder and its terminal to what goes on beside it, begun before the first prompt.
+        name: its name in tables.
+        command: makes the command from an empty folder to write in, and a block.
+        read_trials: reads the recorded trials, in order, from that folder: ``response``, ``correct``,
+            ``reaction_time_ms``, and ``timing`` if there is one.
+        quit_key: the key that ends it, if it does not end by itself.
+        companion: makes a context from that folder and the terminal, which is entered before the first prompt.
     """
 
     name: str
     command: Callable[[Path, Block], list[str]]
-    recorded: Callable[[Path], list[Row]]
-    leave: str | None = None
-    beside: Callable[[Path, Terminal], AbstractContextManager[object]] = lambda folder, terminal: nullcontext()
+    read_trials: Callable[[Path], list[Row]]
+    quit_key: str | None = None
+    companion: Callable[[Path, Terminal], AbstractContextManager[object]] = lambda folder, terminal: nullcontext()
 
 
 class Trial(msgspec.Struct, frozen=True):
-    """One prompt: how wrong the recorded reaction time was (ms, positive: too long), and what was recorded of it."""
+    """The error of one recorded reaction time (ms, positive: too long), and its stored timing quality."""
 
     error_ms: float
     timing: Row
 
 
 class Mismatch(RuntimeError):
-    """What was recorded is not what was done."""
+    """The recorded trials do not match the pressed keys."""
 
 
-def python_program(name: str, module: str, leave: str | None = None) -> Program:
-    """A program that takes its orders as ``sar_tui.timing.baseline`` does, and writes the same lines."""
+def python_program(name: str, module: str, quit_key: str | None = None) -> Program:
+    """Return a program with the command line and the output file of ``sar_tui.timing.baseline``."""
 
     def command(folder: Path, block: Block) -> list[str]:
         shortest, longest = FOREPERIOD_MS
-        orders = ["--prompts", str(block.prompts), "--seed", str(block.seed)]
+        options = ["--prompts", str(block.prompts), "--seed", str(block.seed)]
         waits = ["--shortest-ms", str(QUIET_MS + shortest), "--longest-ms", str(QUIET_MS + longest)]
-        return [sys.executable, "-m", module, str(folder / "trials.jsonl"), *orders, *waits]
+        return [sys.executable, "-m", module, str(folder / "trials.jsonl"), *options, *waits]
 
-    def recorded(folder: Path) -> list[Row]:
+    def read_trials(folder: Path) -> list[Row]:
         return [json.loads(line) for line in (folder / "trials.jsonl").read_text().splitlines()]
 
-    return Program(name, command, recorded, leave)
+    return Program(name, command, read_trials, quit_key)
 
 
 def _sar_tui(folder: Path, block: Block) -> list[str]:
@@ -104,35 +104,35 @@ def _trials_table(folder: Path) -> list[Row]:
     return [{**row, "correct": bool(row["correct"]), "timing": json.loads(row["timing"])} for row in rows]
 
 
-BARE = python_program("bare loop", "sar_tui.timing.baseline")
-SAR_TUI = Program("sar-tui", _sar_tui, _trials_table, leave="ctrl+q")
-MOST_PROMPTS = 200
-"""More than this sar-tui does not take in one attempt."""
+BASELINE = python_program("bare loop", "sar_tui.timing.baseline")
+SAR_TUI = Program("sar-tui", _sar_tui, _trials_table, quit_key="ctrl+q")
+MAX_PROMPTS = 200
+"""The largest number of prompts in an attempt of sar-tui."""
 
 
 def run_block(program: Program, block: Block, folder: Path, on_press: Callable[[], None] = lambda: None) -> list[Trial]:
-    """Run a program once, answer its prompts, and compare.
+    """Run a program once, answer its prompts, and compare its record with the truth.
 
     Args:
         program: what to run.
-        block: what it is asked.
-        folder: a folder to make a temporary one in: on the disk that matters.
+        block: its prompts and seed.
+        folder: where to make a temporary folder, on the disk to measure.
         on_press: called after each press.
 
     Raises:
-        Mismatch: a press is not in the record, or not as it was pressed.
-        NoPrompt: the program stopped asking.
+        Mismatch: the record differs from the pressed keys, or the program failed.
+        NoPrompt: the program stopped showing prompts.
     """
-    plan = random_answers(block.seed, SHORTEST_MS, LONGEST_MS, SLIPS)
+    planned = random_answers(block.seed, SHORTEST_MS, LONGEST_MS, ERROR_RATE)
 
     def answer(number: int, expected: str) -> tuple[float, str]:
         on_press()
-        return plan(number, expected)
+        return planned(number, expected)
 
     with (
         tempfile.TemporaryDirectory(prefix="sar-tui-", dir=folder) as own,
         Terminal(program.command(Path(own), block)) as terminal,
-        program.beside(Path(own), terminal),
+        program.companion(Path(own), terminal),
     ):
         participant = ScriptedParticipant(terminal, answer)
         gc.collect()
@@ -141,16 +141,16 @@ def run_block(program: Program, block: Block, folder: Path, on_press: Callable[[
             participant.run(block.prompts)
         finally:
             gc.enable()
-        if program.leave and not terminal.ended:
+        if program.quit_key and not terminal.ended:
             terminal.settle()
-            terminal.press(program.leave)
+            terminal.press(program.quit_key)
         if terminal.wait(seconds=10) != 0:
             raise Mismatch(f"{program.name} ended with an error: {visible(bytes(terminal.output))[-300:]}")
-        rows = program.recorded(Path(own))
+        rows = program.read_trials(Path(own))
     if [row["response"] for row in rows] != [press.key for press in participant.presses]:
-        raise Mismatch(f"{program.name} recorded {len(rows)} trials, and not the keys that were pressed.")
+        raise Mismatch(f"{program.name} recorded {len(rows)} trials, which do not match the pressed keys.")
     if [row["correct"] for row in rows] != [press.key == press.expected for press in participant.presses]:
-        raise Mismatch(f"{program.name} took right keys for wrong, or wrong for right.")
+        raise Mismatch(f"{program.name} recorded right keys as wrong, or wrong ones as right.")
     return [
         Trial(row["reaction_time_ms"] - press.reaction_time_ms, row.get("timing", {}))
         for row, press in zip(rows, participant.presses, strict=True)
@@ -164,7 +164,7 @@ def take_turns(
     folder: Path,
     on_press: Callable[[str], None] = lambda name: None,
 ) -> dict[str, list[Trial]]:
-    """Run programs in turns, each block in another order, until each has done so many trials; by their names.
+    """Run programs in turns, each block in another order, and return each program's trials by its name.
 
     Raises:
         Mismatch, NoPrompt: as ``run_block``.

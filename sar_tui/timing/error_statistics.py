@@ -1,4 +1,4 @@
-"""How far a list of errors lies from zero, and how widely: the figures a timing claim is made in. Pure."""
+"""Statistics of measurement errors, as timing claims report them."""
 
 from collections.abc import Sequence
 from statistics import fmean, median, quantiles, stdev
@@ -10,10 +10,10 @@ _NORMAL = 1.4826
 
 
 class ErrorStatistics(msgspec.Struct, frozen=True):
-    """Figures of ``n`` errors, in ms.
+    """Statistics of ``n`` errors in ms.
 
     ``robust_sd_ms`` is the median absolute deviation scaled to be the standard deviation of normal errors, so
-    that one stall of the machine does not hide how the others lie (Leys et al. 2013). ``iqr_ms`` is the
+    that one stall of the machine does not hide the distribution of the others (Leys et al. 2013). ``iqr_ms`` is the
     interquartile range, ``p99_ms`` the 99th percentile of the errors' absolute values, ``max_ms`` the largest.
     """
 
@@ -27,14 +27,14 @@ class ErrorStatistics(msgspec.Struct, frozen=True):
     max_ms: float
 
 
-def spread(errors: Sequence[float]) -> ErrorStatistics:
-    """Describe errors in ms. Percentiles are interpolated between the errors themselves (R's type 7).
+def error_statistics(errors: Sequence[float]) -> ErrorStatistics:
+    """Compute the statistics of errors in ms. Percentiles are interpolated between the errors (R's type 7).
 
     Raises:
-        ValueError: fewer than two.
+        ValueError: there are fewer than two.
     """
     if len(errors) < 2:
-        raise ValueError("A spread takes two errors or more.")
+        raise ValueError("Error statistics take two errors or more.")
     middle = median(errors)
     lower, _, upper = quantiles(errors, n=4, method="inclusive")
     sizes = [abs(error) for error in errors]

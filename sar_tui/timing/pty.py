@@ -1,4 +1,4 @@
-"""A program at the far end of a real pseudo-terminal: its output read and stamped, keys typed, on POSIX systems."""
+"""A program in a pseudo-terminal: read and stamp its output, and type keys. POSIX only."""
 
 import contextlib
 import os
@@ -17,7 +17,7 @@ if sys.platform != "win32":
     import termios
 
 _HIDDEN = frozenset("SSH_CONNECTION SSH_CLIENT SSH_TTY TMUX TMUX_PANE STY ZELLIJ TERM_PROGRAM COLUMNS LINES".split())
-"""What would tell the program of another terminal than the one it is at."""
+"""Environment variables that describe another terminal than the program's own."""
 
 _KEYS = {
     "enter": b"\r",
@@ -33,7 +33,7 @@ _KEYS = {
 }
 
 _SEQUENCE = re.compile(rb"\x1b(?:\[[0-?]*[ -/]*(?:[@-~]|$)|[\]PX^_].*?(?:\x1b\\|\x07|$)|[ -/]*(?:[0-~]|$))", re.DOTALL)
-"""An escape sequence, whole or cut off by the end (ECMA-48: CSI, the strings, the rest)."""
+"""An escape sequence, complete or cut off by the end of the output (ECMA-48: CSI, strings, others)."""
 
 
 class NoTerminal(RuntimeError):
@@ -41,10 +41,10 @@ class NoTerminal(RuntimeError):
 
 
 def encode(key: str) -> bytes:
-    """What a terminal sends for a key: a character, a name (``left``, ``enter``), or ``ctrl+q``.
+    """Return the bytes that a terminal sends for a key: a character, a name (``left``, ``enter``), or ``ctrl+q``.
 
     Raises:
-        ValueError: no such key.
+        ValueError: there is no such key.
     """
     if len(key) == 1:
         return key.encode()
@@ -56,27 +56,27 @@ def encode(key: str) -> bytes:
 
 
 def visible(output: bytes) -> str:
-    """What of an output can be seen: no escape sequences, control characters or blanks at the ends."""
+    """Return the visible text of an output: without escape sequences, control characters and outer blanks."""
     text = _SEQUENCE.sub(b"", output).decode(errors="ignore")
     return "".join(character for character in text if character.isprintable()).strip()
 
 
 class Terminal:
-    """A terminal with a program in it. Use it as a context: what still runs at the end is killed.
+    """A terminal with a program in it. A context manager: a program that still runs at its end is killed.
 
-    Nothing is read but by ``read`` and what calls it, or that of another (see ``together``); a program whose output
-    nobody reads stands still.
+    Output is read only by ``read`` and the methods that call it (see also ``read_together``). A program whose output
+    is not read blocks.
 
     Args:
         command: the program and its arguments.
-        columns, rows: how large the terminal is.
-        environment: added to this program's own, from which SSH's and the multiplexers' variables are taken out.
+        columns, rows: size of the terminal.
+        environment: added to this program's own, without the variables of SSH and of multiplexers.
 
     Attributes:
-        output: all that the program has written so far.
-        read_at: when the last of it was read, in ns of ``time.monotonic_ns``.
-        started_at: when the program was started, on the same clock.
-        ended: whether the program has let go of the terminal.
+        output: everything that the program has written so far.
+        read_at: time of the last read, in ns of ``time.monotonic_ns``.
+        started_at: time of the program's start, on the same clock.
+        ended: True if the program has closed the terminal.
 
     Raises:
         NoTerminal: on Windows.
@@ -95,7 +95,7 @@ class Terminal:
             raise NoTerminal("Windows has no pseudo-terminals that a program can be timed in.")
         self.output = bytearray()
         self.ended = False
-        self._beside: list[Terminal] = []
+        self._read_with: list[Terminal] = []
         self._file, far = os.openpty()
         try:
             self.resize(columns, rows)
@@ -125,21 +125,21 @@ class Terminal:
         self.close()
 
     def resize(self, columns: int, rows: int) -> None:
-        """Make the terminal another size; the program is told by SIGWINCH."""
+        """Change the size of the terminal; the program gets SIGWINCH."""
         fcntl.ioctl(self._file, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
 
     def modes(self) -> list[object]:
-        """How the terminal is set (`termios.tcgetattr`): whether it echoes, edits lines, sends signals."""
+        """Return the terminal's modes (`termios.tcgetattr`): echo, line editing, signals."""
         return list(termios.tcgetattr(self._file))
 
     def read(self, until: int) -> bool:
-        """Read once, and stamp it; False if nothing came until then (ns), or the program has let go.
+        """Read once and stamp it. Return False if nothing came until then (ns), or the program has closed the terminal.
 
-        What terminals beside it have to say meanwhile is read, too.
+        Terminals that are read together with this one are read, too.
         """
         while not self.ended:
             left = max(0, until - time.monotonic_ns())
-            ready = select.select([each for each in (self, *self._beside) if not each.ended], [], [], left / 1e9)[0]
+            ready = select.select([each for each in (self, *self._read_with) if not each.ended], [], [], left / 1e9)[0]
             for each in ready:
                 each._take()
             if self in ready:
@@ -149,11 +149,11 @@ class Terminal:
         return not self.ended
 
     def fileno(self) -> int:
-        """The near end of the terminal, to be waited for."""
+        """Return the file descriptor to wait for."""
         return self._file
 
     def _take(self) -> None:
-        """Read what is there."""
+        """Read the available output."""
         try:
             data = os.read(self._file, 65536)
         except OSError:  # Linux says EIO where other systems say end of file
@@ -163,39 +163,39 @@ class Terminal:
         self.output += data
 
     def write(self, data: bytes) -> int:
-        """Type; returns the stamp taken right before."""
+        """Type, and return the stamp taken right before."""
         at = time.monotonic_ns()
         os.write(self._file, data)
         return at
 
     def press(self, key: str) -> int:
-        """Press a key by its name (see ``encode``); returns the stamp taken right before."""
+        """Press a key by its name (see ``encode``), and return the stamp taken right before."""
         return self.write(encode(key))
 
     def wait_for(self, text: str, *, since: int = 0, seconds: float = 60) -> int:
-        """Read until the output holds ``text`` after position ``since``; returns the position after it.
+        """Read until the output contains ``text`` after position ``since``; return the position after it.
 
         Raises:
-            TimeoutError: it did not come, or the program has ended; the message tells what can be seen.
+            TimeoutError: it did not appear, or the program has ended. The message quotes the visible output.
         """
         wanted, until = text.encode(), time.monotonic_ns() + round(seconds * 1e9)
         while (found := self.output.find(wanted, since)) < 0:
             if not self.read(until):
                 seen = visible(bytes(self.output[since:]))[-600:]
-                raise TimeoutError(f"The terminal does not show {text!r}; what came is: {seen!r}")
+                raise TimeoutError(f"The terminal does not show {text!r}. Its output is: {seen!r}")
         return found + len(wanted)
 
     def settle(self, *, silence_ms: float = 150, seconds: float = 20) -> None:
-        """Read until nothing has come for a while (or, at most, so many seconds)."""
+        """Read until there is no output for ``silence_ms``, at most for ``seconds``."""
         until = time.monotonic_ns() + round(seconds * 1e9)
         while self.read(min(until, time.monotonic_ns() + round(silence_ms * 1e6))):
             pass
 
     def wait(self, *, seconds: float = 60) -> int:
-        """Read until the program has ended; returns its exit code, negative for a signal.
+        """Read until the program has ended; return its exit code, negative for a signal.
 
         Raises:
-            TimeoutError: it goes on.
+            TimeoutError: it does not end.
         """
         until = time.monotonic_ns() + round(seconds * 1e9)
         while self.read(until):
@@ -204,33 +204,33 @@ class Terminal:
             return self.process.wait(max(0.0, (until - time.monotonic_ns()) / 1e9))
         except subprocess.TimeoutExpired:
             seen = visible(bytes(self.output))[-600:]
-            raise TimeoutError(f"The program does not end; what came last is: {seen!r}") from None
+            raise TimeoutError(f"The program does not end. Its last output is: {seen!r}") from None
 
     def kill(self, number: int = signal.SIGKILL) -> None:
-        """Send a signal to the program and what it has started."""
+        """Send a signal to the program and its child processes."""
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self.process.pid, number)
 
     def hang_up(self) -> None:
-        """Take the terminal away, as a closed window does."""
+        """Close the terminal, as closing its window does."""
         if self._file >= 0:
             os.close(self._file)
             self._file, self.ended = -1, True
 
     def close(self) -> None:
-        """End the program, if it has not ended, and the terminal."""
+        """Kill the program if it still runs, and close the terminal."""
         if self.process.poll() is None:
             self.kill()
         self.hang_up()
         self.process.wait()
 
 
-def together(*terminals: Terminal) -> None:
-    """Whenever one of these is read, so are the others: none stands still because somebody looks at another."""
+def read_together(*terminals: Terminal) -> None:
+    """Read all of these terminals whenever one of them is read, so that no program blocks."""
     for terminal in terminals:
-        terminal._beside = [other for other in terminals if other is not terminal]
+        terminal._read_with = [other for other in terminals if other is not terminal]
 
 
 def _take_terminal() -> None:
-    """Make standard input the controlling terminal of a new session: for its signals, and for hanging up."""
+    """Make standard input the controlling terminal of a new session, so that signals and hang-ups arrive."""
     fcntl.ioctl(0, termios.TIOCSCTTY, 0)

@@ -1,6 +1,6 @@
-"""A participant by script, at a real terminal: reads the prompt's bytes, waits as planned, presses a key.
+"""A scripted participant at a pseudo-terminal: reads the prompt's bytes, waits as planned, and presses a key.
 
-What it did, by its own clock, is the truth against which recorded reaction times are held.
+Its own stamps are the true reaction times, with which recorded ones are compared.
 """
 
 import re
@@ -14,27 +14,27 @@ from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.timing.pty import Terminal
 
 Answer = Callable[[int, str], tuple[float, str]]
-"""How a prompt is answered: from its number (0, 1, …) and the key it asks for, to a delay in ms and a key."""
+"""Maps a prompt's number (0, 1, …) and the key it asks for to a delay in ms and a key to press."""
 
 SILENCE = 150 * MS
-"""A screen that asks for Enter gets it when nothing has been drawn for this long…"""
+"""Enter is pressed when the screen has asked for it and nothing has been drawn for this long…"""
 INSISTENCE = 1 * SECOND
-"""…or when it asked this long ago, and something on it moves all the time."""
+"""…or this long after the request, if something on the screen keeps moving."""
 SPIN = 1 * MS
-"""The last of a wait is not slept: the processor's clock is watched."""
+"""The end of a wait is a busy loop, which is more exact than sleeping."""
 
 _PROMPT = re.compile(rb"Press: ([^\x00-\x20\x7f]+)(?=[\x00-\x20\x7f])")
 _ENTER = re.compile(rb"\bEnter\b")
 
 
 class Press(msgspec.Struct, frozen=True):
-    """One prompt answered.
+    """The answer to one prompt.
 
     Args:
-        expected: the key it asked for.
+        expected: the key that the prompt asked for.
         key: the key that was pressed.
-        onset: when its bytes had been read, in ns of ``time.monotonic_ns``.
-        response: when the key was about to be written, on the same clock.
+        onset: when the prompt's bytes were read, in ns of ``time.monotonic_ns``.
+        response: just before the key was written, on the same clock.
     """
 
     expected: str
@@ -49,16 +49,16 @@ class Press(msgspec.Struct, frozen=True):
 
 
 class NoPrompt(TimeoutError):
-    """The program showed no prompt, nor did it ask for Enter, for too long."""
+    """The program did not show a prompt or ask for Enter for too long."""
 
 
-def random_answers(seed: int, shortest_ms: float, longest_ms: float, slips: float = 0.0) -> Answer:
-    """Delays uniform between bounds; a share of ``slips`` is answered with a wrong key. The same for each seed."""
+def random_answers(seed: int, shortest_ms: float, longest_ms: float, error_rate: float = 0.0) -> Answer:
+    """Return answers with uniform delays between bounds, a share of them wrong. Equal seeds give equal answers."""
 
     def answer(number: int, expected: str) -> tuple[float, str]:
         streams = RandomStreams(seed, number)
         delay = shortest_ms + streams.uniform("delay") * (longest_ms - shortest_ms)
-        if streams.uniform("slip") < slips:
+        if streams.uniform("slip") < error_rate:
             return delay, streams.choice([key for key in "asdfjkl" if key != expected], "key")
         return delay, expected
 
@@ -66,14 +66,15 @@ def random_answers(seed: int, shortest_ms: float, longest_ms: float, slips: floa
 
 
 class ScriptedParticipant:
-    """Answers ``Press: f`` and ``Press: left``, in plain text and one unbroken run, and presses Enter when asked to.
+    """Answers prompts such as ``Press: f`` or ``Press: left``, and presses Enter when asked to.
 
-    A prompt is taken as new if its line comes after the last answer, so that the same prompt twice is two.
+    A prompt must be one unbroken run of plain text. It is new if its line comes after the last answer, so that the
+    same prompt can follow itself.
 
     Args:
-        terminal: where it sits.
-        answer: how it answers.
-        guard_ms: a prompt line this soon after an answer is the old one drawn again.
+        terminal: the terminal that shows the prompts.
+        answer: decides on delays and keys.
+        guard_ms: a prompt line this soon after an answer is the old one, drawn again.
 
     Attributes:
         presses: the prompts answered so far.
@@ -88,28 +89,28 @@ class ScriptedParticipant:
         self._prompts_from = 0
         self._enter_from = 0
         self._asked_at: int | None = None
-        self._due: tuple[int, int, str, str] | None = None  # when, onset, what was asked for, what to press
+        self._due: tuple[int, int, str, str] | None = None  # time to press, onset, expected key, key to press
 
     def run(self, prompts: int | None = None, *, until: int | None = None, patience_s: float = 60) -> list[Press]:
-        """Take part until so many prompts are answered in all, or a moment (ns) has come, or the program ends.
+        """Answer until this many prompts are answered in all, or until a time (ns), or until the program ends.
 
         Raises:
-            NoPrompt: it was asked for nothing for ``patience_s`` seconds.
+            NoPrompt: nothing was asked for ``patience_s`` seconds.
         """
         patience = round(patience_s * SECOND)
-        bored_at = time.monotonic_ns() + patience
+        deadline = time.monotonic_ns() + patience
         while (prompts is None or len(self.presses) < prompts) and not self.terminal.ended:
             now = time.monotonic_ns()
             if until is not None and now >= until:
                 break
-            if now >= bored_at:
-                raise NoPrompt(f"No prompt has come, and no request for Enter, for {patience_s:g} s.")
-            if self._act(min(bored_at, until or bored_at)):
-                bored_at = time.monotonic_ns() + patience
+            if now >= deadline:
+                raise NoPrompt(f"There was no prompt and no request for Enter for {patience_s:g} s.")
+            if self._act(min(deadline, until or deadline)):
+                deadline = time.monotonic_ns() + patience
         return self.presses
 
     def _act(self, until: int) -> bool:
-        """Do the next thing there is to do, or look at the screen for a while; True if a key was pressed."""
+        """Press the key that is due, or read the screen. Return True if a key was pressed."""
         if self._due is not None:
             return self._wait_and_press(*self._due, until)
         enter_at = until
@@ -120,14 +121,14 @@ class ScriptedParticipant:
                 self._forget_enter()
                 return True
         if self.terminal.read(min(enter_at, until)):
-            self._look()
+            self._find_prompt()
         return False
 
     def _forget_enter(self) -> None:
         self._enter_from, self._asked_at = len(self.terminal.output), None
 
-    def _look(self) -> None:
-        """Is there a prompt in what has come, or a request for Enter?"""
+    def _find_prompt(self) -> None:
+        """Look for a prompt or a request for Enter in the new output."""
         onset = self.terminal.read_at
         prompt = _PROMPT.search(self.terminal.output, self._prompts_from)
         if self._asked_at is None and _ENTER.search(self.terminal.output, self._enter_from):

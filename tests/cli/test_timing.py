@@ -10,12 +10,12 @@ import pytest
 
 from sar_tui.cli import timing
 from sar_tui.cli.timing import Circumstances, judge
-from sar_tui.timing.closed_loop import BARE, SAR_TUI, Program, Trial
-from sar_tui.timing.error_statistics import ErrorStatistics, spread
+from sar_tui.timing.closed_loop import BASELINE, SAR_TUI, Program, Trial
+from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.scripted_participant import NoPrompt
 from tests.program import Call
 
-GOOD = spread([0.2, 0.3, 0.25, 0.3, 0.2])
+GOOD = error_statistics([0.2, 0.3, 0.25, 0.3, 0.2])
 KEPT = {"measured_at", "trials", "median_ms", "sd_ms", "robust_sd_ms", "p99_ms", "verdict"}
 
 
@@ -42,7 +42,7 @@ def measures(errors: dict[str, list[float]], source: str = "flush") -> Callable[
 
 @pytest.fixture
 def fine(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(timing, "take_turns", measures({SAR_TUI.name: [0.2, 0.3, 0.4], BARE.name: [0.1, 0.2]}))
+    monkeypatch.setattr(timing, "take_turns", measures({SAR_TUI.name: [0.2, 0.3, 0.4], BASELINE.name: [0.1, 0.2]}))
 
 
 # --- the verdict -------------------------------------------------------------------------------------------
@@ -129,7 +129,9 @@ def test_the_figures_are_kept_for_later_sessions_and_for_nobody_else(call: Call,
 
 
 def test_onsets_not_stamped_at_flush_are_told(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(timing, "take_turns", measures({SAR_TUI.name: [0.2, 0.3], BARE.name: [0.2, 0.1]}, "refresh"))
+    monkeypatch.setattr(
+        timing, "take_turns", measures({SAR_TUI.name: [0.2, 0.3], BASELINE.name: [0.2, 0.1]}, "refresh")
+    )
     assert call("timing", "--json").json["timing"]["verdict"] == "fit with care"
 
 

@@ -17,7 +17,7 @@ import pyte
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.operator.commands import TOO_SOON
 from sar_tui.operator.keymap import KEY_COMMANDS, key_name
-from sar_tui.timing.pty import Terminal, together
+from sar_tui.timing.pty import Terminal, read_together
 from sar_tui.timing.scripted_participant import Answer, ScriptedParticipant, random_answers
 from tests.end_to_end.participant_terminal import Eyes, command, rows, run_command
 
@@ -79,7 +79,7 @@ class Room:
         terminal = Terminal(words, columns=columns, rows=rows, environment=environment)
         self._ends.enter_context(terminal)
         self._terminals[terminal] = (columns, rows)
-        together(*self._terminals)
+        read_together(*self._terminals)
         return terminal
 
     def look(self, seconds: float = 0.02) -> None:

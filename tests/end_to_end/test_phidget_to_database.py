@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.fake_phidget import FakeSpatial
 from sar_tui.drivers.phidget import new_channel
 from sar_tui.framework.clock import LiveClock
 from sar_tui.framework.messages import ImuBlock, SensorChanged
@@ -18,7 +19,6 @@ from sar_tui.motion.samples import unpack
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import Run, start
-from sar_tui.simulation.fake_phidget import FakeSpatial
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
 

@@ -7,11 +7,11 @@ import threading
 import numpy as np
 import pytest
 
+from benchmarks.fake_phidget import FakeSpatial
 from sar_tui.drivers.phidget import new_channel
 from sar_tui.framework.clock import host_now
 from sar_tui.inputs.feed import Drained, ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
-from sar_tui.simulation.fake_phidget import FakeSpatial
 
 WAIT_S = 60.0
 """How long to wait for another thread before a test fails."""

@@ -4,13 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.timing.error_statistics import spread
+from sar_tui.timing.error_statistics import error_statistics
 
 ERRORS = st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=60)
 
 
 def test_known_errors_give_figures_worked_out_by_hand() -> None:
-    figures = spread([-2.0, 0.0, 1.0, 2.0, 4.0])
+    figures = error_statistics([-2.0, 0.0, 1.0, 2.0, 4.0])
     assert figures.n == 5
     assert figures.mean_ms == pytest.approx(1.0)
     assert figures.median_ms == 1.0
@@ -22,8 +22,8 @@ def test_known_errors_give_figures_worked_out_by_hand() -> None:
 
 
 def test_one_stall_moves_the_standard_deviation_but_not_the_robust_one() -> None:
-    calm = spread([0.1 * (number % 5) for number in range(100)])
-    stalled = spread([*(0.1 * (number % 5) for number in range(99)), 200.0])
+    calm = error_statistics([0.1 * (number % 5) for number in range(100)])
+    stalled = error_statistics([*(0.1 * (number % 5) for number in range(99)), 200.0])
     assert stalled.sd_ms > 50 * calm.sd_ms
     assert stalled.robust_sd_ms == pytest.approx(calm.robust_sd_ms)
 
@@ -31,12 +31,12 @@ def test_one_stall_moves_the_standard_deviation_but_not_the_robust_one() -> None
 @pytest.mark.parametrize("errors", [[], [1.0]])
 def test_too_few_errors_have_no_spread(errors: list[float]) -> None:
     with pytest.raises(ValueError, match="two errors"):
-        spread(errors)
+        error_statistics(errors)
 
 
 @given(errors=ERRORS, shift=st.floats(-100, 100))
 def test_a_constant_delay_moves_the_median_and_leaves_the_width(errors: list[float], shift: float) -> None:
-    before, after = spread(errors), spread([error + shift for error in errors])
+    before, after = error_statistics(errors), error_statistics([error + shift for error in errors])
     assert after.median_ms == pytest.approx(before.median_ms + shift, abs=1e-6)
     for width in ("sd_ms", "iqr_ms", "robust_sd_ms"):
         assert getattr(after, width) == pytest.approx(getattr(before, width), abs=1e-6)
@@ -44,6 +44,6 @@ def test_a_constant_delay_moves_the_median_and_leaves_the_width(errors: list[flo
 
 @given(errors=ERRORS)
 def test_the_figures_are_in_their_order(errors: list[float]) -> None:
-    figures = spread(errors)
+    figures = error_statistics(errors)
     assert 0 <= figures.p99_ms <= figures.max_ms + 1e-9
     assert min(errors) - 1e-9 <= figures.median_ms <= max(errors) + 1e-9

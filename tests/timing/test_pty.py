@@ -13,8 +13,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from sar_tui.timing.closed_loop import BARE, Block, run_block
-from sar_tui.timing.pty import Terminal, encode, together, visible
+from sar_tui.timing.closed_loop import BASELINE, Block, run_block
+from sar_tui.timing.pty import Terminal, encode, read_together, visible
 from sar_tui.timing.scripted_participant import NoPrompt, ScriptedParticipant, random_answers
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals on Windows")
@@ -102,7 +102,7 @@ def test_a_program_still_running_is_killed_at_the_end() -> None:
 def test_of_programs_that_are_together_none_stands_still_because_another_is_looked_at() -> None:
     talks = "print('x' * 200_000, 'that is all', flush=True)"
     with Terminal(python("print('begun'); input(); print('over')")) as one, Terminal(python(talks)) as other:
-        together(one, other)
+        read_together(one, other)
         one.wait_for("begun")
         until = time.monotonic() + 60
         while not other.ended and time.monotonic() < until:
@@ -140,7 +140,7 @@ def test_only_text_is_visible(output: bytes, seen: str) -> None:
 
 
 def test_every_press_is_a_row_right_or_wrong_as_pressed(bare: Terminal, tmp_path: Path) -> None:
-    presses = ScriptedParticipant(bare, random_answers(7, 1, 30, slips=0.4)).run(12)
+    presses = ScriptedParticipant(bare, random_answers(7, 1, 30, error_rate=0.4)).run(12)
     assert bare.wait() == 0
     recorded = rows(tmp_path)
     assert [row["stimulus"] for row in recorded] == [press.expected for press in presses]
@@ -208,7 +208,7 @@ def test_a_program_that_asks_for_nothing_is_reported() -> None:
 
 
 def test_the_closed_loop_joins_each_recorded_trial_with_its_truth(tmp_path: Path) -> None:
-    trials = run_block(BARE, Block(prompts=6, seed=2), tmp_path)
+    trials = run_block(BASELINE, Block(prompts=6, seed=2), tmp_path)
     assert len(trials) == 6
     assert not list(tmp_path.iterdir()), "nothing is left behind"
 
@@ -217,10 +217,10 @@ def test_what_goes_on_beside_a_program_begins_before_the_first_prompt_and_ends_w
     told: list[str] = []
 
     @contextmanager
-    def beside(folder: Path, terminal: Terminal) -> Iterator[None]:
+    def companion(folder: Path, terminal: Terminal) -> Iterator[None]:
         told.append("begins" if folder.is_dir() and b"Press:" not in terminal.output else "late")
         yield
         told.append("ends" if folder.is_dir() and terminal.process.poll() == 0 else "early")
 
-    run_block(msgspec.structs.replace(BARE, beside=beside), Block(prompts=2, seed=2), tmp_path)
+    run_block(msgspec.structs.replace(BASELINE, companion=companion), Block(prompts=2, seed=2), tmp_path)
     assert told == ["begins", "ends"]
