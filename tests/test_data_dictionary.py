@@ -15,7 +15,7 @@ from sar_tui.framework.topics import ALL
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.operator import CHARACTERS
+from sar_tui.simulation.operator import PROFILES
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store.database import connect
 from sar_tui.validation.feedback import competent, examples, frequency
@@ -82,7 +82,7 @@ def test_the_query_of_who_decided_what_gives_each_action_with_the_time_of_day(
     data: Path, keyboard: type[Task], catalogue: Catalogue
 ) -> None:
     plan = make_plan(catalogue, keyboard, ["SIM"], {"attempts": 2}, seed=3, mode="simulated")
-    simulate(plan, PEOPLE["average"], data, catalogue, operator=CHARACTERS["careful"])
+    simulate(plan, PEOPLE["average"], data, catalogue, operator=PROFILES["careful"])
     query = re.search(r"```sql\n(.*?)```", section("actions"), re.DOTALL)
     assert query
     database = connect(data)

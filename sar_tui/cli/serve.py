@@ -57,7 +57,7 @@ def serve(
 
     Prints the address to open, including the token, and serves until Ctrl-C.
     """
-    from sar_tui.cli.wizard import name_there
+    from sar_tui.cli.wizard import name_at_session
     from sar_tui.link.errors import need_packages
     from sar_tui.runs.plan import Failed
 
@@ -69,7 +69,7 @@ def serve(
     if name is not None:
         if view != "operator":
             raise Refused("Only an operator has a name: leave out --name.")
-        name_there(name, link, observe=False)
+        name_at_session(name, link, observe=False)
     need_packages()
     try:
         from sar_tui.serve import address, runner, server, token

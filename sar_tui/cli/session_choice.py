@@ -1,4 +1,4 @@
-"""Which session a view joins: one of this machine, or the one that an invitation is to."""
+"""Choice of the session that a view joins: one on this machine, or the one of an invitation."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,16 +17,16 @@ Joined = Annotated[
 ]
 Link = Annotated[
     Path | None,
-    typer.Option("--link", metavar="FILE", show_default=False, help="The invitation to another machine's session."),
+    typer.Option("--link", metavar="FILE", show_default=False, help="Invitation to a session on another machine."),
 ]
 
 
 def session_to_join(session: str | None, link: Path | None) -> "JoinableSession | Invitation":
-    """The session meant by its id, or the beginning of it; by an invitation; or the only one there is.
+    """Return the session given by its id or the start of it, by an invitation, or the only one.
 
     Raises:
-        Refused: there is no such session, or it is not clear which.
-        LinkError: the invitation cannot be used, or what the link needs is not installed.
+        Refused: there is no such session, or there are several.
+        LinkError: the invitation cannot be used, or packages of the link are not installed.
     """
     from sar_tui.link.discovery import live_sessions
     from sar_tui.link.errors import need_packages
@@ -40,13 +40,13 @@ def _one(live: "Sequence[JoinableSession]", session: str | None) -> "JoinableSes
     meant = [each for each in live if each.session.startswith(session or "")]
     if not live:
         raise Refused(
-            "No session on this machine can be joined; one that can is begun with --operator, as in "
-            "`sar-tui run keyboard -p P01 --operator`. One of another user, or with another XDG_RUNTIME_DIR, is not "
-            "seen here."
+            "No session on this machine can be joined. Start one with --operator, as in "
+            "`sar-tui run keyboard -p P01 --operator`. Sessions of other users, or with another XDG_RUNTIME_DIR, are "
+            "not found."
         )
     there = ", ".join(f"{each.session} ({each.task})" for each in live)
     if not meant:
-        raise Refused(f"No session that can be joined begins with {session}; there is: {there}.")
+        raise Refused(f"No session that can be joined begins with {session}. There are: {there}.")
     if len(meant) > 1:
-        raise Refused(f"Several sessions can be joined: {there}. Say which.")
+        raise Refused(f"Several sessions can be joined: {there}. Give the id of one.")
     return meant[0]

@@ -38,7 +38,7 @@ class User(StrEnum):
 
 
 class OperatorName(StrEnum):
-    """Who can decide: the names in `simulation.operator.CHARACTERS`."""
+    """Who can decide: the names in `simulation.operator.PROFILES`."""
 
     careful = "careful"
     hasty = "hasty"
@@ -119,7 +119,7 @@ def simulate(
     from sar_tui.reports.output_summary import output_summaries
     from sar_tui.runs.plan import make_plan
     from sar_tui.runs.simulate import simulate as run_session
-    from sar_tui.simulation.operator import CHARACTERS
+    from sar_tui.simulation.operator import PROFILES
     from sar_tui.store import sessions
 
     if len(user) > len(kind.seats):
@@ -130,8 +130,8 @@ def simulate(
         )
     people = [_person(each, practice_effect, fatigue) for each in user]
     with _progress(plan.parameters.practice_attempts + plan.parameters.attempts) as advance:
-        character = None if operator is None else CHARACTERS[operator.value]
-        session = run_session(plan, people[0], home.folder, catalogue, advance, character, people[-1])
+        profile = None if operator is None else PROFILES[operator.value]
+        session = run_session(plan, people[0], home.folder, catalogue, advance, profile, people[-1])
     with home.database() as database:
         rows = sessions.rows(database, "attempts", session)
         spoke = output_summaries(database, session)

@@ -21,36 +21,36 @@ def wizard(
     link: Link = None,
     name: Annotated[
         str | None,
-        typer.Option(metavar="NAME", show_default=False, help="What you are called there; else your login name."),
+        typer.Option(metavar="NAME", show_default=False, help="Your name in the record. Default: your login name."),
     ] = None,
-    observe: Annotated[bool, typer.Option("--observe", help="Only look.")] = False,
-    wait: Annotated[bool, typer.Option("--wait", help="Wait for a session that can be joined.")] = False,
+    observe: Annotated[bool, typer.Option("--observe", help="Only watch.")] = False,
+    wait: Annotated[bool, typer.Option("--wait", help="Wait for a session to join.")] = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Watch and steer a session: the operator's panel.
+    """Open the operator's panel: watch a session and control it.
 
-    The session runs in another terminal, with --operator; or on another machine, with --listen. F1 shows all keys.
+    The session runs in another terminal with --operator, or on another machine with --listen. F1 shows all keys.
     """
     home = Home.of(context, data, tasks)
     where = session_to_show(session, link, wait=wait, observe=observe)
-    called = name_there(name, link, observe=observe)
+    name = name_at_session(name, link, observe=observe)
     need_screen()
     from sar_tui.operator.app import WizardApp, run_wizard
     from sar_tui.plugins import DEFAULT_THEME
 
     theme = home.catalogue().theme(DEFAULT_THEME)
-    app = WizardApp(theme, home.folder, called, "observer" if observe else "operator", where, waits=wait)
-    raise typer.Exit(run_wizard(app, lambda words: print(words, file=sys.stderr)))
+    app = WizardApp(theme, home.folder, name, "observer" if observe else "operator", where, waits=wait)
+    raise typer.Exit(run_wizard(app, lambda text: print(text, file=sys.stderr)))
 
 
 def session_to_show(
     session: str | None, link: Path | None, *, wait: bool, observe: bool
 ) -> "JoinableSession | Invitation | None":
-    """The session to join; None where there is a choice, or one is waited for.
+    """Return the session to join, or None if the user must choose one or wait.
 
     Raises:
-        Refused: there is none such.
+        Refused: there is no such session.
         LinkError: it cannot be joined from here.
     """
     from sar_tui.cli.session_choice import session_to_join
@@ -59,10 +59,10 @@ def session_to_show(
 
     if link is not None:
         if session or wait:
-            raise Refused("An invitation is to one session: leave out SESSION and --wait.")
+            raise Refused("An invitation is for one session: leave out SESSION and --wait.")
         where = session_to_join(None, link)
         if observe and getattr(where, "role", None) == "operator":
-            raise Refused(f"{link} invites an operator, who can act. To only look, have an observer invited.")
+            raise Refused(f"{link} invites an operator, who can act. To only watch, ask for an observer's invitation.")
         return where
     if session is None:
         need_packages()
@@ -72,8 +72,8 @@ def session_to_show(
     return session_to_join(session, None)
 
 
-def name_there(name: str | None, link: Path | None, *, observe: bool) -> str:
-    """What to be called; an invitation says it itself. Of one user's observers there may be several, as in browsers."""
+def name_at_session(name: str | None, link: Path | None, *, observe: bool) -> str:
+    """Return the user's name at the session. An observer's default is unique, because a user may open several."""
     import os
     import re
 
@@ -84,7 +84,7 @@ def name_there(name: str | None, link: Path | None, *, observe: bool) -> str:
 
         return f"{own_name()[:20]}-{os.getpid()}" if observe else own_name()
     if link is not None:
-        raise Refused("An invitation says what you are called: leave out --name.")
+        raise Refused("An invitation contains your name: leave out --name.")
     if not re.fullmatch(NAME, name):
-        raise Refused(f"{name!r} cannot be a name here: letters, figures, - and _, at most 32.")
+        raise Refused(f"{name!r} is not a valid name: use at most 32 letters, digits, - and _.")
     return name

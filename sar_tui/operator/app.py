@@ -1,8 +1,10 @@
-"""The operator's panel as an app of its own: in another terminal, on another machine, in a browser."""
+"""The operator's panel as an app: in another terminal, on another machine, in a browser."""
 
 import contextlib
 from collections.abc import Callable
 from pathlib import Path
+
+from textual import on
 
 from sar_tui.framework.messages import Role
 from sar_tui.framework.theme import Theme
@@ -15,16 +17,16 @@ from sar_tui.tui.base_app import BaseApp
 
 
 class WizardApp(BaseApp):
-    """Joins a session, and shows its panel.
+    """App that joins a session and shows its panel.
 
     Args:
-        theme: is worn until the session's is known.
-        folder: where the operator's own file is.
-        name: of the operator, or observer.
-        role: what they are.
-        where: the session; without one, those that can be joined are shown.
-        waits: without one, join the first that comes.
-        look: finds those that can be joined.
+        theme: applied until the session's theme is known.
+        folder: holds the operator's own file.
+        name: of the operator or observer.
+        role: operator or observer.
+        where: the session; if None, the user chooses one.
+        waits: join the first session that appears, if there is none yet.
+        look: finds the sessions that can be joined.
     """
 
     TITLE = "sar-tui wizard"
@@ -43,7 +45,7 @@ class WizardApp(BaseApp):
     ) -> None:
         super().__init__()
         self._theme, self._folder = theme, folder
-        self._called, self._role = name, role
+        self._user_name, self._role = name, role
         self._where, self._waits, self._look = where, waits, look
 
     def on_mount(self) -> None:
@@ -60,21 +62,22 @@ class WizardApp(BaseApp):
         self.push_screen(self.make_panel(where), self._left)
 
     def _left(self, why: str | None) -> None:
-        """The panel is left: by its key, or because there can be no link."""
+        """Exit when the panel closes. ``why``: no link could be made."""
         self.failure = why or ""
         self.exit(return_code=int(bool(why)))
 
     def make_panel(self, where: JoinableSession | Invitation) -> PanelScreen:
-        """The panel of a session."""
-        return panel(where, self._called, self._role, self._theme, self._folder)
+        """Return the panel of a session."""
+        return panel(where, self._user_name, self._role, self._theme, self._folder)
 
-    def on_board_themed(self, event: PanelLayout.Themed) -> None:
-        """The operator sees the colours that the participant sees."""
+    @on(PanelLayout.Themed)
+    def use_session_theme(self, event: PanelLayout.Themed) -> None:
+        """Apply the colours that the participant sees."""
         self.apply_theme(event.theme)
 
 
 def run_wizard(app: WizardApp, report: Callable[[str], object]) -> int:
-    """Run the panel in this terminal or browser; returns the exit code. ``report`` is called with why it failed."""
+    """Run the panel in this terminal or browser and return the exit code. ``report`` is called with the failure."""
     code = app.run_here()
     if app.failure:
         with contextlib.suppress(OSError):  # the terminal may be gone

@@ -9,7 +9,7 @@ import pytest
 
 from sar_tui.cli.simulate import OperatorName
 from sar_tui.reports.wizard import WizardReport
-from sar_tui.simulation.operator import CHARACTERS
+from sar_tui.simulation.operator import PROFILES
 from tests.program import Call
 
 PAGE = (Path(__file__).parents[2] / "docs" / "data-dictionary.md").read_text(encoding="utf-8")
@@ -129,7 +129,7 @@ def test_a_record_that_cannot_be_read_is_one_sentence(call: Call, simulated: str
 
 
 def test_who_can_decide_is_who_there_is() -> None:
-    assert {name.value for name in OperatorName} == set(CHARACTERS)
+    assert {name.value for name in OperatorName} == set(PROFILES)
 
 
 def test_with_an_operator_feedback_is_approved_unless_it_is_set_otherwise(call: Call) -> None:

@@ -124,7 +124,7 @@ def test_an_operator_in_a_browser_can_have_a_name(call: Call, tmp_path: Path) ->
     assert _program("operator", "s1", None, Home(tmp_path), "anna")[-4:] == ["--name", "anna", "--", "s1"]
     called = call("serve", "operator", "--port", 0, "--name", "Anna B.")
     assert called.code == 2
-    assert "cannot be a name here" in called.err
+    assert "is not a valid name" in called.err
 
 
 def test_what_a_browser_is_shown_is_words_of_a_list_that_cannot_be_taken_for_others(tmp_path: Path) -> None:

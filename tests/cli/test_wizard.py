@@ -10,7 +10,7 @@ import pytest
 
 from sar_tui.cli import session_choice
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.wizard import name_there, session_to_show
+from sar_tui.cli.wizard import name_at_session, session_to_show
 from sar_tui.link import discovery
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import NAME, Invitation
@@ -31,7 +31,7 @@ def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
         (["x"], [ONE], "begins with x"),
         (["--link", "gone.sar-link"], [], "There is no file gone.sar-link."),
         (["abc1", "--link", "file"], [ONE], "leave out SESSION and --wait"),
-        (["--name", "two words"], [ONE], "'two words' cannot be a name here"),
+        (["--name", "two words"], [ONE], "'two words' is not a valid name"),
         ([], [ONE], "needs a real terminal"),
         (["--wait"], [], "needs a real terminal"),
     ],
@@ -65,17 +65,17 @@ def test_an_invitation_to_act_is_not_one_to_look_on(monkeypatch: pytest.MonkeyPa
         )
 
     monkeypatch.setattr(session_choice, "session_to_join", read)
-    with pytest.raises(Refused, match="have an observer invited"):
+    with pytest.raises(Refused, match="ask for an observer's invitation"):
         session_to_show(None, Path("anna.sar-link"), wait=False, observe=True)
     with pytest.raises(Refused, match="leave out --name"):
-        name_there("ben", Path("anna.sar-link"), observe=False)
+        name_at_session("ben", Path("anna.sar-link"), observe=False)
 
 
 def test_who_only_looks_on_does_not_take_the_name_of_another_who_does(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LOGNAME", "ben" * 20)
-    here = name_there(None, None, observe=True)
+    here = name_at_session(None, None, observe=True)
     monkeypatch.setattr(os, "getpid", lambda: 4_194_304)
-    there = name_there(None, None, observe=True)
+    there = name_at_session(None, None, observe=True)
     assert here != there
     assert re.fullmatch(NAME, there)
-    assert name_there(None, None, observe=False) == ("ben" * 20)[:32]
+    assert name_at_session(None, None, observe=False) == ("ben" * 20)[:32]

@@ -527,6 +527,13 @@ async def test_a_lost_link_is_told_with_what_goes_on_and_comes_back(catalogue: C
         assert [act.command for act in driver.acts(t.OPERATOR)] == ["skip"]
 
 
+async def test_the_panel_takes_the_theme_of_the_session(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as driver:
+        assert "calm" in driver.app.theme
+        await driver.tell(t.THEME, m.ThemeApplied(theme=catalogue.theme("playful")))
+        assert "playful" in driver.app.theme
+
+
 async def test_what_the_participant_sees_of_the_agent_is_seen(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.tell(t.ACTION, b.action("a2", text="Look at that!"))

@@ -15,7 +15,7 @@ from sar_tui.reports.record import LoggedMessage, read
 from sar_tui.reports.wizard import WizardReport, report
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.operator import CHARACTERS
+from sar_tui.simulation.operator import PROFILES
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
@@ -103,7 +103,7 @@ class Simulated:
     def __init__(self, keyboard: type[Task], catalogue: Catalogue, data: Path, who: str, **settings: Any) -> None:
         values = {"attempts": 10, "prompts_per_attempt": 4, **settings}
         plan = make_plan(catalogue, keyboard, ["SIM"], values, seed=3, mode="simulated")
-        self.id = simulate(plan, PEOPLE["average"], data, catalogue, operator=CHARACTERS.get(who))
+        self.id = simulate(plan, PEOPLE["average"], data, catalogue, operator=PROFILES.get(who))
         self.database = connect(data)
         self.messages: list[LoggedMessage] = read(self.database, self.id)
         self.parameters = plan.parameters

@@ -1,4 +1,4 @@
-"""Given a simulated operator, when the agent proposes, then it decides as its character would, the same each time."""
+"""Given a simulated operator, when the agent proposes, then it decides as its profile would, the same each time."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import MODE, STORED
-from sar_tui.simulation.operator import CHARACTERS, NAME, TOO_LATE_TO_STOP, OperatorProfile, SimulatedOperator
+from sar_tui.simulation.operator import NAME, PROFILES, TOO_LATE_TO_STOP, OperatorProfile, SimulatedOperator
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.person import PEOPLE
 
@@ -32,13 +32,13 @@ Play = Callable[..., list[Record]]
 
 @pytest.fixture
 def play(keyboard: type[Task], calm: Theme) -> Play:
-    """A whole session of a character (None: nobody), as (when, message); parameters beside those of a short one.
+    """A whole session of a profile (None: nobody), as (when, message); parameters beside those of a short one.
 
     ``colleague``: chooses a mode when they hear certain messages.
     """
 
     def whole(
-        character: OperatorProfile | None,
+        profile: OperatorProfile | None,
         seed: int = 1,
         colleague: Callable[[m.Message], m.ModeChanged | None] = lambda _: None,
         **parameters: object,
@@ -46,7 +46,7 @@ def play(keyboard: type[Task], calm: Theme) -> Play:
         short = {"attempts": 6, "prompts_per_attempt": 3, "operator_feedback": "approve", **parameters}
         task = keyboard(build(keyboard.Parameters, short))
         clock = VirtualClock()
-        operator = [SimulatedOperator(character, seed)] if character else []
+        operator = [SimulatedOperator(profile, seed)] if profile else []
         session = Session(task, calm, clock, seed, [SimulatedParticipant(PEOPLE["average"], task, seed), *operator])
         heard: list[Record] = []
         session.bus.tap(lambda cascade: heard.extend((record.at, record.message) for record in cascade))
@@ -70,15 +70,15 @@ def of(kind: type[Any], heard: list[Record]) -> list[Any]:
     return [message for _, message in heard if isinstance(message, kind)]
 
 
-def like(character: str, **changes: Any) -> OperatorProfile:
-    return msgspec.structs.replace(CHARACTERS[character], **changes)
+def like(profile: str, **changes: Any) -> OperatorProfile:
+    return msgspec.structs.replace(PROFILES[profile], **changes)
 
 
-@pytest.mark.parametrize("name", CHARACTERS)
+@pytest.mark.parametrize("name", PROFILES)
 def test_the_same_seed_is_the_same_session_and_another_is_another(name: str, play: Play) -> None:
-    character = CHARACTERS[name]
-    assert play(character, 5) == play(character, 5)
-    decisions = [[(d.action, d.verdict, d.at) for d in of(m.Decision, play(character, seed))] for seed in (5, 6)]
+    profile = PROFILES[name]
+    assert play(profile, 5) == play(profile, 5)
+    decisions = [[(d.action, d.verdict, d.at) for d in of(m.Decision, play(profile, seed))] for seed in (5, 6)]
     assert decisions[0] != decisions[1]
 
 
@@ -178,7 +178,7 @@ def test_what_it_does_of_its_own_accord(play: Play) -> None:
 
 
 def test_the_participant_is_as_fast_with_an_operator_as_without(play: Play) -> None:
-    with_one, without = play(CHARACTERS["careful"], 2), play(None, 2)
+    with_one, without = play(PROFILES["careful"], 2), play(None, 2)
     assert of(m.Decision, with_one)
     times = [
         {(t.attempt, t.trial): t.reaction_time_ms for t in of(m.TrialEnded, heard)} for heard in (with_one, without)
@@ -191,23 +191,23 @@ def test_the_participant_is_as_fast_with_an_operator_as_without(play: Play) -> N
 MANY = [RandomStreams(1, "operator", f"a{n}") for n in range(2000)]
 
 
-@pytest.mark.parametrize("name", CHARACTERS)
+@pytest.mark.parametrize("name", PROFILES)
 def test_shares_come_out_as_the_character_says(name: str) -> None:
-    character = CHARACTERS[name]
-    verdicts = Counter(character.verdict(streams) for streams in MANY)
-    assert verdicts["miss"] / 2000 == pytest.approx(character.misses, abs=0.025)
-    slipped = character.slips / 2
-    for verdict, share in (("veto", character.vetoes), ("edit", character.edits)):
-        meant = share * (1 - character.slips) + (1 - share) * slipped
-        assert verdicts[verdict] / 2000 == pytest.approx((1 - character.misses) * meant, abs=0.025)
+    profile = PROFILES[name]
+    verdicts = Counter(profile.verdict(streams) for streams in MANY)
+    assert verdicts["miss"] / 2000 == pytest.approx(profile.misses, abs=0.025)
+    slipped = profile.slips / 2
+    for verdict, share in (("veto", profile.vetoes), ("edit", profile.edits)):
+        meant = share * (1 - profile.slips) + (1 - share) * slipped
+        assert verdicts[verdict] / 2000 == pytest.approx((1 - profile.misses) * meant, abs=0.025)
 
 
-@pytest.mark.parametrize("name", CHARACTERS)
+@pytest.mark.parametrize("name", PROFILES)
 def test_times_come_out_as_the_character_says(name: str) -> None:
-    character = CHARACTERS[name]
+    profile = PROFILES[name]
     text = "one two three four five"
-    times = [character.reaction_ms(text, streams) for streams in MANY]
-    assert fmean(times) == pytest.approx(5 * character.ms_per_word + character.mean_ms, rel=0.03)
+    times = [profile.reaction_ms(text, streams) for streams in MANY]
+    assert fmean(times) == pytest.approx(5 * profile.ms_per_word + profile.mean_ms, rel=0.03)
     assert median(times) < fmean(times), "the tail is on the slow side"
     assert min(times) >= 150
 
@@ -215,7 +215,7 @@ def test_times_come_out_as_the_character_says(name: str) -> None:
 def test_who_is_hasty_is_faster_and_more_often_wrong_than_who_is_careful() -> None:
     text = "You were a little slower than last time."
     hasty, careful = (
-        fmean(CHARACTERS[name].reaction_ms(text, streams) for streams in MANY) for name in ("hasty", "careful")
+        fmean(PROFILES[name].reaction_ms(text, streams) for streams in MANY) for name in ("hasty", "careful")
     )
     assert hasty < careful / 2
-    assert CHARACTERS["hasty"].slips > CHARACTERS["careful"].slips
+    assert PROFILES["hasty"].slips > PROFILES["careful"].slips
