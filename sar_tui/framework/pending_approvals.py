@@ -14,33 +14,33 @@ class PendingApprovals:
 
     @property
     def waiting(self) -> tuple[PendingApproval, ...]:
-        """All of them, the oldest first."""
+        """All of them, oldest first."""
         return tuple(self._waiting.values())
 
     @property
     def is_awaited(self) -> bool:
-        """Whether the session waits for one of them."""
+        """True if the session waits for one of them."""
         return any(map(is_awaited, self._waiting.values()))
 
     @property
     def next_deadline(self) -> int | None:
-        """When the next of them is decided without an operator (ns)."""
+        """The earliest deadline (ns), if there is one."""
         return min((one.deadline for one in self._waiting.values() if one.deadline is not None), default=None)
 
     def add(self, pending: PendingApproval) -> None:
-        """Let a proposal wait; one of the same id takes its place."""
+        """Add a proposal; it replaces one with the same id."""
         self._waiting[pending.proposal.id] = pending
 
     def take(self, id: str) -> PendingApproval | None:
-        """It waits no longer; None where it does not."""
+        """Remove and return a proposal by its id; None if it does not wait."""
         return self._waiting.pop(id, None)
 
     def take_due(self, now: int) -> tuple[PendingApproval, ...]:
-        """Those whose time is over."""
+        """Remove and return the proposals whose deadline has passed."""
         return self.remove(lambda pending: pending.deadline is not None and pending.deadline <= now)
 
     def remove(self, which: Callable[[PendingApproval], bool] = lambda _: True) -> tuple[PendingApproval, ...]:
-        """Some of them wait no longer; returns those."""
+        """Remove and return the proposals for which ``which`` is true."""
         gone = tuple(filter(which, self._waiting.values()))
         for pending in gone:
             del self._waiting[pending.proposal.id]

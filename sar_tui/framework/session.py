@@ -1,4 +1,4 @@
-"""A session: the one place where nodes, inputs and outputs meet."""
+"""A session: composes nodes, inputs and outputs."""
 
 from collections.abc import Iterable, Sequence
 
@@ -19,7 +19,7 @@ from sar_tui.framework.topics import ACTING, SESSION, SESSION_ENDED, THEME
 
 
 class ReplayError(ValueError):
-    """What was recorded does not come out again: another version of the task or of the program made it."""
+    """A replay differs from the record, which a different version of the task or the program made."""
 
 
 class Session:
@@ -32,8 +32,8 @@ class Session:
         seed: of all that is random.
         extra: input and output nodes: a screen, a simulated participant.
         best: the participant's best results of earlier sessions, by level.
-        others_best: those of who sits at the other seats, by seat.
-        names: what the agent calls who sits where, by seat, where that is not the seat.
+        others_best: the same for the other participants, by seat.
+        names: what the agent calls each participant, by seat; without a name, the seat.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class Session:
 
     @property
     def broken(self) -> Fault | None:
-        """The fault that stops this session, if there was one."""
+        """The fault that stopped this session, if there was one."""
         return next((fault for fault in self.faults if fault.node in self._vital), None)
 
     def begin(self, run: int = 1) -> None:
@@ -93,19 +93,19 @@ class Session:
         self.bus.publish(SESSION, started)
 
     def apply_theme(self, theme: Theme) -> None:
-        """Take on a theme: what is said from here on is said in its words."""
+        """Use another theme from here on."""
         self.theme = theme
         self.bus.publish(THEME, ThemeApplied(theme=theme))
 
     def replay(self, history: Iterable[Record]) -> None:
-        """Derive again what was recorded, so that the nodes stand where they stood. Before ``begin``.
+        """Bring the nodes to the state at the end of a record. Call it before ``begin``.
 
-        The inputs are fed in their order, the clock set to each; what the nodes derive is compared with what
-        was recorded, except for wording. Faults of inputs and outputs do not come out again, for these are not
-        attached yet. Then the session's own clock is put back, and its messages are counted on from the last.
+        The recorded inputs are published in order, each at its recorded time. The messages that the nodes derive are
+        compared with the record, except for wording and for the faults of inputs and outputs, which are not attached
+        yet. Then the session's own clock is used again, and the numbers of messages continue those of the record.
 
         Raises:
-            ReplayError: they differ.
+            ReplayError: the derived messages differ from the record.
         """
         clock = VirtualClock()
         self.bus.clock = clock
@@ -128,11 +128,11 @@ class Session:
         for was, now in zip(expected, derived, strict=False):
             if was.topic is not now.topic or not is_same(was.message, now.message):
                 raise ReplayError(
-                    f"Message {was.seq} ({was.topic.name}) does not come out as it was recorded: "
+                    f"Message {was.seq} ({was.topic.name}) differs from the record: "
                     "the task, the theme or the program has changed since."
                 )
         if len(derived) != len(expected):
-            raise ReplayError("The record of this session is not whole: it cannot be resumed.")
+            raise ReplayError("The record of this session is incomplete: it cannot be resumed.")
         if fault := self.broken:
             raise ReplayError(f"The task failed there: {fault.error}, {fault.place}.")
         if recorded:
@@ -143,16 +143,16 @@ class Session:
         return isinstance(record.message, Fault) and record.message.node not in core
 
     def detach(self) -> None:
-        """Let go of devices. Harmless when called again."""
+        """Release devices. May be called again."""
         for node in self.nodes:
             node.detach()
 
     def _end(self) -> None:
-        """Inputs end by themselves when they hear it; outputs still have a goodbye to say."""
+        """Inputs end by themselves at this message; outputs have a goodbye to say first."""
         self.ended = True
 
     def _use_texts(self, theme: Theme) -> None:
-        """The task's words are the theme's, where that has its own: in a replay, those it had then."""
+        """Translate the task's texts as the theme does; in a replay, as it did then."""
         self.task.tr = self._tr.including(theme.texts)
 
     def _agent_acted(self, agent: AgentActing) -> None:
@@ -160,7 +160,7 @@ class Session:
 
 
 def core_nodes(task: Task, theme: Theme, seed: int) -> tuple[Node, ...]:
-    """The nodes of the framework, with the task's own perception, in the order in which they hear a message."""
+    """Return the framework's nodes and the task's own perception, in the order in which they receive a message."""
     seat_of = task.seat_of if len(task.seats) > 1 else None
     perception = (Perception(task.parameters, seat_of), *task.nodes())
     return (

@@ -1,4 +1,4 @@
-"""The trial in hand: from the quiet before its prompt to its row in the table."""
+"""The open trial: from the foreperiod to its row in the table."""
 
 import math
 
@@ -10,12 +10,13 @@ from sar_tui.framework.trial_types import Mark, Result, Situation, Stimulus, Tri
 
 
 class OpenTrial:
-    """What is known of one trial while it runs. A pause clears it, but for the count of its presentations.
+    """State of a trial while it runs. A pause clears it, except for the number of presentations.
 
     Args:
-        situation: where in the session it stands.
-        stimulus: what it shows.
-        seats: who takes part in the task.
+        situation: its place in the session.
+        stimulus: shown by its prompt.
+        seats: of the task.
+        presentation: how often it has been shown.
     """
 
     def __init__(
@@ -38,12 +39,12 @@ class OpenTrial:
         self._flags: list[str] = []
 
     def repeated(self) -> "OpenTrial":
-        """The same trial, to be repeated."""
+        """Return the same trial, cleared, to be repeated."""
         return OpenTrial(self.situation, self.stimulus, self.seats, self.presentation)
 
     @property
     def turn(self) -> str:
-        """Whose turn it is, as far as that is told before the prompt; empty: everybody's, or not to be known."""
+        """The seat whose turn it is; empty for all seats, or if only a cue may reveal it."""
         return "" if self.stimulus.cue else self._seat
 
     @property
@@ -51,13 +52,13 @@ class OpenTrial:
         return self.seats[0] if len(self.seats) == 1 else ""
 
     def draw_foreperiod(self, shortest_ms: int, longest_ms: int) -> int:
-        """Choose the wait before the prompt, in ns: uniform between the bounds, the same at each repetition."""
+        """Draw the foreperiod, in ns: uniform between the bounds, the same for each repetition."""
         share = self.situation.streams.uniform("foreperiod")
         self.foreperiod = round((shortest_ms + share * (longest_ms - shortest_ms)) * MS)
         return self.foreperiod
 
     def cue(self, at: int) -> CueGiven:
-        """The agent looks or points to a side, at ``at`` (ns)."""
+        """Give the cue at ``at`` (ns)."""
         cue = self.stimulus.cue
         assert cue
         self.cued = at
@@ -72,12 +73,12 @@ class OpenTrial:
         )
 
     def flag(self, flag: str) -> None:
-        """Mark the trial, once."""
+        """Add a flag to the trial, once."""
         if flag not in self._flags:
             self._flags.append(flag)
 
     def prompt(self, timeout: int) -> Prompt:
-        """Present it once more."""
+        """Return the prompt of the next presentation."""
         self.presentation += 1
         return Prompt(
             seat=self._seat,
@@ -98,7 +99,7 @@ class OpenTrial:
         )
 
     def is_shown_by(self, shown: Shown) -> bool:
-        """Whether ``shown`` speaks of this presentation."""
+        """Return True if ``shown`` is about this presentation."""
         return (shown.attempt, shown.trial, shown.presentation) == (
             self.situation.attempt,
             self.situation.trial,
@@ -106,22 +107,22 @@ class OpenTrial:
         )
 
     def set_onset(self, shown: Shown) -> None:
-        """The prompt reached the screen."""
+        """Store the onset of the prompt."""
         self._onset, self._onset_source = shown.at, shown.source
         if shown.source == "refresh":
             self.flag("onset_refresh")
 
     def view(self) -> Trial:
-        """What a task is given to judge by. Only once shown."""
+        """Return the trial as the task sees it. Only after the onset."""
         assert self._onset is not None
         return Trial(self.situation, self.stimulus, self._onset, self._percepts, self.started, self.cued)
 
     def remember(self, percept: Percept) -> None:
-        """Keep a percept that has been judged."""
+        """Add a percept that was judged."""
         self._percepts = (*self._percepts, percept)
 
     def voided(self, reason: str) -> PromptVoided:
-        """It is broken off."""
+        """Return the message that cancels this presentation."""
         return PromptVoided(
             attempt=self.situation.attempt,
             trial=self.situation.trial,
@@ -130,9 +131,9 @@ class OpenTrial:
         )
 
     def latency_ms(self, result: Result) -> float | None:
-        """The reaction time: from the prompt's onset to the response, or to the beginning of one that lasts.
+        """Return the reaction time: from the prompt's onset to the response, or to its onset if it lasts.
 
-        Negative for a response that came first; None for a miss, or where the prompt does not signal.
+        Negative if the response came first; None for a miss, or if the prompt does not ask for a quick response.
         """
         at = result.response_at if result.onset_at is None else result.onset_at
         if self._onset is None or at is None or not self.stimulus.signals:
@@ -140,23 +141,23 @@ class OpenTrial:
         return (at - self._onset) / MS
 
     def ended(self, result: Result, seat: str = "A") -> TrialEnded:
-        """Its row, for one of those who took part.
+        """Return the trial's row for a seat.
 
         Raises:
-            TypeError: the task's result is not of the types it declares, or not finite, so that it cannot be kept.
+            TypeError: the task's result cannot be stored: it has other types than declared, or is not finite.
         """
         row = self._row(result, seat)
         try:
             msgspec.convert(msgspec.to_builtins(row), TrialEnded)
         except (msgspec.ValidationError, TypeError) as error:
-            raise TypeError(f"the result of a trial cannot be kept: {error}") from error
+            raise TypeError(f"the result of a trial cannot be stored: {error}") from error
         numbers = [value for value in (row.value, *row.details.values()) if isinstance(value, float)]
         if not all(map(math.isfinite, numbers)):
-            raise TypeError("the result of a trial cannot be kept: a number in it is not finite")
+            raise TypeError("the result of a trial cannot be stored: a number in it is not finite")
         return row
 
     def _judged(self, result: Result, seat: str) -> Percept | None:
-        """The percept that a result came of: the last, or where several take part the one that was the response."""
+        """Return the percept that led to the result: the last one, or with several seats the one of the response."""
         mine = [percept for percept in self._percepts if percept.seat == seat]
         if len(self.seats) > 1:
             mine = [one for one in mine if result.response_at in (one.at, getattr(one, "onset", None))]

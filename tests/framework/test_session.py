@@ -251,7 +251,7 @@ def test_a_record_that_ends_in_the_middle_of_a_cascade_is_noticed() -> None:
         *whole_cascades, last = whole().cascades[: at + 1]
         while len(last) == 1:
             *whole_cascades, last = whole_cascades
-        with pytest.raises(ReplayError, match="not whole"):
+        with pytest.raises(ReplayError, match="incomplete"):
             replay([record for cascade in (*whole_cascades, last[:-1]) for record in cascade])
 
 

@@ -1,4 +1,4 @@
-"""The Action Center: decides how the agent says what is due (thesis 3.2.4)."""
+"""The Action Center: decides how the agent says something (thesis 3.2.4)."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -25,7 +25,7 @@ from sar_tui.framework.topics import FEEDBACK, FILLER_DUE, PROPOSED, RECALL, SES
 
 
 class _Rule(NamedTuple):
-    """How important a kind of words is, and what becomes of it when something else is under way."""
+    """Priority and queue policy of a kind of action."""
 
     priority: int
     policy: Policy
@@ -40,16 +40,16 @@ RULES: dict[Kind, _Rule] = {
     "goodbye": _Rule(10, "queue"),
     "filler": _Rule(45, "drop"),
 }
-"""Feedback breaks off what is less important; what only helps is left out when it comes late; the goodbye is last. A
-filler has begun when the answer comes, and is heard out."""
+"""Feedback interrupts what is less important; hints and encouragement are dropped if they are late; the goodbye comes
+last. A filler is not interrupted by the feedback it precedes."""
 
 
 _TOWARDS = {"A": "left", "B": "right"}
-"""Where the agent looks when it speaks to one of two."""
+"""Side to which the agent looks when it speaks to one of two participants."""
 
 
 class ActionCenter(Node):
-    """Turns what happens into words, a face, a gesture: each with its importance."""
+    """Turns events into proposals: text, face and gesture, with a priority."""
 
     name = "action_center"
     emits = (PROPOSED,)
@@ -66,7 +66,7 @@ class ActionCenter(Node):
 
     @on(THEME)
     def theme_applied(self, applied: ThemeApplied) -> None:
-        """A theme that was edited is spoken from here on."""
+        """Use the theme from here on."""
         self._words.theme = applied.theme
 
     @on(SESSION)
@@ -77,12 +77,12 @@ class ActionCenter(Node):
 
     @on(SESSION_ENDED)
     def say_goodbye(self, ended: SessionEnded) -> None:
-        """Who stops early, in pain perhaps, is not waved at."""
+        """Say goodbye; don't wave if the session was aborted."""
         how = "goodbye" if ended.status == "completed" else "goodbye_early"
         self._propose("goodbye", self._to_all(how), how)
 
     @on(FEEDBACK)
-    def answer(self, feedback: Feedback) -> None:
+    def feedback_due(self, feedback: Feedback) -> None:
         recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level))
         answer = self._answers.answer(feedback, recalled)
         plain = answer.valence == "neutral" or answer.degree == "clear"
@@ -101,25 +101,25 @@ class ActionCenter(Node):
             policy="queue" if follows else None,
         )
 
-    def _to(self, seat: str, words: str) -> str:
-        """Words for one of several: they say for whom they are."""
+    def _to(self, seat: str, text: str) -> str:
+        """Address a participant by name if there are several."""
         if len(self._task.seats) == 1:
-            return words
+            return text
         who = self._task.display_name(seat)
-        return self._task.tr("{who}: {words}", who=who, words=words)
+        return self._task.tr("{who}: {words}", who=who, words=text)
 
     def _to_all(self, situation: str) -> str:
-        """Words for all who sit there."""
+        """Return a phrase for all participants."""
         return self._words(situation if len(self._task.seats) == 1 else f"{situation}_both")
 
     @on(FILLER_DUE)
-    def cover(self, stalling: FillerDue) -> None:
-        """An answer is long in coming."""
-        self._propose("filler", self._words("filler"), seat=stalling.seat)
+    def filler_due(self, due: FillerDue) -> None:
+        """Propose a filler while feedback is awaited."""
+        self._propose("filler", self._words("filler"), seat=due.seat)
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Between attempts there is time for more: what to do, a kind word, a rest."""
+        """Propose instructions, encouragement or a rest between attempts."""
         if waiting.stage == "instructions" and not self._instructed:
             self._instructed = True
             self._propose("instruction", "", spoken=self._task.instructions())
@@ -177,7 +177,7 @@ class ActionCenter(Node):
 
 
 class _Words:
-    """Wordings of a theme: at random, but not the same twice running."""
+    """Phrases of a theme, chosen at random, but never the same twice in a row."""
 
     def __init__(self, theme: Theme, streams: RandomStreams) -> None:
         self.theme = theme

@@ -1,4 +1,4 @@
-"""Approvals: proposals and changes of level that wait for an operator, and what becomes of them."""
+"""Approvals: proposals and changes of level that wait for an operator."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -26,7 +26,7 @@ class _Outcome(NamedTuple):
 
 
 class Approvals(TimedNode, ABC):
-    """The half of the arbiter that asks operators: accepts, edits and vetoes, deadlines, and doing without an operator.
+    """The part of the arbiter that asks operators: decisions, deadlines, and proposals made without an operator.
 
     A mode for each kind of action says what has to wait (see `policies.arbitration`).
     """
@@ -124,7 +124,7 @@ class Approvals(TimedNode, ABC):
         )
         self.emit(LEVEL_DECIDED, decided)
 
-    # --- what becomes of a proposal that waits --------------------------------------------------------------
+    # --- pending proposals ----------------------------------------------------------------------------------
 
     def _apply_decision(self, pending: PendingApproval, decision: Decision) -> None:
         if decision.verdict == "veto":
@@ -140,7 +140,7 @@ class Approvals(TimedNode, ABC):
             self._act(pending, decision.actor, "operator")
 
     def _apply_mode(self, chosen: m.ModeChanged) -> None:
-        """Apply a new mode, also to what waits already."""
+        """Apply a new mode, also to pending proposals."""
         self._rules = arbitration.set_mode(self._rules, chosen.kind, chosen.mode)
         for pending in self._pending.remove(lambda one: arbitration.CONTROLLED[one.proposal.kind] == chosen.kind):
             verdict = arbitration.decide(self._rules, self._parameters, pending.proposal, self.now, pending.level)
@@ -150,7 +150,7 @@ class Approvals(TimedNode, ABC):
                 self._act(pending, chosen.actor, "operator")
 
     def _apply_presence(self, is_operated: bool) -> None:
-        """Without an operator, do or drop what waits for one, as the session is set."""
+        """Enable or disable the modes; without an operator, decide pending proposals as configured."""
         self._rules = replace(self._rules, operated=is_operated)
         if not is_operated:
             self._do_without_operator()
@@ -170,7 +170,7 @@ class Approvals(TimedNode, ABC):
                 self._give_up(pending, "no operator", "no operator")
 
     def _act(self, pending: PendingApproval, actor: str, ground: Ground) -> None:
-        """Do what was proposed, unchanged."""
+        """Accept a proposal as it is."""
         if pending.level is not None:
             self._decide_level(pending, "accepted", pending.level, actor, ground)
         else:
@@ -184,7 +184,7 @@ class Approvals(TimedNode, ABC):
         self.emit(DECIDED, action)
 
     def _give_up(self, pending: PendingApproval, reason: str, ground: Ground, actor: str = "agent") -> None:
-        """Drop what was proposed."""
+        """Drop a proposal."""
         if pending.level is not None:
             self._decide_level(pending, "rejected", 0, actor, ground)
         else:

@@ -1,4 +1,4 @@
-"""The Arbiter: stands between what the agent proposes and what the participant gets."""
+"""The Arbiter: decides when proposals of the agent reach the outputs."""
 
 from collections.abc import Callable
 
@@ -51,14 +51,14 @@ from sar_tui.framework.topics import (
 )
 
 PATIENCE = 40 * SECOND
-"""An action of which no output says that it is over is halted by then: no session hangs on a robot. Speaking takes
-longer with the text; outputs give up sooner (`outputs.node`)."""
+"""An action that no output reports as over is halted after this time, so that no robot blocks a session. Spoken text
+adds `PER_CHARACTER`; outputs give up sooner (`outputs.node`)."""
 PER_CHARACTER = 150 * MS
 FILLER_AFTER = SECOND
-"""An answer that is owed for longer than this is covered by a filler: people prefer to hear something by then."""
+"""A wait for feedback that is longer than this is covered by a filler."""
 _OVER = ("done", "aborted", "failed")
 _AFTER_FEEDBACK: tuple[Kind, ...] = ("encouragement", "rest")
-"""What would be odd to hear before the answer that is owed."""
+"""Kinds of action that wait until pending feedback has been given."""
 
 
 class Arbiter(Approvals):
@@ -94,20 +94,17 @@ class Arbiter(Approvals):
 
     @on(OUTPUT)
     def output_opened(self, opened: m.OutputOpened) -> None:
-        """Outputs announce themselves before a run begins."""
+        """Store an output; outputs announce themselves before a run begins."""
         self._announced.append(opened)
 
     @on(THEME)
     def theme_applied(self, applied: m.ThemeApplied) -> None:
-        """Operators' words are said in the manner of the theme."""
+        """Use the theme for operators' remarks."""
         self._theme = applied.theme
 
     @on(SESSION)
     def session_started(self, _: m.SessionStarted) -> None:
-        """A run begins: what was under way in another is over, and so is whoever was there.
-
-        Words that waited are late now; a level that waited is not.
-        """
+        """Begin a run: end what was under way in the last one, and drop what waited, except a change of level."""
         self._outputs, self._announced = self._announced, []
         self.cancel_timers()
         self._queue.abandon()
@@ -119,7 +116,7 @@ class Arbiter(Approvals):
 
     @on(WAITING)
     def waiting(self, waiting: m.Waiting) -> None:
-        """Nothing begins in a trial, and a pause is quiet; who goes on from the instructions need not hear them out."""
+        """Hold back actions in trials and pauses; stop the instructions when the participant has left them."""
         in_trial = waiting.what in ("foreperiod", "storage", "response") and waiting.stage == "trial"
         self._is_closed = in_trial or (waiting.stage == "paused" and waiting.reason != "interrupted")
         if waiting.stage == "trial":
@@ -135,17 +132,14 @@ class Arbiter(Approvals):
 
     @on(ATTEMPT_STARTED)
     def attempt_started(self, _: m.AttemptStarted) -> None:
-        """What only waited for an operator who might have wanted it is over with the pause between attempts."""
+        """Drop manual proposals when an attempt starts."""
         for pending in self._pending.remove(lambda one: one.deadline is None):
             self._give_up(pending, "manual", "mode")
         self._publish_state()
 
     @on(ATTEMPT_ENDED)
     def attempt_ended(self, ended: m.AttemptEnded) -> None:
-        """An attempt that is scored once more is answered anew, if it has not been answered yet.
-
-        If it comes out another way and no level was asked for with that, the level that waits is not called for.
-        """
+        """Drop feedback that waits if its attempt is scored again, and a pending level if the outcome changed."""
         self._note_outcome(ended)
         here = (ended.seat, ended.attempt)
         self._drop("amended", lambda one: one.kind == "feedback" and (one.seat, one.attempt) == here)
@@ -153,7 +147,7 @@ class Arbiter(Approvals):
 
     @on(SESSION_ENDED)
     def session_ended(self, ended: m.SessionEnded) -> None:
-        """Nothing is said after the goodbye; before it, where all was done, the last answers have their turn."""
+        """Drop what waits, except the last feedback if the session was completed: it precedes the goodbye."""
         answers = [action.id for action in self._queue.waiting if action.kind == "feedback"]
         self._drop("late", lambda one: ended.status == "aborted" or one.id not in answers)
         self._publish_state()
@@ -162,20 +156,20 @@ class Arbiter(Approvals):
 
     @on(PROPOSED)
     def proposed(self, proposal: Proposal) -> None:
-        """A gesture that is ruled on apart is one proposal more."""
+        """Decide on a proposal."""
         words = self._decide_proposal(proposal)
         self._set_filler_timer(words)
         self._begin_next()
 
     @serves(UNSAID_FEEDBACK)
-    def tell_unsaid(self, asked: m.UnsaidFeedbackRequest) -> m.UnsaidFeedback:
-        """Whose answers wait."""
+    def unsaid_requested(self, request: m.UnsaidFeedbackRequest) -> m.UnsaidFeedback:
+        """Return the seats whose feedback on an attempt waits."""
         waiting = (*self._queue.waiting, *(one.proposal for one in self._pending.waiting))
-        answers = [one for one in waiting if one.kind == "feedback" and one.attempt == asked.attempt]
+        answers = [one for one in waiting if one.kind == "feedback" and one.attempt == request.attempt]
         return m.UnsaidFeedback(seats=tuple(sorted({one.seat for one in answers})))
 
     def _set_filler_timer(self, proposal: Proposal) -> None:
-        """A filler covers a wait for an operator; or any, so that it does not tell the two apart."""
+        """Schedule a filler for a wait for an operator; or for any wait, so that it does not reveal an operator."""
         waits = any(one.proposal is proposal and one.deadline is not None for one in self._pending.waiting)
         delayed = proposal.due > self.now + FILLER_AFTER
         wanted = {"operator": waits, "always": waits or delayed, "never": False}[self._parameters.filler]
@@ -187,21 +181,21 @@ class Arbiter(Approvals):
 
     @on(PRESENCE)
     def operator_changed(self, changed: m.OperatorChanged) -> None:
-        """Without an operator, what waits for one is done or left out, as the session is set."""
+        """Note that operators joined or left. Without one, pending proposals are done or dropped, as configured."""
         self._has_operators = True
         self._apply_presence(changed.operated)
         self._begin_next()
 
     @on(MODE)
     def mode_chosen(self, chosen: m.ModeChanged) -> None:
-        """What waits already is ruled on anew."""
+        """Apply a new mode."""
         self._has_operators = True
         self._apply_mode(chosen)
         self._begin_next()
 
     @on(DECISION)
     def decided(self, decision: m.Decision) -> None:
-        """An operator decides: on what waits for them, on what waits for its turn, or on what is under way."""
+        """Apply an operator's decision to a pending, queued or current action."""
         if pending := self._pending.take(decision.action):
             self._apply_decision(pending, decision)
         elif queued := self._queue.take(decision.action):
@@ -215,7 +209,7 @@ class Arbiter(Approvals):
 
     @on(REMARK)
     def remarked(self, remark: m.Remark) -> None:
-        """An operator's own words or gesture take their turn before all that the agent proposes."""
+        """Queue an operator's own words or gesture before anything the agent proposes."""
         self._remarks += 1
         said = initiated(remark, f"o{self._remarks}", self._theme, self.now)
         self._queue.add(said)
@@ -224,7 +218,7 @@ class Arbiter(Approvals):
 
     @on(OPERATOR)
     def operator_acted(self, act: m.Operator) -> None:
-        """The stop key: everything that is said and done, and all that waits. A level by hand is the one that holds."""
+        """Stop and drop everything on the stop key; drop a pending level when an operator sets the level."""
         if act.command == "stop":
             self._drop("stopped", actor=act.actor)
             self.emit(HALT, Halt(reason="stopped", asked=act.at or self.now))
@@ -265,7 +259,7 @@ class Arbiter(Approvals):
         )
 
     def _begin_next(self) -> None:
-        """Let those act whose turn it is."""
+        """Begin the actions whose turn it is."""
         held = _AFTER_FEEDBACK if self._pending.is_awaited else ()
         while not self._is_closed and (action := self._queue.next(self.now, held)):
             if current := self._queue.current:
@@ -284,12 +278,12 @@ class Arbiter(Approvals):
         self._publish_state()
 
     def _parts(self, utterance: Utterance) -> list[tuple[str, ActionPart]]:
-        """Which outputs have something to do for it that takes a while."""
+        """Return the parts of an action that take time, by output."""
         wanted = {part for part in LASTING if getattr(utterance, _FIELDS[part])}
         return [(opened.output, part) for opened in self._outputs for part in opened.can if part in wanted]
 
     def _publish_state(self) -> None:
-        """Tell what is another than before: whether the agent acts; and to operators, how things stand."""
+        """Publish whether the agent acts, and the state for operators, if they changed."""
         acting = m.AgentActing(acting=self._queue.is_acting, awaits_operator=self._pending.is_awaited)
         if acting != self._acting:
             self._acting = acting
@@ -309,15 +303,16 @@ class Arbiter(Approvals):
 
     def _drop(self, reason: str, what: Callable[[Utterance], bool] = lambda _: True, actor: str = "agent") -> None:
         for action in self._queue.remove(what):
-            self.emit(DROPPED, Dropped(id=action.id, reason=reason, actor=_who(reason, actor)))  # type: ignore[arg-type]
+            dropped = Dropped(id=action.id, reason=reason, actor=_who(reason, actor))  # type: ignore[arg-type]
+            self.emit(DROPPED, dropped)
         for pending in self._pending.remove(lambda one: what(one.proposal)):
             self._give_up(pending, reason, "mode", _who(reason, actor))
 
 
 _FIELDS: dict[ActionPart, str] = {"say": "spoken", "gesture": "gesture", "gaze": "gaze", "tone": "tone"}
-"""What of a saying each part takes."""
+"""Field of an utterance that each part uses."""
 
 
 def _who(reason: str, actor: str) -> str:
-    """Who dropped something: the participant's own stop key, and the agent, are not named."""
+    """Return the actor of a drop: operators by name, the participant's own stop key as the agent."""
     return actor if reason == "stopped" and actor != "participant" else "agent"

@@ -1,4 +1,4 @@
-"""How an attempt runs: its trials, its score, the level that follows, the feedback, a therapist's marks."""
+"""Runs attempts: trials, score, feedback, the next level, and a therapist's marks."""
 
 from collections.abc import Collection
 

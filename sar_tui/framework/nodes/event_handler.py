@@ -1,4 +1,4 @@
-"""The Event Handler: runs the task, from the first Enter to the last attempt (thesis 3.2.3)."""
+"""The Event Handler: runs the session, from the instructions to the last attempt (thesis 3.2.3)."""
 
 from collections.abc import Collection
 from typing import Literal
@@ -45,7 +45,7 @@ from sar_tui.framework.trial_types import Result
 
 
 class EventHandler(AttemptFlow):
-    """The session and its attempts: what comes when. The course scores and adapts; how a trial runs is the base's."""
+    """Runs the session: phases, pauses, faults and the end. The base classes run its attempts and their trials."""
 
     name = "event_handler"
     emits = (
@@ -76,7 +76,7 @@ class EventHandler(AttemptFlow):
 
     @on(SESSION)
     def session_started(self, session: m.SessionStarted) -> None:
-        """The first run shows the instructions; a later one goes on where the last was cut off."""
+        """Show the instructions in the first run; continue where the last run stopped in a later one."""
         self._last_key = None
         self._start_key_at = None
         self._focused = True
@@ -96,7 +96,7 @@ class EventHandler(AttemptFlow):
 
     @on(FAULT)
     def fault(self, fault: m.Fault) -> None:
-        """Without one of the vital nodes nothing can be judged any more: stop here, whatever comes."""
+        """Stop the session if a vital node failed: nothing can be scored any more."""
         if fault.node in self.vital:
             self._void("fault")
             self._wait(Phase.BROKEN)
@@ -129,7 +129,7 @@ class EventHandler(AttemptFlow):
 
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:
-        """A disk that refuses pauses the session; one that writes again lets it go on."""
+        """Pause the session when writing to disk fails; let it be resumed when it works again."""
         self._blockers.update_storage(storage)
         if self._phase in (Phase.CLOSING, Phase.PAUSED):
             self._wait(self._phase)
@@ -138,7 +138,7 @@ class EventHandler(AttemptFlow):
 
     @on(SENSOR)
     def sensor_changed(self, sensor: m.SensorChanged) -> None:
-        """A sensor from which nothing comes stops the session; when it comes again, the session goes on."""
+        """Pause the session when a sensor sends no data, and resume it when it does again."""
         if self._phase in OVER or not self._blockers.update_sensor(sensor):
             return
         lost = self._blockers.sensor_lost
@@ -178,15 +178,15 @@ class EventHandler(AttemptFlow):
             self._wait_for_decision()
 
     def _needs_sensor(self, phase: Phase) -> bool:
-        """Whether a movement is about to be made: not in the instructions, nor when all attempts are done."""
+        """Return True if movements follow: not in the instructions, and not after the last attempt."""
         return not (self._is_all_done_in(phase) or phase is Phase.INSTRUCTIONS)
 
     def _is_all_done_in(self, phase: Phase) -> bool:
-        """Whether the last attempt has ended."""
+        """Return True if the last attempt has ended."""
         return phase is Phase.REVIEW or (phase is Phase.ANSWER and self._after_answer is Phase.REVIEW)
 
     def _close(self, status: Literal["completed", "aborted"]) -> None:
-        """End the session, once its last trial is on the disk."""
+        """End the session as soon as its last trial is on disk."""
         self._status = status
         if self._stored == self._last_trial:
             self._end()
@@ -216,7 +216,7 @@ class EventHandler(AttemptFlow):
 
     @property
     def _reason(self) -> str:
-        """Why the session stands still: the disk, before anything a person said."""
+        """Reason of the pause: a disk failure takes precedence over what a person gave."""
         if self._blockers.disk_refuses and self._phase in (Phase.PAUSED, Phase.CLOSING):
             return "storage"
         return self._pause_reason if self._phase is Phase.PAUSED else ""
@@ -227,18 +227,18 @@ class EventHandler(AttemptFlow):
         notice = self._notice_for(phase)
         detail = self._blockers.detail(why)
         seat = self._blockers.lost_seat if why == "sensor" else self._turn
-        told = waiting_message(phase, self._attempts, self.task, notice=notice, reason=why, detail=detail, seat=seat)
-        self.emit(WAITING, told)
+        message = waiting_message(phase, self._attempts, self.task, notice=notice, reason=why, detail=detail, seat=seat)
+        self.emit(WAITING, message)
 
     @property
     def _turn(self) -> str:
-        """Whose turn it is, as far as that may be known; empty: everybody's."""
+        """The seat whose turn it is, if it may be known; empty for all seats."""
         if len(self.task.seats) == 1:
             return self.task.seats[0]
         return self._trial.turn if self._phase in IN_TRIAL else ""
 
     def _notice_for(self, phase: Phase) -> str:
-        """What has to be known first: that a trial is done again, or that the level is another."""
+        """Return what the participant must know first: a new level, or a trial to repeat."""
         if phase is Phase.READY and self._attempts.level != self._announced_level:
             return self.task.notice(self._attempts.level, self._announced_level)
         return self._notice if phase is Phase.START else ""

@@ -1,4 +1,4 @@
-"""How a trial runs: from its start, or the quiet before its prompt, to its row (thesis 3.2.3)."""
+"""Runs trials, each from its start to its row (thesis 3.2.3)."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -15,22 +15,22 @@ from sar_tui.framework.trial import OpenTrial
 from sar_tui.framework.trial_types import Again, Mark, Result, Results
 
 GRACE = 50 * MS
-"""A response stamped in time may be handled this much after the time-out was, however late that itself came."""
+"""After the time-out, how long to wait for responses that were stamped in time but are handled late."""
 MAX_REPEATS = 3
-"""After so many times of which nothing can be said a trial counts as missed: nobody is asked without end."""
+"""After this many unmeasurable repetitions a trial counts as missed."""
 HELD_KEY = 700 * MS
-"""The key that starts a trial, so soon after itself, is held: keyboards repeat first after 250 to 660 ms."""
+"""The start key this soon after itself is held down: keyboards begin to repeat after 250 to 660 ms."""
 HELD_NOTICE = 3 * SECOND
-"""After this long without quiet the participant is asked to let go of the keys."""
+"""After this long without quiet the participant is asked to release the keys."""
 
 
 class TrialFlow(TimedNode, ABC):
-    """One trial after the other. The open trial keeps what was seen; what comes between attempts is a subclass's.
+    """Runs one trial after the other. Subclasses run the attempts and the session.
 
-    A trial runs (start) → quiet → foreperiod → (storing) → onset → response; a key in the foreperiod begins it anew;
-    a pause, a sensor that comes loose, or the end of the program, voids it, and it is repeated under the same number
-    with the same prompt. It does not go on towards its prompt while the agent speaks or moves. Where several take part
-    it ends for all of them at once; the keys of those whose turn it is not do nothing.
+    A trial runs (start) → quiet → foreperiod → (storing) → onset → response. A key in the foreperiod restarts it. A
+    pause, a lost sensor or the end of the program voids the trial, which is then repeated under the same number with
+    the same prompt. No prompt is shown while the agent speaks or moves. With several seats, a trial ends for all of
+    them at once, and keys of a seat whose turn it is not are ignored.
     """
 
     def __init__(self, task: Task) -> None:
@@ -52,33 +52,33 @@ class TrialFlow(TimedNode, ABC):
 
     @abstractmethod
     def _wait(self, phase: Phase, reason: str = "") -> None:
-        """Enter a phase, and say what the session waits for."""
+        """Enter a phase, and publish what the session waits for."""
 
     @abstractmethod
     def _key_between_trials(self, percept: m.KeyPerceived) -> None:
-        """A key where no trial is under way."""
+        """Handle a key while no trial is under way."""
 
     @abstractmethod
     def _trial_done(self, results: Results) -> Results:
-        """A trial has its results. Returns them as they are to be kept."""
+        """Take the results of a trial. Returns them as they are stored."""
 
     @abstractmethod
     def _next(self) -> None:
-        """A trial is recorded: go on with the next, or end the attempt."""
+        """Begin the next trial, or end the attempt."""
 
     @abstractmethod
     def _mark_open_trial(self, mark: Mark | None) -> None:
-        """The open trial is marked, or its mark is taken back."""
+        """Mark the open trial, or remove its mark."""
 
     # --- towards the prompt ----------------------------------------------------------------------------------
 
     def _begin_trial(self, notice: str = "") -> None:
-        """Let the participant start the trial, where that is theirs to do; else let it come by itself."""
+        """Wait for the participant to start the trial, if the task has a start key; else prepare its prompt."""
         self._notice = notice
         self._when_agent_is_still(self._await_start if self.task.start_key else self._prepare_prompt)
 
     def _when_agent_is_still(self, step: Callable[[], None]) -> None:
-        """Nobody is asked to move while they are spoken to."""
+        """Take ``step`` as soon as the agent neither speaks nor moves."""
         if self._is_agent_acting:
             self._after_agent = step
             self._wait(Phase.AGENT)
@@ -117,7 +117,7 @@ class TrialFlow(TimedNode, ABC):
             self._show()
 
     def _await_quiet(self) -> None:
-        """Let the foreperiod begin when no key has been pressed for a moment."""
+        """Begin the foreperiod when no key has been pressed for a moment."""
         self._restless_since = self.now
         self._wait(Phase.QUIET)
         self._set_quiet_timer()
@@ -153,7 +153,7 @@ class TrialFlow(TimedNode, ABC):
                 self._finish(self.task.timed_out(self._trial.view()))
 
     def _restart_foreperiod(self) -> None:
-        """A key where none belongs: wait for quiet, and begin the foreperiod anew."""
+        """Wait for quiet again after a key, and restart the foreperiod."""
         if self._phase is not Phase.QUIET:
             self._trial.false_starts += 1
             self.cancel_timer("foreperiod")
@@ -175,7 +175,7 @@ class TrialFlow(TimedNode, ABC):
 
     @on(SHOWN)
     def shown(self, shown: m.Shown) -> None:
-        """The prompt is on the screen: judge what was pressed while it was on its way, and wait."""
+        """Store the onset, judge the keys pressed since the prompt was published, and wait for a response."""
         if self._phase is not Phase.ONSET or not self._trial.is_shown_by(shown):
             return
         self._phase = Phase.RESPONSE
@@ -260,24 +260,24 @@ class TrialFlow(TimedNode, ABC):
             self._finish(Result(correct=False, flags=("unmeasured", again.reason), remark=again.text))
 
     def _finish(self, result: Result | Results) -> None:
-        """Record the trial, and go on to the next or to the end of the attempt."""
+        """Record the trial, and continue with the next one or the end of the attempt."""
         self.cancel_timers()
         results = result if isinstance(result, dict) else dict.fromkeys(self._trial.seats, result)
         self._repeats = 0
-        kept = self._trial_done({seat: self._flagged(mine) for seat, mine in results.items()})
-        for seat, mine in kept.items():
+        stored = self._trial_done({seat: self._flagged(mine) for seat, mine in results.items()})
+        for seat, mine in stored.items():
             self.emit(TRIAL, self._trial.ended(mine, seat))
         self._next()
 
     def _flagged(self, result: Result) -> Result:
-        """A result, marked if it came too soon to be a response."""
+        """Flag a result that came too soon to be a response."""
         latency = self._trial.latency_ms(result)
         if latency is None or latency >= self.parameters.min_rt_ms:
             return result
         return msgspec.structs.replace(result, flags=(*result.flags, "anticipation"))
 
     def _void(self, reason: str) -> None:
-        """Break a trial off; it will be repeated."""
+        """Void the open trial, so that it is repeated."""
         self.cancel_timers()
         if self._phase in IN_TRIAL:
             if self._trial.mark:

@@ -923,7 +923,7 @@ def test_a_result_that_cannot_be_kept_stops_the_session_for_good(sit: Sit, resul
     driver.press("f")
     fault = driver.session.broken
     assert fault is not None
-    assert "cannot be kept" in fault.error
+    assert "cannot be stored" in fault.error
     assert (driver.waiting.what, driver.waiting.stage) == ("nothing", "broken")
     said = len(driver.records)
     driver.wait(60_000)
