@@ -42,7 +42,8 @@ def driver() -> LoopDriver:
 
 
 def test_what_is_said_from_then_on_is_said_in_its_words_and_manner(driver: LoopDriver) -> None:
-    driver.session.apply_theme(edited(CALM, "Splendid", manners={"positive_strong": Manner("neutral", "shake", "up", "end")}))
+    manners = {"positive_strong": Manner("neutral", "shake", "up", "end")}
+    driver.session.apply_theme(edited(CALM, "Splendid", manners=manners))
     driver.attempt()
     first, second = said(driver)
     assert first in CALM.phrases["positive_strong"]
