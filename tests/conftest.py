@@ -13,10 +13,11 @@ from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.validation.simulated import Laboratory, Simulated
+from tests.caches import _caches
 from tests.examples import load_profile
 from tests.program import call, simulated
 
-__all__ = ["call", "simulated"]
+__all__ = ["_caches", "call", "simulated"]
 
 load_profile()
 

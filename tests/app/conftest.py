@@ -23,3 +23,9 @@ def a_plain_terminal() -> Iterator[None]:
 def no_session_to_join(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor on what runs on the machine meanwhile: home offers to join it."""
     monkeypatch.setattr("sar_tui.link.discovery.live_sessions", list)
+
+
+@pytest.fixture(autouse=True)
+def no_collection(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Skip the garbage collection around each attempt: with all that a test run holds in memory it takes long."""
+    monkeypatch.setattr("gc.collect", lambda generation=2: 0)

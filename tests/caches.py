@@ -1,0 +1,44 @@
+"""Caches that spare a test what is the same in all of them: parsed style sheets, the themes that ship."""
+
+import functools
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from textual.css import stylesheet
+from textual.css.model import RuleSet
+
+from sar_tui import plugins
+from sar_tui.framework.theme import ENGLISH, Theme
+
+
+def _cached_parse(parse: Callable[..., Any]) -> Callable[..., list[RuleSet]]:
+    parsed: dict[object, list[RuleSet]] = {}
+
+    def cached(*given: Any, variable_tokens: dict[str, list[Any]], **more: Any) -> list[RuleSet]:
+        variables = tuple((name, tuple(token.value for token in tokens)) for name, tokens in variable_tokens.items())
+        key = (given, variables, tuple(more.items()))
+        if key not in parsed:
+            parsed[key] = list(parse(*given, variable_tokens=variable_tokens, **more))
+        return parsed[key]
+
+    return cached
+
+
+def _cached_themes(read_theme: Callable[..., Theme], shipped: Path) -> Callable[..., Theme]:
+    read_once = functools.cache(read_theme)
+
+    def cached(folder: Path, language: str = ENGLISH, base: Theme | None = None) -> Theme:
+        return read_once(folder, language) if folder == shipped else read_theme(folder, language, base)
+
+    return cached
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _caches() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stylesheet, "parse", _cached_parse(stylesheet.parse))
+        default = plugins._shipped("themes") / plugins.DEFAULT_THEME
+        patch.setattr(plugins, "read_theme", _cached_themes(plugins.read_theme, default))
+        yield
