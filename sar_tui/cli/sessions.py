@@ -54,13 +54,15 @@ def sessions(
         return
 
     from sar_tui.cli.tables import add, table
-    from sar_tui.store.sessions import local_time, who
+    from sar_tui.store.sessions import local_time, participant_codes
 
     made = table("session", "began", "who", "task", "status", "attempts", right=("attempts",))
     for row in rows:
         status = row["status"] if row["mode"] == "live" else f"{row['status']}, {row['mode']}"
         status += ", operator" if row["operators"] else ""
-        add(made, row["id"], local_time(row["started_at"]), who(row), row["task"], status, row["attempts"])
+        add(
+            made, row["id"], local_time(row["started_at"]), participant_codes(row), row["task"], status, row["attempts"]
+        )
     out.print(made)
 
 
@@ -120,12 +122,12 @@ def print_failed_outputs(out: "Console", outputs: "Sequence[OutputSummary]") -> 
 
 
 def _print_facts(out: "Console", row: Row) -> None:
-    from sar_tui.store.sessions import local_time, who
+    from sar_tui.store.sessions import local_time, participant_codes
 
     ended = f", ended {local_time(row['ended_at'])}" if row["ended_at"] else ""
     for name, value in (
         ("Session", f"{row['id']}  {row['status']}{'' if row['mode'] == 'live' else ', ' + row['mode']}"),
-        ("Participant", who(row)),
+        ("Participant", participant_codes(row)),
         ("Task", f"{row['task']}, theme {row['theme']}, seed {row['seed']}"),
         ("Began", f"{local_time(row['started_at'])}{ended}"),
         ("Made by", f"sar-tui {row['software']['sar_tui']}, Python {row['software']['python']}"),

@@ -1,1 +1,1 @@
-"""Long-term memory: SQLite, in which nothing acknowledged is ever lost."""
+"""Long-term memory in SQLite. An acknowledged trial is never lost."""

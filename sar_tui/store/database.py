@@ -1,4 +1,4 @@
-"""Opens the database: private, durable, of a known version."""
+"""The database file: open it privately, durably and at the current version."""
 
 import contextlib
 import os
@@ -28,9 +28,9 @@ _TEMPORARY = {
 
 
 class StoreError(Exception):
-    """The database cannot be used; one or two clear sentences.
+    """The database cannot be used. The message is one or two clear sentences.
 
-    ``bad_input``: it is the wrong file, not a fault. ``temporary``: it may work later, with nothing changed here.
+    ``bad_input``: the user's input is wrong, such as the wrong file. ``temporary``: it may work later without a change.
     """
 
     def __init__(self, message: str, *, bad_input: bool = False, temporary: bool = False) -> None:
@@ -40,26 +40,26 @@ class StoreError(Exception):
 
 
 def default_folder() -> Path:
-    """Where data lives unless told otherwise: ``SAR_TUI_DATA``, else the user's data folder."""
+    """Return the default data folder: ``SAR_TUI_DATA``, or else the user's data folder."""
     named = os.environ.get("SAR_TUI_DATA")
     return Path(named) if named else platformdirs.user_data_path("sar-tui")
 
 
 def connect(folder: Path) -> sqlite_utils.Database:
-    """Open the database of a data folder, made or brought up to date if need be.
+    """Open the database of a data folder; create or migrate it if necessary.
 
-    The folder is made 0700 and the file 0600. The connection commits by itself outside of explicit
-    transactions; write-ahead log, every commit synced to the disk.
+    The folder is created with mode 0700 and the file with 0600. The connection commits automatically outside of
+    explicit transactions, uses a write-ahead log, and syncs every commit to the disk.
 
     Raises:
-        StoreError: not a database of ours, a newer version's, not writable, or the disk is full.
+        StoreError: the file is no database of ours, of a newer version, or not writable, or the disk is full.
     """
     path = folder / FILE
     if folder.exists() and not folder.is_dir():
         raise StoreError(f"{folder} is a file, not a folder to keep data in.", bad_input=True)
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        _make(path)
+        _create_file(path)
         if os.name == "posix" and stat.S_IMODE(path.stat().st_mode) != 0o600:
             path.chmod(0o600)
     except OSError as error:
@@ -70,7 +70,7 @@ def connect(folder: Path) -> sqlite_utils.Database:
         with filelock.FileLock(path.with_suffix(".lock"), timeout=10, mode=0o600):
             connection.execute("PRAGMA journal_mode=WAL")
             connection.execute("PRAGMA synchronous=FULL")
-            _bring_up_to_date(database, path)
+            _migrate(database, path)
     except filelock.Timeout:
         raise StoreError(f"Another program keeps {path} locked. Close it and try again.") from None
     except OSError as error:
@@ -80,11 +80,11 @@ def connect(folder: Path) -> sqlite_utils.Database:
     return database
 
 
-def _make(path: Path) -> None:
-    """Make the file, if there is none.
+def _create_file(path: Path) -> None:
+    """Create the file unless it exists.
 
-    One that is there is never opened but by SQLite: to close it would take from this program all locks that its other
-    connections hold on it (POSIX), and the next program to look at it would then take away the log they write to.
+    Only SQLite may open an existing file: closing it would release all locks that other connections of this process
+    hold on it (POSIX), and another program could then remove the write-ahead log they write to.
     """
     with contextlib.suppress(FileExistsError):
         os.close(os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600))
@@ -95,11 +95,11 @@ def _unwritable(folder: Path, error: OSError) -> StoreError:
 
 
 def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
-    """What SQLite's error means, in words."""
+    """Return an error of SQLite as a StoreError with a clear message."""
     code = (getattr(error, "sqlite_errorcode", 0) or 0) & 0xFF
     known = {
         sqlite3.SQLITE_FULL: f"The disk is full: {path} cannot grow. Free some space.",
-        sqlite3.SQLITE_READONLY: f"{path} is read-only. Give yourself the right to write to it and to its folder.",
+        sqlite3.SQLITE_READONLY: f"{path} is read-only. Change the permissions of the file and of its folder.",
         sqlite3.SQLITE_CANTOPEN: f"{path} cannot be opened. Does the folder exist, and may you write to it?",
         sqlite3.SQLITE_CORRUPT: f"{path} is damaged. Restore a backup, or choose another --data folder.",
         sqlite3.SQLITE_NOTADB: _NOT_OURS.format(path=path),
@@ -113,10 +113,10 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
 
 @contextmanager
 def transaction(database: sqlite_utils.Database) -> Iterator[sqlite3.Connection]:
-    """All or nothing: committed and on the disk when the block ends.
+    """Run a block as one transaction, committed and on the disk when the block ends.
 
     Raises:
-        StoreError: the disk refuses; nothing has changed.
+        StoreError: the disk refuses to write; nothing has changed.
     """
     connection: sqlite3.Connection = database.conn
     try:
@@ -132,7 +132,7 @@ def transaction(database: sqlite_utils.Database) -> Iterator[sqlite3.Connection]
         raise explain(error) from error
 
 
-def _bring_up_to_date(database: sqlite_utils.Database, path: Path) -> None:
+def _migrate(database: sqlite_utils.Database, path: Path) -> None:
     (version,) = database.execute("PRAGMA user_version").fetchone()
     if version > VERSION:
         raise StoreError(
@@ -148,7 +148,7 @@ def _bring_up_to_date(database: sqlite_utils.Database, path: Path) -> None:
 
 
 def _back_up(database: sqlite_utils.Database, path: Path, version: int) -> Path:
-    """Copy the file, before it is changed."""
+    """Copy the file before a migration, and return the copy."""
     stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
     copy = path.with_name(f"{path.stem}-v{version}-{stamp}.db")
     os.close(os.open(copy, os.O_RDWR | os.O_CREAT, 0o600))

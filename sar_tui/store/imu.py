@@ -1,4 +1,4 @@
-"""A motion sensor's samples in the database: blocks of them, each checked."""
+"""Samples of motion sensors in the database, in blocks with checksums."""
 
 import zlib
 from collections.abc import Iterator, Sequence
@@ -26,22 +26,21 @@ INSERT_CHUNK = (
 
 
 def layout() -> str:
-    """How a sample lies in ``imu_chunks.data``: names, types and shapes as numpy's ``dtype.descr`` has them."""
-    from sar_tui.motion.samples import SAMPLE  # loads numpy, which a session without a sensor does not need
+    """Return the layout of a sample in ``imu_chunks.data``: names, types and shapes, as in numpy's ``dtype.descr``."""
+    from sar_tui.motion.samples import SAMPLE  # imports numpy, which a session without a sensor does not need
 
     return msgspec.json.encode(SAMPLE.descr).decode()
 
 
-class Streams:
-    """Makes rows of what sensors tell: a stream each time one is attached, a chunk for its samples between events.
+class StreamRows:
+    """Makes rows of sensor messages: a stream each time a sensor is attached, a chunk for its samples between events.
 
-    Chunks begin and end where events lie between them, so that a replay can feed both in their order. Each seat has a
-    sensor of its own.
+    Events between samples end a chunk, so that a replay can feed both in order. Each seat has its own sensor.
 
     Args:
-        session, run: what the rows belong to.
-        stream: the number of the last stream that the session has already.
-        last: by seat, the numbers of its last stream and chunk.
+        session, run: the session and the run that the rows belong to.
+        stream: number of the last stream that is already stored.
+        last: numbers of the last stored stream and chunk, by seat.
     """
 
     def __init__(self, session: str, run: int, stream: int = 0, last: dict[str, tuple[int, int]] | None = None) -> None:
@@ -50,9 +49,9 @@ class Streams:
         self._stream = stream
         self._last = dict(last or {})
 
-    def rows(self, records: Sequence[Record]) -> tuple[list[tuple[Any, ...]], list[tuple[Any, ...]], "Streams"]:
-        """Rows for ``imu_streams`` and ``imu_chunks``, and where the counting stands after them."""
-        after = Streams(self._session, self._run, self._stream, self._last)
+    def rows(self, records: Sequence[Record]) -> tuple[list[tuple[Any, ...]], list[tuple[Any, ...]], "StreamRows"]:
+        """Return rows for ``imu_streams`` and ``imu_chunks``, and the StreamRows that continues after them."""
+        after = StreamRows(self._session, self._run, self._stream, self._last)
         streams, chunks = [], []
         waiting: dict[str, list[Record]] = {}
         for record in records:
@@ -90,8 +89,8 @@ class Streams:
         )  # fmt: skip
 
 
-def counted(db: sqlite_utils.Database, session: str, run: int) -> Streams:
-    """Go on counting where a session's streams and chunks end."""
+def resume_streams(db: sqlite_utils.Database, session: str, run: int) -> StreamRows:
+    """Return StreamRows that continue the numbers of a session's stored streams and chunks."""
     last = db.execute(
         "SELECT seat, max(imu_streams.stream), coalesce(max(seq), 0) FROM imu_streams"
         " LEFT JOIN imu_chunks USING (session, stream) WHERE session=? AND stream IN"
@@ -99,11 +98,11 @@ def counted(db: sqlite_utils.Database, session: str, run: int) -> Streams:
         (session, session),
     ).fetchall()
     newest = {seat: (stream, seq) for seat, stream, seq in last}
-    return Streams(session, run, max((stream for stream, _ in newest.values()), default=0), newest)
+    return StreamRows(session, run, max((stream for stream, _ in newest.values()), default=0), newest)
 
 
 def blocks(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
-    """A session's samples as they passed on the bus, each before the event that its record's number names.
+    """Yield a session's blocks of samples as they were on the bus, each before the event with its record's number.
 
     Raises:
         StoreError: a block is damaged.
@@ -126,7 +125,9 @@ def samples(
     run: int | None = None,
     seat: str = "A",
 ) -> "Samples":
-    """A seat's samples measured in [from_ns, to_ns), of one run of the program where stamps may recur.
+    """Return a seat's samples measured in [from_ns, to_ns).
+
+    Stamps of different runs may overlap; ``run`` selects one.
 
     Raises:
         StoreError: a block is damaged.

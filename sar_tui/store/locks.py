@@ -1,4 +1,4 @@
-"""Who is at work: file locks, which end with the program however it ends."""
+"""File locks of sessions and participants, which end with the program however it ends."""
 
 import os
 from pathlib import Path
@@ -8,11 +8,11 @@ import filelock
 from sar_tui.store.database import StoreError
 
 _PATIENCE_SECONDS = 0.5
-"""For so long a lock that is taken is asked for again: ``is_held`` of another program takes it for a moment."""
+"""Time to try for a lock that is taken: another program's ``is_held`` takes it for a moment."""
 
 
 class Held(StoreError):
-    """Another program has it."""
+    """Another program holds the lock."""
 
 
 def _path(folder: Path, kind: str, name: str) -> Path:
@@ -25,7 +25,7 @@ def hold(folder: Path, kind: str, name: str) -> filelock.BaseFileLock:
     """Take the lock of a session or a participant until it is released, or this program ends.
 
     Raises:
-        Held: another program has it.
+        Held: another program holds it.
         StoreError: the folder cannot be written to.
     """
     try:
@@ -39,7 +39,7 @@ def hold(folder: Path, kind: str, name: str) -> filelock.BaseFileLock:
 
 
 def is_held(folder: Path, kind: str, name: str) -> bool:
-    """Whether a program holds the lock just now."""
+    """Return True if a program holds the lock now."""
     path = _path(folder, kind, name)
     if not path.exists():
         return False

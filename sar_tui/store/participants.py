@@ -1,4 +1,4 @@
-"""Participants: pseudonymous codes, and the settings a therapist keeps for each."""
+"""Participants: pseudonymous codes, and the settings that a therapist saves for each."""
 
 import re
 from datetime import UTC, datetime
@@ -13,7 +13,7 @@ _CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}")
 
 
 def check_code(code: str) -> str:
-    """A code as it is kept. Raises StoreError for what cannot be one."""
+    """Return a code as it is stored, in capital letters. Raise StoreError if it is not valid."""
     code = code.strip().upper()
     if not _CODE.fullmatch(code):
         raise StoreError(
@@ -25,10 +25,10 @@ def check_code(code: str) -> str:
 
 
 def add(db: sqlite_utils.Database, code: str) -> str:
-    """Make sure a participant is known; returns the code as it is kept.
+    """Add a participant unless they are known, and return the code as it is stored.
 
     Raises:
-        StoreError: it cannot be a code, or the disk refuses.
+        StoreError: the code is not valid, or the disk refuses to write.
     """
     code = check_code(code)
     row = (code, datetime.now(UTC).isoformat())
@@ -38,27 +38,33 @@ def add(db: sqlite_utils.Database, code: str) -> str:
 
 
 def codes(db: sqlite_utils.Database) -> list[str]:
-    """Everyone who took part in or is about to take part in a live session, in order."""
+    """Return the codes of all participants of live sessions, sorted."""
     return [code for (code,) in db.execute("SELECT code FROM participants ORDER BY code")]
 
 
 class Settings(msgspec.Struct, frozen=True):
-    """What a therapist set for a participant's next session of a task: only what differs from the defaults."""
+    """A participant's saved settings for a task. ``parameters`` holds only values that differ from the defaults."""
 
     parameters: dict[str, Any] = {}
     theme: str = "calm"
 
 
 def settings(db: sqlite_utils.Database, participant: str, task: str) -> Settings:
-    """A participant's settings for a task; the defaults where none were saved."""
+    """Return a participant's saved settings for a task, or the defaults."""
     row = db.execute(
         "SELECT parameters, theme FROM settings WHERE participant=? AND task=?", (participant, task)
     ).fetchone()
     return Settings(msgspec.json.decode(row[0]), row[1]) if row else Settings()
 
 
-def save_settings(db: sqlite_utils.Database, participant: str, task: str, kept: Settings) -> None:
-    """Keep a participant's settings for a task."""
-    row = (participant, task, msgspec.json.encode(kept.parameters).decode(), kept.theme, datetime.now(UTC).isoformat())
+def save_settings(db: sqlite_utils.Database, participant: str, task: str, saved: Settings) -> None:
+    """Save a participant's settings for a task."""
+    row = (
+        participant,
+        task,
+        msgspec.json.encode(saved.parameters).decode(),
+        saved.theme,
+        datetime.now(UTC).isoformat(),
+    )
     with transaction(db) as connection:
         connection.execute("INSERT OR REPLACE INTO settings VALUES (?,?,?,?,?)", row)

@@ -1,4 +1,4 @@
-"""Where data comes from: the versions and hashes of what made it, and the machine it was made on."""
+"""Provenance of data: the software that made it, with versions and hashes, and the machine it was made on."""
 
 import hashlib
 import os
@@ -19,7 +19,7 @@ _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils")
 
 
 def software(task: type[Task], task_folder: Path, theme_folder: Path) -> dict[str, Any]:
-    """Versions of the program and its libraries; what the task declared; hashes of the task's and theme's folders."""
+    """Describe the software: versions, the task's declaration, and hashes of the task's and the theme's folder."""
     return {
         "sar_tui": sar_tui.__version__,
         "python": platform.python_version(),
@@ -35,7 +35,7 @@ def software(task: type[Task], task_folder: Path, theme_folder: Path) -> dict[st
 
 
 def metric(recorded: dict[str, Any]) -> Metric:
-    """The metric of a session, as its task declared it then; from what ``software`` gave."""
+    """Return the metric that a session's task declared, from the stored result of ``software``."""
     return msgspec.convert(recorded["task"]["metric"], Metric)
 
 
@@ -47,7 +47,7 @@ def _version(package: str) -> str | None:
 
 
 def folder_hash(folder: Path) -> str:
-    """SHA-256 over the names and contents of a folder's source and data files."""
+    """Return the SHA-256 of the names and contents of a folder's files."""
     digest = hashlib.sha256()
     for path in sorted(folder.rglob("*")):
         if path.is_file() and "__pycache__" not in path.parts:
@@ -56,11 +56,11 @@ def folder_hash(folder: Path) -> str:
 
 
 TIMING_FILE = "timing.json"
-"""Where `sar-tui timing` leaves its figures, in the data folder."""
+"""Name of the file in the data folder in which `sar-tui timing` stores its figures."""
 
 
 def measured_timing(folder: Path) -> dict[str, Any] | None:
-    """What `sar-tui timing` measured on this machine, if it did."""
+    """Return the figures that `sar-tui timing` measured on this machine; None if it has not."""
     try:
         timing: dict[str, Any] = msgspec.json.decode((folder / TIMING_FILE).read_bytes(), type=dict)
     except (OSError, msgspec.MsgspecError):
@@ -69,7 +69,7 @@ def measured_timing(folder: Path) -> dict[str, Any] | None:
 
 
 def machine() -> dict[str, Any]:
-    """The machine and the terminal, with what is known to blur timing in ``flags``."""
+    """Describe the machine and the terminal. ``flags`` names what is known to make timing less exact."""
     multiplexer = next((name for name, sign in _MULTIPLEXERS.items() if sign in os.environ), None)
     ssh = any(name in os.environ for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT"))
     flags = [*(["ssh"] if ssh else []), *([multiplexer] if multiplexer else [])]

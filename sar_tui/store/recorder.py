@@ -1,4 +1,4 @@
-"""The Recorder: a tap on the bus that puts every message on the disk, and says when it is there."""
+"""The Recorder: a tap on the bus that writes every message to the disk and acknowledges trials."""
 
 import threading
 from collections import deque
@@ -15,24 +15,24 @@ from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.rows import SQL, rows_of
 
 BATCH_SECONDS = 0.1
-"""How long a message that is no trial may wait for the disk."""
+"""Longest time until a message that is not a trial is written."""
 RETRY_SECONDS = 1.0
-"""How often a disk that refused is asked again."""
-_NO_WAITING = "Waiting will hardly help: end the session, and what was saved before is kept."
+"""Time until a failed write is tried again."""
+_PERMANENT = "Waiting will not help. End the session: what was saved so far is kept."
 
 
 class Recorder:
-    """Writes a session's messages. A trial, and all before it, is one transaction, and is then acknowledged.
+    """Writes a session's messages. A trial and everything before it is one transaction, which is then acknowledged.
 
-    Inline (on a virtual clock) it writes as soon as a trial ends. In a live session ``run`` is given a thread:
-    the bus never waits for the disk. While nothing can be written, everything is kept and tried again, and the
-    session is told why.
+    On a virtual clock it writes inline, as soon as a trial ends. In a live session ``run`` writes in a thread, so that
+    the bus never waits for the disk. While writing fails, all messages are kept, writing is tried again, and the
+    session gets the reason.
 
     Args:
-        database: inline, the caller's connection; else one of the recorder's own, which ``run`` closes.
-        session, run: what the rows belong to.
-        bus: is tapped, and told of what is stored.
-        inline: write on the bus' own thread.
+        database: if inline, the caller's connection; else a connection of the recorder's own, which ``run`` closes.
+        session, run: the session and the run that the rows belong to.
+        bus: the bus to tap; acknowledgements are posted to it.
+        inline: write on the bus's own thread.
     """
 
     name: ClassVar[str] = "recorder"
@@ -49,12 +49,12 @@ class Recorder:
         self._queue: deque[list[Record]] = deque()
         self._wake = threading.Event()
         self._finished = threading.Event()
-        self._refusal: str | None = None
-        self._streams = imu.counted(database, session, run)
+        self._problem: str | None = None
+        self._streams = imu.resume_streams(database, session, run)
         bus.tap(self)
 
     def __call__(self, cascade: list[Record]) -> None:
-        """Take a cascade from the bus."""
+        """Queue a cascade of the bus."""
         self._queue.append(cascade)
         if any(isinstance(record.message, m.TrialEnded | m.SessionEnded) for record in cascade):
             if self._inline:
@@ -64,14 +64,14 @@ class Recorder:
 
     @property
     def pending(self) -> int:
-        """How many cascades are not on the disk yet."""
+        """Number of cascades that are not on the disk yet."""
         return len(self._queue)
 
     def run(self, is_stopped: Callable[[], bool]) -> None:
-        """Write until stopped, and then what is left; then close the connection. For a thread of its own, once."""
+        """Write until stopped, then write the rest and close the connection. Call it once, in a thread of its own."""
         try:
             while not is_stopped():
-                self._wake.wait(RETRY_SECONDS if self._refusal else BATCH_SECONDS)
+                self._wake.wait(RETRY_SECONDS if self._problem else BATCH_SECONDS)
                 self._wake.clear()
                 self.try_write()
             self.try_write()
@@ -83,32 +83,32 @@ class Recorder:
                 self._finished.set()
 
     def wait(self, seconds: float) -> bool:
-        """Wait for a stopped ``run`` to have written the rest; False if it has not by then."""
+        """Wait until a stopped ``run`` has written the rest. Return False if that takes longer than ``seconds``."""
         return self._finished.wait(seconds)
 
     def stop(self) -> None:
-        """Wake the thread, so that it sees that it is stopped."""
+        """Wake the thread, so that it checks whether it is stopped."""
         self._wake.set()
 
     def try_write(self) -> None:
-        """Write what waits. The session is told when that fails, and when it works again."""
+        """Write what is queued. Report to the session when writing fails, and when it works again."""
         try:
             self.write()
         except StoreError as error:
-            reason = str(error) if error.temporary else f"{error} {_NO_WAITING}"
-            if reason != self._refusal:
-                self._refusal = reason
+            reason = str(error) if error.temporary else f"{error} {_PERMANENT}"
+            if reason != self._problem:
+                self._problem = reason
                 self._bus.post(STORAGE, m.StorageChanged(working=False, reason=reason))
         else:
-            if self._refusal:
-                self._refusal = None
+            if self._problem:
+                self._problem = None
                 self._bus.post(STORAGE, m.StorageChanged(working=True))
 
     def write(self) -> None:
-        """Commit all that waits as one transaction, and acknowledge its trials.
+        """Commit everything that is queued as one transaction, and acknowledge its trials.
 
         Raises:
-            StoreError: the disk refuses, or a message cannot be written down; everything still waits.
+            StoreError: the disk refuses to write, or a message cannot be stored; everything stays queued.
         """
         count = len(self._queue)
         if not count:
@@ -123,8 +123,8 @@ class Recorder:
                         connection.executemany(statement, rows[kind])
         except StoreError:
             raise
-        except Exception as error:  # what a task said cannot be put into a row
-            raise StoreError(f"A message cannot be written down ({type(error).__name__}: {error}).") from error
+        except Exception as error:  # a task's values do not fit into a row
+            raise StoreError(f"A message cannot be stored ({type(error).__name__}: {error}).") from error
         self._streams = streams
         for _ in range(count):
             self._queue.popleft()

@@ -1,4 +1,4 @@
-"""The rows that messages become, and the statements that write them."""
+"""Turn messages into rows of the database."""
 
 from datetime import UTC, datetime
 from typing import Any
@@ -29,7 +29,7 @@ SQL = {
         " VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
     ),
     "proposals": "INSERT INTO actions (session, id, kind, proposed, proposed_ns) VALUES (?,?,?,?,?)",
-    "offers": (
+    "pending": (
         "INSERT INTO actions (session, id, kind, proposed, proposed_ns, mode, deadline_ns) VALUES (?,?,?,?,?,?,?)"
         " ON CONFLICT DO UPDATE SET mode=excluded.mode, deadline_ns=excluded.deadline_ns"
     ),
@@ -43,7 +43,7 @@ SQL = {
         "UPDATE actions SET final=NULL, decision=?, actor=?, decided_ns=?, reason=?, mode=COALESCE(mode, 'autonomous'),"
         " ground=? WHERE session=? AND id=?"
     ),
-    "rulings": (
+    "level_decisions": (
         "INSERT INTO actions (session, id, kind, final, decision, actor, decided_ns, ground)"
         " VALUES (?,?,'difficulty',?,?,?,?,?) ON CONFLICT DO UPDATE SET final=excluded.final,"
         " decision=excluded.decision, actor=excluded.actor, decided_ns=excluded.decided_ns, ground=excluded.ground"
@@ -51,9 +51,9 @@ SQL = {
     "notes": "INSERT INTO notes (session, at_ns, author, text, label) VALUES (?,?,?,?,?)",
     "starts": "UPDATE actions SET started_ns=MIN(?, COALESCE(started_ns, 9e18)) WHERE session=? AND id=?",
     "ends": "UPDATE actions SET ended_ns=MAX(?, COALESCE(ended_ns, 0)) WHERE session=? AND id=?",
-    "closings": "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
+    "session_ends": "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
 }
-"""What is done with the rows of a batch, in this order."""
+"""The statements for the rows of a batch, in order of execution."""
 
 _json = msgspec.json.Encoder()
 
@@ -63,7 +63,7 @@ def _text(value: object) -> str:
 
 
 def rows_of(session: str, run: int, records: list[Record]) -> Rows:
-    """The rows that messages become, by the statement that takes them."""
+    """Return the rows of messages, by the names of the statements in ``SQL``."""
     rows: Rows = {kind: [] for kind in SQL}
     for record in records:
         rows["events"].append((session, record.seq, run, record.at, record.topic.name, _text(record.message)))
@@ -73,14 +73,14 @@ def rows_of(session: str, run: int, records: list[Record]) -> Rows:
             case m.NoteAdded() as n:
                 rows["notes"].append((session, n.at or record.at, n.actor, n.text, n.label))
             case m.SessionEnded() as e:
-                rows["closings"].append((e.status, datetime.now(UTC).isoformat(), session))
+                rows["session_ends"].append((e.status, datetime.now(UTC).isoformat(), session))
     return rows
 
 
 def _add_attempts(rows: Rows, session: str, run: int, message: m.Message) -> None:
     match message:
         case m.TrialEnded() as t:
-            here = (session, t.attempt, t.trial, t.seat)  # marks given before are in the row already
+            here = (session, t.attempt, t.trial, t.seat)  # earlier marks are in the trial's row already
             rows["marks"] = [mark for mark in rows["marks"] if mark[2:] != here]
             rows["trials"].append(
                 (session, t.attempt, t.trial, t.seat, run, t.stimulus, t.response, t.correct, t.onset,
@@ -102,7 +102,7 @@ def _add_actions(rows: Rows, session: str, at: int, message: m.Message) -> None:
             rows["proposals"].append((session, p.id, p.kind, _text(p), at))
         case m.PendingApproval() as o:
             p = o.proposal
-            rows["offers"].append((session, p.id, p.kind, _text(p), at, o.mode, o.deadline))
+            rows["pending"].append((session, p.id, p.kind, _text(p), at, o.mode, o.deadline))
         case m.ProposalSeen() as s:
             rows["seen"].append((s.at, session, s.action))
         case m.Action() as a:
@@ -112,7 +112,7 @@ def _add_actions(rows: Rows, session: str, at: int, message: m.Message) -> None:
             rows["drops"].append((*_dropped(d), at, d.reason, _ground(d), session, d.id))
         case m.LevelDecided() as r:
             final = None if r.decision == "rejected" else _text({"level": r.level})
-            rows["rulings"].append((session, r.id, final, r.decision, r.actor, r.at, r.ground))
+            rows["level_decisions"].append((session, r.id, final, r.decision, r.actor, r.at, r.ground))
         case m.OutputReport(state="started") as r:
             rows["starts"].append((r.at, session, r.action))
         case m.OutputReport(state="done" | "aborted" | "failed") as r:
@@ -120,17 +120,17 @@ def _add_actions(rows: Rows, session: str, at: int, message: m.Message) -> None:
 
 
 _GROUNDS: dict[str, m.Ground] = {"vetoed": "operator", "expired": "deadline", "no operator": "no operator"}
-"""On what ground what was left out was decided, by the reason."""
+"""The ground of a dropped proposal's decision, by the reason."""
 
 
 def _ground(dropped: m.Dropped) -> m.Ground:
-    """On what ground it was: an operator's stop key is an operator's decision."""
+    """Return the ground of a dropped proposal. An operator's stop key is an operator's decision."""
     is_operators = dropped.reason == "stopped" and dropped.actor != "agent"
     return "operator" if is_operators else _GROUNDS.get(dropped.reason, "mode")
 
 
 def _dropped(dropped: m.Dropped) -> tuple[str, str]:
-    """The decision on what was left out, and whose it was: the stop key's, where nobody is named."""
+    """Return the decision on a dropped proposal and its actor: ``stop`` for the stop key, if nobody is named."""
     if dropped.reason == "vetoed":
         return "rejected", dropped.actor
     is_stop_key = dropped.reason == "stopped" and dropped.actor == "agent"

@@ -1,12 +1,12 @@
-"""The tables, and how older files become newer ones. Their columns are a contract: docs/data-dictionary.md."""
+"""The tables and their migrations. The columns are a contract: see docs/data-dictionary.md."""
 
 import sqlite_utils
 
 migrations = sqlite_utils.Migrations("sar-tui")
-"""One function a version, in order; never changed once released."""
+"""One function for each version, in order. A released function never changes."""
 
 VERSION = 4
-"""The number of migrations, kept in ``PRAGMA user_version``."""
+"""The number of migrations, stored in ``PRAGMA user_version``."""
 
 
 @migrations()
@@ -164,13 +164,13 @@ def version_2(db: sqlite_utils.Database) -> None:
 
 @migrations()
 def version_3(db: sqlite_utils.Database) -> None:
-    """Whether an attempt was answered, why, and how."""
+    """The choice of feedback after an attempt."""
     db["attempts"].add_column("choice", str)  # type: ignore[union-attr]
 
 
 @migrations()
 def version_4(db: sqlite_utils.Database) -> None:
-    """How a proposal was decided, and when an operator saw it; event marks."""
+    """Decisions on proposals, when an operator saw them, and event marks."""
     actions = db["actions"]
     for name, kind in {"mode": str, "ground": str, "reason": str, "shown_ns": int, "deadline_ns": int}.items():
         actions.add_column(name, kind)  # type: ignore[union-attr]

@@ -1,4 +1,4 @@
-"""Sessions: begun, gone on with, looked at."""
+"""Sessions in the database: create, continue and read them."""
 
 import os
 import secrets
@@ -37,7 +37,7 @@ _BOOLEAN = {"attempts": ("practice",), "trials": ("correct",)}
 
 
 def new_id() -> str:
-    """An id for a session: random text."""
+    """Return a random id for a session."""
     return secrets.token_hex(5)
 
 
@@ -55,9 +55,13 @@ def create(
     mode: Mode,
     partner: str = "",
 ) -> None:
-    """Enter a new session, under an id from ``new_id``, and its participant's seat; and a partner's, if there is one.
+    """Store a new session and the seats of its participants.
 
-    From then on others see it: who means to run it holds its lock by now.
+    Other programs see it from then on, so its lock must already be held.
+
+    Args:
+        session: an id from ``new_id``.
+        partner: the code of the participant at seat B, if there is one.
     """
     with transaction(db) as connection:
         connection.execute(
@@ -71,7 +75,7 @@ def create(
 
 
 def begin_run(db: sqlite_utils.Database, session: str, *, software: object, machine: object) -> int:
-    """Enter a run of this program, on this machine, on a session; returns its number, from 1."""
+    """Store a run of this program on a session, and return its number (1, 2, …)."""
     anchor = {"clock_ns": host_now(), "utc": _utc()}
     with transaction(db) as connection:
         (run,) = connection.execute("SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)).fetchone()
@@ -84,10 +88,10 @@ def begin_run(db: sqlite_utils.Database, session: str, *, software: object, mach
 
 
 def best(db: sqlite_utils.Database, participant: str, task: Task, *, without: str = "") -> dict[str, float]:
-    """A participant's best results in a task, by level, over all live sessions except ``without``.
+    """Return a participant's best results in a task, by level, over all live sessions except ``without``.
 
-    Only sessions count in which a level was the same: in which what the task itself declares was set alike. Practice
-    is left out, and so is what was too inaccurate.
+    Levels can be compared only between sessions with the same values of the parameters that the task itself declares.
+    Practice attempts and attempts below the minimum accuracy do not count.
     """
     metric = task.metric
     kind = type(task.parameters)
@@ -100,24 +104,25 @@ def best(db: sqlite_utils.Database, participant: str, task: Task, *, without: st
         (participant, task.name, without),
     )
 
-    def stored(row: dict[str, Any]) -> dict[str, Any]:
-        return current_values(kind, msgspec.json.decode(row["parameters"]))
+    def is_comparable(row: Row) -> bool:
+        stored = current_values(kind, msgspec.json.decode(row["parameters"]))
+        return {name: value for name, value in stored.items() if name in own} == here
 
-    alike = [row["id"] for row in live if {name: value for name, value in stored(row).items() if name in own} == here]
+    comparable = [row["id"] for row in live if is_comparable(row)]
     best_of = "min" if metric.better == "lower" else "max"
     rows = db.execute(
         f"SELECT level, {best_of}(metric) FROM attempts JOIN sessions ON sessions.id = attempts.session"
         " JOIN seats ON seats.session = attempts.session AND seats.seat = attempts.seat AND participant=?"
-        f" WHERE attempts.session IN ({','.join('?' * len(alike))}) AND NOT practice AND metric IS NOT NULL"
+        f" WHERE attempts.session IN ({','.join('?' * len(comparable))}) AND NOT practice AND metric IS NOT NULL"
         " AND metric_unit=? AND COALESCE(accuracy, 1) >= COALESCE(json_extract(parameters, '$.min_accuracy'), 0)"
         " GROUP BY level",
-        (participant, *alike, metric.unit),
+        (participant, *comparable, metric.unit),
     )
     return {str(level): value for level, value in rows}
 
 
 def interrupt(db: sqlite_utils.Database, session: str) -> None:
-    """Mark a session that was left before its end; it can be gone on with."""
+    """Mark a session that was left before its end as interrupted, so that it can be resumed."""
     with transaction(db) as connection:
         connection.execute(
             "UPDATE sessions SET status='interrupted', ended_at=? WHERE id=? AND status='running'", (_utc(), session)
@@ -137,26 +142,26 @@ def _boot_id() -> str | None:
     return path.read_text().strip() if path.exists() else None
 
 
-# --- looking at them -----------------------------------------------------------------------------------------
+# --- reading -------------------------------------------------------------------------------------------------
 
 
 def local_time(stamp: str | None) -> str:
-    """A UTC stamp of the database as the clock on the wall shows it."""
+    """Return a UTC stamp of the database in local time, to the minute."""
     return datetime.fromisoformat(stamp).astimezone().strftime("%Y-%m-%d %H:%M") if stamp else ""
 
 
 def _typed(table: str, row: Row) -> Row:
-    """A row of a table with its JSON columns decoded and its truth values true or false."""
+    """Return a row with its JSON columns decoded and its truth values as bool."""
     decoded = {name: msgspec.json.decode(row[name]) for name in _JSON.get(table, ()) if row[name] is not None}
-    truths = {name: bool(row[name]) for name in _BOOLEAN.get(table, ()) if row[name] is not None}
-    return row | decoded | truths
+    booleans = {name: bool(row[name]) for name in _BOOLEAN.get(table, ()) if row[name] is not None}
+    return row | decoded | booleans
 
 
 def listing(db: sqlite_utils.Database, folder: Path, *, participant: str | None = None, limit: int = -1) -> list[Row]:
-    """Sessions, newest first, with their participant (and ``partner``, else None) and how many attempts they hold.
+    """Return sessions, newest first, with ``participant``, ``partner`` (or None) and their number of ``attempts``.
 
-    ``participant`` chooses those in which somebody took part, wherever they sat. A session that is called running, and
-    that no program holds, was interrupted.
+    ``participant`` selects the sessions of one participant, at any seat. The status of a session that is stored as
+    running and not locked by a program is ``interrupted``.
     """
     rows = db.query(
         "SELECT sessions.*, seats.participant, other.participant AS partner,"
@@ -170,32 +175,32 @@ def listing(db: sqlite_utils.Database, folder: Path, *, participant: str | None 
 
 
 def operators(db: sqlite_utils.Database, session: str | None = None) -> dict[str, list[str]]:
-    """Who was an operator, by session, in the order in which they came; sessions without one are left out.
+    """Return the names of the operators, in order of arrival, by session; only sessions that had one.
 
-    ``session``: look at this one alone.
+    ``session`` selects a single session.
     """
     found: dict[str, list[str]] = {}
-    for held, actor in db.execute(
+    for joined, actor in db.execute(
         f"SELECT session, json_extract(message, '$.actor') FROM events WHERE {'session=:session AND ' * bool(session)}"
         "topic=:topic AND json_extract(message, '$.role')='operator' ORDER BY session, seq",
         {"session": session, "topic": PRESENCE.name},
     ):
-        names = found.setdefault(held, [])
+        names = found.setdefault(joined, [])
         if actor not in names:
             names.append(actor)
     return found
 
 
-def who(row: Row) -> str:
-    """Who took part in a session of the ``listing``: "P01", "P01, P02"."""
+def participant_codes(row: Row) -> str:
+    """Return the codes of a listed session's participants: "P01" or "P01, P02"."""
     return ", ".join(filter(None, (row["participant"], row["partner"])))
 
 
 def find(db: sqlite_utils.Database, folder: Path, name: str) -> Row:
-    """One session by its id, the beginning of it, or ``last``.
+    """Find one session by its id, the beginning of its id, or ``last``.
 
     Raises:
-        StoreError: there is none, or more than one.
+        StoreError: there is no such session, or more than one.
     """
     found = (
         listing(db, folder, limit=1) if name == "last" else [r for r in listing(db, folder) if r["id"].startswith(name)]
@@ -214,13 +219,13 @@ def _with_status(row: Row, folder: Path) -> Row:
 
 
 def stored_status(db: sqlite_utils.Database, session: str) -> str | None:
-    """What a session's row says of it, whoever holds it; None if there is none."""
+    """Return a session's status as it is stored, locked or not; None if there is no such session."""
     row = db.execute("SELECT status FROM sessions WHERE id=?", (session,)).fetchone()
     return row[0] if row else None
 
 
 def rows(db: sqlite_utils.Database, table: Table, session: str) -> list[Row]:
-    """The rows of a session in one table, in their order."""
+    """Return the rows of a session in one table, in order."""
     return [_typed(table, row) for row in db.query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", (session,))]
 
 
@@ -246,10 +251,10 @@ def attempt_ended(row: Row) -> AttemptEnded:
 
 
 def history(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
-    """Every message of a session, in order, to be replayed; and its sensors' samples among them.
+    """Yield every message of a session, sensor samples included, in the order of a replay.
 
     Raises:
-        StoreError: a message that this version of the program cannot read, or samples that are damaged.
+        StoreError: this version of the program cannot read a message, or samples are damaged.
     """
     return merge(imu.blocks(db, session), _events(db, session), key=lambda record: record.seq)
 

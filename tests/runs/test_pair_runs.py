@@ -65,7 +65,7 @@ def test_both_seats_are_kept_and_the_session_is_found_from_either(data: Path) ->
     for code in ("P01", "P02"):
         (row,) = sessions.listing(database, data, participant=code)
         assert (row["id"], row["participant"], row["partner"], row["attempts"]) == (session, "P01", "P02", 2)
-        assert sessions.who(row) == "P01, P02"
+        assert sessions.participant_codes(row) == "P01, P02"
     assert sessions.listing(database, data, participant="P03") == []
     database.conn.close()
 
@@ -134,7 +134,7 @@ def test_a_session_of_one_has_no_partner(data: Path) -> None:
     database = connect(data)
     row = sessions.find(database, data, session)
     database.conn.close()
-    assert (row["partner"], sessions.who(row)) == (None, "P01")
+    assert (row["partner"], sessions.participant_codes(row)) == (None, "P01")
 
 
 # --- broken off, and gone on with ------------------------------------------------------------------------------------

@@ -365,7 +365,7 @@ def test_a_message_that_cannot_be_written_down_does_not_end_the_thread(data: Pat
         recorded.write_on_a_thread()
         recorded.clock.advance(0)
     (refusal,) = recorded.all(STORAGE)
-    assert f"cannot be written down ({why}: " in refusal.reason
+    assert f"cannot be stored ({why}: " in refusal.reason
     assert recorded.recorder.pending > 0
     with pytest.raises(StoreError) as caught:
         recorded.recorder.write()

@@ -293,4 +293,4 @@ def _line(row: sessions.Row) -> str:
     done = f"{row['attempts']} of {row['parameters'].get('attempts', '?')}"
     how = "interrupted: Enter goes on" if _can_go_on(row) else row["status"]
     kind = "" if row["mode"] == "live" else f" ({row['mode']})"
-    return f"{when}  {sessions.who(row):<8} {row['task']:<10} {done:>9}  {how}{kind}"
+    return f"{when}  {sessions.participant_codes(row):<8} {row['task']:<10} {done:>9}  {how}{kind}"

@@ -29,7 +29,9 @@ class PastSessionScreen(Screen[None]):
     def compose(self) -> ComposeResult:
         row = self._row
         began = sessions.local_time(row["started_at"])
-        yield Static(f"{sessions.who(row)} · {row['task']} · {began} · {row['status']}", id="top", markup=False)
+        yield Static(
+            f"{sessions.participant_codes(row)} · {row['task']} · {began} · {row['status']}", id="top", markup=False
+        )
         metric = provenance.metric(row["software"])
         try:
             task = self.app.catalogue.task(row["task"])
