@@ -43,8 +43,8 @@ def attached(seq: int, **facts: Any) -> Record:
     return Record(seq, seq, SENSOR, SensorChanged(state="attached", at=seq, **facts))
 
 
-def chunks(*records: Record, streams: imu.Streams | None = None) -> list[dict[str, Any]]:
-    rows = (streams or imu.Streams("s", 1)).rows(records)[1]
+def chunks(*records: Record, streams: imu.StreamRows | None = None) -> list[dict[str, Any]]:
+    rows = (streams or imu.StreamRows("s", 1)).rows(records)[1]
     return [dict(zip(NAMES, row, strict=True)) for row in rows]
 
 
@@ -70,7 +70,7 @@ def test_samples_that_a_message_followed_from_come_before_it() -> None:
 def test_each_time_a_sensor_is_attached_a_stream_begins_and_its_chunks_are_counted_anew() -> None:
     facts = {"source": "test", "model": "By hand", "serial": "7", "rate_hz": 250.0, "rate_range_rad_s": 5.0}
     records = [attached(1), block(2, 10), key(2), block(3, 20), attached(3, **facts), block(4, 30)]
-    streams, rows, _ = imu.Streams("s", 4).rows(records)
+    streams, rows, _ = imu.StreamRows("s", 4).rows(records)
     assert [(row[1], row[2]) for row in rows] == [(1, 1), (1, 2), (2, 1)]
     assert [row[:4] for row in streams] == [("s", 1, "A", 4), ("s", 2, "A", 4)]
     assert streams[1][4:] == ("test", "By hand", "7", 250.0, 5.0, 0.0, imu.layout(), 3)
@@ -79,12 +79,12 @@ def test_each_time_a_sensor_is_attached_a_stream_begins_and_its_chunks_are_count
 @pytest.mark.parametrize("state", ["detached", "gap", "saturated", "stalled", "flowing", "error", "ended"])
 def test_nothing_else_that_befalls_a_sensor_begins_a_stream(state: Any) -> None:
     other = Record(3, 3, SENSOR, SensorChanged(state=state, at=3))
-    streams, rows, _ = imu.Streams("s", 1).rows([attached(1), block(2, 10), key(2), other, block(4, 20)])
+    streams, rows, _ = imu.StreamRows("s", 1).rows([attached(1), block(2, 10), key(2), other, block(4, 20)])
     assert (len(streams), [(row[1], row[2]) for row in rows]) == (1, [(1, 1), (1, 2)])
 
 
 def test_counting_goes_on_from_batch_to_batch_and_only_once_a_batch_is_kept() -> None:
-    streams = imu.Streams("s", 1)
+    streams = imu.StreamRows("s", 1)
     batch = [attached(1), block(2, 10)]
     first, again = streams.rows(batch), streams.rows(batch)
     assert first[:2] == again[:2], "a batch that was refused is made once more as it was"
