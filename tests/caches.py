@@ -1,6 +1,5 @@
 """Caches that spare a test what is the same in all of them: parsed style sheets, the themes that ship."""
 
-import functools
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -27,10 +26,15 @@ def _cached_parse(parse: Callable[..., Any]) -> Callable[..., list[RuleSet]]:
 
 
 def _cached_themes(read_theme: Callable[..., Theme], shipped: Path) -> Callable[..., Theme]:
-    read_once = functools.cache(read_theme)
+    themes: dict[object, Theme] = {}
 
     def cached(folder: Path, language: str = ENGLISH, base: Theme | None = None) -> Theme:
-        return read_once(folder, language) if folder == shipped else read_theme(folder, language, base)
+        if folder.parent != shipped:
+            return read_theme(folder, language, base)
+        key = (folder, language, base is None)
+        if key not in themes:
+            themes[key] = read_theme(folder, language, base)
+        return themes[key]
 
     return cached
 
@@ -39,6 +43,5 @@ def _cached_themes(read_theme: Callable[..., Theme], shipped: Path) -> Callable[
 def _caches() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stylesheet, "parse", _cached_parse(stylesheet.parse))
-        default = plugins._shipped("themes") / plugins.DEFAULT_THEME
-        patch.setattr(plugins, "read_theme", _cached_themes(plugins.read_theme, default))
+        patch.setattr(plugins, "read_theme", _cached_themes(plugins.read_theme, plugins._shipped("themes")))
         yield
