@@ -21,7 +21,7 @@ def begun(queue: ActionQueue, one: Proposal) -> ActionQueue:
     return queue
 
 
-def test_the_more_important_comes_first_and_of_equals_the_earlier() -> None:
+def test_actions_wait_by_priority_then_by_age() -> None:
     queue = ActionQueue()
     for name, priority in (("a", 1), ("b", 3), ("c", 3), ("d", 2)):
         queue.add(proposal(name, priority))
@@ -29,7 +29,7 @@ def test_the_more_important_comes_first_and_of_equals_the_earlier() -> None:
 
 
 @given(st.integers(0, 9), st.integers(0, 9), st.sampled_from(POLICIES))
-def test_only_what_interrupts_and_is_no_less_important_breaks_off_what_is_under_way(
+def test_only_an_interrupting_action_of_at_least_equal_priority_replaces_the_current_one(
     under_way: int, priority: int, policy: Policy
 ) -> None:
     queue = begun(ActionQueue(), proposal("first", under_way))
@@ -38,7 +38,7 @@ def test_only_what_interrupts_and_is_no_less_important_breaks_off_what_is_under_
     assert queue.next(0) == (second if policy == "interrupt" and priority >= under_way else None)
 
 
-def test_an_answer_to_one_does_not_cut_off_the_answer_to_the_other() -> None:
+def test_feedback_for_one_seat_does_not_interrupt_that_for_the_other() -> None:
     queue = begun(ActionQueue(), proposal("to B", 40, "queue", seat="B"))
     queue.add(proposal("to A", 40, "interrupt"))
     assert queue.next(0) is None
@@ -48,13 +48,13 @@ def test_an_answer_to_one_does_not_cut_off_the_answer_to_the_other() -> None:
     assert queue.next(0) in queue.waiting
 
 
-def test_an_answer_to_either_cuts_off_what_is_less_important() -> None:
+def test_feedback_for_either_seat_interrupts_less_important_actions() -> None:
     queue = begun(ActionQueue(), Proposal(id="hello", kind="greeting", text="Hello.", priority=30))
     queue.add(proposal("to B", 40, "interrupt", seat="B"))
     assert queue.next(0) in queue.waiting
 
 
-def test_what_is_not_due_lets_what_is_less_important_go_before_it() -> None:
+def test_an_action_that_is_not_due_does_not_hold_up_others() -> None:
     queue = ActionQueue()
     late, soon = proposal("late", 9, due=100), proposal("soon", 1)
     queue.add(late)
@@ -62,7 +62,7 @@ def test_what_is_not_due_lets_what_is_less_important_go_before_it() -> None:
     assert (queue.next(99), queue.next(100)) == (soon, late)
 
 
-def test_the_next_that_falls_due_is_told_whatever_waits_behind_what_is_under_way() -> None:
+def test_the_next_due_time_is_known_while_an_action_is_under_way() -> None:
     queue = begun(ActionQueue(), proposal("first"))
     queue.add(proposal("behind"))
     assert queue.next_due(5) is None
@@ -71,7 +71,7 @@ def test_the_next_that_falls_due_is_told_whatever_waits_behind_what_is_under_way
     assert [queue.next_due(now) for now in (5, 199, 200, 299, 300)] == [200, 200, 300, 300, None]
 
 
-def test_what_nobody_takes_a_while_for_is_over_as_it_begins() -> None:
+def test_an_action_without_lasting_parts_is_over_at_once() -> None:
     queue = ActionQueue()
     shown = proposal("shown")
     queue.add(shown)
@@ -79,7 +79,7 @@ def test_what_nobody_takes_a_while_for_is_over_as_it_begins() -> None:
     assert (queue.is_acting, queue.waiting) == (False, ())
 
 
-def test_it_is_over_when_each_output_has_done_its_part() -> None:
+def test_an_action_is_over_when_every_output_has_finished() -> None:
     queue = begun(ActionQueue(), proposal("a"))
     assert not queue.finish_part("a", "speech", "say")
     assert not queue.finish_part("a", "speech", "say"), "told twice is no more than told once"
@@ -90,7 +90,7 @@ def test_it_is_over_when_each_output_has_done_its_part() -> None:
     assert not queue.is_acting
 
 
-def test_what_of_one_policy_is_given_up_leaves_the_rest() -> None:
+def test_removing_some_actions_leaves_the_rest() -> None:
     queue = begun(ActionQueue(), proposal("under way", policy="drop"))
     kept, helps = proposal("kept"), proposal("helps", policy="drop")
     queue.add(kept)

@@ -41,7 +41,7 @@ def driver() -> LoopDriver:
     return driver
 
 
-def test_what_is_said_from_then_on_is_said_in_its_words_and_manner(driver: LoopDriver) -> None:
+def test_an_edited_theme_changes_words_and_manner_from_then_on(driver: LoopDriver) -> None:
     manners = {"positive_strong": Manner("neutral", "shake", "up", "end")}
     driver.session.apply_theme(edited(CALM, "Splendid", manners=manners))
     driver.attempt()
@@ -52,14 +52,14 @@ def test_what_is_said_from_then_on_is_said_in_its_words_and_manner(driver: LoopD
     assert (action.face, action.gesture, action.gaze, action.tone) == ("neutral", "shake", "up", "end")
 
 
-def test_every_output_wears_it_too() -> None:
+def test_every_output_receives_the_edited_theme() -> None:
     puppet = Puppet()
     driver = LoopDriver(KEYBOARD, CALM, extra=[OutputNode(puppet, "puppet", CALM)], **SET_UP)
     driver.session.apply_theme(edited(CALM, "Splendid", name="edited"))
     assert [what[1] for what in puppet.asked if what[0] == "apply_theme"] == ["calm", "calm", "edited"]
 
 
-def test_the_tasks_own_words_are_the_themes_where_it_has_some(driver: LoopDriver) -> None:
+def test_texts_of_the_theme_replace_those_of_the_task(driver: LoopDriver) -> None:
     assert driver.waiting.attempt_name == "attempt 2 of 4"
     driver.session.apply_theme(edited(CALM, "Splendid", texts=ROUNDS))
     driver.attempt()
@@ -69,7 +69,7 @@ def test_the_tasks_own_words_are_the_themes_where_it_has_some(driver: LoopDriver
     assert driver.waiting.attempt_name == "attempt 4 of 4"
 
 
-def test_a_session_that_wore_several_themes_is_gone_on_with_in_whatever_it_wears_now(driver: LoopDriver) -> None:
+def test_a_session_with_several_themes_is_resumed_with_the_present_theme(driver: LoopDriver) -> None:
     driver.session.apply_theme(edited(CALM, "Splendid", texts=ROUNDS))
     driver.attempt()
     driver.session.apply_theme(edited(CALM, "Great"))
@@ -83,7 +83,7 @@ def test_a_session_that_wore_several_themes_is_gone_on_with_in_whatever_it_wears
     assert [attempt.attempt for attempt in resumed.all(ATTEMPT_ENDED)] == [4]
 
 
-def test_a_themes_own_texts_may_have_changed_since_the_session_was_cut_off() -> None:
+def test_a_session_is_resumed_although_the_texts_of_its_theme_have_changed() -> None:
     driver = sit(edited(CALM, "Splendid", texts=ROUNDS))
     driver.enter()
     assert driver.waiting.attempt_name == "round 1 of 4"
@@ -92,7 +92,7 @@ def test_a_themes_own_texts_may_have_changed_since_the_session_was_cut_off() -> 
     assert resumed.waiting.attempt_name == "next round 1 of 4"
 
 
-def test_a_theme_is_in_the_record_as_it_was_worn(driver: LoopDriver) -> None:
+def test_the_record_holds_the_theme_as_it_was_applied(driver: LoopDriver) -> None:
     worn = edited(CALM, "Splendid", texts=ROUNDS)
     driver.session.apply_theme(worn)
     for record in driver.records:
@@ -103,7 +103,7 @@ def test_a_theme_is_in_the_record_as_it_was_worn(driver: LoopDriver) -> None:
 
 
 @given(st.lists(st.sampled_from(["attempt", "wear", "wait", "cut"]), max_size=12))
-def test_whenever_it_is_edited_and_cut_off_every_answer_is_in_the_words_of_its_time(steps: list[str]) -> None:
+def test_whenever_the_theme_is_edited_and_the_session_cut_off_feedback_uses_the_theme_of_its_time(steps: list[str]) -> None:
     driver, worn, count, expected = sit(attempts=13), CALM, 0, []
     driver.enter()
     for step in steps:

@@ -49,7 +49,7 @@ def attempt(under_way: Attempts, *trials: Results) -> AttemptScore:
         (3, 1211.0, "failure", "negative"),
     ],
 )
-def test_an_attempt_is_held_against_the_goal_of_its_own_level(
+def test_an_attempt_is_compared_with_the_goal_of_its_level(
     level: int, value: float, outcome: str, valence: str
 ) -> None:
     scored = attempt(session_attempts(start_level=level), lift(value))
@@ -59,7 +59,7 @@ def test_an_attempt_is_held_against_the_goal_of_its_own_level(
     assert scored.first.ended.goal == scored.first.feedback.goal == 1000 + 100 * (level - 1)
 
 
-def test_the_goal_of_an_attempt_is_that_of_its_level_even_if_the_next_is_another() -> None:
+def test_goals_of_successive_attempts_follow_their_levels() -> None:
     under_way = session_attempts()
     goals = [attempt(under_way, lift(500)).first.ended.goal for _ in range(3)]
     assert goals == [1000, 1100, 1200]
@@ -90,7 +90,7 @@ def test_a_quality_that_no_correct_trial_has_is_left_out() -> None:
 # --- amending -------------------------------------------------------------------------------------------------
 
 
-def test_there_is_nothing_to_amend_before_the_first_trial_and_none_of_the_last_attempt_once_another_began() -> None:
+def test_nothing_is_amendable_before_the_first_trial_and_after_the_next_attempt_has_begun() -> None:
     under_way = session_attempts()
     assert under_way.amendable is None
     attempt(under_way, lift(500))
@@ -99,7 +99,7 @@ def test_there_is_nothing_to_amend_before_the_first_trial_and_none_of_the_last_a
     assert under_way.amendable is None
 
 
-def test_in_an_attempt_the_last_trial_is_amended_and_nothing_is_scored() -> None:
+def test_amending_within_an_attempt_replaces_the_last_trial_and_scores_nothing() -> None:
     under_way = session_attempts(lifts=3)
     under_way.begin(now=0)
     under_way.add(lift(400))
@@ -110,7 +110,7 @@ def test_in_an_attempt_the_last_trial_is_amended_and_nothing_is_scored() -> None
 
 
 @pytest.mark.parametrize("attempts", [1, 4])
-def test_an_attempt_that_is_amended_is_scored_as_if_it_had_been_so_from_the_first(attempts: int) -> None:
+def test_an_amended_attempt_is_scored_as_if_its_results_had_been_so_at_once(attempts: int) -> None:
     under_way, at_once = (session_attempts(lifts=2, attempts=attempts, start_level=4) for _ in range(2))
     said = attempt(under_way, lift(400), lift(500)).first.ended
     amended = under_way.amend(lift(500, correct=False))
@@ -135,7 +135,7 @@ def test_an_attempt_that_is_amended_is_scored_as_if_it_had_been_so_from_the_firs
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=6), st.booleans(), st.integers(1, 3), st.integers(1, 3))
-def test_however_often_an_attempt_is_amended_only_the_last_word_counts(
+def test_after_repeated_amendments_only_the_last_counts(
     words: list[bool], first: bool, successes: int, failures: int
 ) -> None:
     rules = {"start_level": 3, "consecutive_successes": successes, "consecutive_failures": failures}
@@ -152,7 +152,7 @@ def test_however_often_an_attempt_is_amended_only_the_last_word_counts(
         attempt(at_once, lift(500, correct=False))
 
 
-def test_an_attempt_whose_successor_was_set_by_hand_stays_as_it_is() -> None:
+def test_an_attempt_cannot_be_amended_after_the_next_level_was_set_by_hand() -> None:
     under_way = session_attempts()
     attempt(under_way, lift(500))
     under_way.set_level(8, under_way=False)
@@ -184,7 +184,7 @@ STEPS = st.lists(st.tuples(st.floats(300, 2000), st.none() | st.booleans(), st.b
 
 
 @given(st.sampled_from(SCHEDULES), STEPS, st.integers(1, 4), st.integers(0, 3))
-def test_an_attempt_counts_those_since_the_last_that_was_answered_however_often_they_are_amended_or_asked_about(
+def test_attempts_since_the_last_feedback_are_counted_despite_amendments_and_requests(
     schedule: str, steps: list[tuple[float, bool | None, bool]], every: int, practice: int
 ) -> None:
     under_way = session_attempts(
@@ -214,7 +214,7 @@ def test_an_attempt_counts_those_since_the_last_that_was_answered_however_often_
 
 
 @given(st.lists(st.floats(300, 2000), min_size=12, max_size=12), st.integers(2, 6))
-def test_a_summary_speaks_of_the_means_of_its_attempts_and_the_row_says_so(values: list[float], every: int) -> None:
+def test_a_summary_reports_the_means_of_its_attempts(values: list[float], every: int) -> None:
     settings = {"feedback_schedule": "summary", "feedback_every": every, "difficulty_policy": "fixed"}
     under_way = session_attempts(attempts=12, **settings)
     for number, value in enumerate(values, 1):
@@ -231,25 +231,25 @@ def test_a_summary_speaks_of_the_means_of_its_attempts_and_the_row_says_so(value
             assert scored.first.ended.feedback == scored.first.feedback.valence
 
 
-def test_a_summary_at_levels_with_goals_of_their_own_is_held_against_the_mean_of_these() -> None:
+def test_a_summary_across_levels_uses_the_mean_goal() -> None:
     under_way = session_attempts(feedback_schedule="summary", feedback_every=3)
     answers = [attempt(under_way, lift(500)).first.feedback for _ in range(3)]
     assert (answers[-1].goal, answers[-1].level) == (1100.0, 3), "the goals were 1000, 1100 and 1200"
 
 
-def test_a_summary_with_an_attempt_amended_speaks_of_what_it_is_now() -> None:
+def test_a_summary_uses_the_amended_result() -> None:
     under_way = session_attempts(feedback_schedule="summary", feedback_every=2, difficulty_policy="fixed")
     attempt(under_way, lift(400))
     under_way.amend(lift(800))
     assert attempt(under_way, lift(400)).first.feedback.metric == 600.0
 
 
-def test_an_answer_is_due_so_long_after_the_attempts_end() -> None:
+def test_feedback_is_due_after_the_configured_delay() -> None:
     scored = attempt(session_attempts(feedback_delay_ms=1500), lift(400))
     assert scored.first.feedback.due == scored.first.ended.ended + 1500 * MS
 
 
-def test_a_level_that_is_settled_in_an_attempt_is_that_of_the_next_with_the_reason_it_had() -> None:
+def test_a_level_settled_during_an_attempt_applies_to_the_next_with_its_original_reason() -> None:
     under_way = session_attempts()
     changed = attempt(under_way, lift(400.0)).level
     assert changed
@@ -265,7 +265,7 @@ def test_a_level_that_is_settled_in_an_attempt_is_that_of_the_next_with_the_reas
 
 
 @given(st.booleans(), st.booleans(), st.integers(0, 1))
-def test_a_step_leaves_the_state_it_is_given_unchanged(first: bool, second: bool, practice: int) -> None:
+def test_steps_do_not_change_the_state_they_are_given(first: bool, second: bool, practice: int) -> None:
     under_way = session_attempts(practice_attempts=practice, feedback_schedule="request", start_level=3)
     attempt(under_way, lift(500, correct=first))
     before = under_way.state

@@ -40,7 +40,7 @@ def each(scored: AttemptScore) -> dict[str, tuple[Any, ...]]:
 
 
 @pytest.mark.parametrize(("a", "b", "level"), [(500, 600, 2), (500, 1200, 1), (1200, 500, 1), (1200, 1300, 1)])
-def test_each_has_their_own_result_and_the_level_rises_when_both_reach_the_goal(a: float, b: float, level: int) -> None:
+def test_each_seat_has_its_result_and_the_level_rises_if_both_reach_the_goal(a: float, b: float, level: int) -> None:
     under_way = attempts()
     scored = attempt(under_way, {"A": lift(a), "B": lift(b)})
     assert [one.ended.metric for one in scored.seats] == [a, b]
@@ -49,26 +49,26 @@ def test_each_has_their_own_result_and_the_level_rises_when_both_reach_the_goal(
     assert under_way.level == level
 
 
-def test_the_level_falls_when_one_misses_the_goal() -> None:
+def test_the_level_falls_if_one_seat_misses_the_goal() -> None:
     under_way = attempts(start_level=3)
     assert attempt(under_way, {"A": lift(500), "B": lift(5000)}).level is not None
     assert under_way.level == 2
 
 
-def test_who_had_no_prompt_in_an_attempt_has_no_row_of_it() -> None:
+def test_a_seat_without_trials_has_no_row() -> None:
     under_way = attempts(lifts=2)
     scored = attempt(under_way, {"B": lift(500)}, {"B": lift(700)})
     assert each(scored) == {"B": (600, "success", "positive")}
     assert under_way.level == 2
 
 
-def test_schedules_count_for_each_apart() -> None:
+def test_feedback_schedules_are_counted_per_seat() -> None:
     under_way = attempts(feedback_schedule="bandwidth", feedback_tolerance=10.0, max_level=1)
     scored = attempt(under_way, {"A": lift(950), "B": lift(400)})
     assert [one.is_feedback_due for one in scored.seats] == [False, True]
 
 
-def test_an_answer_that_is_asked_for_is_given_to_both_and_once() -> None:
+def test_requested_feedback_is_given_to_both_seats_once() -> None:
     under_way = attempts(feedback_schedule="request")
     scored = attempt(under_way, {"A": lift(500), "B": lift(1500)})
     assert [one.is_feedback_due for one in scored.seats] == [False, False]
@@ -79,7 +79,7 @@ def test_an_answer_that_is_asked_for_is_given_to_both_and_once() -> None:
     assert under_way.request_feedback(now=4000) is None
 
 
-def test_amended_each_keeps_what_was_said_of_them_and_the_level_is_set_anew() -> None:
+def test_amending_keeps_the_given_feedback_and_corrects_the_level() -> None:
     under_way = attempts()
     attempt(under_way, {"A": lift(500), "B": lift(500)})
     assert under_way.level == 2
@@ -103,7 +103,7 @@ REACHED, MISSED = Judgement("success", "positive", "goal"), Judgement("failure",
         (None, None, (("success", "positive", "goal"), ("failure", "negative", "missed"))),
     ],
 )
-def test_a_race_is_answered_by_who_won_and_the_outcome_stands(
+def test_feedback_on_a_race_tells_who_won_and_keeps_the_outcome(
     a: int | None, b: int | None, told: tuple[tuple[str, str, str], ...]
 ) -> None:
     scores = {"A": Score(500, 1.0, 4, 4, a), "B": Score(1500, 1.0, 4, 4, b)}

@@ -56,7 +56,7 @@ def test_a_topic_refuses_another_type(bus: Bus) -> None:
         bus.publish(IN, Asked(number=1))  # type: ignore[misc]
 
 
-def test_a_topic_refuses_even_a_kind_of_its_type(bus: Bus) -> None:
+def test_a_topic_refuses_a_subclass_of_its_type(bus: Bus) -> None:
     class Shouted(Said, frozen=True, kw_only=True):
         pass
 
@@ -69,7 +69,7 @@ def test_messages_cannot_be_changed() -> None:
         said("a").word = "b"  # type: ignore[misc]
 
 
-def test_handlers_are_served_in_the_order_in_which_they_subscribed(bus: Bus) -> None:
+def test_handlers_run_in_the_order_of_their_subscription(bus: Bus) -> None:
     order: list[str] = []
     for name in ("first", "second", "third"):
         bus.subscribe(IN, lambda _, name=name: order.append(name))
@@ -167,7 +167,7 @@ def test_only_inputs_of_the_right_type_can_be_posted(bus: Bus) -> None:
         bus.post(IN, Asked(number=1))  # type: ignore[misc]
 
 
-def test_a_handler_that_raises_is_told_of_and_the_others_are_still_served(
+def test_a_handler_that_raises_publishes_a_fault_and_the_others_still_run(
     bus: Bus, cascades: list[list[Record]]
 ) -> None:
     served: list[str] = []
@@ -210,7 +210,7 @@ def test_a_service_answers_at_once_and_its_exception_is_the_callers(bus: Bus) ->
         bus.call(DOUBLE, said("two"))  # type: ignore[misc]
 
 
-def test_a_service_has_one_answerer(bus: Bus) -> None:
+def test_a_service_can_be_served_only_once(bus: Bus) -> None:
     bus.serve(DOUBLE, lambda asked: asked)
     with pytest.raises(ValueError, match="served already"):
         bus.serve(DOUBLE, lambda asked: asked)
@@ -230,7 +230,7 @@ def test_a_late_subscriber_gets_the_last_value_of_a_kept_topic_only(bus: Bus) ->
     assert late == ["new"]
 
 
-def test_a_stream_is_not_numbered_and_stands_before_what_it_caused(bus: Bus, cascades: list[list[Record]]) -> None:
+def test_messages_of_a_stream_have_no_number_of_their_own(bus: Bus, cascades: list[list[Record]]) -> None:
     during: list[int] = []
 
     def react(message: Said) -> None:
@@ -247,7 +247,7 @@ def test_a_stream_is_not_numbered_and_stands_before_what_it_caused(bus: Bus, cas
     assert during == [0, 0, 1]
 
 
-def test_a_tap_that_is_taken_off_hears_no_more(bus: Bus) -> None:
+def test_a_removed_tap_receives_nothing_more(bus: Bus) -> None:
     heard: list[list[Record]] = []
     bus.tap(heard.append)
     bus.publish(IN, said("one"))
@@ -256,7 +256,7 @@ def test_a_tap_that_is_taken_off_hears_no_more(bus: Bus) -> None:
     assert [words(cascade) for cascade in heard] == [["one"]]
 
 
-def test_a_node_is_held_to_what_it_declares(bus: Bus) -> None:
+def test_a_node_may_only_use_what_it_declares(bus: Bus) -> None:
     class Shy(Node):
         name = "shy"
         emits = (OUT,)
@@ -292,7 +292,7 @@ class Alarm(TimedNode):
         self.fired.append((name, self.now))
 
 
-def test_a_timer_fires_when_due_unless_called_off_or_set_anew(bus: Bus, clock: VirtualClock) -> None:
+def test_a_timer_fires_when_due_unless_cancelled_or_set_again(bus: Bus, clock: VirtualClock) -> None:
     alarm = Alarm()
     alarm.attach(bus)
     alarm.set_timer("tea", 100)
@@ -303,7 +303,7 @@ def test_a_timer_fires_when_due_unless_called_off_or_set_anew(bus: Bus, clock: V
     assert alarm.fired == [("tea", 200)]
 
 
-def test_a_firing_that_was_on_its_way_when_called_off_is_not_heeded(bus: Bus, clock: VirtualClock) -> None:
+def test_a_timer_that_was_cancelled_while_its_message_waited_is_ignored(bus: Bus, clock: VirtualClock) -> None:
     alarm = Alarm()
     alarm.attach(bus)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from sar_tui.framework.clock import LiveClock, VirtualClock, host_now
 
 
-def test_the_clock_stands_still_until_told_to_move() -> None:
+def test_the_virtual_clock_stands_still_until_stepped() -> None:
     clock = VirtualClock(5)
     ran: list[str] = []
     clock.call_at(5, lambda: ran.append("due at once"))
@@ -17,7 +17,7 @@ def test_the_clock_stands_still_until_told_to_move() -> None:
 
 
 @given(st.lists(st.integers(0, 50)))
-def test_callbacks_run_by_time_and_by_request_where_times_are_equal(times: list[int]) -> None:
+def test_callbacks_run_by_time_then_in_the_order_of_request(times: list[int]) -> None:
     clock = VirtualClock()
     ran: list[tuple[int, int, int]] = []
     for number, when in enumerate(times):
@@ -27,7 +27,7 @@ def test_callbacks_run_by_time_and_by_request_where_times_are_equal(times: list[
     assert ran == [(when, number, when) for when, number in sorted((when, n) for n, when in enumerate(times))]
 
 
-def test_a_callback_asked_for_in_the_past_runs_now() -> None:
+def test_a_callback_in_the_past_runs_now() -> None:
     clock = VirtualClock(100)
     at: list[int] = []
     clock.call_at(20, lambda: at.append(clock.now()))
@@ -35,7 +35,7 @@ def test_a_callback_asked_for_in_the_past_runs_now() -> None:
     assert at == [100]
 
 
-def test_a_callback_may_ask_for_another() -> None:
+def test_a_callback_may_schedule_another() -> None:
     clock = VirtualClock()
     at: list[int] = []
     clock.call_at(10, lambda: clock.call_at(clock.now() + 5, lambda: at.append(clock.now())))
@@ -54,7 +54,7 @@ def test_advance_runs_what_falls_due_and_leaves_the_rest() -> None:
     assert (ran, clock.now()) == ([10, 20, 30], 40)
 
 
-def test_what_is_called_off_does_not_run_and_does_not_move_the_clock() -> None:
+def test_a_cancelled_callback_does_not_run_or_move_the_clock() -> None:
     clock = VirtualClock()
     ran: list[str] = []
     clock.call_at(10, lambda: ran.append("called off")).cancel()

@@ -32,35 +32,35 @@ def offer(name: str, deadline: int | None) -> PendingApproval:
     return PendingApproval(proposal=Proposal(id=name, kind="feedback", text=name), mode="veto", deadline=deadline)
 
 
-def test_another_valence_brings_its_face_gesture_and_tone_and_is_of_no_degree(calm: Theme) -> None:
+def test_an_edited_valence_replaces_face_gesture_tone_and_degree(calm: Theme) -> None:
     action = edit(calm, valence="negative")
     assert (action.face, action.gesture, action.tone, action.degree) == ("encouraging", "lean_in", "", "clear")
     assert (action.text, action.decision, action.actor, action.decided) == ("Well done.", "edited", "operator.ana", 7)
 
 
-def test_another_valence_brings_no_gesture_where_that_is_ruled_on_apart(calm: Theme) -> None:
+def test_an_edited_valence_adds_no_gesture_to_a_proposal_without_one(calm: Theme) -> None:
     still = Proposal(id="a1", kind="feedback", text="Well done.", valence="positive")
     assert edit(calm, still, valence="negative").gesture == ""
 
 
-def test_other_words_are_spoken_as_the_theme_speaks_them(calm: Theme) -> None:
+def test_edited_text_is_spoken_as_the_theme_does(calm: Theme) -> None:
     action = edit(calm, text="412 ms.")
     assert (action.text, action.spoken) == ("412 ms.", "412 milliseconds.")
     assert (action.face, action.degree) == ("happy", "strong")
 
 
-def test_a_gesture_that_is_named_goes_before_the_valences(calm: Theme) -> None:
+def test_an_edited_gesture_overrides_that_of_the_valence(calm: Theme) -> None:
     assert edit(calm, valence="negative", gesture="wave").gesture == "wave"
     assert edit(calm, gesture="").gesture == ""
 
 
 @pytest.mark.parametrize("same", [{"text": "Well done."}, {"valence": "positive"}, {"gesture": "nod"}])
-def test_what_is_given_as_it_was_is_no_change(calm: Theme, same: dict[str, str]) -> None:
+def test_an_edit_with_the_same_values_is_an_acceptance(calm: Theme, same: dict[str, str]) -> None:
     action = edit(calm, **same)
     assert (action.decision, action.degree, action.actor) == ("accepted", "strong", "operator.ana")
 
 
-def test_the_first_deadline_is_the_next_and_what_has_none_waits_on() -> None:
+def test_proposals_are_due_by_deadline_and_those_without_one_stay() -> None:
     offers = PendingApprovals()
     for name, deadline in (("late", 3 * SECOND), ("soon", SECOND), ("never", None)):
         offers.add(offer(name, deadline))

@@ -18,7 +18,7 @@ PINNED = {
 KEYS = st.lists(st.one_of(st.integers(), st.text(max_size=5)), max_size=4)
 
 
-def test_the_numbers_are_these_on_every_machine_and_version() -> None:
+def test_the_numbers_are_the_same_on_every_machine_and_version() -> None:
     drawn = {
         "uniform": [RandomStreams(1, 2, 3).uniform("foreperiod"), RandomStreams(42).uniform()],
         "choice": [RandomStreams(7, trial).choice("asdf", "order") for trial in range(8)],
@@ -35,7 +35,7 @@ def test_a_number_does_not_depend_on_what_was_drawn_before() -> None:
     assert streams.uniform("a") == first
 
 
-def test_streams_and_keys_are_apart() -> None:
+def test_streams_and_keys_are_independent() -> None:
     numbers = [
         RandomStreams(seed, attempt).uniform(name) for seed in range(5) for attempt in range(5) for name in "abcde"
     ]
@@ -63,13 +63,13 @@ def test_numbers_are_spread_evenly(seed: int) -> None:
 
 
 @given(st.integers(0, 10**6))
-def test_neighbouring_trials_are_not_alike(seed: int) -> None:
+def test_neighbouring_trials_are_uncorrelated(seed: int) -> None:
     numbers = [RandomStreams(seed, trial).uniform("order") - 0.5 for trial in range(2000)]
     products = [one * other for one, other in itertools.pairwise(numbers)]
     assert abs(sum(products) / len(products) * 12) < 0.12
 
 
-def test_a_generator_begins_anew_at_each_call() -> None:
+def test_each_call_returns_a_fresh_generator() -> None:
     streams = RandomStreams(1)
     assert streams.generator("x").random() == streams.generator("x").random()
     assert streams.generator("x").random() != streams.generator("y").random()

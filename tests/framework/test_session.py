@@ -105,7 +105,7 @@ def seconds(records: list[Record]) -> list[float | None]:
     ]
 
 
-def test_the_whole_session_is_one_worth_cutting() -> None:
+def test_the_whole_session_has_enough_cascades_to_cut() -> None:
     session = whole()
     trials = [record.message for record in session.records if record.topic is TRIAL]
     assert len(trials) == 15
@@ -130,7 +130,7 @@ def cut(at: int) -> list[Record]:
 
 
 @given(st.data())
-def test_a_session_cut_off_anywhere_goes_on_as_if_it_had_not_been(data: st.DataObject) -> None:
+def test_a_session_cut_off_anywhere_continues_as_if_it_had_not_been(data: st.DataObject) -> None:
     session = whole()
     at = data.draw(st.integers(0, len(session.cascades) - 1), label="cascades before the cut")
     before = cut(at)
@@ -143,7 +143,7 @@ def test_a_session_cut_off_anywhere_goes_on_as_if_it_had_not_been(data: st.DataO
 
 
 @given(st.data())
-def test_a_session_cut_off_twice_goes_on_too(data: st.DataObject) -> None:
+def test_a_session_cut_off_twice_continues_too(data: st.DataObject) -> None:
     session = whole()
     first = cut(data.draw(st.integers(0, len(session.cascades) - 1), label="cascades before the first cut"))
     second_run = Simulated(first).finish()
@@ -158,7 +158,7 @@ def test_a_session_cut_off_twice_goes_on_too(data: st.DataObject) -> None:
 
 
 @given(st.integers(0, 10_000))
-def test_messages_are_numbered_on_from_the_last(at: int) -> None:
+def test_a_resumed_session_continues_the_message_numbers(at: int) -> None:
     before = cut(at % len(whole().cascades))
     joined = before + Simulated(before).records
     assert [record.seq for record in joined] == list(range(1, len(joined) + 1))
@@ -209,7 +209,7 @@ def replay(records: list[Record], **changed: Any) -> None:
     Session(task, Catalogue().theme("calm"), VirtualClock(), 3).replay(records)
 
 
-def test_the_record_as_it_is_can_be_replayed() -> None:
+def test_an_unchanged_record_can_be_replayed() -> None:
     replay(whole().records)
 
 
@@ -236,7 +236,7 @@ def test_a_corrected_sentence_does_not_stop_a_replay() -> None:
 
 
 @given(st.data())
-def test_a_message_that_was_taken_out_or_put_in_twice_is_noticed(data: st.DataObject) -> None:
+def test_a_removed_or_duplicated_message_is_noticed(data: st.DataObject) -> None:
     records = list(whole().records)
     places = [i for i, record in enumerate(records) if record.topic.origin == "derived"]
     place = data.draw(st.sampled_from(places))
@@ -275,7 +275,7 @@ def test_a_task_that_was_changed_since_is_noticed(changed: dict[str, Any]) -> No
         replay(whole().records, **changed)
 
 
-def test_the_theme_is_in_the_record_so_that_another_in_its_place_changes_nothing() -> None:
+def test_a_replay_uses_the_recorded_theme() -> None:
     edited = Catalogue().theme("high-contrast")
     again = Session(whole().session.task, edited, VirtualClock(), 3)
     again.replay(whole().records)
@@ -303,7 +303,7 @@ class Clumsy(Node):
         raise RuntimeError("no such widget")
 
 
-def test_an_output_that_raised_does_not_keep_a_session_from_being_gone_on_with(
+def test_a_session_in_which_an_output_raised_can_be_resumed(
     keyboard: type[Task], calm: Theme
 ) -> None:
     driver = LoopDriver(keyboard, calm, extra=[Clumsy()], prompts_per_attempt=2)
@@ -319,18 +319,18 @@ def test_an_output_that_raised_does_not_keep_a_session_from_being_gone_on_with(
     assert resumed.answer().trial == 2
 
 
-def test_no_message_says_whose_session_it_is() -> None:
+def test_no_message_identifies_the_session_or_the_participant() -> None:
     for topic in ALL.values():
         assert not {"session", "participant", "person", "code"} & set(topic.type.__struct_fields__)
 
 
-def test_every_message_survives_being_written_and_read() -> None:
+def test_every_message_can_be_encoded_and_decoded() -> None:
     for record in whole().records:
         text = msgspec.json.encode(record.message)
         assert msgspec.json.decode(text, type=record.topic.type) == record.message
 
 
-def test_a_new_session_tells_what_it_is(keyboard: type[Task], calm: Theme) -> None:
+def test_a_new_session_publishes_its_task_theme_and_seed(keyboard: type[Task], calm: Theme) -> None:
     driver = LoopDriver(keyboard, calm, seed=12)
     started = driver.last(SESSION)
     assert (started.run, started.task, started.theme, started.seed) == (1, "keyboard", "calm", 12)

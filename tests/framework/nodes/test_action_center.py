@@ -46,7 +46,7 @@ GOOD, BAD = 400.0, 1900.0
 # --- coming, going, and what to do ----------------------------------------------------------------------------
 
 
-def test_the_agent_greets_and_says_what_to_do_and_in_the_end_goodbye(sit: Sit, calm: Theme) -> None:
+def test_the_agent_greets_gives_instructions_and_says_goodbye(sit: Sit, calm: Theme) -> None:
     driver = sit(attempts=1)
     greeting, instruction = proposed(driver)
     assert (greeting.kind, greeting.face, greeting.gesture) == ("greeting", "happy", "wave")
@@ -61,7 +61,7 @@ def test_the_agent_greets_and_says_what_to_do_and_in_the_end_goodbye(sit: Sit, c
     assert goodbye.text in calm.phrases["goodbye"]
 
 
-def test_what_to_do_is_told_once_however_often_the_instructions_come_up(sit: Sit) -> None:
+def test_instructions_are_given_once_per_run(sit: Sit) -> None:
     driver = sit()
     driver.operate("pause")
     driver.operate("resume")
@@ -69,20 +69,20 @@ def test_what_to_do_is_told_once_however_often_the_instructions_come_up(sit: Sit
     assert len(proposed(driver, "instruction")) == 1
 
 
-def test_who_was_cut_off_in_the_instructions_is_told_again_what_to_do(sit: Sit, calm: Theme) -> None:
+def test_instructions_are_given_again_after_an_interruption_in_them(sit: Sit, calm: Theme) -> None:
     driver = sit()
     resumed = LiftDriver(Lift, calm, attempts=5, lifts=1, start_level=3, history=driver.records)
     assert [proposal.kind for proposal in proposed(resumed)] == ["greeting", "instruction"]
 
 
-def test_who_comes_back_is_welcomed_back(sit: Sit, calm: Theme) -> None:
+def test_a_resumed_session_welcomes_the_participant_back(sit: Sit, calm: Theme) -> None:
     driver = sit()
     driver.begin_lifts()
     resumed = LiftDriver(Lift, calm, attempts=5, lifts=1, start_level=3, history=driver.records)
     assert [proposal.text in calm.phrases["welcome_back"] for proposal in proposed(resumed)] == [True]
 
 
-def test_a_session_that_is_broken_off_ends_with_a_goodbye_too(sit: Sit) -> None:
+def test_an_aborted_session_ends_with_a_goodbye_too(sit: Sit) -> None:
     driver = sit()
     driver.begin_lifts()
     driver.operate("end")
@@ -92,7 +92,7 @@ def test_a_session_that_is_broken_off_ends_with_a_goodbye_too(sit: Sit) -> None:
 # --- between attempts -----------------------------------------------------------------------------------------
 
 
-def test_a_kind_word_comes_before_a_level_that_is_new_and_after_failing_twice(sit: Sit) -> None:
+def test_encouragement_precedes_a_new_level_and_follows_two_failures(sit: Sit) -> None:
     driver = sit(attempts=6)
     driver.enter()
     for time_ms in (GOOD, BAD, GOOD, BAD, BAD):
@@ -101,7 +101,7 @@ def test_a_kind_word_comes_before_a_level_that_is_new_and_after_failing_twice(si
     assert heard == [(2, True), (6, True)], "level 4 is new before attempt 2; attempts 4 and 5 failed"
 
 
-def test_the_first_attempt_is_begun_without_it(sit: Sit) -> None:
+def test_the_first_attempt_gets_no_encouragement(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     assert proposed(driver, "encouragement", "rest") == []
@@ -116,7 +116,7 @@ def test_encouragement_can_be_left_out(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize(("every", "before"), [(0, []), (1, [2, 3, 4, 5]), (2, [3, 5]), (4, [5])])
-def test_a_rest_is_offered_after_each_so_many_scored_attempts_but_not_after_the_last(
+def test_a_rest_is_suggested_every_n_scored_attempts_but_not_after_the_last(
     sit: Sit, every: int, before: list[int]
 ) -> None:
     driver = sit(rest_every=every)
@@ -134,7 +134,7 @@ def test_practice_does_not_count_towards_a_rest(sit: Sit) -> None:
     assert [proposal.attempt for proposal in proposed(driver, "rest")] == [5]
 
 
-def test_before_an_attempt_the_agent_says_one_thing_not_two(sit: Sit) -> None:
+def test_rest_and_encouragement_are_not_both_given(sit: Sit) -> None:
     driver = sit(rest_every=1)
     driver.enter()
     for _ in range(4):
@@ -143,7 +143,7 @@ def test_before_an_attempt_the_agent_says_one_thing_not_two(sit: Sit) -> None:
     assert len(proposed(driver, "rest")) == 4
 
 
-def test_it_is_said_once_for_an_attempt_even_if_its_level_is_set_by_hand_meanwhile(sit: Sit) -> None:
+def test_encouragement_is_given_once_per_attempt(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     lift_once(driver, GOOD)
@@ -168,7 +168,7 @@ def test_it_is_said_once_for_an_attempt_even_if_its_level_is_set_by_hand_meanwhi
     ],
 )
 @pytest.mark.parametrize("name", ["calm", "playful", "high-contrast"])
-def test_how_far_from_the_goal_sets_the_words_the_face_and_the_gesture(
+def test_distance_from_the_goal_selects_text_face_and_gesture(
     catalogue: Catalogue, name: str, metric: float, valence: str, degree: str, situation: str
 ) -> None:
     theme = catalogue.theme(name)
@@ -182,7 +182,7 @@ def test_how_far_from_the_goal_sets_the_words_the_face_and_the_gesture(
     assert manner.tone == ("success" if valence == "positive" else "")
 
 
-def test_every_manner_is_one_that_outputs_know(catalogue: Catalogue) -> None:
+def test_every_manner_is_known_to_the_outputs(catalogue: Catalogue) -> None:
     for name in catalogue.theme_names():
         agent = Agent(Lift, catalogue.theme(name))
         for metric in (500.0, 800.0, 950.0, 1005.0, 1050.0, 1200.0, 2000.0, None):
@@ -202,7 +202,7 @@ def test_what_is_spoken_has_its_units_in_full(calm: Theme) -> None:
     assert said.spoken == said.text.replace(" ms", " milliseconds")
 
 
-def test_what_only_helps_gives_way_and_what_counts_does_not(calm: Theme) -> None:
+def test_priorities_and_policies_of_the_kinds(calm: Theme) -> None:
     assert {kind for kind, rule in RULES.items() if rule.policy == "drop"} == {
         "instruction",
         "encouragement",
@@ -224,7 +224,7 @@ def test_what_only_helps_gives_way_and_what_counts_does_not(calm: Theme) -> None
 
 @given(st.lists(st.sampled_from([500.0, 800.0, 950.0, 1005.0, 1050.0, 1200.0, 2000.0, None]), max_size=20),
        st.sampled_from(["calm", "playful", "high-contrast"]), st.integers(0, 1000))  # fmt: skip
-def test_a_situation_is_not_put_into_the_same_words_twice_running(
+def test_a_phrase_is_not_used_twice_in_a_row(
     catalogue: Catalogue, metrics: list[float | None], name: str, seed: int
 ) -> None:
     theme = catalogue.theme(name)
@@ -236,7 +236,7 @@ def test_a_situation_is_not_put_into_the_same_words_twice_running(
 
 
 @given(st.integers(0, 1000))
-def test_figures_too_are_not_given_in_the_same_words_twice_running(catalogue: Catalogue, seed: int) -> None:
+def test_a_phrase_with_figures_is_not_used_twice_in_a_row(catalogue: Catalogue, seed: int) -> None:
     agent = Agent(catalogue.task("keyboard"), catalogue.theme("calm"), "quantitative", seed)
     said = [agent.hears_of(700, level) for level in range(1, 9)]
     assert all(one != other for one, other in pairwise(said))
@@ -245,7 +245,7 @@ def test_figures_too_are_not_given_in_the_same_words_twice_running(catalogue: Ca
 @pytest.mark.parametrize(
     ("form", "situation"), [("qualitative", "positive_strong"), ("quantitative", "positive_first")]
 )
-def test_every_wording_gets_its_turn(keyboard: type[Task], calm: Theme, form: str, situation: str) -> None:
+def test_every_phrase_is_used(keyboard: type[Task], calm: Theme, form: str, situation: str) -> None:
     said = {Agent(keyboard, calm, form, seed).hears_of(700) for seed in range(30)}
     assert said == {wording.format(value="700 ms", goal="1000 ms") for wording in calm.phrases[situation]}
 
@@ -261,7 +261,7 @@ def test_the_same_seed_says_the_same(keyboard: type[Task], calm: Theme) -> None:
 # --- another theme --------------------------------------------------------------------------------------------
 
 
-def test_a_theme_that_is_edited_is_spoken_from_then_on(calm: Theme) -> None:
+def test_an_edited_theme_is_used_from_then_on(calm: Theme) -> None:
     agent = Agent(Lift, calm, "qualitative")
     agent.hears_of(500)
     words, manner = {"positive_strong": ("Splendid.",)}, {"positive_strong": Manner("neutral", "", "up")}

@@ -97,7 +97,7 @@ def shown_at(driver: LoopDriver) -> int:
 # --- with a foreperiod ----------------------------------------------------------------------------------------
 
 
-def test_who_hurries_through_the_greeting_hears_it_to_its_end_before_the_first_foreperiod(sit: Sit) -> None:
+def test_the_first_foreperiod_waits_for_the_end_of_the_greeting(sit: Sit) -> None:
     driver = sit()
     assert is_acting(driver)
     driver.enter()
@@ -114,7 +114,7 @@ def test_who_hurries_through_the_greeting_hears_it_to_its_end_before_the_first_f
     ]
 
 
-def test_the_instructions_are_not_read_to_who_has_begun(sit: Sit) -> None:
+def test_spoken_instructions_stop_when_the_participant_continues(sit: Sit) -> None:
     driver = sit()
     driver.wait(4000)
     assert driver.last(ACTION).kind == "instruction"
@@ -128,7 +128,7 @@ def test_the_instructions_are_not_read_to_who_has_begun(sit: Sit) -> None:
     assert [dropped.reason for dropped in hurried.all(DROPPED)] == ["late"]
 
 
-def test_keys_pressed_while_the_agent_speaks_are_no_false_starts_but_quiet_is_awaited_after_them(sit: Sit) -> None:
+def test_keys_pressed_while_the_agent_speaks_are_no_false_starts_but_delay_the_foreperiod(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.press("enter")
@@ -142,7 +142,7 @@ def test_keys_pressed_while_the_agent_speaks_are_no_false_starts_but_quiet_is_aw
     assert driver.last(TRIAL).timing.false_starts == 0
 
 
-def test_an_answer_is_spoken_to_its_end_before_the_next_attempt_begins_however_soon_enter_is_pressed(sit: Sit) -> None:
+def test_feedback_is_spoken_to_its_end_before_the_next_trial(sit: Sit) -> None:
     driver = sit()
     driver.wait(10_000)
     driver.enter()
@@ -161,7 +161,7 @@ def test_an_answer_is_spoken_to_its_end_before_the_next_attempt_begins_however_s
     assert shown_at(driver) - when_still(driver) == 900 * MS
 
 
-def test_an_answer_breaks_off_a_greeting_that_has_not_ended_by_then(sit: Sit) -> None:
+def test_feedback_interrupts_a_greeting(sit: Sit) -> None:
     """It was held back by the trials, and spoken between them."""
     driver = sit(Speaker(60_000), prompts_per_attempt=1, attempts=1)
     driver.operate("stop")
@@ -200,7 +200,7 @@ def test_a_stop_in_a_trial_changes_nothing_in_it(sit: Sit) -> None:
     assert driver.last(TRIAL).reaction_time_ms == 300.0
 
 
-def test_an_output_that_hangs_holds_the_session_up_only_so_long(sit: Sit) -> None:
+def test_a_hanging_output_delays_the_session_for_a_limited_time(sit: Sit) -> None:
     driver = sit(Puppet("speech", frozenset({"say"})))
     driver.enter()
     driver.press("enter")
@@ -209,7 +209,7 @@ def test_an_output_that_hangs_holds_the_session_up_only_so_long(sit: Sit) -> Non
     assert {report.state for report in driver.all(REPORT)} == {"queued", "failed"}
 
 
-def test_a_session_that_is_paused_while_the_agent_speaks_is_quiet_at_once(sit: Sit) -> None:
+def test_a_pause_silences_the_agent_at_once(sit: Sit) -> None:
     driver = sit(Speaker(5000))
     driver.enter()
     driver.press("enter")
@@ -222,7 +222,7 @@ def test_a_session_that_is_paused_while_the_agent_speaks_is_quiet_at_once(sit: S
     driver.to_prompt()
 
 
-def test_a_session_that_is_cut_off_while_the_agent_speaks_goes_on(sit: Sit, keyboard: type[Task], calm: Theme) -> None:
+def test_a_session_cut_off_while_the_agent_speaks_can_be_resumed(sit: Sit, keyboard: type[Task], calm: Theme) -> None:
     driver = sit()
     driver.enter()
     driver.press("enter")
@@ -237,7 +237,7 @@ def test_a_session_that_is_cut_off_while_the_agent_speaks_goes_on(sit: Sit, keyb
 # --- with a key that starts each trial ------------------------------------------------------------------------
 
 
-def test_nobody_is_asked_to_start_a_trial_while_they_are_spoken_to(sit_to_lift: Sit) -> None:
+def test_no_trial_can_be_started_while_the_agent_speaks(sit_to_lift: Sit) -> None:
     driver = sit_to_lift()
     driver.enter()
     driver.press("enter")
@@ -253,7 +253,7 @@ def test_nobody_is_asked_to_start_a_trial_while_they_are_spoken_to(sit_to_lift: 
 
 
 @pytest.mark.parametrize("signal", [False, True])
-def test_what_the_agent_begins_to_say_while_a_start_is_awaited_is_ended_before_the_trial_goes_on(
+def test_an_utterance_begun_before_the_start_key_ends_before_the_trial_continues(
     sit_to_lift: Sit, signal: bool
 ) -> None:
     """A greeting that has waited behind a long utterance may come then."""
@@ -288,7 +288,7 @@ KEYS = st.lists(
     st.sampled_from(["every", "request", "summary"]),
     st.sampled_from(["keyboard", "lift", "lift on a signal", "lifts by themselves"]),
 )
-def test_whatever_is_pressed_no_prompt_comes_while_the_agent_speaks_and_it_does_not_speak_while_one_is_up(
+def test_prompts_and_speech_never_overlap(
     keys: list[tuple[int, str]], takes_ms: int, delay_ms: int, schedule: str, which: str
 ) -> None:
     kind = CATALOGUE.task("keyboard") if which == "keyboard" else Lift

@@ -127,7 +127,7 @@ def floor() -> Floor:
 # --- passed on as it is, and not in a trial -------------------------------------------------------------------
 
 
-def test_outside_a_trial_everything_is_passed_on_as_it_is() -> None:
+def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
     floor = Floor()
     whole: dict[str, Any] = {
         "seat": "B",
@@ -150,7 +150,7 @@ def test_outside_a_trial_everything_is_passed_on_as_it_is() -> None:
 
 
 @pytest.mark.parametrize("what", IN_TRIAL)
-def test_nothing_is_passed_on_in_a_trial_and_all_of_it_in_order_once_it_is_over(what: str) -> None:
+def test_proposals_in_a_trial_are_passed_on_in_order_after_it(what: str) -> None:
     floor = Floor()
     floor.wait_for(what)
     floor.propose("a")
@@ -163,7 +163,7 @@ def test_nothing_is_passed_on_in_a_trial_and_all_of_it_in_order_once_it_is_over(
     assert floor.acted == ["a", "b"], "not again"
 
 
-def test_what_stores_the_last_trial_of_a_session_is_no_trial() -> None:
+def test_waiting_for_storage_at_the_end_is_not_a_trial() -> None:
     floor = Floor()
     floor.wait_for("storage", "ended")
     floor.propose("bye")
@@ -173,7 +173,7 @@ def test_what_stores_the_last_trial_of_a_session_is_no_trial() -> None:
 # --- one at a time --------------------------------------------------------------------------------------------
 
 
-def test_what_queues_waits_until_what_is_under_way_is_over(floor: Floor) -> None:
+def test_a_queued_action_waits_for_the_current_one(floor: Floor) -> None:
     floor.propose("a", "b", "c")
     assert (floor.acted, floor.acting) == (["a"], [True])
     floor.report("a", "queued")
@@ -185,7 +185,7 @@ def test_what_queues_waits_until_what_is_under_way_is_over(floor: Floor) -> None
     assert floor.acting == [True, False], "told when it changes, not with each action"
 
 
-def test_the_more_important_goes_before_what_came_earlier(floor: Floor) -> None:
+def test_a_higher_priority_goes_first(floor: Floor) -> None:
     floor.propose("a")
     floor.propose("b", priority=1)
     floor.propose("c", priority=2)
@@ -204,7 +204,7 @@ def test_an_action_is_over_when_every_output_has_done_its_part_of_it() -> None:
     assert floor.acting == [True, False]
 
 
-def test_words_on_the_screen_are_waited_for_by_nobody() -> None:
+def test_text_on_the_screen_is_not_waited_for() -> None:
     floor = Floor({"screen": ("show",)})
     floor.propose("a", "b")
     assert (floor.acted, floor.acting) == (["a", "b"], [])
@@ -213,7 +213,7 @@ def test_words_on_the_screen_are_waited_for_by_nobody() -> None:
 # --- breaking off ---------------------------------------------------------------------------------------------
 
 
-def test_what_interrupts_breaks_off_what_is_no_more_important(floor: Floor) -> None:
+def test_an_interrupting_action_halts_one_of_equal_or_lower_priority(floor: Floor) -> None:
     floor.propose("a", priority=3)
     floor.propose("b", priority=3, policy="interrupt")
     assert floor.halted == [("a", "interrupted")]
@@ -224,7 +224,7 @@ def test_what_interrupts_breaks_off_what_is_no_more_important(floor: Floor) -> N
     assert floor.acting == [True, False]
 
 
-def test_what_interrupts_waits_for_what_is_more_important(floor: Floor) -> None:
+def test_an_interrupting_action_waits_for_one_of_higher_priority(floor: Floor) -> None:
     floor.propose("a", priority=3)
     floor.propose("b", priority=2, policy="interrupt")
     assert (floor.acted, floor.halted) == (["a"], [])
@@ -232,7 +232,7 @@ def test_what_interrupts_waits_for_what_is_more_important(floor: Floor) -> None:
     assert floor.acted == ["a", "b"]
 
 
-def test_what_would_interrupt_does_not_do_so_in_a_trial(floor: Floor) -> None:
+def test_nothing_is_interrupted_in_a_trial(floor: Floor) -> None:
     floor.wait_for("response")
     floor.propose("a", policy="interrupt")
     assert (floor.acted, floor.halted) == ([], [])
@@ -247,7 +247,7 @@ def test_what_would_interrupt_does_not_do_so_in_a_trial(floor: Floor) -> None:
         ("agent", "trial", [("a", "left")]),
     ],
 )
-def test_who_has_gone_on_need_not_hear_the_instructions_to_their_end(
+def test_instructions_are_halted_when_the_participant_continues(
     floor: Floor, what: str, stage: str, halted: list[tuple[str, str]]
 ) -> None:
     floor.propose("a", kind="instruction")
@@ -258,7 +258,7 @@ def test_who_has_gone_on_need_not_hear_the_instructions_to_their_end(
 # --- too late, too early --------------------------------------------------------------------------------------
 
 
-def test_what_only_helps_is_dropped_when_a_trial_comes_first(floor: Floor) -> None:
+def test_an_action_of_policy_drop_is_dropped_by_a_trial(floor: Floor) -> None:
     floor.propose("a")
     floor.propose("b", policy="drop")
     floor.propose("c")
@@ -270,13 +270,13 @@ def test_what_only_helps_is_dropped_when_a_trial_comes_first(floor: Floor) -> No
     assert floor.acted == ["a", "c"]
 
 
-def test_what_only_helps_is_said_to_its_end_once_it_has_begun(floor: Floor) -> None:
+def test_an_action_of_policy_drop_is_finished_once_begun(floor: Floor) -> None:
     floor.propose("a", policy="drop")
     floor.wait_for("agent")
     assert (floor.dropped, floor.halted) == ([], [])
 
 
-def test_what_is_due_later_comes_then_to_the_nanosecond(floor: Floor) -> None:
+def test_an_action_begins_exactly_when_it_is_due(floor: Floor) -> None:
     floor.propose("a", due=floor.clock.now() + 2500 * MS)
     floor.clock.advance(2500 * MS - 1)
     assert floor.acted == []
@@ -284,7 +284,7 @@ def test_what_is_due_later_comes_then_to_the_nanosecond(floor: Floor) -> None:
     assert floor.acted == ["a"]
 
 
-def test_what_falls_due_in_a_trial_comes_after_it(floor: Floor) -> None:
+def test_an_action_due_in_a_trial_begins_after_it(floor: Floor) -> None:
     floor.propose("a", due=floor.clock.now() + 10)
     floor.wait_for("response")
     floor.clock.advance(SECOND)
@@ -293,7 +293,7 @@ def test_what_falls_due_in_a_trial_comes_after_it(floor: Floor) -> None:
     assert floor.acted == ["a"]
 
 
-def test_what_falls_due_breaks_in_even_while_something_else_waits_its_turn(floor: Floor) -> None:
+def test_a_due_action_interrupts_while_others_wait(floor: Floor) -> None:
     floor.propose("a", "b")
     floor.propose("c", priority=5, policy="interrupt", due=floor.clock.now() + SECOND)
     floor.clock.advance(SECOND)
@@ -303,7 +303,7 @@ def test_what_falls_due_breaks_in_even_while_something_else_waits_its_turn(floor
 # --- stopped --------------------------------------------------------------------------------------------------
 
 
-def test_the_stop_key_halts_everything_and_gives_up_what_waits(floor: Floor) -> None:
+def test_the_stop_key_halts_everything_and_drops_what_waits(floor: Floor) -> None:
     floor.propose("a", "b")
     floor.propose("c", due=floor.clock.now() + SECOND)
     pressed = floor.clock.now() - 5 * MS
@@ -327,7 +327,7 @@ def test_the_stop_key_works_in_a_trial_too(floor: Floor) -> None:
     assert floor.all(HALT)[0].asked == floor.clock.now(), "without a stamp of its own it counts from its handling"
 
 
-def test_other_acts_of_an_operator_stop_nothing(floor: Floor) -> None:
+def test_other_commands_stop_nothing(floor: Floor) -> None:
     floor.propose("a")
     for command in ("pause", "resume", "skip", "mark"):
         floor.bus.publish(OPERATOR, m.Operator(command=command))  # type: ignore[arg-type]
@@ -349,7 +349,7 @@ def test_no_session_hangs_on_an_output_that_never_answers(floor: Floor) -> None:
     assert floor.acting == [True, False]
 
 
-def test_a_long_text_is_waited_for_longer(floor: Floor) -> None:
+def test_the_time_limit_grows_with_the_text(floor: Floor) -> None:
     floor.propose("a", spoken="a" * 800)
     floor.clock.advance(PATIENCE + 799 * PER_CHARACTER)
     assert floor.acting == [True]
@@ -364,13 +364,13 @@ def test_nothing_begins_in_a_pause(floor: Floor, reason: str) -> None:
     assert floor.acted == ["a"]
 
 
-def test_who_comes_back_is_greeted(floor: Floor) -> None:
+def test_a_resumed_session_greets_in_its_pause(floor: Floor) -> None:
     floor.wait_for("enter", "paused", reason="interrupted")
     floor.propose("a", kind="greeting")
     assert floor.acted == ["a"]
 
 
-def test_instructions_that_wait_are_not_read_out_on_the_next_screen(floor: Floor) -> None:
+def test_waiting_instructions_are_dropped_on_the_next_screen(floor: Floor) -> None:
     floor.wait_for("enter", "instructions")
     floor.propose("hello")
     floor.propose("a", kind="instruction")
@@ -379,7 +379,7 @@ def test_instructions_that_wait_are_not_read_out_on_the_next_screen(floor: Floor
     assert (floor.acted, floor.dropped) == (["hello"], [("a", "late")])
 
 
-def test_patience_begins_anew_with_each_action(floor: Floor) -> None:
+def test_each_action_has_its_own_time_limit(floor: Floor) -> None:
     floor.propose("a", "b")
     floor.clock.advance(PATIENCE - 1)
     floor.report("a")
@@ -387,7 +387,7 @@ def test_patience_begins_anew_with_each_action(floor: Floor) -> None:
     assert floor.acting == [True]
 
 
-def test_another_run_starts_with_nothing_under_way_and_with_its_own_outputs(floor: Floor) -> None:
+def test_a_new_run_starts_with_an_empty_queue_and_its_own_outputs(floor: Floor) -> None:
     floor.wait_for("response")
     floor.propose("late")
     floor.wait_for("enter", "attempt")
@@ -404,7 +404,7 @@ def test_another_run_starts_with_nothing_under_way_and_with_its_own_outputs(floo
     assert floor.acting == [True, False, True]
 
 
-def test_a_run_that_was_cut_off_in_a_trial_leaves_none_behind() -> None:
+def test_a_new_run_is_not_in_a_trial() -> None:
     floor = Floor()
     floor.wait_for("response")
     floor.begin({}, run=2)
@@ -429,7 +429,7 @@ EVENTS = st.one_of(
 
 
 @given(st.lists(EVENTS, max_size=40), st.integers(1, 3000), st.integers(1, 3000))
-def test_whatever_is_proposed_one_thing_is_said_at_a_time_none_begins_in_a_trial_and_nothing_is_lost(
+def test_actions_never_overlap_or_begin_in_a_trial_and_none_is_lost(
     events: list[Any], takes_ms: int, robot_takes_ms: int
 ) -> None:
     robot = Speaker(robot_takes_ms)

@@ -79,7 +79,7 @@ def test_a_session_goes_from_the_instructions_through_its_attempts_to_its_end(si
     assert driver.session.faults == []
 
 
-def test_alone_it_is_always_ones_own_turn(sit: Sit) -> None:
+def test_with_one_seat_it_is_always_its_turn(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.attempt()
@@ -93,7 +93,7 @@ def test_a_trial_is_quiet_then_foreperiod_then_prompt(sit: Sit) -> None:
     assert stages(driver)[-3:] == ["quiet", "foreperiod", "response"]
 
 
-def test_a_right_key_is_a_row_with_its_time_from_onset_to_stamp(sit: Sit) -> None:
+def test_a_correct_key_is_stored_with_its_time_from_onset_to_stamp(sit: Sit) -> None:
     driver = sit()
     prompt = driver.start()
     onset = driver.clock.now()
@@ -109,7 +109,7 @@ def test_a_right_key_is_a_row_with_its_time_from_onset_to_stamp(sit: Sit) -> Non
     assert (timing.false_starts, timing.presentation, timing.flags) == (0, 1, ())
 
 
-def test_a_wrong_key_is_a_row_that_adds_nothing_to_the_metric_and_lowers_accuracy(sit: Sit) -> None:
+def test_a_wrong_key_lowers_accuracy_and_is_not_in_the_metric(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.press("enter")
@@ -124,7 +124,7 @@ def test_a_wrong_key_is_a_row_that_adds_nothing_to_the_metric_and_lowers_accurac
     assert driver.last(FEEDBACK).reason == "accuracy"
 
 
-def test_a_miss_is_a_row_of_nulls_after_the_time_out(sit: Sit) -> None:
+def test_a_miss_is_stored_with_nulls_after_the_time_out(sit: Sit) -> None:
     driver = sit(response_timeout_ms=2000)
     driver.start()
     driver.wait(2049)
@@ -160,7 +160,7 @@ def test_success_raises_and_failure_lowers_the_level_of_the_next_attempt(sit: Si
     ]
 
 
-def test_an_attempt_is_in_memory_before_it_is_spoken_of_and_then_the_words_come(sit: Sit) -> None:
+def test_an_attempt_is_in_memory_before_its_feedback(sit: Sit) -> None:
     driver = sit(attempts=3, difficulty_policy="fixed", feedback_form="quantitative")
     driver.enter()
     driver.attempt(700)
@@ -170,7 +170,7 @@ def test_an_attempt_is_in_memory_before_it_is_spoken_of_and_then_the_words_come(
     assert topics[-4:] == [TRIAL, ATTEMPT_ENDED, FEEDBACK, ACTION]
 
 
-def test_feedback_comes_at_its_own_frequency_whatever_the_difficulty_does(sit: Sit) -> None:
+def test_feedback_frequency_is_independent_of_difficulty(sit: Sit) -> None:
     driver = sit(attempts=6, prompts_per_attempt=1, feedback_every=3, consecutive_successes=2)
     driver.enter()
     for _ in range(6):
@@ -180,7 +180,7 @@ def test_feedback_comes_at_its_own_frequency_whatever_the_difficulty_does(sit: S
     assert [ended.level for ended in driver.all(ATTEMPT_ENDED)] == [1, 1, 2, 2, 3, 3]
 
 
-def test_practice_is_answered_but_changes_neither_level_nor_count(sit: Sit) -> None:
+def test_practice_gets_feedback_but_changes_neither_level_nor_count(sit: Sit) -> None:
     driver = sit(practice_attempts=1, attempts=2, feedback_every=2, start_level=3)
     driver.enter()
     assert driver.waiting.attempt_name == "practice 1 of 1"
@@ -199,7 +199,7 @@ def test_practice_is_answered_but_changes_neither_level_nor_count(sit: Sit) -> N
     assert driver.waiting.stage == "review"
 
 
-def test_failures_in_practice_are_no_part_of_a_row_of_failures(sit: Sit) -> None:
+def test_failures_in_practice_do_not_count_as_consecutive(sit: Sit) -> None:
     driver = sit(practice_attempts=2, attempts=1, start_level=3, consecutive_failures=3)
     driver.enter()
     for _ in range(3):
@@ -210,7 +210,7 @@ def test_failures_in_practice_are_no_part_of_a_row_of_failures(sit: Sit) -> None
 # --- keys where none belong -------------------------------------------------------------------------------
 
 
-def test_a_key_in_the_foreperiod_begins_it_anew_and_is_never_a_response(sit: Sit) -> None:
+def test_a_key_in_the_foreperiod_restarts_it_and_is_no_response(sit: Sit) -> None:
     driver = sit(foreperiod_min_ms=800, foreperiod_max_ms=800)
     driver.enter()
     driver.press("enter")
@@ -253,7 +253,7 @@ def test_a_foreperiod_begins_only_after_half_a_second_without_keys(sit: Sit) -> 
     assert driver.clock.now() - answered == 500 * MS
 
 
-def test_a_key_while_quiet_is_awaited_puts_it_off_and_is_no_false_start(sit: Sit) -> None:
+def test_a_key_before_the_foreperiod_delays_it_and_is_no_false_start(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.press("enter")
@@ -274,7 +274,7 @@ def test_after_a_quiet_miss_the_foreperiod_begins_at_once(sit: Sit) -> None:
     assert driver.clock.now() == missed
 
 
-def test_a_held_key_puts_the_prompt_off_until_it_is_let_go(sit: Sit) -> None:
+def test_a_held_key_delays_the_prompt_until_it_is_released(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.press("enter")
@@ -297,7 +297,7 @@ def test_a_held_enter_begins_no_attempt(sit: Sit) -> None:
     assert driver.waiting.stage == "trial"
 
 
-def test_only_enter_begins(sit: Sit) -> None:
+def test_only_enter_begins_an_attempt(sit: Sit) -> None:
     driver = sit()
     driver.press("space")
     assert driver.waiting.stage == "instructions"
@@ -306,7 +306,7 @@ def test_only_enter_begins(sit: Sit) -> None:
     assert driver.waiting.stage == "attempt"
 
 
-def test_a_key_before_onset_is_an_anticipation_kept_flagged_and_out_of_the_metric(sit: Sit) -> None:
+def test_a_key_before_onset_is_stored_as_an_anticipation_outside_the_metric(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.press("enter")
@@ -322,7 +322,7 @@ def test_a_key_before_onset_is_an_anticipation_kept_flagged_and_out_of_the_metri
     assert trial.timing.flags == ("anticipation",)
 
 
-def test_of_two_keys_before_onset_the_first_is_the_response_and_the_other_none(sit: Sit) -> None:
+def test_the_first_of_two_keys_before_onset_is_the_response(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.press("enter")
@@ -360,7 +360,7 @@ def test_faster_than_a_tenth_of_a_second_is_an_anticipation(sit: Sit, reaction: 
     assert trial.value == (None if flagged else reaction)
 
 
-def test_anticipations_are_right_keys_that_no_mean_holds(sit: Sit) -> None:
+def test_anticipations_are_correct_but_not_in_the_mean(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.press("enter")
@@ -370,7 +370,7 @@ def test_anticipations_are_right_keys_that_no_mean_holds(sit: Sit) -> None:
     assert (ended.metric, ended.accuracy) == (500.0, 1.0)
 
 
-def test_a_key_stamped_in_time_counts_although_it_is_handled_late(sit: Sit) -> None:
+def test_a_key_stamped_in_time_counts_even_if_handled_late(sit: Sit) -> None:
     driver = sit(response_timeout_ms=2000)
     prompt = driver.start()
     onset = driver.clock.now()
@@ -384,7 +384,7 @@ def test_a_key_stamped_in_time_counts_although_it_is_handled_late(sit: Sit) -> N
     assert numbers(driver).count((1, 1)) == 1
 
 
-def test_a_key_stamped_late_is_a_miss_that_says_so(sit: Sit) -> None:
+def test_a_key_stamped_late_is_a_flagged_miss(sit: Sit) -> None:
     driver = sit(response_timeout_ms=2000)
     prompt = driver.start()
     driver.wait(2030)
@@ -432,7 +432,7 @@ def test_a_paste_is_flagged_and_never_a_response(sit: Sit) -> None:
     assert (trial.correct, trial.timing.flags) == (True, ("paste",))
 
 
-def test_a_paste_in_the_foreperiod_begins_it_anew(sit: Sit) -> None:
+def test_a_paste_in_the_foreperiod_restarts_it(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.press("enter")
@@ -456,7 +456,7 @@ def test_a_lost_focus_is_flagged_and_never_a_response(sit: Sit) -> None:
     assert driver.answer(300).timing.flags == ()
 
 
-def test_a_focus_that_stays_away_flags_every_trial_until_it_is_back(sit: Sit) -> None:
+def test_every_trial_without_focus_is_flagged(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.focus(False)
@@ -467,7 +467,7 @@ def test_a_focus_that_stays_away_flags_every_trial_until_it_is_back(sit: Sit) ->
     assert driver.answer().timing.flags == ()
 
 
-def test_an_onset_known_less_surely_is_flagged(sit: Sit) -> None:
+def test_an_onset_stamped_after_refresh_is_flagged(sit: Sit) -> None:
     driver = sit()
     driver.screen.source = "refresh"
     driver.start()
@@ -475,7 +475,7 @@ def test_an_onset_known_less_surely_is_flagged(sit: Sit) -> None:
     assert (trial.timing.onset_source, trial.timing.flags) == ("refresh", ("onset_refresh",))
 
 
-def test_a_report_of_another_presentation_is_no_onset(sit: Sit) -> None:
+def test_an_onset_of_another_presentation_is_ignored(sit: Sit) -> None:
     driver = sit()
     driver.start()
     stale = driver.screen.prompt
@@ -565,7 +565,7 @@ def test_a_pause_in_a_trial_voids_it_and_it_is_repeated_as_it_was(
     assert driver.session.faults == []
 
 
-def test_a_repeated_prompt_says_how_often_it_was_shown(sit: Sit) -> None:
+def test_a_repeated_prompt_counts_its_presentations(sit: Sit) -> None:
     driver = sit()
     first = driver.start()
     driver.operate("pause")
@@ -575,7 +575,7 @@ def test_a_repeated_prompt_says_how_often_it_was_shown(sit: Sit) -> None:
     assert driver.answer().timing.presentation == 2
 
 
-def test_what_befell_a_prompt_before_a_pause_is_not_told_of_its_repetition(sit: Sit) -> None:
+def test_flags_of_a_voided_prompt_are_not_on_its_repetition(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.press("enter")
@@ -628,7 +628,7 @@ def test_a_pause_in_the_instructions_goes_back_to_them(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize("reason", ["tired", "pain", "finished"])
-def test_how_a_person_is_is_told_and_only_a_decision_goes_on(sit: Sit, reason: str) -> None:
+def test_the_reason_of_a_pause_is_reported_and_only_a_command_resumes(sit: Sit, reason: str) -> None:
     driver = sit()
     driver.start()
     driver.operate("pause")
@@ -664,7 +664,7 @@ def test_an_end_aborts_from_anywhere_and_is_final(sit: Sit, moment: Callable[[Lo
 
 
 @pytest.mark.parametrize("moment", IN_A_TRIAL)
-def test_a_skipped_prompt_is_a_row_of_its_own_and_the_next_follows(
+def test_a_skipped_prompt_is_stored_and_the_next_follows(
     sit: Sit, moment: Callable[[LoopDriver], None]
 ) -> None:
     driver = sit()
@@ -697,7 +697,7 @@ def test_outside_a_trial_there_is_nothing_to_skip_or_repeat(sit: Sit, act: str) 
     assert (driver.all(TRIAL), driver.all(VOIDED), len(driver.all(WAITING))) == ([], [], said)
 
 
-def test_a_level_set_between_attempts_is_that_of_the_next_and_told_at_once(sit: Sit) -> None:
+def test_a_level_set_between_attempts_applies_to_the_next_at_once(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.operate("level", value=5)
@@ -708,7 +708,7 @@ def test_a_level_set_between_attempts_is_that_of_the_next_and_told_at_once(sit: 
     assert driver.waiting.level == 6
 
 
-def test_a_level_set_in_an_attempt_is_that_of_the_next_and_the_attempt_keeps_its_own(sit: Sit) -> None:
+def test_a_level_set_in_an_attempt_applies_to_the_next(sit: Sit) -> None:
     driver = sit()
     driver.start()
     driver.operate("level", value=7)
@@ -769,7 +769,7 @@ def test_an_acknowledgement_of_an_earlier_trial_is_not_enough(sit: Sit) -> None:
     assert len(driver.all(PROMPT)) == 3
 
 
-def test_a_key_while_the_disk_is_waited_for_begins_the_foreperiod_anew(sit: Sit) -> None:
+def test_a_key_while_the_trial_is_stored_restarts_the_foreperiod(sit: Sit) -> None:
     driver = sit()
     in_storing(driver)
     driver.press("f")
@@ -824,7 +824,7 @@ def test_at_the_end_too_an_acknowledgement_of_an_earlier_trial_is_not_enough(sit
 
 
 @pytest.mark.parametrize("moment", IN_A_TRIAL)
-def test_a_disk_that_refuses_pauses_and_enter_goes_on_once_it_writes_again(
+def test_a_disk_failure_pauses_and_enter_resumes_after_it(
     sit: Sit, moment: Callable[[LoopDriver], None]
 ) -> None:
     driver = sit()
@@ -849,7 +849,7 @@ def test_a_disk_that_refuses_pauses_and_enter_goes_on_once_it_writes_again(
     assert driver.answer().trial == done + 1
 
 
-def test_a_disk_that_refuses_between_attempts_goes_back_there(sit: Sit) -> None:
+def test_a_disk_failure_between_attempts_returns_there(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.disk(False)
@@ -858,7 +858,7 @@ def test_a_disk_that_refuses_between_attempts_goes_back_there(sit: Sit) -> None:
     assert driver.waiting.stage == "attempt"
 
 
-def test_a_disk_that_refuses_in_a_pause_is_told_and_comes_first(sit: Sit) -> None:
+def test_a_disk_failure_in_a_pause_is_reported_first(sit: Sit) -> None:
     driver = sit()
     driver.start()
     driver.operate("pause", reason="tired")
@@ -871,7 +871,7 @@ def test_a_disk_that_refuses_in_a_pause_is_told_and_comes_first(sit: Sit) -> Non
     assert driver.waiting.reason == "tired", "what a person said is not forgotten"
 
 
-def test_a_program_that_stood_still_repeats_the_trial_instead_of_calling_it_missed(sit: Sit) -> None:
+def test_a_trial_is_repeated_if_the_program_was_suspended(sit: Sit) -> None:
     driver = sit()
     prompt = driver.start()
     driver.wait(50)
@@ -883,7 +883,7 @@ def test_a_program_that_stood_still_repeats_the_trial_instead_of_calling_it_miss
     assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
 
 
-def test_a_miss_tells_how_late_its_time_out_was(sit: Sit) -> None:
+def test_a_miss_stores_the_delay_of_its_time_out(sit: Sit) -> None:
     driver = sit(response_timeout_ms=1000)
     driver.start()
     driver.wait(900)
@@ -893,7 +893,7 @@ def test_a_miss_tells_how_late_its_time_out_was(sit: Sit) -> None:
     assert 150 < timing.loop_lag_ms < 250
 
 
-def test_who_leans_on_a_key_is_asked_to_let_go(sit: Sit) -> None:
+def test_a_participant_who_holds_a_key_is_asked_to_release_it(sit: Sit) -> None:
     driver = sit()
     driver.enter()
     driver.begin_attempt()
@@ -916,7 +916,7 @@ def test_who_leans_on_a_key_is_asked_to_let_go(sit: Sit) -> None:
         Result(correct=True, response="j", details={"share": float("inf")}),
     ],
 )
-def test_a_result_that_cannot_be_kept_stops_the_session_for_good(sit: Sit, result: Result) -> None:
+def test_a_result_that_cannot_be_stored_stops_the_session(sit: Sit, result: Result) -> None:
     driver = sit()
     driver.start()
     driver.session.task.perceived = lambda trial, percept: result  # type: ignore[method-assign]
@@ -934,7 +934,7 @@ def test_a_result_that_cannot_be_kept_stops_the_session_for_good(sit: Sit, resul
     assert driver.waiting.stage == "broken"
 
 
-def test_a_disk_that_writes_changes_nothing(sit: Sit) -> None:
+def test_a_working_disk_changes_nothing(sit: Sit) -> None:
     driver = sit()
     driver.start()
     said = len(driver.all(WAITING))
@@ -965,7 +965,7 @@ class Taps(Task):
         return Result(correct=True, response=f"{len(trial.percepts)} taps", value=float(len(trial.percepts)))
 
 
-def test_a_task_may_go_on_waiting_and_judge_all_its_keys_at_the_end(calm: Theme) -> None:
+def test_a_task_may_judge_all_its_keys_at_the_end(calm: Theme) -> None:
     driver = LoopDriver(Taps, calm, attempts=1, threshold=3, neutral_band=0, response_timeout_ms=3000)
     driver.start()
     for _ in range(5):
@@ -975,7 +975,7 @@ def test_a_task_may_go_on_waiting_and_judge_all_its_keys_at_the_end(calm: Theme)
     assert (driver.last(TRIAL).value, driver.last(ATTEMPT_ENDED).outcome) == (5.0, "success")
 
 
-def test_what_a_held_key_repeats_is_not_handed_to_the_task(calm: Theme) -> None:
+def test_repeats_of_a_held_key_are_not_passed_to_the_task(calm: Theme) -> None:
     driver = LoopDriver(Taps, calm, attempts=1, threshold=3, neutral_band=0, response_timeout_ms=3000)
     driver.start()
     driver.wait(200)
@@ -992,7 +992,7 @@ class Brittle(Taps):
         raise ZeroDivisionError("no taps")
 
 
-def test_a_task_that_raises_is_told_of_as_the_fault_that_stops_the_session(calm: Theme) -> None:
+def test_a_task_that_raises_stops_the_session_with_a_fault(calm: Theme) -> None:
     driver = LoopDriver(Brittle, calm, attempts=1)
     driver.start()
     assert driver.session.broken is None
@@ -1038,7 +1038,7 @@ ACTS = st.lists(
 
 
 @given(ACTS)
-def test_whatever_anyone_does_every_trial_comes_once_in_order_and_nothing_breaks(
+def test_any_input_gives_every_trial_once_in_order(
     keyboard: type[Task], calm: Theme, acts: list[tuple[str, Any]]
 ) -> None:
     driver = LoopDriver(keyboard, calm, prompts_per_attempt=2, attempts=2, start_level=3)

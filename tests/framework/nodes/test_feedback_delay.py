@@ -59,7 +59,7 @@ def answers(driver: LiftDriver) -> list[int]:
 # --- after a delay --------------------------------------------------------------------------------------------
 
 
-def test_the_answer_comes_exactly_so_long_after_the_attempts_end(sit: Sit) -> None:
+def test_delayed_feedback_comes_exactly_on_time(sit: Sit) -> None:
     driver = sit(feedback_delay_ms=DELAY_MS)
     lift(driver)
     ended = driver.last(ATTEMPT_ENDED).ended
@@ -72,7 +72,7 @@ def test_the_answer_comes_exactly_so_long_after_the_attempts_end(sit: Sit) -> No
     assert driver.last(FEEDBACK).due == ended + DELAY_MS * MS
 
 
-def test_no_attempt_begins_before_the_answer_however_often_enter_is_pressed(sit: Sit) -> None:
+def test_no_attempt_begins_before_the_feedback(sit: Sit) -> None:
     driver = sit(feedback_delay_ms=DELAY_MS)
     lift(driver)
     for _ in range(24):
@@ -85,7 +85,7 @@ def test_no_attempt_begins_before_the_answer_however_often_enter_is_pressed(sit:
     assert len(answers(driver)) == 1
 
 
-def test_the_last_answer_is_waited_for_before_the_review(sit: Sit) -> None:
+def test_the_review_waits_for_the_last_feedback(sit: Sit) -> None:
     driver = sit(attempts=1, feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.press("enter")
@@ -96,13 +96,13 @@ def test_the_last_answer_is_waited_for_before_the_review(sit: Sit) -> None:
     assert driver.all(SESSION_ENDED)
 
 
-def test_where_no_answer_is_due_there_is_nothing_to_wait_for(sit: Sit) -> None:
+def test_without_feedback_there_is_no_wait(sit: Sit) -> None:
     driver = sit(feedback_delay_ms=DELAY_MS, feedback_every=2)
     lift(driver)
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "attempt")
 
 
-def test_a_pause_in_the_delay_puts_off_the_next_attempt_but_not_the_answer(sit: Sit) -> None:
+def test_a_pause_in_the_delay_does_not_delay_the_feedback(sit: Sit) -> None:
     driver = sit(feedback_delay_ms=DELAY_MS)
     lift(driver)
     ended = driver.last(ATTEMPT_ENDED).ended
@@ -116,7 +116,7 @@ def test_a_pause_in_the_delay_puts_off_the_next_attempt_but_not_the_answer(sit: 
     assert answers(driver) == [ended + DELAY_MS * MS]
 
 
-def test_a_pause_that_outlasts_the_delay_is_quiet_and_the_answer_comes_after_it(sit: Sit) -> None:
+def test_feedback_due_in_a_pause_comes_after_it(sit: Sit) -> None:
     driver = sit(feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.operate("pause", reason="pain")
@@ -127,7 +127,7 @@ def test_a_pause_that_outlasts_the_delay_is_quiet_and_the_answer_comes_after_it(
     assert len(answers(driver)) == 1
 
 
-def test_a_session_that_is_ended_in_the_delay_says_goodbye_and_no_answer_after_it(sit: Sit) -> None:
+def test_a_session_ended_in_the_delay_gives_no_feedback_after_the_goodbye(sit: Sit) -> None:
     driver = sit(feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.wait(500)
@@ -140,7 +140,7 @@ def test_a_session_that_is_ended_in_the_delay_says_goodbye_and_no_answer_after_i
 
 
 @pytest.mark.parametrize("starts_at", [10 * SECOND, 0, 10**15])
-def test_a_session_cut_off_in_the_delay_waits_for_no_answer_whatever_the_clock_says_then(
+def test_a_session_cut_off_in_the_delay_does_not_wait_for_feedback(
     sit: Sit, calm: Theme, starts_at: int
 ) -> None:
     """The stamps of another run of the program, or of the machine, say nothing."""
@@ -164,7 +164,7 @@ def test_a_session_cut_off_in_the_delay_waits_for_no_answer_whatever_the_clock_s
     assert [dropped.id for dropped in resumed.all(DROPPED) if dropped.reason == "late"] == late
 
 
-def test_an_attempt_that_is_amended_in_the_delay_is_answered_as_it_is_now_and_once(sit: Sit) -> None:
+def test_an_attempt_amended_in_the_delay_gets_the_amended_feedback_once(sit: Sit) -> None:
     driver = sit(feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.operate("mark", reason="caught")
@@ -179,7 +179,7 @@ def test_an_attempt_that_is_amended_in_the_delay_is_answered_as_it_is_now_and_on
 
 
 @given(st.lists(st.integers(0, 1500), max_size=6), st.integers(0, 6000))
-def test_however_it_is_paused_the_answer_comes_once_not_too_early_and_no_attempt_before(
+def test_with_any_pauses_feedback_comes_once_and_on_time(
     waits: list[int], delay_ms: int
 ) -> None:
     driver = LiftDriver(Lift, CALM, feedback_delay_ms=delay_ms, **ONE_LIFT)
@@ -206,7 +206,7 @@ def asks(driver: LiftDriver) -> list[str]:
     return [waiting.ask for waiting in driver.all(WAITING)]
 
 
-def test_on_request_nothing_is_said_until_it_is_asked_for_and_then_once(sit: Sit) -> None:
+def test_feedback_on_request_is_given_once_when_requested(sit: Sit) -> None:
     driver = sit(feedback_schedule="request", feedback_delay_ms=DELAY_MS)
     assert set(asks(driver)) == {""}
     lift(driver)
@@ -227,7 +227,7 @@ def test_on_request_nothing_is_said_until_it_is_asked_for_and_then_once(sit: Sit
     assert len(answers(driver)) == 1
 
 
-def test_it_can_be_asked_for_until_the_next_attempt_begins_and_of_that_one_again(sit: Sit) -> None:
+def test_feedback_can_be_requested_until_the_next_attempt_begins(sit: Sit) -> None:
     driver = sit(feedback_schedule="request")
     lift(driver)
     driver.press("enter")
@@ -239,7 +239,7 @@ def test_it_can_be_asked_for_until_the_next_attempt_begins_and_of_that_one_again
     assert [feedback.attempt for feedback in driver.all(FEEDBACK)] == [2]
 
 
-def test_the_last_attempt_can_be_asked_about_too(sit: Sit) -> None:
+def test_feedback_on_the_last_attempt_can_be_requested(sit: Sit) -> None:
     driver = sit(feedback_schedule="request", attempts=1)
     lift(driver)
     assert (driver.waiting.stage, driver.waiting.ask) == ("review", "tab")
@@ -248,7 +248,7 @@ def test_the_last_attempt_can_be_asked_about_too(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize("schedule", ["every", "faded", "bandwidth", "summary", "none"])
-def test_under_any_other_schedule_asking_is_of_no_use(sit: Sit, schedule: str) -> None:
+def test_under_other_schedules_a_request_is_ignored(sit: Sit, schedule: str) -> None:
     driver = sit(feedback_schedule=schedule, feedback_every=3)
     lift(driver)
     before = len(answers(driver))
@@ -258,7 +258,7 @@ def test_under_any_other_schedule_asking_is_of_no_use(sit: Sit, schedule: str) -
     assert set(asks(driver)) == {""}
 
 
-def test_what_was_asked_for_stays_said_when_the_attempt_is_amended(sit: Sit) -> None:
+def test_requested_feedback_stands_when_the_attempt_is_amended(sit: Sit) -> None:
     driver = sit(feedback_schedule="request")
     lift(driver)
     driver.press("tab")
@@ -274,7 +274,7 @@ def test_what_was_asked_for_stays_said_when_the_attempt_is_amended(sit: Sit) -> 
     assert len(answers(driver)) == 1
 
 
-def test_asked_about_an_attempt_that_was_amended_the_agent_tells_what_it_is_now(sit: Sit) -> None:
+def test_a_request_after_an_amendment_gives_the_amended_feedback(sit: Sit) -> None:
     driver = sit(feedback_schedule="request")
     lift(driver)
     driver.operate("mark", reason="caught")
@@ -283,7 +283,7 @@ def test_asked_about_an_attempt_that_was_amended_the_agent_tells_what_it_is_now(
     assert driver.last(FEEDBACK).valence == driver.last(ATTEMPT_ENDED).feedback == "negative"
 
 
-def test_a_session_cut_off_before_it_was_asked_can_be_asked_after(sit: Sit, calm: Theme) -> None:
+def test_feedback_can_be_requested_after_a_resume(sit: Sit, calm: Theme) -> None:
     driver = sit(feedback_schedule="request")
     lift(driver)
     resumed = LiftDriver(Lift, calm, history=driver.records, feedback_schedule="request", **ONE_LIFT)
@@ -293,7 +293,7 @@ def test_a_session_cut_off_before_it_was_asked_can_be_asked_after(sit: Sit, calm
     assert len(answers(resumed)) == 1
 
 
-def test_asking_in_a_pause_is_not_heard(sit: Sit) -> None:
+def test_a_request_in_a_pause_is_ignored(sit: Sit) -> None:
     driver = sit(feedback_schedule="request")
     lift(driver)
     driver.operate("pause")

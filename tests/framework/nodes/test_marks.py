@@ -37,7 +37,7 @@ def marked(driver: LoopDriver) -> list[tuple[int, int, str, bool]]:
 # --- the trial under way ------------------------------------------------------------------------------------
 
 
-def test_a_mark_in_a_trial_is_kept_with_it_and_it_does_not_count(sit: Sit) -> None:
+def test_a_mark_in_a_trial_is_stored_and_the_trial_does_not_count(sit: Sit) -> None:
     driver = sit()
     driver.press("space")
     driver.to_prompt()
@@ -56,7 +56,7 @@ def test_a_mark_in_a_trial_is_kept_with_it_and_it_does_not_count(sit: Sit) -> No
     assert (ended.metric, ended.correct, ended.accuracy, ended.qualities["sway"]) == (500.0, 1, 0.5, 5.0)
 
 
-def test_a_mark_that_counts_leaves_the_trial_correct(sit: Sit) -> None:
+def test_a_counting_mark_leaves_the_trial_correct(sit: Sit) -> None:
     driver = sit()
     driver.press("space")
     driver.to_prompt()
@@ -68,14 +68,14 @@ def test_a_mark_that_counts_leaves_the_trial_correct(sit: Sit) -> None:
     assert (trial.correct, trial.value, trial.details["mark"]) == (True, 400.0, "leaned")
 
 
-def test_a_mark_that_counts_makes_no_failed_trial_correct(sit: Sit) -> None:
+def test_a_counting_mark_does_not_make_a_failed_trial_correct(sit: Sit) -> None:
     driver = sit()
     driver.lift(end="d")
     mark(driver, "leaned")
     assert marked(driver) == [(1, 1, "leaned", False)]
 
 
-def test_of_two_marks_in_a_trial_the_last_stands(sit: Sit) -> None:
+def test_the_last_of_two_marks_in_a_trial_stands(sit: Sit) -> None:
     driver = sit()
     driver.press("space")
     driver.to_prompt()
@@ -88,7 +88,7 @@ def test_of_two_marks_in_a_trial_the_last_stands(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize("broken_off", ["?", "pause"])
-def test_a_mark_on_a_trial_that_is_broken_off_is_not_on_its_repetition(sit: Sit, broken_off: str) -> None:
+def test_a_mark_on_a_voided_trial_is_not_on_its_repetition(sit: Sit, broken_off: str) -> None:
     driver = sit()
     driver.press("space")
     driver.to_prompt()
@@ -107,7 +107,7 @@ def test_a_mark_on_a_trial_that_is_broken_off_is_not_on_its_repetition(sit: Sit,
 # --- the last trial ------------------------------------------------------------------------------------------
 
 
-def test_between_two_trials_the_last_one_is_marked_and_the_attempt_is_scored_with_it(sit: Sit) -> None:
+def test_between_trials_the_last_one_is_marked(sit: Sit) -> None:
     driver = sit()
     driver.lift(400)
     assert driver.waiting.what == "start"
@@ -128,7 +128,7 @@ def test_before_the_first_trial_of_a_session_there_is_nothing_to_mark(sit: Sit) 
     assert "mark" not in driver.last(TRIAL).details
 
 
-def test_after_an_attempt_its_last_trial_is_marked_and_the_attempt_and_the_level_are_put_right(sit: Sit) -> None:
+def test_a_mark_after_an_attempt_corrects_its_score_and_the_level(sit: Sit) -> None:
     driver = sit()
     driver.lift(400)
     driver.lift(500)
@@ -147,7 +147,7 @@ def test_after_an_attempt_its_last_trial_is_marked_and_the_attempt_and_the_level
     assert len(driver.all(ACTION)) == said, "nothing more is said of it"
 
 
-def test_another_mark_takes_the_place_of_the_first(sit: Sit) -> None:
+def test_another_mark_replaces_the_first(sit: Sit) -> None:
     driver = sit()
     driver.lift(400)
     driver.lift(500)
@@ -159,7 +159,7 @@ def test_another_mark_takes_the_place_of_the_first(sit: Sit) -> None:
     assert driver.waiting.level == 4
 
 
-def test_a_mark_that_counts_changes_neither_score_nor_level(sit: Sit) -> None:
+def test_a_counting_mark_changes_neither_score_nor_level(sit: Sit) -> None:
     driver = sit()
     driver.lift(400)
     driver.lift(500)
@@ -170,7 +170,7 @@ def test_a_mark_that_counts_changes_neither_score_nor_level(sit: Sit) -> None:
     assert len(driver.all(LEVEL)) == levels
 
 
-def test_after_the_last_attempt_too_its_last_trial_can_be_marked(sit: Sit) -> None:
+def test_the_last_trial_of_the_last_attempt_can_be_marked(sit: Sit) -> None:
     driver = sit(attempts=1)
     driver.lift(400)
     driver.lift(500)
@@ -184,7 +184,7 @@ def test_after_the_last_attempt_too_its_last_trial_can_be_marked(sit: Sit) -> No
     assert driver.last(ATTEMPT_ENDED) == driver.all(ATTEMPT_ENDED)[0]
 
 
-def test_a_mark_may_lead_to_the_same_level_by_another_way(sit: Sit) -> None:
+def test_a_mark_may_lead_to_the_same_level(sit: Sit) -> None:
     """With two failures in a row to fall, the first is counted after the mark and the second falls."""
     driver = sit(consecutive_successes=2, consecutive_failures=2)
     driver.lift(400)
@@ -199,7 +199,7 @@ def test_a_mark_may_lead_to_the_same_level_by_another_way(sit: Sit) -> None:
     assert (driver.last(LEVEL).level, driver.last(LEVEL).reason) == (2, "failure")
 
 
-def test_once_the_next_attempt_has_begun_the_last_is_closed(sit: Sit) -> None:
+def test_after_the_next_attempt_has_begun_the_last_cannot_be_marked(sit: Sit) -> None:
     driver = sit()
     driver.lift()
     driver.lift()
@@ -221,7 +221,7 @@ def test_a_level_set_by_hand_is_not_undone_by_a_mark(sit: Sit, attempts: int) ->
     assert (marked(driver), len(driver.all(ATTEMPT_ENDED)), driver.last(LEVEL).level) == ([], ended, 7)
 
 
-def test_practice_is_marked_like_the_rest_and_has_no_level_to_change(sit: Sit) -> None:
+def test_a_mark_in_practice_does_not_change_the_level(sit: Sit) -> None:
     driver = sit(practice_attempts=1)
     driver.lift()
     driver.lift()
@@ -232,7 +232,7 @@ def test_practice_is_marked_like_the_rest_and_has_no_level_to_change(sit: Sit) -
 
 
 @pytest.mark.parametrize("name", ["", "dropped", "f7"])
-def test_a_mark_that_the_task_does_not_have_is_none(sit: Sit, name: str) -> None:
+def test_an_unknown_mark_is_ignored(sit: Sit, name: str) -> None:
     driver = sit()
     driver.lift()
     mark(driver, name)
@@ -240,7 +240,7 @@ def test_a_mark_that_the_task_does_not_have_is_none(sit: Sit, name: str) -> None
     assert driver.session.faults == []
 
 
-def test_a_session_with_marks_is_derived_again_from_its_inputs(sit: Sit, calm: Theme) -> None:
+def test_a_session_with_marks_can_be_replayed(sit: Sit, calm: Theme) -> None:
     driver = sit(attempts=1)
     driver.press("space")
     driver.to_prompt()
@@ -261,7 +261,7 @@ def test_a_session_with_marks_is_derived_again_from_its_inputs(sit: Sit, calm: T
     assert marked(driver) == [(1, 1, "leaned", True), (1, 1, "caught", False), (1, 2, "caught", False)]
 
 
-def test_a_mark_given_again_is_taken_back(sit: Sit) -> None:
+def test_the_same_mark_again_removes_it(sit: Sit) -> None:
     driver = sit()
     driver.press("space")
     driver.to_prompt()
@@ -277,7 +277,7 @@ def test_a_mark_given_again_is_taken_back(sit: Sit) -> None:
     assert marked(driver)[-2:] == [(1, 1, "caught", False), (1, 1, "", True)]
 
 
-def test_a_mark_goes_with_the_trial_that_is_broken_off(sit: Sit) -> None:
+def test_voiding_a_trial_removes_its_mark(sit: Sit) -> None:
     driver = sit()
     driver.press("space")
     driver.to_prompt()

@@ -60,39 +60,39 @@ def recall(bus: Bus, level: int | None = None, seat: str = "A") -> RecalledAttem
     return bus.call(RECALL, Recall(level=level, seat=seat))
 
 
-def test_it_tells_the_attempts_oldest_first_practice_left_out(bus: Bus) -> None:
+def test_a_recall_returns_scored_attempts_oldest_first(bus: Bus) -> None:
     end(bus, 1, practice=True)
     for attempt in (2, 3, 4):
         end(bus, attempt)
     assert [told.attempt for told in recall(bus).attempts] == [2, 3, 4]
 
 
-def test_asked_for_a_level_it_tells_of_that_alone(bus: Bus) -> None:
+def test_a_recall_of_a_level_returns_that_level_only(bus: Bus) -> None:
     for attempt, level in ((1, 1), (2, 2), (3, 1)):
         end(bus, attempt, level)
     assert [told.attempt for told in recall(bus, 1).attempts] == [1, 3]
     assert recall(bus, 4).attempts == ()
 
 
-def test_an_attempt_that_is_scored_once_more_takes_its_own_place(bus: Bus) -> None:
+def test_an_attempt_scored_again_keeps_its_place(bus: Bus) -> None:
     end(bus, 1, metric=600.0)
     end(bus, 2)
     end(bus, 1, metric=900.0)
     assert [(told.attempt, told.metric) for told in recall(bus).attempts] == [(1, 900.0), (2, 600.0)]
 
 
-def test_each_seat_has_attempts_of_its_own(bus: Bus) -> None:
+def test_each_seat_has_its_own_attempts(bus: Bus) -> None:
     end(bus, 1)
     end(bus, 1, seat="B")
     assert [told.seat for told in recall(bus, seat="B").attempts] == ["B"]
 
 
 @pytest.mark.parametrize(("level", "best"), [(1, 500.0), (2, None), (3, 700.0), (None, None)])
-def test_the_best_of_earlier_sessions_is_told_for_a_level(bus: Bus, level: int | None, best: float | None) -> None:
+def test_the_best_of_earlier_sessions_is_returned_for_a_level(bus: Bus, level: int | None, best: float | None) -> None:
     end(bus, 1, metric=300.0)
     assert recall(bus, level).earlier_best == best
 
 
-def test_another_run_is_told_what_is_the_best_by_then(bus: Bus) -> None:
+def test_a_new_run_updates_the_best_of_earlier_sessions(bus: Bus) -> None:
     bus.publish(SESSION, SessionStarted(run=2, task="lift", theme="calm", seed=1, best={"1": 450.0}))
     assert recall(bus, 1).earlier_best == 450.0

@@ -64,7 +64,7 @@ def offered(driver: LoopDriver) -> str:
     return [offer.proposal.id for offer in driver.all(PENDING_APPROVAL) if offer.proposal.kind == "feedback"][-1]
 
 
-def test_the_next_attempt_cannot_begin_while_an_answer_is_decided_on(calm: Theme) -> None:
+def test_no_attempt_begins_while_feedback_is_decided_on(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="approve", operator_time_ms=20_000)
     assert (driver.waiting.what, driver.waiting.stage) == ("answer", "answer")
     driver.press("enter")
@@ -74,14 +74,14 @@ def test_the_next_attempt_cannot_begin_while_an_answer_is_decided_on(calm: Theme
     assert len(feedback(driver)) == 1
 
 
-def test_nobody_waits_longer_than_the_operators_time(calm: Theme) -> None:
+def test_the_wait_ends_at_the_deadline(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="approve", operator_time_ms=5000)
     driver.wait(4000)
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "attempt")
     assert [action.ground for action in feedback(driver)] == ["deadline"]
 
 
-def test_a_manual_answer_is_not_waited_for(calm: Theme) -> None:
+def test_manual_feedback_is_not_waited_for(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="manual")
     assert driver.waiting.stage == "attempt"
     driver.press("enter")
@@ -90,7 +90,7 @@ def test_a_manual_answer_is_not_waited_for(calm: Theme) -> None:
     assert feedback(driver) == []
 
 
-def test_words_of_the_operator_before_an_answer_falls_due_change_nothing_of_the_wait(calm: Theme) -> None:
+def test_a_remark_during_the_delay_does_not_change_the_wait(calm: Theme) -> None:
     driver = operated(calm, extra=[OutputNode(Speaker(1000), "speech", calm)], feedback_delay_ms=5000)
     known = len(driver.all(WAITING))
     driver.session.bus.publish(REMARK, m.Remark(text="Take your time.", actor="operator.ana"))
@@ -104,14 +104,14 @@ def test_words_of_the_operator_before_an_answer_falls_due_change_nothing_of_the_
     assert [waiting.stage for waiting in driver.all(WAITING)[known:]] == ["attempt"]
 
 
-def test_a_pause_while_an_operator_decides_comes_back_to_the_wait(calm: Theme) -> None:
+def test_after_a_pause_the_wait_for_a_decision_continues(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="approve", operator_time_ms=60_000)
     driver.operate("pause")
     driver.operate("resume")
     assert driver.waiting.stage == "answer"
 
 
-def test_a_decision_taken_in_a_pause_is_said_after_it(calm: Theme) -> None:
+def test_feedback_decided_in_a_pause_is_given_after_it(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="approve", operator_time_ms=60_000)
     driver.operate("pause")
     decide(driver, offered(driver), "accept")
@@ -121,7 +121,7 @@ def test_a_decision_taken_in_a_pause_is_said_after_it(calm: Theme) -> None:
     assert len(feedback(driver)) == 1
 
 
-def test_the_last_answer_is_decided_before_the_review(calm: Theme) -> None:
+def test_the_review_waits_for_the_decision_on_the_last_feedback(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="approve", operator_time_ms=60_000)
     for _ in range(2):
         decide(driver, offered(driver), "veto")
@@ -147,7 +147,7 @@ def test_an_operator_of_an_earlier_run_decides_nothing_in_the_next(calm: Theme) 
 # --- the level ------------------------------------------------------------------------------------------------------
 
 
-def test_the_level_rises_when_the_operator_lets_it(calm: Theme) -> None:
+def test_the_level_rises_when_the_operator_accepts(calm: Theme) -> None:
     driver = operated(calm, operator_difficulty="approve", operator_time_ms=60_000)
     assert driver.waiting.stage == "answer"
     assert driver.all(LEVEL) == []
@@ -157,7 +157,7 @@ def test_the_level_rises_when_the_operator_lets_it(calm: Theme) -> None:
 
 
 @pytest.mark.parametrize(("how", "level"), [({"verdict": "veto"}, 1), ({"verdict": "edit", "level": 3}, 3)])
-def test_the_level_is_what_the_operator_says(calm: Theme, how: dict[str, Any], level: int) -> None:
+def test_an_operator_can_edit_the_level(calm: Theme, how: dict[str, Any], level: int) -> None:
     driver = operated(calm, operator_difficulty="approve", operator_time_ms=60_000)
     decide(driver, "l1", **how)
     assert driver.waiting.level == level
@@ -167,7 +167,7 @@ def test_the_level_is_what_the_operator_says(calm: Theme, how: dict[str, Any], l
 
 
 @pytest.mark.parametrize(("asked", "level"), [(99, 5), (0, 2)])
-def test_a_level_that_the_operator_puts_in_its_place_stays_within_its_bounds(
+def test_an_edited_level_stays_within_its_bounds(
     calm: Theme, asked: int, level: int
 ) -> None:
     settings = {"start_level": 3, "min_level": 2, "max_level": 5}
@@ -176,7 +176,7 @@ def test_a_level_that_the_operator_puts_in_its_place_stays_within_its_bounds(
     assert driver.waiting.level == level
 
 
-def test_after_the_last_attempt_nobody_is_asked_for_the_level(calm: Theme) -> None:
+def test_after_the_last_attempt_no_level_is_proposed(calm: Theme) -> None:
     driver = lifted(calm, attempts=1, operator_difficulty="approve", operator_time_ms=60_000)
     assert driver.waiting.stage == "review"
     assert offers(driver) == []
@@ -191,7 +191,7 @@ def test_a_level_that_was_refused_can_be_proposed_again(calm: Theme) -> None:
     assert driver.waiting.level == 2
 
 
-def test_a_level_that_is_taken_up_while_nobody_waits_for_it_is_that_of_the_next_attempt(calm: Theme) -> None:
+def test_a_manual_level_accepted_late_applies_to_the_next_attempt(calm: Theme) -> None:
     driver = operated(calm, operator_difficulty="manual")
     decide(driver, "l1", "accept")
     assert (driver.waiting.stage, driver.waiting.level) == ("attempt", 2)
@@ -221,14 +221,14 @@ def test_a_level_held_by_hand_stays(calm: Theme) -> None:
     assert driver.waiting.level == 1
 
 
-def test_a_level_set_by_hand_while_one_is_asked_for_is_the_one_that_holds(calm: Theme) -> None:
+def test_a_level_set_by_hand_overrides_a_pending_one(calm: Theme) -> None:
     driver = operated(calm, operator_difficulty="veto", operator_time_ms=5000)
     driver.session.bus.publish(OPERATOR, m.Operator(command="level", value=4, actor="operator.ana"))
     driver.wait(10_000)
     assert driver.waiting.level == 4
 
 
-def test_a_level_that_a_marked_trial_no_longer_calls_for_is_asked_for_no_longer(calm: Theme) -> None:
+def test_a_mark_withdraws_a_pending_level_that_no_longer_follows(calm: Theme) -> None:
     driver = LiftDriver(Lift, calm, operator_difficulty="approve", operator_time_ms=60_000)
     driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
     driver.begin_lifts()
@@ -246,7 +246,7 @@ def test_a_level_that_a_marked_trial_no_longer_calls_for_is_asked_for_no_longer(
 
 
 @pytest.mark.parametrize(("lost", "level"), [("autonomous", 2), ("silent", 1)])
-def test_a_level_that_waits_when_the_program_is_killed_is_decided_as_without_an_operator(
+def test_a_pending_level_is_decided_without_an_operator_after_a_resume(
     calm: Theme, lost: str, level: int
 ) -> None:
     settings = {"operator_difficulty": "approve", "operator_time_ms": 60_000, "operator_lost": lost}
@@ -284,7 +284,7 @@ def offers(driver: LoopDriver) -> list[str]:
 
 
 @pytest.mark.parametrize("attempts", [2, 3])
-def test_the_level_that_a_mark_calls_for_is_asked_about_before_the_last_attempt_too(calm: Theme, attempts: int) -> None:
+def test_a_level_that_follows_from_a_mark_is_pending_before_the_last_attempt_too(calm: Theme, attempts: int) -> None:
     driver = lifted(calm, attempts=attempts, operator_difficulty="approve", operator_time_ms=60_000)
     decide(driver, "l1", "veto")
     driver.operate("mark", reason="caught")
@@ -296,7 +296,7 @@ def test_the_level_that_a_mark_calls_for_is_asked_about_before_the_last_attempt_
 @pytest.mark.parametrize(
     ("how", "level"), [({"verdict": "veto"}, 1), ({"verdict": "accept"}, 2), ({"verdict": "edit", "level": 4}, 4)]
 )
-def test_a_mark_that_changes_no_outcome_leaves_the_level_as_the_operator_ruled(
+def test_a_mark_that_changes_no_outcome_keeps_the_operators_level(
     calm: Theme, how: dict[str, Any], level: int
 ) -> None:
     driver = lifted(calm, operator_difficulty="approve", operator_time_ms=60_000)
@@ -311,13 +311,13 @@ def test_a_mark_that_changes_no_outcome_leaves_the_level_as_the_operator_ruled(
     assert [offer.level for offer in driver.last(ARBITER_STATE).pending] == [level + 1], "the next step is from there"
 
 
-def test_a_mark_that_changes_no_outcome_leaves_the_level_waiting(calm: Theme) -> None:
+def test_a_mark_that_changes_no_outcome_leaves_the_level_pending(calm: Theme) -> None:
     driver = lifted(calm, operator_difficulty="approve", operator_time_ms=60_000)
     driver.operate("mark", reason="leaned")
     assert offers(driver) == ["l1"]
 
 
-def test_a_level_that_a_mark_no_longer_calls_for_falls_away_whatever_became_of_the_attempt_before(calm: Theme) -> None:
+def test_a_mark_withdraws_a_pending_level_whatever_the_previous_outcome(calm: Theme) -> None:
     driver = LiftDriver(Lift, calm, attempts=3, filler="never", operator_difficulty="approve", operator_time_ms=60_000)
     driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
     driver.begin_lifts()
@@ -333,7 +333,7 @@ def test_a_level_that_a_mark_no_longer_calls_for_falls_away_whatever_became_of_t
     assert offers(driver) == []
 
 
-def test_an_answer_that_waits_for_the_operator_is_another_once_the_attempt_is_scored_anew(calm: Theme) -> None:
+def test_pending_feedback_is_replaced_when_the_attempt_is_scored_again(calm: Theme) -> None:
     driver = lifted(calm, operator_feedback="approve", operator_time_ms=60_000)
     driver.operate("mark", reason="caught")
     assert driver.waiting.stage == "answer"
@@ -342,7 +342,7 @@ def test_an_answer_that_waits_for_the_operator_is_another_once_the_attempt_is_sc
     assert driver.last(ATTEMPT_ENDED).feedback == "negative"
 
 
-def test_an_answer_that_was_given_is_not_given_again_while_the_level_waits(calm: Theme) -> None:
+def test_given_feedback_is_not_repeated_while_the_level_is_pending(calm: Theme) -> None:
     driver = lifted(calm, operator_difficulty="approve", operator_time_ms=60_000)
     driver.operate("mark", reason="caught")
     decide(driver, "l1", "accept")
@@ -371,7 +371,7 @@ class UnevenCouple(Couple):
     b_ms = 5000.0
 
 
-def test_of_two_the_later_answer_is_waited_for_where_the_other_has_none(calm: Theme) -> None:
+def test_with_two_seats_the_session_waits_for_the_only_feedback(calm: Theme) -> None:
     bandwidth = {"feedback_schedule": "bandwidth", "feedback_tolerance": 70.0}
     driver = lifted(calm, UnevenCouple, feedback_delay_ms=5000, **bandwidth)
     assert [one.feedback for one in driver.all(ATTEMPT_ENDED)] == ["none", "negative"]
@@ -381,7 +381,7 @@ def test_of_two_the_later_answer_is_waited_for_where_the_other_has_none(calm: Th
     assert [(action.seat, action.joins, action.policy) for action in feedback(driver)] == [("B", False, "interrupt")]
 
 
-def test_of_two_the_second_is_answered_after_the_first_and_each_is_looked_at(calm: Theme) -> None:
+def test_with_two_seats_feedback_is_given_in_turn_with_gaze_to_each(calm: Theme) -> None:
     driver = lifted(calm, Couple)
     assert [(action.seat, action.joins, action.policy, action.gaze) for action in feedback(driver)] == [
         ("A", False, "interrupt", "left"),
@@ -390,7 +390,7 @@ def test_of_two_the_second_is_answered_after_the_first_and_each_is_looked_at(cal
     assert [action.gaze for action in driver.all(ACTION) if action.kind == "greeting"] == ["ahead"]
 
 
-def test_of_two_a_level_is_asked_for_still_where_a_mark_changes_the_outcome_of_one_and_not_of_both(calm: Theme) -> None:
+def test_with_two_seats_a_level_stays_pending_if_a_mark_changes_one_outcome_only(calm: Theme) -> None:
     driver = lifted(calm, UnevenCouple, start_level=3, operator_difficulty="approve", operator_time_ms=60_000)
     driver.operate("mark", reason="caught")
     assert {one.outcome for one in driver.all(ATTEMPT_ENDED)[-2:]} == {"failure"}
@@ -399,7 +399,7 @@ def test_of_two_a_level_is_asked_for_still_where_a_mark_changes_the_outcome_of_o
     assert driver.waiting.level == 2
 
 
-def test_of_two_a_mark_that_changes_the_outcome_of_both_asks_once_for_what_it_calls_for(calm: Theme) -> None:
+def test_with_two_seats_a_mark_that_changes_the_shared_outcome_proposes_one_level(calm: Theme) -> None:
     driver = lifted(calm, Couple, start_level=3, operator_difficulty="approve", operator_time_ms=60_000)
     levels = []
     for _ in range(3):
@@ -409,7 +409,7 @@ def test_of_two_a_mark_that_changes_the_outcome_of_both_asks_once_for_what_it_ca
     assert levels == [("l1", 4), ("l2", 2), ("l3", 4)]
 
 
-def test_of_two_only_who_was_not_answered_yet_is_answered_anew(calm: Theme) -> None:
+def test_with_two_seats_only_unsaid_feedback_is_replaced(calm: Theme) -> None:
     driver = lifted(calm, Couple, operator_feedback="approve", operator_time_ms=60_000)
     decide(driver, offers(driver)[0], "accept")
     driver.operate("mark", reason="caught")
@@ -419,7 +419,7 @@ def test_of_two_only_who_was_not_answered_yet_is_answered_anew(calm: Theme) -> N
     assert [(action.seat, action.valence) for action in feedback(driver)] == [("A", "positive"), ("B", "negative")]
 
 
-def test_an_answer_that_begins_to_be_owed_in_a_pause_is_waited_for_after_it(calm: Theme) -> None:
+def test_feedback_that_becomes_pending_in_a_pause_is_waited_for_after_it(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="manual")
     driver.operate("pause")
     driver.session.bus.publish(MODE, m.ModeChanged(kind="feedback", mode="approve", actor="operator.ana"))
@@ -433,7 +433,7 @@ def test_an_answer_that_begins_to_be_owed_in_a_pause_is_waited_for_after_it(calm
 # --- with and without -------------------------------------------------------------------------------------------------
 
 
-def test_an_operator_who_lets_all_pass_changes_nothing_the_participant_sees(calm: Theme) -> None:
+def test_an_operator_who_accepts_everything_is_not_noticed_by_the_participant(calm: Theme) -> None:
     """But the time: and not even that, with a fixed delay."""
     sessions = []
     for mode in ("autonomous", "veto", "approve"):
@@ -453,7 +453,7 @@ def test_an_operator_who_lets_all_pass_changes_nothing_the_participant_sees(calm
 
 
 @pytest.mark.parametrize("pauses", [False, True])
-def test_who_ends_a_session_in_which_all_is_done_completes_it(calm: Theme, pauses: bool) -> None:
+def test_ending_a_session_after_its_last_attempt_completes_it(calm: Theme, pauses: bool) -> None:
     driver = operated(calm)
     for _ in range(2):
         driver.attempt()
