@@ -103,7 +103,7 @@ def test_the_record_holds_the_theme_as_it_was_applied(driver: LoopDriver) -> Non
 
 
 @given(st.lists(st.sampled_from(["attempt", "wear", "wait", "cut"]), max_size=12))
-def test_whenever_the_theme_is_edited_and_the_session_cut_off_feedback_uses_the_theme_of_its_time(steps: list[str]) -> None:
+def test_feedback_uses_the_theme_of_its_time_despite_edits_and_resumes(steps: list[str]) -> None:
     driver, worn, count, expected = sit(attempts=13), CALM, 0, []
     driver.enter()
     for step in steps:

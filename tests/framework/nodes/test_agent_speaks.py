@@ -28,7 +28,7 @@ from sar_tui.framework.topics import (
     TRIAL,
     WAITING,
 )
-from sar_tui.outputs.node import GIVES_UP, OutputNode
+from sar_tui.outputs.node import TIMEOUT, OutputNode
 from sar_tui.outputs.output import Output
 from sar_tui.plugins import Catalogue
 from tests.lifting_task import Lift, LiftDriver
@@ -205,7 +205,7 @@ def test_a_hanging_output_delays_the_session_for_a_limited_time(sit: Sit) -> Non
     driver.enter()
     driver.press("enter")
     driver.to_prompt()
-    assert driver.clock.now() <= 10 * SECOND + 3 * GIVES_UP
+    assert driver.clock.now() <= 10 * SECOND + 3 * TIMEOUT
     assert {report.state for report in driver.all(REPORT)} == {"queued", "failed"}
 
 
