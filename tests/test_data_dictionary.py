@@ -10,6 +10,7 @@ import pytest
 
 from sar_tui.framework import messages
 from sar_tui.framework.messages import FeedbackChoice
+from sar_tui.framework.policies import feedback
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ALL
 from sar_tui.plugins import Catalogue
@@ -52,7 +53,7 @@ def test_every_topic_is_told_of() -> None:
 def test_every_field_of_a_choice_and_every_schedule_is_told_of() -> None:
     told = named(section("attempts"))
     assert set(FeedbackChoice.__struct_fields__) - told == set()
-    assert set(get_args(messages.Schedule)) - told == set()
+    assert set(feedback.POLICIES) - told == set()
 
 
 def test_kinds_and_decisions_of_actions_are_told_of() -> None:

@@ -1,7 +1,7 @@
-"""Where the keys are: keyboard layouts by physical place, and the choice sets made from them.
+"""Keyboard layouts by physical place, and the choice sets made from them.
 
-A level asks for *places*, so that the same level trains the same fingers on every layout; the layout says which
-character stands there. Places are named by row (0 digits, 1 top, 2 home, 3 bottom) and column from the left.
+A level asks for places, so that it trains the same fingers on every layout; the layout gives their characters. Places
+are named by row (0 digits, 1 top, 2 home, 3 bottom) and column from the left.
 """
 
 import msgspec
@@ -13,30 +13,30 @@ PLAIN: dict[str, tuple[str, str, str, str]] = {
     "azerty": ("&é\"'(-è_çà", "azertyuiop", "qsdfghjklm", "wxcvbn,;:!"),
     "qwertz": ("1234567890", "qwertzuiop", "asdfghjklö", "yxcvbnm,.-"),
 }
-"""What each place types without Shift."""
+"""Character of each place without Shift."""
 
 SHIFTED: dict[str, tuple[str, str, str, str]] = {
     "qwerty": ("!@#$%^&*()", "QWERTYUIOP", "ASDFGHJKL:", "ZXCVBNM<>?"),
     "azerty": ("1234567890", "AZERTYUIOP", "QSDFGHJKLM", "WXCVBN?./§"),
     "qwertz": ('!"§$%&/()=', "QWERTZUIOP", "ASDFGHJKLÖ", "YXCVBNM;:_"),
 }
-"""What each place types with Shift."""
+"""Character of each place with Shift."""
 
 LOOK_ALIKE = frozenset("loiLOI01")
-"""Left out where letters of both cases, or letters and digits, are mixed: they cannot be told apart quickly."""
+"""Characters left out of mixed cases, or of letters mixed with digits: they are hard to tell apart quickly."""
 
 ARROWS = ("left", "right", "up", "down")
 
 
 class Level(msgspec.Struct, frozen=True):
-    """The keys a level draws from, and whether upper and lower case differ in it."""
+    """The keys of a level. ``needs_shift``: upper and lower case differ."""
 
     keys: tuple[str, ...]
     needs_shift: bool = False
 
 
 def levels(choice_set: str, layout: str) -> tuple[Level, ...]:
-    """The levels of a choice set, easiest first.
+    """Return the levels of a choice set, easiest first.
 
     Args:
         choice_set: ``both hands``, ``left hand``, ``right hand`` or ``arrow keys``.
@@ -54,7 +54,7 @@ def _at(layout: str, row: int, columns: str) -> tuple[str, ...]:
 
 
 def _both_hands(layout: str) -> tuple[Level, ...]:
-    """From two home-row keys, by way of letters and digits, to capitals and punctuation."""
+    """Return levels from two home-row keys, through letters and digits, to capitals and punctuation."""
     home, top, bottom = (_at(layout, row, "0123456789") for row in (2, 1, 3))
     fingers = _at(layout, 2, "36"), _at(layout, 2, "2367"), _at(layout, 2, "123678"), _at(layout, 2, "01235678")
     letters = tuple(key for key in (*home, *top, *bottom) if key.isascii() and key.isalpha())
@@ -76,7 +76,7 @@ def _both_hands(layout: str) -> tuple[Level, ...]:
 
 
 def needs_shift(key: str, layout: str) -> bool:
-    """Whether a key is typed with Shift on a layout."""
+    """Return whether a key is typed with Shift on a layout."""
     return any(key in row for row in SHIFTED[layout]) and not any(key in row for row in PLAIN[layout])
 
 
@@ -85,9 +85,9 @@ def _is_sign(key: str) -> bool:
 
 
 def _one_hand(layout: str, *, mirrored: bool) -> tuple[Level, ...]:
-    """The same ten steps for either hand, counted from the forefinger outwards; never with Shift.
+    """Return ten levels for one hand, from the index finger outwards, without Shift.
 
-    The left hand has columns 0-4 of each row, the right 9-5. Digits are used only where they need no Shift.
+    The left hand has columns 0-4 of each row, the right 9-5. Digits are used only if they need no Shift.
     """
 
     def keys(row: int, columns: str) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ _GLYPHS = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
 
 
 class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
-    """The Task Base of the keyboard task."""
+    """Parameters of the keyboard task."""
 
     prompts_per_attempt: Annotated[
         int, meta("Prompts per attempt", help="How many keys an attempt asks for.", ge=1, le=200)
@@ -63,16 +63,16 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
         return problems
 
     def chosen_levels(self) -> tuple[Level, ...]:
-        """The levels in force: one's own, else those of the choice set and layout."""
+        """Return the levels: custom ones, else those of the choice set and layout."""
         if self.levels:
             return tuple(Level(tuple(word), any(key.isupper() for key in word)) for word in self.levels)
         return levels(self.choice_set, self.layout)
 
 
 class KeyboardDetails(Details, frozen=True):
-    """What a keyboard trial keeps beyond the common columns."""
+    """Details stored with a keyboard trial."""
 
-    choices: Annotated[int, msgspec.Meta(description="Among how many keys the prompt was drawn.")]
+    choices: Annotated[int, msgspec.Meta(description="Number of keys that the prompt was drawn from.")]
     key_gap_ms: Annotated[float | None, msgspec.Meta(description="Time since the key before this response, in ms.")]
 
 
@@ -134,14 +134,14 @@ class KeyboardTask(Task):
         return Stimulus(
             name=key,
             expected=key,
-            text=self.tr("Press: {key}", key=self._called(key)),
+            text=self.tr("Press: {key}", key=self._key_name(key)),
             glyph=_GLYPHS.get(key, key),
             hint=self._hint(level, key),
             choices=len(level.keys),
         )
 
-    def _called(self, key: str) -> str:
-        """A key as it is called; one that types something, by what it types."""
+    def _key_name(self, key: str) -> str:
+        """Return the name of a key: the character it types, if any."""
         tr = self.tr
         return {"left": tr("left"), "right": tr("right"), "up": tr("up"), "down": tr("down")}.get(key, key)
 
@@ -167,7 +167,7 @@ class KeyboardTask(Task):
         return Result(correct=False, details={"choices": trial.stimulus.choices, "key_gap_ms": None})
 
     def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
-        """A slip hits another key: a neighbour in the alphabet, or another arrow."""
+        """Press the key, or after a slip another letter or arrow."""
         if not performance.slips:
             return [(performance.reaction_ms, stimulus.expected)]
         others = [

@@ -1,4 +1,4 @@
-"""What is kept of a trial of two beyond the common columns."""
+"""Details stored with a trial of two."""
 
 from typing import Annotated
 
@@ -8,36 +8,34 @@ from sar_tui.framework.trial_types import Details
 
 
 class PairsDetails(Details, frozen=True):
-    """One row for each of the two who took part; what a policy does not have is missing."""
+    """Details of one seat's row; fields that a policy does not use are missing."""
 
     policy: Annotated[str, msgspec.Meta(description="alternate, race, cooperative or joint attention.")]
-    choices: Annotated[int, msgspec.Meta(description="Among how many keys each could be asked for; 1: a reach.")]
-    asked: Annotated[str, msgspec.Meta(description="The key that this seat was asked for, or reach.")]
-    right: Annotated[bool, msgspec.Meta(description="Whether this seat did it, whatever the other did.")]
+    choices: Annotated[int, msgspec.Meta(description="Number of keys that each seat's was drawn from; 1: a reach.")]
+    asked: Annotated[str, msgspec.Meta(description="The key that this seat had to press, or reach.")]
+    right: Annotated[bool, msgspec.Meta(description="True if this seat did it, whatever the other did.")]
     key_gap_ms: Annotated[
-        float | None, msgspec.Meta(description="Keys: since this seat's key before the response, in ms.")
+        float | None, msgspec.Meta(description="Keys: time since this seat's previous key, in ms.")
     ] = None
-    won: Annotated[
-        bool | None, msgspec.Meta(description="Race: whether this seat's was the fastest right response.")
-    ] = None
+    won: Annotated[bool | None, msgspec.Meta(description="Race: true if this seat had the fastest right response.")] = (
+        None
+    )
     together: Annotated[
-        bool | None, msgspec.Meta(description="Cooperative: whether both were right, within the window.")
+        bool | None, msgspec.Meta(description="Cooperative: true if both were right, within the window.")
     ] = None
     between_ms: Annotated[
         float | None, msgspec.Meta(description="Cooperative: from one response to the other, in ms.")
     ] = None
-    cue: Annotated[str | None, msgspec.Meta(description="Joint attention: where the agent looked, left or right.")] = (
-        None
-    )
+    cue: Annotated[str | None, msgspec.Meta(description="Joint attention: side of the cue, left or right.")] = None
     congruent: Annotated[
-        bool | None, msgspec.Meta(description="Joint attention: whether the prompt came up on that side.")
+        bool | None, msgspec.Meta(description="Joint attention: true if the prompt appeared on that side.")
     ] = None
     cue_lead_ms: Annotated[
         float | None,
         msgspec.Meta(description="Joint attention: from handing the cue to the outputs to the prompt's onset."),
     ] = None
     movement_end_ns: Annotated[int | None, msgspec.Meta(description="Reaches: the end of the movement, ns.")] = None
-    turn_ns: Annotated[int | None, msgspec.Meta(description="Reaches: where the hand turned, ns.")] = None
+    turn_ns: Annotated[int | None, msgspec.Meta(description="Reaches: time stamp of the turn, ns.")] = None
     reach_time_ms: Annotated[
         float | None, msgspec.Meta(description="Reaches: from the onset of the movement to its end.")
     ] = None
@@ -51,5 +49,5 @@ class PairsDetails(Details, frozen=True):
     hand: Annotated[str | None, msgspec.Meta(description="Reaches: the hand that reached.")] = None
     detector: Annotated[str | None, msgspec.Meta(description="Reaches: what found the movement.")] = None
     detector_version: Annotated[str | None, msgspec.Meta(description="Reaches: its version.")] = None
-    samples: Annotated[int | None, msgspec.Meta(description="Reaches: how many samples were looked at.")] = None
+    samples: Annotated[int | None, msgspec.Meta(description="Reaches: number of samples analysed.")] = None
     rate_hz: Annotated[float | None, msgspec.Meta(description="Reaches: their rate, from the median step.")] = None

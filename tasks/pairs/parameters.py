@@ -1,18 +1,18 @@
-"""The Task Base of the pairs task."""
+"""Parameters of the pairs task."""
 
 from typing import Annotated, Literal
 
 from sar_tui.framework.declaration import meta
 from sar_tui.framework.parameters import TaskParameters
 
-_NOT_SEEN = {"gaze": {"speech", "tones", "servo"}, "gesture": {"speech", "tones"}, "both": {"speech", "tones"}}
-"""The outputs that cannot look, or cannot point."""
+_WITHOUT_CUE = {"gaze": {"speech", "tones", "servo"}, "gesture": {"speech", "tones"}, "both": {"speech", "tones"}}
+"""Outputs that cannot give a cue, by its kind."""
 
 Policy = Literal["alternate", "race", "cooperative", "joint attention"]
 
 
 class PairsParameters(TaskParameters, frozen=True, kw_only=True):
-    """The Task Base of the pairs task."""
+    """Parameters of the pairs task."""
 
     policy: Annotated[
         Policy,
@@ -81,7 +81,7 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
                 f"Cue lead ({self.cue_lead_ms} ms) is longer than the shortest wait ({self.foreperiod_min_ms} ms)."
             )
         kinds = {output.partition(":")[0] for output in self.outputs}
-        if self.policy == "joint attention" and kinds <= _NOT_SEEN[self.cue_by]:
+        if self.policy == "joint attention" and kinds <= _WITHOUT_CUE[self.cue_by]:
             does = "points" if self.cue_by == "gesture" else "looks"
             problems["outputs"] = (
                 f"Joint attention needs an output that shows where the agent {does}: add screen to the outputs."

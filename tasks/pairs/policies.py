@@ -1,4 +1,4 @@
-"""What a trial of two comes to, by policy: pure functions of who did what, and when."""
+"""Results of a trial of two by policy, as pure functions of both responses."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -10,18 +10,18 @@ from sar_tui.framework.trial_types import Result, Results
 
 
 class Response(NamedTuple):
-    """What one of the two did.
+    """The response of one seat.
 
     Args:
-        asked: what they were asked for.
-        is_over: whether nothing more is waited for: they responded, or were seen not to.
-        done: what they did: a key's name, or a reach; None for nothing.
-        at: when, ns: the key's stamp, or that of the movement's onset.
-        latency_ms: since the prompt's onset.
-        is_real: not too soon to be a response.
-        details: what is kept of it.
-        flags: what to beware of.
-        remark: what they should hear of it, where it failed.
+        asked: the response asked for: a key's name, or a reach.
+        is_over: True if no more is expected: the seat responded, or its time was seen to pass without a response.
+        done: the response; None for none.
+        at: time stamp of the key press or the movement onset (ns).
+        latency_ms: time from the prompt's onset.
+        is_real: False for an anticipation.
+        details: stored with the trial.
+        flags: added to ``trials.timing``.
+        remark: said to the participant if the attempt fails.
     """
 
     asked: str
@@ -36,11 +36,11 @@ class Response(NamedTuple):
 
     @property
     def is_right(self) -> bool:
-        """Whether it was what was asked for."""
+        """True if it is the response asked for."""
         return self.done is not None and self.done.casefold() == self.asked.casefold()
 
     def result(self, details: Json) -> Result:
-        """It alone, held against the goal by its own reaction time."""
+        """Return the result of this response alone, with its own reaction time."""
         return Result(
             correct=self.is_right,
             response=self.done,
@@ -53,7 +53,7 @@ class Response(NamedTuple):
 
 
 def race(responses: Mapping[str, Response], details: Json) -> Results:
-    """The fastest right response wins; with equal stamps both do. Each keeps the time of their own."""
+    """Return the results of a race: the fastest right response wins, or both if equal. Each keeps its own time."""
     fair = {seat: one.latency_ms for seat, one in responses.items() if one.is_right and one.is_real}
     fastest = min((latency for latency in fair.values() if latency is not None), default=None)
     return {
@@ -63,7 +63,7 @@ def race(responses: Mapping[str, Response], details: Json) -> Results:
 
 
 def cooperate(responses: Mapping[str, Response], details: Json, window_ms: float) -> Results:
-    """Right is only what both did right, and within the window; then both have the time of the later one."""
+    """Return the results of cooperation: right if both are right within the window; both get the later time."""
     latencies = [one.latency_ms for one in responses.values() if one.latency_ms is not None]
     both = len(latencies) == len(responses)
     gap = max(latencies) - min(latencies) if both else None

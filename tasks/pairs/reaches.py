@@ -1,4 +1,4 @@
-"""Responses of the hand: each reaches out and comes back, with a motion sensor on it. The response is its beginning."""
+"""Responses by reaches out and back, with a motion sensor on the hand. Movement onset is the response."""
 
 from sar_tui.framework.messages import Json, ReachPerceived
 from sar_tui.framework.node import Node
@@ -8,17 +8,17 @@ from sar_tui.framework.trial_types import Act, Performance
 from .parameters import PairsParameters
 
 REACH = "reach"
-"""What is asked of a hand, and kept as what it did."""
-SOONER = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5)
-"""What share of the goal is left at each level: with one movement there is nothing to choose from."""
+"""Name of the response, asked for and stored."""
+GOAL_SHARES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5)
+"""The goal of each level, as a share of the first: levels of a single movement differ in nothing else."""
 _REST_MS = 850
-"""A hand that has rested for so long is back: the fixed-threshold detector needs 800 ms."""
-_KEPT = ("reach_time_ms", "out_ms", "back_ms", "dwell_ms", "peak_extension_rad_s", "peak_return_rad_s", "hand",
+"""Rest that ends a reach: the fixed-threshold detector needs 800 ms."""
+_STORED = ("reach_time_ms", "out_ms", "back_ms", "dwell_ms", "peak_extension_rad_s", "peak_return_rad_s", "hand",
          "detector", "detector_version", "samples", "rate_hz")  # fmt: skip
 
 
-def watchers(parameters: PairsParameters) -> tuple[Node, ...]:
-    """A node for each hand, which finds its reaches."""
+def perception_nodes(parameters: PairsParameters) -> tuple[Node, ...]:
+    """Return a node for each hand that finds its reaches."""
     from sar_tui.motion.analysis import AnalysisParameters  # loads numpy
     from sar_tui.perception.reach import ReachPerception
 
@@ -29,15 +29,15 @@ def watchers(parameters: PairsParameters) -> tuple[Node, ...]:
 
 
 def details(reach: ReachPerceived | None) -> Json:
-    """What is kept of a reach beside its beginning; nothing where none was seen."""
+    """Return the details stored with a reach; none if there was no reach."""
     if reach is None or reach.onset is None:
         return {}
-    kept: Json = {name: reach.details.get(name) for name in _KEPT}
-    return kept | {"turn_ns": reach.turn, "movement_end_ns": reach.end}
+    stored: Json = {name: reach.details.get(name) for name in _STORED}
+    return stored | {"turn_ns": reach.turn, "movement_end_ns": reach.end}
 
 
 def rehearsed(at_ms: float, performance: Performance, streams: RandomStreams) -> list[Act]:
-    """A reach to 20 cm and back, as a healthy adult takes 1.1 s for, begun at ``at_ms``. A slip is but a twitch."""
+    """Return a simulated reach from ``at_ms``: 20 cm and back, 1.1 s in a healthy adult. A slip is only a twitch."""
     from sar_tui.motion.shapes import ReachShape
 
     if performance.slips:

@@ -35,8 +35,8 @@ from .policies import Response, cooperate, race
 
 _SIDES: tuple[Literal["left"], Literal["right"]] = ("left", "right")
 _GAZE_EFFECT = 0.06
-"""By what share a simulated participant is slower where the agent looked to the other side: some 25 ms (Friesen &
-Kingstone 1998; Driver et al. 1999)."""
+"""Relative slowing of a simulated participant after a look to the other side: about 25 ms (Friesen & Kingstone 1998;
+Driver et al. 1999)."""
 
 _AGAIN = {
     "samples": "A sensor told us nothing of that reach, so it does not count.",
@@ -49,8 +49,8 @@ _NO_REACH = "I saw no whole reach. Wait for the signal, then reach out and come 
 class PairsTask(Task):
     """Seat A has the left half of the keyboard and of the screen, seat B the right. The metric is the reaction time.
 
-    Where they respond with reaches, each has a sensor on a hand instead of a half of the keyboard; the response is the
-    onset of the movement.
+    With reaches, each seat has a sensor on a hand instead of a half of the keyboard, and the response is the movement
+    onset.
     """
 
     name = "pairs"
@@ -76,7 +76,7 @@ class PairsTask(Task):
 
     @property
     def levels(self) -> int:
-        return len(reaches.SOONER if self._reaching else self._levels)
+        return len(reaches.GOAL_SHARES if self._reaching else self._levels)
 
     @property
     def trials_per_attempt(self) -> int:
@@ -90,11 +90,11 @@ class PairsTask(Task):
         return "" if self._reaching else self._owners.get(key.casefold(), "")
 
     def nodes(self) -> tuple[Node, ...]:
-        return reaches.watchers(self.parameters) if self._reaching else ()
+        return reaches.perception_nodes(self.parameters) if self._reaching else ()
 
     def target(self, level: int) -> Target:
-        """With reaches each level asks for a sooner start; with keys, for a choice among more."""
-        share = reaches.SOONER[level - 1] if self._reaching else 1.0
+        """Return the target. With reaches, higher levels have a shorter goal; with keys, more keys to choose from."""
+        share = reaches.GOAL_SHARES[level - 1] if self._reaching else 1.0
         return Target(round(self.parameters.threshold * share, 3), self.parameters.neutral_band)
 
     # --- words ----------------------------------------------------------------------------------------------
@@ -181,11 +181,11 @@ class PairsTask(Task):
         )
 
     def _line(self, seat: str, half: str) -> str:
-        """What is asked of a seat, as plain text."""
+        """Return the response asked of a seat, as plain text."""
         return f"{self.display_name(seat)}: {self.tr('reach out and back') if self._reaching else half}"
 
     def _side(self, situation: Situation) -> int:
-        """Each side as often as the other in an attempt, in an order of its own."""
+        """Return the side of a prompt: each side equally often in an attempt, in random order."""
         sides = [number % 2 for number in range(self.trials_per_attempt)]
         situation.session.generator("side", situation.attempt).shuffle(sides)
         return sides[situation.trial - 1]
@@ -208,7 +208,7 @@ class PairsTask(Task):
         return self._judge(trial, self._responses(trial, trial.percepts))
 
     def _responses(self, trial: Trial, percepts: Sequence[Any]) -> dict[str, Response]:
-        """What each did first of those who are asked; a second key, or a second reach, mends nothing."""
+        """Return the first response of each seat that is asked; a second one does not count."""
         stimulus = trial.stimulus
         halves = dict(zip(self.seats, stimulus.halves, strict=True))
         asked = {seat: half for seat, half in halves.items() if stimulus.seat in ("", seat)}
@@ -225,7 +225,7 @@ class PairsTask(Task):
         return self._timed(trial, Response(asked, True, press.key, press.at, details={"key_gap_ms": gap}))
 
     def _reach(self, trial: Trial, _: str, reach: ReachPerceived | None) -> Response:
-        """The onset of the movement is the response; its end is kept. Half a reach is none."""
+        """Return a reach as a response, made at its movement onset. Half a reach is none."""
         if reach is None or reach.onset is None:
             flags = (*reach.flags, "no_reach") if reach else ()
             return Response(reaches.REACH, reach is not None, flags=flags, remark=self.tr(_NO_REACH))
@@ -233,7 +233,7 @@ class PairsTask(Task):
         return self._timed(trial, Response(reaches.REACH, True, reaches.REACH, reach.onset, details=kept, flags=flags))
 
     def _timed(self, trial: Trial, response: Response) -> Response:
-        """A response held against the prompt's onset."""
+        """Return a response with its latency from the prompt's onset."""
         assert response.at is not None
         latency = trial.latency_ms(response.at)
         return response._replace(latency_ms=latency, is_real=latency >= self.parameters.min_rt_ms)
@@ -271,7 +271,7 @@ class PairsTask(Task):
     # --- simulated participants -----------------------------------------------------------------------------
 
     def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
-        """A slip hits another key of one's own half, or is no reach. A look to the other side costs a moment."""
+        """Respond, later after a look to the other side. A slip is another key of the same half, or no reach."""
         side = self.seats.index(stimulus.seat)
         at = performance.reaction_ms
         if stimulus.cue and stimulus.cue.side != _SIDES[side]:
@@ -285,7 +285,7 @@ class PairsTask(Task):
 
 
 def _cued(trial: Trial) -> Json:
-    """Where the agent looked, and how long before."""
+    """Return the side that the agent looked to, and how long before the prompt."""
     cue = trial.stimulus.cue
     assert cue
     lead = None if trial.cued is None else (trial.onset - trial.cued) / MS

@@ -1,4 +1,4 @@
-"""What is kept of a reach beyond the common columns of a trial."""
+"""Details stored with a reach."""
 
 from typing import Annotated
 
@@ -8,23 +8,21 @@ from sar_tui.framework.trial_types import Details
 
 
 class ReachDetails(Details, frozen=True):
-    """Stamps are of the session's clock, in ns; durations in ms. What could not be measured is None."""
+    """Time stamps are in ns of the session's clock, durations in ms. None: could not be measured."""
 
-    marker_cm: Annotated[float | None, msgspec.Meta(description="How far the marker was, in cm.")] = None
-    closed: Annotated[str | None, msgspec.Meta(description="What ended the reach: key, stillness or timeout.")] = None
-    turn_ns: Annotated[int | None, msgspec.Meta(description="Where the hand turned, ns.")] = None
+    marker_cm: Annotated[float | None, msgspec.Meta(description="Distance of the marker, in cm.")] = None
+    closed: Annotated[str | None, msgspec.Meta(description="The end of the reach: key, stillness or timeout.")] = None
+    turn_ns: Annotated[int | None, msgspec.Meta(description="Time stamp of the turn, ns.")] = None
     detector: Annotated[str | None, msgspec.Meta(description="The detector that scored.")] = None
     detector_version: Annotated[str | None, msgspec.Meta(description="Its version.")] = None
     detector_parameters: Annotated[str | None, msgspec.Meta(description="Its parameters, as JSON.")] = None
     hand: Annotated[str | None, msgspec.Meta(description="The hand that reached.")] = None
-    window_from_ns: Annotated[int | None, msgspec.Meta(description="The first stamp that was looked at.")] = None
+    window_from_ns: Annotated[int | None, msgspec.Meta(description="First time stamp of the samples analysed.")] = None
     window_started_ns: Annotated[int | None, msgspec.Meta(description="The key that started the reach.")] = None
-    window_to_ns: Annotated[int | None, msgspec.Meta(description="Looked at up to this stamp, without it.")] = None
-    samples: Annotated[int | None, msgspec.Meta(description="How many samples were looked at.")] = None
+    window_to_ns: Annotated[int | None, msgspec.Meta(description="End of the samples analysed, exclusive.")] = None
+    samples: Annotated[int | None, msgspec.Meta(description="Number of samples analysed.")] = None
     rate_hz: Annotated[float | None, msgspec.Meta(description="Their rate, from the median step.")] = None
-    reaches: Annotated[int | None, msgspec.Meta(description="How many reaches were found; the largest is meant.")] = (
-        None
-    )
+    reaches: Annotated[int | None, msgspec.Meta(description="Number of reaches found; the largest counts.")] = None
     robust_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the single-axis detector.")] = None
     thesis_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the fixed-threshold detector.")] = None
     reach_time_ms: Annotated[float | None, msgspec.Meta(description="From movement onset to its end.")] = None

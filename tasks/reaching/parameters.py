@@ -1,4 +1,4 @@
-"""The Task Base of the reaching task."""
+"""Parameters of the reaching task."""
 
 from itertools import pairwise
 from typing import Annotated, Literal
@@ -11,7 +11,7 @@ _FEW_CM, _MOST_CM = 1.0, 200.0
 
 
 class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
-    """The Task Base of the reaching task."""
+    """Parameters of the reaching task."""
 
     attempts: Annotated[int, meta("Attempts", help="How many attempts a session has.", ge=1, le=200)] = 20
     reaches_per_attempt: Annotated[

@@ -35,9 +35,9 @@ _AGAIN = {
 }
 
 LONGEST_DWELL_S = 5.0
-"""A rest at the marker so long is part of the reach: there is one in each trial, so none can be joined to another."""
+"""Longest rest at the marker that is part of the reach; long, as each trial has one reach only."""
 _UNFINISHED = {"cut", "endless", "timed_out"}
-"""Flags of a reach that has no end, and so no time."""
+"""Flags of a reach without an end, and so without a time."""
 _NO_REACH = "I saw no whole reach. Rest your hand, then reach out and come back before you press Space again."
 
 
@@ -86,7 +86,7 @@ class ReachingTask(Task):
         return self.parameters.feedback_on
 
     def analysis(self) -> "AnalysisParameters":
-        """How reaches are found, as the parameters say."""
+        """Return the parameters of the analysis of reaches."""
         from sar_tui.motion.analysis import AnalysisParameters  # loads numpy
         from sar_tui.motion.fixed_threshold import FixedThresholdParameters
         from sar_tui.motion.single_axis import SingleAxisParameters
@@ -110,14 +110,14 @@ class ReachingTask(Task):
         return (ReachPerception(self.analysis(), self.parameters.still_ms),)
 
     def marker_cm(self, level: int) -> float:
-        """How far the marker of a level is from the start."""
+        """Return the distance of a level's marker from the start."""
         return self.parameters.marker_distances_cm[level - 1]
 
     def target(self, level: int) -> Target:
-        """The goal of a level's marker.
+        """Return the target of a level's marker: from ``goal_times_ms``, else made from the distance.
 
-        Unless it is named, it grows with the square root of the distance: a minimum-jerk movement that takes so
-        much longer needs the same peak acceleration (Flash & Hogan 1985: peak acceleration = 5.77 distance / time²).
+        It grows with the square root of the distance, which keeps the peak acceleration of a minimum-jerk movement
+        constant (Flash & Hogan 1985: peak acceleration = 5.77 distance / time²).
         """
         if self.parameters.goal_times_ms:
             goal = self.parameters.goal_times_ms[level - 1]
@@ -205,10 +205,10 @@ class ReachingTask(Task):
         )
 
     def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
-        """The hand makes a reach, and space is pressed when it is back. A slip is to forget the key.
+        """Reach out and back, then press space. A slip is to forget the key.
 
-        A healthy adult's reach out and back takes 0.85 s to 15 cm, and longer with the distance to the power 0.8:
-        effort limits it less than a goal that grows with the square root.
+        A healthy adult's reach out and back takes 0.85 s to 15 cm, and grows with the distance to the power of 0.8:
+        faster than the goal, which grows with the square root.
         """
         from sar_tui.motion.shapes import ReachShape
 
