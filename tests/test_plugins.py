@@ -20,8 +20,9 @@ from sar_tui.store.database import connect
 TAPS = '''
 from typing import Annotated, Any
 
+from sar_tui.framework.declaration import meta
+from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.parameters import TaskParameters, meta
 from sar_tui.framework.task import Act, Metric, Performance, Result, Situation, Stimulus, Task, Trial
 
 from .words import INSTRUCTIONS
