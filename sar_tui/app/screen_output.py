@@ -6,6 +6,7 @@ from sar_tui.app.agent.output import AgentStage, DrawnAgent
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.messages import (
     Action,
+    AgentActing,
     AttemptEnded,
     AttemptStarted,
     CueGiven,
@@ -21,6 +22,7 @@ from sar_tui.framework.messages import (
 from sar_tui.framework.node import on
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
+    ACTING,
     ACTION,
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
@@ -55,9 +57,6 @@ class Stage(AgentStage, Protocol):
     def progress(self, done: int) -> None:
         """So many trials of the attempt are done."""
 
-    def clear_agent(self, face: str) -> None:
-        """What the agent said is no longer meant."""
-
     def end_attempt(self, ended: AttemptEnded) -> None:
         """An attempt is scored."""
 
@@ -78,7 +77,6 @@ class ScreenOutput(OutputNode):
         self._agent = DrawnAgent(stage, is_shown=shows_agent)
         super().__init__(self._agent, "screen", theme)
         self._stage = stage
-        self._sounding: set[tuple[str, str]] = set()
 
     @on(CUE)
     def cued(self, cue: CueGiven) -> None:
@@ -119,33 +117,23 @@ class ScreenOutput(OutputNode):
     @on(ACTION)
     def act(self, action: Action) -> None:
         self._agent.action = action
+        self._agent.update(action)
         super().act(action)
 
     @on(REPORT)
     def reported(self, report: OutputReport) -> None:
-        """A voice, whichever output's it is, moves the mouth; one that fails is put on the screen."""
-        if report.part != "say" or report.state == "queued":
-            return
-        voice = (report.output, report.action)
-        if report.state == "started":
-            self._sounding.add(voice)
-        else:
-            self._sounding.discard(voice)
-        self._stage.speaking(bool(self._sounding))
-        if report.state == "failed" and report.action == self._agent.action.id:
+        """Move the mouth with a voice, whichever output's it is; show the words of one that fails."""
+        self._agent.update(report)
+        if report.part == "say" and report.state == "failed" and report.action == self._agent.action.id:
             self._stage.voiceless(self._agent.action, report.detail)
+
+    @on(ACTING)
+    def acting(self, acting: AgentActing) -> None:
+        self._agent.update(acting)
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Words are gone when a response is about to be awaited, so that nothing stands beside the prompt.
-
-        A word that covered a wait is gone when the wait is over, whether or not an answer came of it.
-        """
-        if waiting.stage == "trial" and waiting.what != "agent":
-            self._agent.clear()
-        if waiting.stage in ("attempt", "review") and self._agent.shows("filler"):
-            self._agent.clear()
-            self._stage.clear_agent("listening")
+        self._agent.update(waiting)
         self._stage.wait(waiting)
 
     @on(SESSION_ENDED)

@@ -3,9 +3,9 @@
 from textual.geometry import Size
 from textual.widget import Widget
 
+from sar_tui.framework.agent_state import AgentState
 from sar_tui.framework.clock import SECOND, Clock
 from sar_tui.framework.theme import Theme
-from sar_tui.operator.session_state import Agent as Seen
 from sar_tui.operator.session_state import SessionState
 from sar_tui.operator.text_charts import wrap
 from sar_tui.widgets.agent import Agent
@@ -29,7 +29,7 @@ class AgentMirror:
         self.widget = Agent(theme, clock, id="agent")
         self.widget.display = False
         self._theme: Theme | None = None
-        self._seen = Seen()
+        self._seen = AgentState()
         self._said: tuple[str, str] = ("", "")
 
     def show(self, state: SessionState, now: int) -> None:
@@ -43,7 +43,7 @@ class AgentMirror:
         seen, before = state.agent, self._seen
         self._seen = seen
         self._say(seen, before)
-        if seen.still != before.still:
+        if seen.halts != before.halts:
             self.widget.be_still()
         self._hold(state, before)
         action = seen.moves
@@ -52,10 +52,9 @@ class AgentMirror:
                 self.widget.gesture(state.theme.gestures[action.gesture])
             if action.gaze:
                 self.widget.gaze(action.gaze)
-        current = state.arbiter.current if state.arbiter else None
-        self.widget.speaking(bool(state.acting and current and current.spoken and state.is_connected))
+        self.widget.speaking(seen.is_speaking and state.is_connected)
 
-    def _hold(self, state: SessionState, before: Seen) -> None:
+    def _hold(self, state: SessionState, before: AgentState) -> None:
         """Keep still while the participant's agent does, and show its cue."""
         cue = state.agent.cue
         if not state.is_quiet or (before.cue and before.cue is not cue):
@@ -65,7 +64,7 @@ class AgentMirror:
         if cue and cue is not before.cue:
             self.widget.cue(cue.gaze, state.theme.gestures.get(cue.gesture) if state.theme else None)
 
-    def _say(self, seen: Seen, before: Seen) -> None:
+    def _say(self, seen: AgentState, before: AgentState) -> None:
         said = self._fitted(seen)
         if said == self._said and seen.valence == before.valence:
             if seen.face != before.face:
@@ -80,7 +79,7 @@ class AgentMirror:
         if more:
             self.widget.say(more, joins=True)
 
-    def _fitted(self, seen: Seen) -> tuple[str, str]:
+    def _fitted(self, seen: AgentState) -> tuple[str, str]:
         """Return the text that fits here, where there is less room: of joined texts, the end is shown."""
         around = self.widget.parent
         room = around.content_size if isinstance(around, Widget) else Size(0, 0)

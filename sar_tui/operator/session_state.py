@@ -6,13 +6,11 @@ from typing import Any
 import msgspec
 from msgspec.structs import replace
 
+from sar_tui.framework import agent_state
+from sar_tui.framework.agent_state import AgentState
 from sar_tui.framework.messages import (
-    Action,
-    AgentActing,
     ArbiterState,
     AttemptEnded,
-    CueGiven,
-    Halt,
     LevelChanged,
     Operator,
     OperatorChanged,
@@ -29,12 +27,8 @@ from sar_tui.framework.messages import (
 )
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
-    ACTING,
-    ACTION,
     ARBITER_STATE,
     ATTEMPT_ENDED,
-    CUE,
-    HALT,
     LEVEL,
     MARKED,
     OPERATOR,
@@ -55,27 +49,9 @@ from sar_tui.operator.event_text import PAUSE_REASONS, event_line
 
 PARTICIPANT = "participant"
 """Actor of a participant's acts."""
-_QUIET = ("foreperiod", "storage", "response")
 MAX_TRIALS = 60
 TRACE_SECONDS = 8
 """Responses, and seconds of a hand's motion, that are stored."""
-
-
-class Agent(msgspec.Struct, frozen=True):
-    """What the participant sees of the agent: the words that stand, what was added to them, the expression.
-
-    ``kind`` is of the words. ``moves`` is what was last said or done, with its gesture and gaze; ``cue``: to which side
-    it looks or points, until the response is there; ``still`` counts how often it was told to be still.
-    """
-
-    words: str = ""
-    more: str = ""
-    kind: str = ""
-    face: str = "neutral"
-    valence: str | None = None
-    moves: Action | None = None
-    cue: CueGiven | None = None
-    still: int = 0
 
 
 class Seat(msgspec.Struct, frozen=True):
@@ -111,8 +87,7 @@ class SessionState(msgspec.Struct, frozen=True):
     level: int | None = None
     next_level: int | None = None
     arbiter: ArbiterState | None = None
-    agent: Agent = Agent()
-    acting: bool | None = None
+    agent: AgentState = AgentState()
     voice: str = ""
     sensor: SensorChanged | None = None
     seats: dict[str, Seat] = {}
@@ -141,7 +116,7 @@ class SessionState(msgspec.Struct, frozen=True):
     @property
     def is_quiet(self) -> bool:
         """True while a response is awaited and the participant's screen must not move."""
-        return bool(self.waiting and self.waiting.stage == "trial" and self.waiting.what in _QUIET)
+        return bool(self.waiting and self.waiting.stage == "trial" and self.waiting.what in agent_state.AWAITED)
 
     @property
     def is_paused(self) -> bool:
@@ -174,6 +149,9 @@ class SessionState(msgspec.Struct, frozen=True):
         state = self
         for frame in frames:
             before = state.arbiter
+            agent = agent_state.step(state.agent, frame.message)
+            if agent is not state.agent:
+                state = replace(state, agent=agent)
             if handler := _HANDLERS.get(frame.topic.name):
                 state = handler(state, frame.message)
             if line := event_line(frame, self.welcome, before):
@@ -190,21 +168,11 @@ class SessionState(msgspec.Struct, frozen=True):
 
 
 def _on_waiting(state: SessionState, waiting: Waiting) -> SessionState:
-    agent = state.agent
-    if waiting.stage == "trial" and waiting.what != "agent":
-        agent = replace(agent, words="", more="", kind="", face="listening")
-    elif waiting.stage == "answer":
-        agent = replace(agent, face="thinking")
-    elif agent.face == "thinking":
-        agent = replace(agent, face="listening")
-    if waiting.stage in ("attempt", "review") and agent.kind == "filler":
-        agent = replace(agent, words="", more="", kind="", face="listening")
     level = waiting.level or state.level
     prompt = state.prompt if waiting.stage == "trial" else None
     has_resumed = state.is_paused and waiting.stage != "paused"
     pauser = "" if has_resumed else state.pauser
-    state = replace(state, waiting=waiting, agent=agent, level=level, prompt=prompt, pauser=pauser)
-    return state if state.is_quiet else replace(state, agent=replace(agent, cue=None))
+    return replace(state, waiting=waiting, level=level, prompt=prompt, pauser=pauser)
 
 
 def _on_operator(state: SessionState, act: Operator) -> SessionState:
@@ -254,27 +222,6 @@ def _on_sensor(state: SessionState, changed: SensorChanged) -> SessionState:
 # --- the agent -----------------------------------------------------------------------------------------------------
 
 
-def _on_action(state: SessionState, action: Action) -> SessionState:
-    agent = state.agent
-    if action.text and action.joins and agent.words:
-        agent = replace(agent, more=f"{agent.more}\n{action.text}".lstrip(), kind=action.kind)
-    elif action.text:
-        agent = replace(agent, words=action.text, more="", kind=action.kind, valence=action.valence)
-    return replace(state, agent=replace(agent, face=action.face or agent.face, moves=action))
-
-
-def _on_cue(state: SessionState, cue: CueGiven) -> SessionState:
-    return replace(state, agent=replace(state.agent, cue=cue))
-
-
-def _on_halt(state: SessionState, _: Halt) -> SessionState:
-    return replace(state, agent=replace(state.agent, still=state.agent.still + 1))
-
-
-def _on_acting(state: SessionState, acting: AgentActing) -> SessionState:
-    return replace(state, acting=acting.acting)
-
-
 def _on_report(state: SessionState, report: OutputReport) -> SessionState:
     if report.part == "say" and report.state in ("started", "failed"):
         return replace(state, voice=report.detail or "it failed" if report.state == "failed" else "")
@@ -307,10 +254,6 @@ _HANDLERS: dict[str, Callable[[SessionState, Any], SessionState]] = {
     LEVEL.name: _on_level,
     SESSION_ENDED.name: _on_session_ended,
     SENSOR.name: _on_sensor,
-    ACTION.name: _on_action,
-    CUE.name: _on_cue,
-    HALT.name: _on_halt,
-    ACTING.name: _on_acting,
     REPORT.name: _on_report,
     ARBITER_STATE.name: _on_arbiter_state,
     THEME.name: _on_theme,

@@ -206,10 +206,10 @@ def _hand(state: SessionState, seat: Seat, width: int) -> list[Piece]:
 def _agent(state: SessionState, width: int) -> list[Piece]:
     if state.voice:
         return [(cut(f"No voice: {state.voice}", width), "$warning")]
-    if state.acting is None:
+    if state.agent.acting is None:
         return [(f"Agent: {UNKNOWN}", "$text-muted")]
     current = state.arbiter.current if state.arbiter else None
-    if not state.acting:
+    if not state.agent.acting:
         return [("The agent is idle", "$text-muted")]
     return [("▶ The agent speaks" if current is None or current.spoken else "▶ The agent moves", "$accent bold")]
 

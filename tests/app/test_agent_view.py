@@ -11,9 +11,9 @@ from textual.widgets import Static
 from sar_tui.app.agent.app import AgentApp
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import SECOND, host_now
-from sar_tui.framework.messages import Action, CueGiven, Halt, Message, OutputReport, ThemeApplied, Waiting
+from sar_tui.framework.messages import Action, AgentActing, CueGiven, Halt, Message, OutputReport, ThemeApplied, Waiting
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ACTION, CUE, HALT, REPORT, THEME, WAITING
+from sar_tui.framework.topics import ACTING, ACTION, CUE, HALT, REPORT, THEME, WAITING
 from sar_tui.link.peer import Connection, Frame, PeerListener, Welcome
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
@@ -252,4 +252,17 @@ async def test_a_voice_of_the_browsers_own_moves_the_mouth_where_the_session_has
         watcher.link.tell(ACTION, said("Well done!", face="speaking"))
         assert watcher.moves
         watcher.link.tell(HALT, Halt(reason="stopped", asked=0))
+        assert not watcher.moves
+
+
+async def test_its_mouth_shuts_at_the_end_of_its_words_however_late_that_is_reported(calm: Theme) -> None:
+    async with watching(calm) as watcher:
+        watcher.link.welcome()
+        voice: dict[str, Any] = {"action": "a1", "output": "speech", "part": "say", "at": 0}
+        watcher.link.tell(REPORT, OutputReport(**voice, state="started"))
+        assert watcher.moves
+        watcher.link.tell(REPORT, OutputReport(**voice, state="done"), ago_s=10)
+        assert not watcher.moves
+        watcher.link.tell(REPORT, OutputReport(**voice, state="started"))
+        watcher.link.tell(ACTING, AgentActing(acting=False))
         assert not watcher.moves

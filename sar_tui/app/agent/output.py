@@ -4,9 +4,10 @@ from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
+from sar_tui.framework.agent_state import AgentState, clears_words, step
 from sar_tui.framework.clock import MS, Handle
 from sar_tui.framework.gesture import Gesture
-from sar_tui.framework.messages import Action, ActionPart, CueGiven, Kind
+from sar_tui.framework.messages import Action, ActionPart, AgentActing, CueGiven, Message, OutputReport, Waiting
 from sar_tui.framework.theme import Theme
 from sar_tui.outputs.output import Output
 
@@ -32,6 +33,12 @@ class AgentStage(Protocol):
     def speaking(self, sounds: bool) -> None:
         """A voice begins to sound, or has fallen silent: the mouth moves with it."""
 
+    def look(self, face: str) -> None:
+        """Change the expression only."""
+
+    def clear_agent(self, face: str) -> None:
+        """Take the words away."""
+
     def voiceless(self, action: Action, why: str) -> None:
         """What was to be heard could not be: its words have to be seen, and that it is so."""
 
@@ -53,10 +60,29 @@ class DrawnAgent(Output):
         self.can = frozenset(("show", "gesture", "gaze")) if is_shown else frozenset()
         self.action: Action
         self._stage = stage
-        self._shown, self._kind = "", ""
+        self.state = AgentState()
+        self._shown = ""
         self._gestures: deque[tuple[str, str]] = deque()
         self._moving: tuple[str, Handle] | None = None
         self._is_cueing = False
+
+    def update(self, message: Message) -> None:
+        """Follow a message, and draw the change of words, expression and mouth.
+
+        An action is drawn part by part, as the output is asked for it.
+        """
+        before, self.state = self.state, step(self.state, message)
+        match message:
+            case Waiting() if clears_words(before, message):
+                self.clear()
+                if before.words or before.face != self.state.face:
+                    self._stage.clear_agent(self.state.face)
+            case Waiting() if before.face != self.state.face:
+                self._stage.look(self.state.face)
+            case OutputReport() if message.part == "say" and message.state != "queued":
+                self._stage.speaking(self.state.is_speaking)
+            case AgentActing() if before.is_speaking != self.state.is_speaking:
+                self._stage.speaking(self.state.is_speaking)
 
     def cue(self, cue: CueGiven, do: Callable[[CueGiven], None]) -> None:
         """Draw a cue at once; ``do`` asks for its parts, which with that are done."""
@@ -77,19 +103,15 @@ class DrawnAgent(Output):
         self._stage.say(self.action)
         self.report(action, "show", "started")
         if text or not self._shown:
-            self._shown, self._kind = action, self.action.kind
+            self._shown = action
         else:
             self.report(action, "show", "done")
-
-    def shows(self, kind: Kind) -> bool:
-        """Whether the words that stand are of that kind."""
-        return self._kind == kind
 
     def clear(self) -> None:
         """Words that stood are gone."""
         if self._shown:
             self.report(self._shown, "show", "done")
-            self._shown, self._kind = "", ""
+            self._shown = ""
 
     def gesture(self, action: str, name: str) -> None:
         """One gesture after the other."""
@@ -149,4 +171,4 @@ class DrawnAgent(Output):
             self._moving[1].cancel()
         self._moving = None
         self._gestures.clear()
-        self._shown, self._kind = "", ""
+        self._shown = ""

@@ -4,10 +4,11 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from sar_tui.app.agent.output import AgentStage, DrawnAgent
+from sar_tui.framework.agent_state import AgentState
 from sar_tui.framework.clock import SECOND, Clock, Handle
-from sar_tui.framework.messages import Action, CueGiven, Halt, OutputReport, ThemeApplied, Waiting
+from sar_tui.framework.messages import Action, AgentActing, CueGiven, Halt, OutputReport, ThemeApplied, Waiting
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ACTION, CUE, HALT, REPORT, THEME, WAITING
+from sar_tui.framework.topics import ACTING, ACTION, CUE, HALT, REPORT, THEME, WAITING
 from sar_tui.link.peer import Connection, Frame, PeerEvent, Welcome
 from sar_tui.tui.web_driver import BrowserVoice
 
@@ -22,9 +23,6 @@ class ViewStage(AgentStage, Protocol):
 
     def wait(self, waiting: Waiting) -> None:
         """What the session waits for: in a trial nothing moves, and no words stand."""
-
-    def clear_agent(self, face: str) -> None:
-        """What the agent said is no longer meant."""
 
     def connected(self, connection: Connection) -> None:
         """How the link is."""
@@ -56,7 +54,6 @@ class AgentView:
         self._language = theme.language
         self._has_own_voice = False
         self._cleared = 0
-        self._sounding: set[tuple[str, str]] = set()
         self._silence: Handle | None = None
 
     def hear(self, heard: PeerEvent) -> None:
@@ -76,6 +73,8 @@ class AgentView:
         self._language = str(welcome.parameters.get("language", self._language))
         self._stage.speak_language(self._language)
         self._cleared = 0
+        self._drawn.clear()
+        self._drawn.state = AgentState()
         self._hush()
 
     def _connect(self, connection: Connection) -> None:
@@ -97,13 +96,16 @@ class AgentView:
             case ThemeApplied() if frame.topic is THEME:
                 self._language = frame.message.theme.language
                 self._drawn.apply_theme(frame.message.theme)
-            case OutputReport() if frame.topic is REPORT and is_fresh:
-                self._report(frame.message)
+            case OutputReport() if frame.topic is REPORT and (is_fresh or frame.message.state != "started"):
+                self._drawn.update(frame.message)
+            case AgentActing() if frame.topic is ACTING:
+                self._drawn.update(frame.message)
             case Waiting() if frame.topic is WAITING:
                 self._wait(frame.message, frame.seq)
 
     def _act(self, action: Action, is_fresh: bool) -> None:
         self._drawn.action = action
+        self._drawn.update(action)
         if action.text or action.face:
             self._drawn.show(action.id, action.text, action.face)
         if not is_fresh:
@@ -127,36 +129,19 @@ class AgentView:
         self._silence = self._clock.call_at(self._clock.now() + round(seconds * SECOND), self._fall_silent)
 
     def _fall_silent(self) -> None:
-        self._stage.speaking(bool(self._sounding))
-
-    def _report(self, report: OutputReport) -> None:
-        """The session's own voice moves the mouth."""
-        if report.part != "say" or report.state == "queued":
-            return
-        voice = (report.output, report.action)
-        if report.state == "started":
-            self._sounding.add(voice)
-        else:
-            self._sounding.discard(voice)
-        self._stage.speaking(bool(self._sounding))
+        self._stage.speaking(self._drawn.state.is_speaking)
 
     def _wait(self, waiting: Waiting, seq: int) -> None:
-        """Words are gone when a response is about to be awaited; those that were said before come no more.
-
-        A word that covered a wait is gone with it.
-        """
+        """Follow the session. Words that were said before a trial began are not shown any more."""
         if waiting.stage == "trial" and waiting.what != "agent":
             self._cleared = seq
-            self._drawn.clear()
-        if waiting.stage in ("attempt", "review") and self._drawn.shows("filler"):
-            self._drawn.clear()
-            self._stage.clear_agent("listening")
+        self._drawn.update(waiting)
         self._stage.wait(waiting)
 
     def _hush(self) -> None:
         if self._silence:
             self._silence.cancel()
-        self._sounding.clear()
+        self._drawn.state = self._drawn.state.silenced()
         self._stage.speaking(False)
         if self._voice:
             self._voice.hush()

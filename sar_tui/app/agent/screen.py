@@ -7,6 +7,7 @@ from textual.containers import Vertical
 from textual.screen import Screen
 from textual.widgets import Static
 
+from sar_tui.framework.agent_state import AWAITED
 from sar_tui.framework.clock import Clock
 from sar_tui.framework.gesture import Gesture
 from sar_tui.framework.language import Language
@@ -15,9 +16,6 @@ from sar_tui.framework.theme import ENGLISH, Theme
 from sar_tui.link.peer import Connection
 from sar_tui.tui.language import app_language
 from sar_tui.widgets.agent import Agent
-
-_AWAITED = ("foreperiod", "storage", "response")
-"""What a trial waits for when nothing on the screen may move."""
 
 
 class AgentViewScreen(Screen[None]):
@@ -76,17 +74,15 @@ class AgentViewScreen(Screen[None]):
 
     def wait(self, waiting: Waiting) -> None:
         """Hold still while a response is awaited, as the participant's own screen does."""
-        is_trial = waiting.stage == "trial"
-        if is_trial and waiting.what != "agent":
-            self._agent.clear("listening")
-        elif waiting.stage == "answer":
-            self._agent.look("thinking")
-        elif self._agent.face in ("thinking", "sleeping") and waiting.stage != "paused":
+        if self._agent.face == "sleeping" and waiting.stage != "paused":
             self._agent.look("listening")
-        if is_trial and waiting.what in _AWAITED:
+        if waiting.stage == "trial" and waiting.what in AWAITED:
             self._agent.hold()
         else:
             self._agent.release()
+
+    def look(self, face: str) -> None:
+        self._agent.look(face)
 
     def clear_agent(self, face: str) -> None:
         self._agent.clear(face)

@@ -97,6 +97,9 @@ class AgentScreen(Screen[None]):
             self._show_voice()
         self.agent.speaking(sounds)
 
+    def look(self, face: str) -> None:
+        self.agent.look(face)
+
     def voiceless(self, action: Action, why: str) -> None:
         """The note is there once; that there is no voice stays at the top, until there is one again."""
         was_voiceless, self._is_voiceless = self._is_voiceless, True

@@ -14,6 +14,7 @@ from sar_tui.app.prompt_onset import report_onset
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
 from sar_tui.app.screens.waiting_text import Words, key_name, words
+from sar_tui.framework.agent_state import AWAITED
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
     AttemptEnded,
@@ -30,9 +31,6 @@ from sar_tui.tui.gc_control import GcControl
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.drawing import DrawingArea
 from sar_tui.widgets.progress_line import ProgressLine
-
-_AWAITED = ("foreperiod", "storage", "response")
-"""What a trial waits for when nothing on the screen may move."""
 
 
 class SessionScreen(AgentScreen):
@@ -216,7 +214,7 @@ class SessionScreen(AgentScreen):
 
     def _let_move(self, waiting: Waiting) -> None:
         """The agent may move, and files be looked at, but where a response is awaited, or about to be."""
-        is_awaited = waiting.stage == "trial" and waiting.what in _AWAITED
+        is_awaited = waiting.stage == "trial" and waiting.what in AWAITED
         self.app.look_for_edits(not is_awaited and waiting.what != "quiet")
         self.let_agent_move(not is_awaited)
 
@@ -245,10 +243,6 @@ class SessionScreen(AgentScreen):
             self._count(waiting.trial - 1)
         if waiting.stage == "trial" and waiting.what != "agent":
             self.clear_agent("listening")
-        elif waiting.stage == "answer":
-            self.agent.look("thinking")
-        elif self.agent.face == "thinking":
-            self.agent.look("listening")
         ask = self.tr("Press {key} to hear how it went.", key=key_name(waiting.ask, self.tr)) if waiting.ask else ""
         told = {"#headline": said.headline, "#text": said.text, "#enter": said.press, "#ask": ask}
         for name, text in told.items():

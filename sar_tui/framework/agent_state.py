@@ -1,0 +1,96 @@
+"""What the agent shows: its words, expression, gesture, gaze and mouth, worked out from a session's messages.
+
+Pure and immutable. The participant's screen, the agent in a window of its own and the operator's panel follow it.
+"""
+
+import msgspec
+from msgspec.structs import replace
+
+from sar_tui.framework.messages import Action, AgentActing, CueGiven, Halt, Message, OutputReport, Waiting
+
+AWAITED = ("foreperiod", "storage", "response")
+"""Waits of a trial during which nothing on a screen may move."""
+
+
+class AgentState(msgspec.Struct, frozen=True):
+    """The agent as a screen shows it.
+
+    ``words`` stand until others take their place; ``more`` was added below them; ``kind`` is of the last words, and
+    ``valence`` colours the first. ``moves`` is the last action, with its gesture and gaze. ``cue``: the side to look or
+    point to until the response. ``halts`` counts the times it had to be still. ``sounding``: the voices that are
+    audible, by output and action. ``acting``: as `AgentActing` last said, None if that is not known.
+    """
+
+    words: str = ""
+    more: str = ""
+    kind: str = ""
+    face: str = "neutral"
+    valence: str | None = None
+    moves: Action | None = None
+    cue: CueGiven | None = None
+    halts: int = 0
+    sounding: frozenset[tuple[str, str]] = frozenset()
+    acting: bool | None = None
+
+    @property
+    def is_speaking(self) -> bool:
+        """True while a voice sounds: the mouth moves with it."""
+        return bool(self.sounding)
+
+    def silenced(self) -> "AgentState":
+        """Return the state without a voice: the link is lost, so that its end would not be reported."""
+        return replace(self, sounding=frozenset())
+
+
+def step(state: AgentState, message: Message) -> AgentState:  # noqa: PLR0911
+    """Return the state after a message; other messages than the agent's leave it as it is."""
+    match message:
+        case Action():
+            return _acted(state, message)
+        case Waiting():
+            return _waited(state, message)
+        case OutputReport():
+            return _reported(state, message)
+        case CueGiven():
+            return replace(state, cue=message)
+        case Halt():
+            return replace(state, halts=state.halts + 1)
+        case AgentActing():
+            return replace(state, acting=message.acting, sounding=state.sounding if message.acting else frozenset())
+    return state
+
+
+def _acted(state: AgentState, action: Action) -> AgentState:
+    if action.text and action.joins and state.words:
+        state = replace(state, more=f"{state.more}\n{action.text}".lstrip(), kind=action.kind)
+    elif action.text:
+        state = replace(state, words=action.text, more="", kind=action.kind, valence=action.valence)
+    return replace(state, face=action.face or state.face, moves=action)
+
+
+def _waited(state: AgentState, waiting: Waiting) -> AgentState:
+    """Take words away before a trial, and a filler once the wait that it covered is over."""
+    if not (waiting.stage == "trial" and waiting.what in AWAITED):
+        state = replace(state, cue=None)
+    if clears_words(state, waiting):
+        return replace(state, words="", more="", kind="", face="listening")
+    if waiting.stage == "answer":
+        return replace(state, face="thinking")
+    return replace(state, face="listening") if state.face == "thinking" else state
+
+
+def clears_words(state: AgentState, waiting: Waiting) -> bool:
+    """True if no words stand any more once the session waits for this."""
+    if waiting.stage == "trial":
+        return waiting.what != "agent"
+    return waiting.stage in ("attempt", "review") and state.kind == "filler"
+
+
+def _reported(state: AgentState, report: OutputReport) -> AgentState:
+    """Follow the voices, whichever output's they are."""
+    if report.part != "say" or report.state == "queued":
+        return state
+    voice = (report.output, report.action)
+    if report.state == "started":
+        return replace(state, sounding=state.sounding | {voice})
+    return replace(state, sounding=state.sounding - {voice})
