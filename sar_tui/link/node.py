@@ -34,7 +34,7 @@ MAX_PROMPT_DELAY = 500 * MS
 MAX_ACT_AGE = 60 * SECOND
 """Older stamps of acts are moved up to this age, as they must be wrong."""
 _CHECK_INTERVAL = SECOND
-_NOT_IN_CONTROL = "Another operator holds the baton."
+_NOT_IN_CONTROL = "Another operator is in control."
 _NO_SEAT = "There is no such seat in this session."
 
 

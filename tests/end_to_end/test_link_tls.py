@@ -54,7 +54,7 @@ def test_who_was_invited_comes_in_as_what_they_are_and_nobody_else_does(at: Hous
         room.until(lambda: ("observer.eve", "joined") in room.presence(), "the observer watches")
 
         assert expired.terminal.wait() == 2
-        assert "expired" in expired.sees()
+        assert "expired" in expired.sees().replace(" ", ""), "in whichever line it is broken"
 
         participant.answer(1)
         anna.wait_for_offer()
@@ -78,7 +78,7 @@ def test_who_was_invited_comes_in_as_what_they_are_and_nobody_else_does(at: Hous
             with pytest.raises(zenoh.ZError):
                 zenoh.open(config(settings))
         room.until(lambda: len(set(refusals(room, "unknown"))) == 4, "who did not get in is in the log")
-        room.until(lambda: "not the host that this invitation" in other.sees(), "the stranger's panel says why")
+        room.until(lambda: "not the one that made this" in other.sees(), "the stranger's panel says why")
         told = " ".join(refusals(room, "unknown"))
         presence = {actor for actor, _ in room.presence()}
         (feedback,) = room.actions("feedback")

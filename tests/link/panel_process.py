@@ -1,6 +1,6 @@
-"""A panel in a process of its own, for tests to freeze and to kill: tells each state of its link, a line each.
+"""Panel in a process of its own that tests can freeze and kill. It prints each state of its link.
 
-``python -m tests.link.panel_process SESSION LINK NAME ROLE``; a line on its standard input is sent as a note.
+``python -m tests.link.panel_process SESSION LINK NAME ROLE``; each line on standard input is sent as a note.
 """
 
 import asyncio
@@ -18,25 +18,25 @@ async def main(session: str, link: str, name: str, role: str) -> None:
     loop = asyncio.get_running_loop()
     over = asyncio.Event()
 
-    def hear(heard: PeerEvent) -> None:
-        if isinstance(heard, Connection):
-            print(heard.state, flush=True)
-            if heard.state == "ended":
+    def receive(event: PeerEvent) -> None:
+        if isinstance(event, Connection):
+            print(event.state, flush=True)
+            if event.state == "ended":
                 over.set()
-        elif isinstance(heard, Welcome):
+        elif isinstance(event, Welcome):
             print("welcome", flush=True)
 
     where = JoinableSession(session=session, task="keyboard", link=link, pid=0)
     (known,) = (each for each in get_args(m.Role) if each == role)
-    peer = connect(where, name, known, hear, loop)
+    peer = connect(where, name, known, receive, loop)
 
-    def told() -> None:
+    def send_note() -> None:
         line = sys.stdin.readline().strip()
         if not line:
             over.set()
         peer.send(NOTE_ADDED, m.NoteAdded(text=line))
 
-    loop.add_reader(sys.stdin.fileno(), told)
+    loop.add_reader(sys.stdin.fileno(), send_note)
     await over.wait()
     peer.close()
 

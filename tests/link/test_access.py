@@ -1,4 +1,4 @@
-"""Who gets in over the network, and what each can do there: real zenoh sessions, TLS over loopback."""
+"""Access over the network with real Zenoh sessions, TLS over loopback."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -39,9 +39,9 @@ def open_house(at: House) -> Iterator[FakeBroker]:
 
 @pytest.fixture
 def host(open_house: FakeBroker) -> FakeBroker:
-    """The host, with nothing heard yet."""
-    for heard in (open_house.heard, open_house.asked, open_house.there):
-        heard.clear()
+    """The host, with its records cleared."""
+    for records in (open_house.received, open_house.queries, open_house.liveliness):
+        records.clear()
     return open_house
 
 
@@ -51,42 +51,42 @@ def settings_of(invited: Invitation, **changes: object) -> str:
     return msgspec.json.encode(settings).decode()
 
 
-def last_word(host: FakeBroker, at: House, guest: zenoh.Session, name: str) -> list[str]:
-    """What the host heard until the guest's greeting: all that it sent before came, or never will."""
-    guest.put(at.keys.ping(name), b"the last word")
-    assert eventually(lambda: (at.keys.ping(name), b"the last word") in host.heard)
-    return [key for key, payload in host.heard if payload != b"the last word"]
+def received_before_last(host: FakeBroker, at: House, guest: zenoh.Session, name: str) -> list[str]:
+    """Return the keys that the host received before a final ping: nothing sent earlier can still come."""
+    guest.put(at.keys.ping(name), b"last")
+    assert eventually(lambda: (at.keys.ping(name), b"last") in host.received)
+    return [key for key, payload in host.received if payload != b"last"]
 
 
-# --- who gets in -----------------------------------------------------------------------------------------------------
+# --- admission -----------------------------------------------------------------------------------------------------
 
 
-def test_an_operator_with_the_right_certificate_acts_and_hears(at: House, host: FakeBroker) -> None:
-    heard: list[bytes] = []
+def test_operator_with_valid_certificate_sends_and_receives(at: House, host: FakeBroker) -> None:
+    received: list[bytes] = []
     with visiting(at.anna) as [anna]:
-        anna.declare_subscriber(at.keys.broadcast, lambda s: heard.append(bytes(s.payload)))
-        anna.declare_subscriber(at.keys.reply("operator.anna"), lambda s: heard.append(bytes(s.payload)))
+        anna.declare_subscriber(at.keys.broadcast, lambda s: received.append(bytes(s.payload)))
+        anna.declare_subscriber(at.keys.reply("operator.anna"), lambda s: received.append(bytes(s.payload)))
         anna.put(at.keys.act("operator.anna"), b"veto")
-        assert eventually(lambda: (at.keys.act("operator.anna"), b"veto") in host.heard)
+        assert eventually(lambda: (at.keys.act("operator.anna"), b"veto") in host.received)
 
-        def both_came() -> bool:
+        def both_received() -> bool:
             host.session.put(at.keys.broadcast, b"to all")
             host.session.put(at.keys.reply("operator.anna"), b"to anna")
-            return {b"to all", b"to anna"} <= set(heard)
+            return {b"to all", b"to anna"} <= set(received)
 
-        assert eventually(both_came)
+        assert eventually(both_received)
 
 
-def test_an_operator_is_seen_to_come_and_to_go(at: House, host: FakeBroker) -> None:
+def test_liveliness_of_an_operator_is_seen(at: House, host: FakeBroker) -> None:
     key = at.keys.ping("operator.anna")
     with visiting(at.anna) as [anna]:
         token = anna.liveliness().declare_token(key)
-        assert eventually(lambda: host.there == [key])
+        assert eventually(lambda: host.liveliness == [key])
         token.undeclare()
-    assert eventually(lambda: host.there == [key, key])
+    assert eventually(lambda: host.liveliness == [key, key])
 
 
-def test_without_a_certificate_nobody_gets_in(at: House, host: FakeBroker) -> None:
+def test_connection_without_certificate_fails(at: House, host: FakeBroker) -> None:
     settings = msgspec.json.decode(settings_of(at.anna))
     for name in ("connect_certificate_base64", "connect_private_key_base64", "enable_mtls"):
         del settings["transport"]["link"]["tls"][name]
@@ -94,42 +94,42 @@ def test_without_a_certificate_nobody_gets_in(at: House, host: FakeBroker) -> No
         zenoh.open(config(msgspec.json.encode(settings).decode()))
 
 
-def test_with_another_authoritys_certificate_nobody_gets_in(at: House, host: FakeBroker, tmp_path: Path) -> None:
+def test_connection_with_certificate_of_another_authority_fails(at: House, host: FakeBroker, tmp_path: Path) -> None:
     stranger = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
     trusting = Credentials(at.anna.credentials.authority, stranger.credentials.certificate, stranger.credentials.key)
     with pytest.raises(zenoh.ZError):
         zenoh.open(config(network_settings(at.where, trusting)))
 
 
-def test_with_an_expired_certificate_nobody_gets_in(at: House, host: FakeBroker) -> None:
+def test_connection_with_expired_certificate_fails(at: House, host: FakeBroker) -> None:
     with pytest.raises(zenoh.ZError), visiting(at.late):
         pass
 
 
 @pytest.mark.parametrize("is_new", [False, True], ids=["revoked", "made after the session began"])
-def test_a_panel_that_is_not_let_in_is_told_so_soon(
+def test_panel_that_is_not_admitted_reports_why(
     at: House, host: FakeBroker, is_new: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(transport, "_ADMISSION_TIMEOUT_S", 0.2)
     invitation = at.authority.invite(Guest("newcomer", "operator"), [at.where], 30) if is_new else at.gone
-    arrived: list[object] = []
-    panel = transport.Transport(transport.connection_target(invitation), str(invitation.guest), arrived.append)
+    received: list[object] = []
+    panel = transport.Transport(transport.connection_target(invitation), str(invitation.guest), received.append)
     panel.open()
     try:
-        assert eventually(lambda: panel.send_ping(b"hello") or arrived)
+        assert eventually(lambda: panel.send_ping(b"hello") or received)
     finally:
         panel.close(awaits_answer=False)
-    assert arrived == [Connection("connecting", NOT_ADMITTED)]
-    assert host.heard == []
+    assert received == [Connection("connecting", NOT_ADMITTED)]
+    assert host.received == []
 
 
-def test_a_guest_does_not_talk_to_a_host_of_another_authority(at: House, host: FakeBroker, tmp_path: Path) -> None:
+def test_guest_rejects_host_of_another_authority(at: House, host: FakeBroker, tmp_path: Path) -> None:
     stranger = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
     with pytest.raises(zenoh.ZError), visiting(stranger):
         pass
 
 
-def test_a_guest_cannot_play_the_host_with_their_own_certificate(at: House, tmp_path: Path) -> None:
+def test_guest_certificate_cannot_be_used_as_host(at: House, tmp_path: Path) -> None:
     elsewhere = Endpoint("127.0.0.1", free_port())
     files = TlsFiles(*(tmp_path / name for name in ("authority", "certificate", "key")))
     for path, text in zip(files, msgspec.structs.astuple(at.eve.credentials), strict=True):
@@ -141,7 +141,7 @@ def test_a_guest_cannot_play_the_host_with_their_own_certificate(at: House, tmp_
         zenoh.open(config(network_settings(elsewhere, at.anna.credentials)))
 
 
-def test_a_host_that_goes_by_another_name_is_not_talked_to(at: House) -> None:
+def test_guest_rejects_host_with_another_name(at: House) -> None:
     elsewhere = Endpoint("127.0.0.2", free_port())
     files = at.authority.host_files([])
     with (
@@ -151,11 +151,11 @@ def test_a_host_that_goes_by_another_name_is_not_talked_to(at: House) -> None:
         zenoh.open(config(network_settings(elsewhere, at.anna.credentials)))
 
 
-# --- what they can do ------------------------------------------------------------------------------------------------
+# --- permissions ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("mode", ["client", "peer"])
-def test_an_observer_cannot_act_whatever_it_sends(at: House, host: FakeBroker, mode: str) -> None:
+def test_observer_cannot_act(at: House, host: FakeBroker, mode: str) -> None:
     keys = at.keys
     targets = [
         *(keys.act(name) for name in ("observer.eve", "operator.anna", "*", "**")),
@@ -175,42 +175,42 @@ def test_an_observer_cannot_act_whatever_it_sends(at: House, host: FakeBroker, m
         token = eve.liveliness().declare_token(keys.ping("operator.anna"))
         eve.declare_queryable("**", lambda query: query.reply(query.key_expr, b"evil"))
         assert not [reply for reply in host.session.get(keys.broadcast, timeout=0.02) if reply.ok]
-        assert last_word(host, at, eve, "observer.eve") == []
+        assert received_before_last(host, at, eve, "observer.eve") == []
         token.undeclare()
-    assert host.there == []
-    assert [asked for asked in host.asked if asked != keys.broadcast] == []
+    assert host.liveliness == []
+    assert [query for query in host.queries if query != keys.broadcast] == []
 
 
-def test_an_operator_cannot_act_under_anothers_name(at: House, host: FakeBroker) -> None:
+def test_operator_cannot_act_under_another_name(at: House, host: FakeBroker) -> None:
     with visiting(at.anna) as [anna]:
         anna.put(at.keys.act("operator.ben"), b"not mine")
         anna.put(at.keys.act("*"), b"everybody's")
         anna.put(at.keys.ping("operator.ben"), b"I am Ben")
-        assert last_word(host, at, anna, "operator.anna") == []
+        assert received_before_last(host, at, anna, "operator.anna") == []
 
 
-def test_what_is_for_one_guest_or_from_one_is_heard_by_no_other(at: House, host: FakeBroker) -> None:
-    heard: list[str] = []
+def test_guest_does_not_receive_messages_of_others(at: House, host: FakeBroker) -> None:
+    received: list[str] = []
     with visiting(at.anna, at.eve) as [anna, eve]:
         for key in ("**", at.keys.all, at.keys.act("*"), at.keys.reply("operator.anna"), at.keys.ping("*")):
-            eve.declare_subscriber(key, lambda s: heard.append(str(s.key_expr)))
-        eve.declare_subscriber(at.keys.broadcast, lambda s: heard.append(str(s.key_expr)))
+            eve.declare_subscriber(key, lambda s: received.append(str(s.key_expr)))
+        eve.declare_subscriber(at.keys.broadcast, lambda s: received.append(str(s.key_expr)))
         anna.put(at.keys.act("operator.anna"), b"veto")
         host.session.put(at.keys.reply("operator.anna"), b"to anna")
 
         def reached() -> bool:
             host.session.put(at.keys.broadcast, b"to all")
-            return at.keys.broadcast in heard
+            return at.keys.broadcast in received
 
         assert eventually(reached)
-    assert set(heard) == {at.keys.broadcast}
+    assert set(received) == {at.keys.broadcast}
 
 
-def test_who_was_revoked_neither_acts_nor_hears(at: House, host: FakeBroker) -> None:
-    heard: list[str] = []
+def test_revoked_guest_neither_sends_nor_receives(at: House, host: FakeBroker) -> None:
+    received: list[str] = []
     told: list[str] = []
     with visiting(at.gone, at.anna) as [gone, anna]:
-        gone.declare_subscriber(at.keys.broadcast, lambda s: heard.append(str(s.key_expr)))
+        gone.declare_subscriber(at.keys.broadcast, lambda s: received.append(str(s.key_expr)))
         anna.declare_subscriber(at.keys.broadcast, lambda s: told.append(str(s.key_expr)))
         gone.put(at.keys.act("operator.gone"), b"still here")
         gone.put(at.keys.ping("operator.gone"), b"still here")
@@ -220,44 +220,44 @@ def test_who_was_revoked_neither_acts_nor_hears(at: House, host: FakeBroker) -> 
             return bool(told)
 
         assert eventually(reached)
-        last_word(host, at, anna, "operator.anna")
-    assert b"still here" not in [payload for _, payload in host.heard]
-    assert heard == []
+        received_before_last(host, at, anna, "operator.anna")
+    assert b"still here" not in [payload for _, payload in host.received]
+    assert received == []
 
 
-def test_where_nobody_is_invited_nobody_can_do_anything(at: House, tmp_path: Path) -> None:
+def test_without_guests_everything_is_denied(at: House, tmp_path: Path) -> None:
     elsewhere = Endpoint("127.0.0.1", free_port())
     settings = host_settings(at.authority.link, listen=[elsewhere], files=at.authority.host_files([elsewhere]))
-    heard: list[str] = []
+    received: list[str] = []
     with (
         zenoh.open(config(settings)) as session,
         zenoh.open(config(network_settings(elsewhere, at.anna.credentials))) as anna,
     ):
-        session.declare_subscriber("**", lambda s: heard.append(str(s.key_expr)))
+        session.declare_subscriber("**", lambda s: received.append(str(s.key_expr)))
         anna.put(at.keys.act("operator.anna"), b"veto")
         anna.put(at.keys.ping("operator.anna"), b"hello")
         assert not list(anna.liveliness().get(at.keys.broadcast, timeout=0.2))
-    assert heard == []
+    assert received == []
 
 
-def test_on_the_same_machine_the_link_is_open_and_nothing_else(tmp_path: Path) -> None:
+def test_socket_allows_only_keys_of_the_link(tmp_path: Path) -> None:
     path = tmp_path / "s.sock"
-    heard: list[str] = []
+    received: list[str] = []
     with zenoh.open(config(host_settings("abc", socket=path))) as session:
-        session.declare_subscriber("**", lambda s: heard.append(str(s.key_expr)))
+        session.declare_subscriber("**", lambda s: received.append(str(s.key_expr)))
         with zenoh.open(config(socket_settings(path))) as operator:
             operator.put("sar-tui/other/act/operator.anna", b"")
             operator.put("sar-tui/abc/act/operator.anna", b"")
-            assert eventually(lambda: heard)
-    assert heard == ["sar-tui/abc/act/operator.anna"]
+            assert eventually(lambda: received)
+    assert received == ["sar-tui/abc/act/operator.anna"]
 
 
-# --- knocking --------------------------------------------------------------------------------------------------------
+# --- probe --------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
 def present(at: House, host: FakeBroker) -> Iterator[None]:
-    """The host says that its session is there."""
+    """The session announces itself."""
     token = host.session.liveliness().declare_token(at.keys.broadcast)
     yield
     token.undeclare()
@@ -268,31 +268,31 @@ def probe_with(invited: Invitation) -> None:
 
 
 @pytest.mark.usefixtures("present")
-def test_who_is_invited_may_probe(at: House) -> None:
+def test_probe_of_invited_guest_succeeds(at: House) -> None:
     probe_with(at.eve)
 
 
 @pytest.mark.usefixtures("present")
-def test_who_was_revoked_is_told_when_they_probe(at: House) -> None:
+def test_probe_of_revoked_guest_fails(at: House) -> None:
     with pytest.raises(LinkError, match="it was revoked, or made after"):
         probe_with(at.gone)
 
 
 @pytest.mark.usefixtures("present")
-def test_who_comes_too_late_is_told_when_they_probe(at: House) -> None:
+def test_probe_of_expired_guest_fails(at: House) -> None:
     with pytest.raises(LinkError, match="has expired"):
         probe_with(at.late)
 
 
-def test_who_knocks_where_nothing_listens_is_told(at: House) -> None:
+def test_probe_fails_where_nothing_listens(at: House) -> None:
     with pytest.raises(LinkError, match="Nothing listens there"):
         probe(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)
 
 
-def test_a_file_where_one_knocks_from_is_not_taken_for_a_library(
+def test_probe_ignores_modules_in_the_working_directory(
     at: House, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "zenoh.py").write_text("open(0).read(); print('was let in')")
+    (tmp_path / "zenoh.py").write_text("open(0).read(); print('admitted')")
     monkeypatch.chdir(tmp_path)
     with pytest.raises(LinkError, match="Nothing listens there"):
         probe(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)

@@ -1,4 +1,4 @@
-"""The authority of a data folder: whom it vouches for, and whom no longer."""
+"""Certificate authority of a data folder."""
 
 import stat
 from collections.abc import Callable
@@ -25,24 +25,24 @@ def authority(data: Path) -> Authority:
 
 def names_of(certificate: Path) -> list[str]:
     read = x509.load_pem_x509_certificate(certificate.read_bytes())
-    held = read.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
-    return [str(name.value) for name in held]
+    names = read.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    return [str(name.value) for name in names]
 
 
-def test_it_is_made_once(data: Path) -> None:
+def test_authority_is_created_once(data: Path) -> None:
     first = Authority.open_or_create(data).invite(ANNA, [HERE], 30)
     second = Authority.open_or_create(data).invite(EVE, [HERE], 30)
     assert first.credentials.authority == second.credentials.authority
     assert first.link == second.link == Authority.open(data).link
 
 
-def test_without_an_invitation_there_is_none(data: Path) -> None:
+def test_without_invitation_there_is_no_authority(data: Path) -> None:
     assert not Authority.exists(data)
     with pytest.raises(LinkError, match="link invite"):
         Authority.open(data)
 
 
-def test_its_folder_and_all_in_it_are_this_users_alone(authority: Authority, data: Path) -> None:
+def test_folder_and_files_are_private(authority: Authority, data: Path) -> None:
     authority.invite(ANNA, [HERE], 30)
     authority.host_files([HERE])
     assert stat.S_IMODE(data.stat().st_mode) == 0o700
@@ -52,19 +52,19 @@ def test_its_folder_and_all_in_it_are_this_users_alone(authority: Authority, dat
     assert {stat.S_IMODE(path.stat().st_mode) for path in files} == {0o600}
 
 
-def test_a_guests_key_stays_nowhere_but_in_the_invitation(authority: Authority, data: Path) -> None:
+def test_guest_key_is_only_in_the_invitation(authority: Authority, data: Path) -> None:
     key = authority.invite(ANNA, [HERE], 30).credentials.key
     assert all(key.splitlines()[1] not in path.read_text() for path in (data / "link").iterdir())
 
 
-def test_an_invitation_ends_with_its_certificate(authority: Authority) -> None:
+def test_invitation_expires_with_its_certificate(authority: Authority) -> None:
     invitation = authority.invite(ANNA, [HERE], 30, NOW)
     certificate = x509.load_pem_x509_certificate(invitation.credentials.certificate.encode())
     assert invitation.expires == certificate.not_valid_after_utc == NOW + timedelta(days=30)
     assert certificate.subject.rfc4514_string() == "CN=operator.anna"
 
 
-def test_those_may_come_who_are_invited_and_neither_late_nor_revoked(authority: Authority) -> None:
+def test_expired_and_revoked_guests_are_not_admitted(authority: Authority) -> None:
     authority.invite(ANNA, [HERE], 30, NOW)
     authority.invite(EVE, [HERE], 10, NOW)
     authority.invite(Guest("ben", "operator"), [HERE], 30, NOW)
@@ -75,14 +75,14 @@ def test_those_may_come_who_are_invited_and_neither_late_nor_revoked(authority: 
     assert [issued.state(later) for issued in authority.invitations] == ["good", "expired", "revoked"]
 
 
-def test_a_name_is_taken_while_its_invitation_is_good(authority: Authority) -> None:
+def test_name_is_taken_while_its_invitation_is_valid(authority: Authority) -> None:
     authority.invite(ANNA, [HERE], 30, NOW)
     with pytest.raises(LinkError, match="revoke anna"):
         authority.invite(Guest("Anna", "observer"), [HERE], 30, NOW)
     assert authority.invite(ANNA, [HERE], 30, NOW + timedelta(days=30)).guest == ANNA
 
 
-def test_a_revoked_name_stays_taken_for_as_long_as_the_lost_certificate_says_it(authority: Authority) -> None:
+def test_revoked_name_stays_taken_until_its_certificate_expires(authority: Authority) -> None:
     authority.invite(ANNA, [HERE], 30, NOW)
     authority.revoke("anna", NOW)
     with pytest.raises(LinkError, match="anna-2"):
@@ -90,33 +90,33 @@ def test_a_revoked_name_stays_taken_for_as_long_as_the_lost_certificate_says_it(
     authority.invite(ANNA, [HERE], 30, NOW + timedelta(days=31))
 
 
-def test_what_could_not_be_handed_out_leaves_its_name_free(authority: Authority) -> None:
+def test_forgotten_invitation_frees_its_name(authority: Authority) -> None:
     authority.invite(ANNA, [HERE], 30)
     authority.forget(ANNA)
     assert authority.guests() == ()
     authority.invite(ANNA, [HERE], 30)
 
 
-def test_nobody_can_be_revoked_who_is_not_invited(authority: Authority) -> None:
+def test_revoking_an_unknown_guest_is_refused(authority: Authority) -> None:
     authority.invite(ANNA, [HERE], 30)
     with pytest.raises(LinkError, match="Valid invitations: anna"):
         authority.revoke("ben")
 
 
 @pytest.mark.parametrize("name", ["", "anna b", "a/b", "a*", "anna.b", "-anna", "x" * 33, "änna", "anna\n"])
-def test_a_name_that_is_none_is_refused(authority: Authority, name: str) -> None:
+def test_invalid_name_is_refused(authority: Authority, name: str) -> None:
     with pytest.raises(LinkError, match="cannot be a guest's name"):
         authority.invite(Guest(name, "operator"), [HERE], 30)
 
 
-def test_nobody_is_invited_to_an_address_that_zenoh_cannot_check(authority: Authority) -> None:
+def test_ipv6_endpoint_is_refused(authority: Authority) -> None:
     with pytest.raises(LinkError, match="IPv4"):
         authority.invite(ANNA, [HERE, Endpoint("fe80::1", 7447)], 30)
     assert authority.guests() == ()
 
 
 @pytest.mark.parametrize("days", [0, -1, 367])
-def test_an_invitation_for_no_time_or_for_ever_is_refused(authority: Authority, days: int) -> None:
+def test_invalid_number_of_days_is_refused(authority: Authority, days: int) -> None:
     with pytest.raises(LinkError, match="1 to 366 days"):
         authority.invite(ANNA, [HERE], days)
 
@@ -124,14 +124,14 @@ def test_an_invitation_for_no_time_or_for_ever_is_refused(authority: Authority, 
 # --- the host's own certificate --------------------------------------------------------------------------------------
 
 
-def test_the_hosts_certificate_names_where_it_listens_and_where_guests_were_told_to_come(authority: Authority) -> None:
+def test_host_certificate_names_all_endpoints(authority: Authority) -> None:
     authority.invite(ANNA, [HERE, Endpoint("192.168.1.20", 7000)], 30)
     files = authority.host_files([Endpoint("10.0.0.5", 7447)])
     expected = {"localhost", "127.0.0.1", "::1", "lab-pc.local", "192.168.1.20", "10.0.0.5"}
     assert set(names_of(files.certificate)) == expected
 
 
-def test_the_hosts_certificate_is_made_anew_when_it_has_to_be_and_only_then(authority: Authority) -> None:
+def test_host_certificate_is_renewed_only_when_needed(authority: Authority) -> None:
     files = authority.host_files([HERE], NOW)
     first = files.certificate.read_text()
     authority.host_files([HERE], NOW + timedelta(days=300))
@@ -144,7 +144,7 @@ def test_the_hosts_certificate_is_made_anew_when_it_has_to_be_and_only_then(auth
 
 
 @pytest.mark.parametrize("spoil", [Path.unlink, lambda path: path.write_text("no key")])
-def test_a_host_whose_key_was_lost_gets_another(authority: Authority, spoil: Callable[[Path], object]) -> None:
+def test_lost_host_key_is_replaced(authority: Authority, spoil: Callable[[Path], object]) -> None:
     files = authority.host_files([HERE])
     spoil(files.key)
     authority.host_files([HERE])
@@ -156,7 +156,7 @@ def test_a_host_whose_key_was_lost_gets_another(authority: Authority, spoil: Cal
 
 @pytest.mark.parametrize("name", ["authority.pem", "authority.key", "invitations.json"])
 @pytest.mark.parametrize("spoil", [Path.unlink, lambda path: path.write_text("{}")])
-def test_a_damaged_authority_is_told_and_left_as_it_is(
+def test_damaged_authority_is_reported_and_left_unchanged(
     authority: Authority, data: Path, name: str, spoil: Callable[[Path], object]
 ) -> None:
     authority.invite(ANNA, [HERE], 30)
@@ -167,7 +167,7 @@ def test_a_damaged_authority_is_told_and_left_as_it_is(
     assert {path.name: path.read_bytes() for path in (data / "link").iterdir()} == before
 
 
-def test_a_folder_that_cannot_be_made_is_told(data: Path) -> None:
+def test_unwritable_folder_is_reported(data: Path) -> None:
     data.write_text("a file where the data folder should be")
     with pytest.raises(LinkError, match="cannot be written to"):
         Authority.open_or_create(data)

@@ -1,4 +1,4 @@
-"""A panel's side of the link, with a line that only remembers in the place of Zenoh."""
+"""Panel's side of the link, with a fake transport."""
 
 import asyncio
 from collections.abc import Callable
@@ -20,19 +20,20 @@ from sar_tui.link.peer import Connection, Frame, MotionTrace, Peer, PeerEvent, W
 from sar_tui.link.protocol import ActRequest, Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
 from sar_tui.link.settings import Endpoint, Guest
 from sar_tui.link.transport import Received
-from tests.link.test_node import ABOUT, ANNA
+from tests.link.test_node import ANNA
+from tests.link.test_node import WELCOME as BASE_WELCOME
 
 HERE = JoinableSession(session="s1", task="keyboard", link="link", pid=1)
-WELCOME: Welcome = msgspec.structs.replace(ABOUT, name=ANNA, role="operator")
+WELCOME: Welcome = msgspec.structs.replace(BASE_WELCOME, name=ANNA, role="operator")
 
 
-class Transport:
-    """In the place of a connection."""
+class FakeTransport:
+    """Fake transport that records what is sent."""
 
-    made: list["Transport"] = []
+    made: list["FakeTransport"] = []
 
-    def __init__(self, ways: object, name: str, arrived: Callable[[Received], object]) -> None:
-        self.name, self.arrived = name, arrived
+    def __init__(self, target: object, name: str, on_receive: Callable[[Received], object]) -> None:
+        self.name, self.on_receive = name, on_receive
         self.pings: list[Ping] = []
         self.acts: list[ActRequest] = []
         self.is_closed = False
@@ -55,34 +56,34 @@ class Transport:
 
 
 class Panel:
-    """A peer, and what it was told."""
+    """Peer that records its events."""
 
     def __init__(self, where: JoinableSession | Invitation = HERE) -> None:
-        self.heard: list[PeerEvent] = []
+        self.events: list[PeerEvent] = []
         loop = asyncio.get_running_loop()
-        self.peer: Peer = client.connect(where, "anna", "operator", self.heard.append, loop)
-        self.line = Transport.made[-1]
+        self.peer: Peer = client.connect(where, "anna", "operator", self.events.append, loop)
+        self.transport = FakeTransport.made[-1]
 
-    async def arrives(self, *what: Received) -> None:
-        for each in what:
-            self.line.arrived(each)
+    async def receive(self, *messages: Received) -> None:
+        for each in messages:
+            self.transport.on_receive(each)
         for _ in range(3):
             await asyncio.sleep(0)
 
     def pong(self, number: int = 0, refusal: str = "") -> Pong:
-        """The answer to its first sign of life."""
-        return Pong(0, 0, "elsewhere", number, self.line.pings[0].client_id, refusal)
+        """Return the answer to its first ping."""
+        return Pong(0, 0, "elsewhere", number, self.transport.pings[0].client_id, refusal)
 
-    async def welcomed(self) -> None:
-        await self.arrives(self.pong(), Snapshot(3, WELCOME, protocol.encode_frames([level(1)])))
-        self.heard.clear()
+    async def connect(self) -> None:
+        await self.receive(self.pong(), Snapshot(3, WELCOME, protocol.encode_frames([level(1)])))
+        self.events.clear()
 
     def levels(self) -> list[int]:
-        frames = [frame for each in self.heard if isinstance(each, list) for frame in each]
+        frames = [frame for each in self.events if isinstance(each, list) for frame in each]
         return [frame.message.level for frame in frames if isinstance(frame.message, m.LevelChanged)]
 
-    def wants(self) -> bool:
-        return self.line.pings[-1].wants_snapshot
+    def wants_snapshot(self) -> bool:
+        return self.transport.pings[-1].wants_snapshot
 
 
 def level(number: int) -> Record:
@@ -95,139 +96,139 @@ def batch(number: int) -> Batch:
 
 @pytest.fixture
 async def panel(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.setattr(client, "Transport", Transport)
+    monkeypatch.setattr(client, "Transport", FakeTransport)
     monkeypatch.setattr(client, "connection_target", lambda where: where)
     panel = Panel()
-    await panel.arrives()
+    await panel.receive()
     yield panel
     panel.peer.close()
 
 
-async def test_it_is_connected_once_it_is_greeted_and_told_all_in_order(panel: Panel) -> None:
-    assert panel.heard == [Connection("connecting")]
-    assert panel.wants()
-    await panel.arrives(
+async def test_snapshot_connects_and_messages_follow_in_order(panel: Panel) -> None:
+    assert panel.events == [Connection("connecting")]
+    assert panel.wants_snapshot()
+    await panel.receive(
         panel.pong(), batch(2), Snapshot(3, WELCOME, protocol.encode_frames([level(1)])), batch(3), batch(4)
     )
-    frames = [each for each in panel.heard if isinstance(each, list)]
-    assert panel.heard[1:3] == [Connection("connected"), WELCOME]
-    assert frames == [[Frame(*level(1))], [Frame(*level(4))]]  # what the greeting holds is not told again
+    frames = [each for each in panel.events if isinstance(each, list)]
+    assert panel.events[1:3] == [Connection("connected"), WELCOME]
+    assert frames == [[Frame(*level(1))], [Frame(*level(4))]]  # batches within the snapshot are skipped
 
 
-async def test_when_a_batch_is_missing_nothing_more_is_told_until_all_is_told_anew(panel: Panel) -> None:
-    await panel.welcomed()
-    await panel.arrives(batch(5), batch(6))
+async def test_missing_batch_stops_messages_until_a_snapshot(panel: Panel) -> None:
+    await panel.connect()
+    await panel.receive(batch(5), batch(6))
     assert panel.levels() == []
-    assert panel.wants()
-    await panel.arrives(Snapshot(6, WELCOME, protocol.encode_frames([level(6)])), batch(7))
+    assert panel.wants_snapshot()
+    await panel.receive(Snapshot(6, WELCOME, protocol.encode_frames([level(6)])), batch(7))
     assert panel.levels() == [6, 7]
 
 
-async def test_a_pong_tells_of_a_batch_that_was_missed_though_none_follows(panel: Panel) -> None:
-    await panel.welcomed()
-    await panel.arrives(panel.pong(number=4), batch(5))
+async def test_pong_reveals_a_missing_last_batch(panel: Panel) -> None:
+    await panel.connect()
+    await panel.receive(panel.pong(number=4), batch(5))
     assert panel.levels() == []
 
 
-async def test_an_act_is_sent_as_it_is_while_there_is_a_link_and_else_not_at_all(panel: Panel) -> None:
+async def test_act_is_sent_only_while_connected(panel: Panel) -> None:
     note = m.NoteAdded(text="well", at=panel.peer.now())
     panel.peer.send(NOTE_ADDED, note)
-    assert panel.line.acts == []
-    await panel.welcomed()
+    assert panel.transport.acts == []
+    await panel.connect()
     panel.peer.send(NOTE_ADDED, note)
     panel.peer.take_control()
-    sent = panel.line.acts
+    sent = panel.transport.acts
     assert [(act.topic, act.client_id) for act in sent] == [
-        (topic, panel.line.pings[0].client_id) for topic in (NOTE_ADDED.name, protocol.TAKE_CONTROL)
+        (topic, panel.transport.pings[0].client_id) for topic in (NOTE_ADDED.name, protocol.TAKE_CONTROL)
     ]
     assert protocol.decode_act(sent[0].topic, sent[0].message) == note
 
 
-async def test_what_is_no_act_cannot_be_sent(panel: Panel) -> None:
+async def test_other_topics_cannot_be_sent(panel: Panel) -> None:
     with pytest.raises(ValueError, match="input/key"):
         panel.peer.send(KEY, m.KeyPressed(key="f", at=1))
 
 
-async def test_a_link_that_breaks_is_lost_and_connected_again_when_it_is_greeted_anew(panel: Panel) -> None:
-    await panel.welcomed()
-    await panel.arrives(Connection("lost", "The connection broke."), batch(4))
-    assert panel.heard == [Connection("lost", "The connection broke.")]
-    await panel.arrives(Connection("connected"))
-    assert panel.wants()
-    await panel.arrives(panel.pong(), Snapshot(9, WELCOME, []))
-    assert panel.heard[1:3] == [Connection("connected"), WELCOME]
+async def test_lost_link_reconnects_with_a_snapshot(panel: Panel) -> None:
+    await panel.connect()
+    await panel.receive(Connection("lost", "The connection broke."), batch(4))
+    assert panel.events == [Connection("lost", "The connection broke.")]
+    await panel.receive(Connection("connected"))
+    assert panel.wants_snapshot()
+    await panel.receive(panel.pong(), Snapshot(9, WELCOME, []))
+    assert panel.events[1:3] == [Connection("connected"), WELCOME]
 
 
-async def test_why_there_is_no_link_yet_is_told_once(panel: Panel) -> None:
-    await panel.arrives(*[Connection("connecting", "Nothing listens there.")] * 3)
-    assert panel.heard[1:] == [Connection("connecting", "Nothing listens there.")]
+async def test_reason_for_no_connection_is_reported_once(panel: Panel) -> None:
+    await panel.receive(*[Connection("connecting", "Nothing listens there.")] * 3)
+    assert panel.events[1:] == [Connection("connecting", "Nothing listens there.")]
 
 
-async def test_who_is_not_let_in_is_told_why_and_another_program_of_that_name_is_not(panel: Panel) -> None:
-    await panel.arrives(Pong(0, 0, "h", 0, "another", "The name is taken."))
-    assert panel.heard == [Connection("connecting")]
-    await panel.arrives(panel.pong(refusal="The name is taken."), Snapshot(1, WELCOME, []))  # which is the other's
-    assert panel.heard[1:] == [Connection("connecting", "The name is taken.")]
+async def test_refusal_is_reported_only_to_the_program_it_is_for(panel: Panel) -> None:
+    await panel.receive(Pong(0, 0, "h", 0, "another", "The name is taken."))
+    assert panel.events == [Connection("connecting")]
+    await panel.receive(panel.pong(refusal="The name is taken."), Snapshot(1, WELCOME, []))  # for the other program
+    assert panel.events[1:] == [Connection("connecting", "The name is taken.")]
 
 
-async def test_traces_are_told_one_by_one(panel: Panel) -> None:
-    await panel.welcomed()
+async def test_traces_are_delivered_one_by_one(panel: Panel) -> None:
+    await panel.connect()
     traces = [MotionTrace("A", 5, 50.0, (0.1, 0.2)), MotionTrace("B", 6, 50.0, (0.3,))]
-    await panel.arrives(MotionTraces(traces))
-    assert panel.heard == traces
+    await panel.receive(MotionTraces(traces))
+    assert panel.events == traces
 
 
-async def test_a_session_of_this_machine_that_is_over_is_joined_again_when_it_is_resumed(panel: Panel) -> None:
-    await panel.welcomed()
-    await panel.arrives(LinkClosed(), batch(4), Connection("lost", "The connection broke."))
-    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["ended"]
+async def test_resumed_session_on_this_machine_is_rejoined(panel: Panel) -> None:
+    await panel.connect()
+    await panel.receive(LinkClosed(), batch(4), Connection("lost", "The connection broke."))
+    assert [each.state for each in panel.events if isinstance(each, Connection)] == ["ended"]
     assert panel.levels() == []
-    assert not panel.line.is_closed
-    await panel.arrives(Connection("connected"))
-    assert panel.wants()
-    await panel.arrives(panel.pong(), Snapshot(1, WELCOME, protocol.encode_frames([level(1)])))
-    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["ended", "connected"]
+    assert not panel.transport.is_closed
+    await panel.receive(Connection("connected"))
+    assert panel.wants_snapshot()
+    await panel.receive(panel.pong(), Snapshot(1, WELCOME, protocol.encode_frames([level(1)])))
+    assert [each.state for each in panel.events if isinstance(each, Connection)] == ["ended", "connected"]
 
 
-async def test_with_an_invitation_a_session_that_is_over_is_away_for_good(
+async def test_by_invitation_a_session_that_is_over_is_not_rejoined(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(client, "Transport", Transport)
+    monkeypatch.setattr(client, "Transport", FakeTransport)
     monkeypatch.setattr(client, "connection_target", lambda where: where)
     invitation = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [Endpoint("127.0.0.1", 7447)], 30)
     panel = Panel(invitation)
-    await panel.arrives()
-    await panel.welcomed()
-    await panel.arrives(LinkClosed(), batch(4))
-    assert [each.state for each in panel.heard if isinstance(each, Connection)] == ["ended"]
-    assert panel.line.is_closed
+    await panel.receive()
+    await panel.connect()
+    await panel.receive(LinkClosed(), batch(4))
+    assert [each.state for each in panel.events if isinstance(each, Connection)] == ["ended"]
+    assert panel.transport.is_closed
 
 
-async def test_who_closes_says_goodbye_and_waits_until_that_is_heard(panel: Panel) -> None:
-    await panel.welcomed()
+async def test_close_says_goodbye_and_waits_for_the_answer(panel: Panel) -> None:
+    await panel.connect()
     panel.peer.close()
     panel.peer.close()
-    *_, hello = panel.line.pings
-    assert [hello.is_leaving for hello in panel.line.pings].count(True) == 1
-    assert (panel.line.is_closed, panel.line.awaits_answer) == (True, True)
-    await panel.arrives(Pong(hello.sent_at, 0, "h", 3, hello.client_id))
-    assert not panel.line.awaits_answer
+    *_, ping = panel.transport.pings
+    assert [each.is_leaving for each in panel.transport.pings].count(True) == 1
+    assert (panel.transport.is_closed, panel.transport.awaits_answer) == (True, True)
+    await panel.receive(Pong(ping.sent_at, 0, "h", 3, ping.client_id))
+    assert not panel.transport.awaits_answer
 
 
 @pytest.mark.parametrize(
     ("name", "part"),
     [("anna", "anna"), ("jörg m.", "j-rg-m"), ("*/**", "somebody"), ("", "somebody"), ("x" * 99, "x" * 32)],
 )
-def test_a_name_is_a_part_of_a_key_whatever_it_is(name: str, part: str) -> None:
+def test_name_as_part_of_a_key(name: str, part: str) -> None:
     assert client.to_key_part(name) == part
 
 
-async def test_who_closes_without_a_link_waits_for_nothing(panel: Panel) -> None:
+async def test_close_without_connection_does_not_wait(panel: Panel) -> None:
     panel.peer.close()
-    assert (panel.line.is_closed, panel.line.awaits_answer) == (True, False)
+    assert (panel.transport.is_closed, panel.transport.awaits_answer) == (True, False)
 
 
-def test_a_few_signs_of_life_come_within_the_shortest_silence_that_a_session_takes_for_a_loss() -> None:
+def test_several_pings_fit_into_the_shortest_operator_lost_ms() -> None:
     (lost,) = [field for field in fields(TaskParameters) if field.name == "operator_lost_ms"]
     assert lost.ge is not None
     assert lost.ge >= 3 * 1000 * client.PING_INTERVAL_S

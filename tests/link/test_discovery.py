@@ -1,4 +1,4 @@
-"""Where sessions on this machine are found, and by whom."""
+"""Discovery of sessions on this machine."""
 
 import errno
 import os
@@ -38,13 +38,13 @@ def test_the_folder_is_made_for_this_user_alone(runtime: Path) -> None:
     assert stat.S_IMODE(socket_folder().stat().st_mode) == 0o700
 
 
-@pytest.mark.parametrize("told", [None, "", "/there/is/none"])
-def test_without_a_runtime_folder_it_is_among_the_temporary_files(
-    told: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("configured", [None, "", "/there/is/none"])
+def test_without_a_runtime_folder_it_is_in_the_temporary_folder(
+    configured: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("XDG_RUNTIME_DIR")
-    if told is not None:
-        monkeypatch.setenv("XDG_RUNTIME_DIR", told)
+    if configured is not None:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", configured)
     monkeypatch.setattr(discovery.tempfile, "gettempdir", lambda: str(tmp_path))
     assert socket_folder() == tmp_path / f"sar-tui-{os.getuid()}"
 
@@ -55,7 +55,7 @@ def test_a_folder_that_others_can_enter_is_refused(runtime: Path) -> None:
         socket_folder()
 
 
-def test_a_link_to_another_place_is_refused(runtime: Path, tmp_path: Path) -> None:
+def test_a_symbolic_link_is_refused(runtime: Path, tmp_path: Path) -> None:
     (tmp_path / "elsewhere").mkdir(mode=0o700)
     (runtime / "sar-tui").symlink_to(tmp_path / "elsewhere")
     with pytest.raises(LinkError, match="is a symbolic link"):
@@ -81,7 +81,7 @@ def test_without_unix_sockets_the_network_is_offered(monkeypatch: pytest.MonkeyP
         socket_folder()
 
 
-def test_a_path_that_is_too_long_for_a_socket_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_path_that_is_too_long_for_a_socket_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     long = tmp_path / ("x" * 90)
     long.mkdir()
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(long))
@@ -90,12 +90,12 @@ def test_a_path_that_is_too_long_for_a_socket_is_told(tmp_path: Path, monkeypatc
 
 
 @pytest.mark.parametrize("session", ["", "../x", "a/b", "a.b", "x\n"])
-def test_what_is_no_sessions_id_leads_nowhere(session: str) -> None:
+def test_invalid_session_id_is_refused(session: str) -> None:
     with pytest.raises(LinkError, match="is not a session's id"):
         socket_path(session)
 
 
-def test_a_session_is_found_while_it_is_announced_and_leaves_nothing() -> None:
+def test_session_is_found_while_announced_and_leaves_no_files() -> None:
     assert live_sessions() == []
     with announce(HERE) as path:
         assert path == HERE.socket == socket_folder() / "1a2b3c4d5e.sock"
@@ -111,7 +111,7 @@ def test_a_session_is_announced_by_one_program_at_a_time() -> None:
         assert live_sessions() == [HERE]
 
 
-def test_a_full_disk_is_told_and_nothing_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_full_disk_is_reported_and_leaves_no_files(monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> int:
         raise OSError(errno.ENOSPC, "No space left on device")
 
@@ -121,7 +121,7 @@ def test_a_full_disk_is_told_and_nothing_is_left(monkeypatch: pytest.MonkeyPatch
     assert list(socket_folder().iterdir()) == []
 
 
-def test_what_a_killed_program_left_is_cleared_away() -> None:
+def test_files_of_a_killed_program_are_removed() -> None:
     with (
         announce(HERE),
         subprocess.Popen([sys.executable, "-c", ANNOUNCE], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other,
@@ -140,7 +140,7 @@ def test_what_a_killed_program_left_is_cleared_away() -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"{", b'{"session": "another", "task": "", "link": "", "pid": 1}'])
-def test_a_description_that_is_not_one_is_passed_over(content: bytes) -> None:
+def test_invalid_description_is_ignored(content: bytes) -> None:
     with announce(HERE) as path:
         path.with_suffix(".json").write_bytes(content)
         assert live_sessions() == []

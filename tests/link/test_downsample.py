@@ -1,4 +1,4 @@
-"""A hand's movement, thinned out for an eye."""
+"""Downsampling of motion sensor samples."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from sar_tui.motion.samples import SAMPLE, pack
 
 
 def block(start: int, count: int, rate_hz: float, speed: float) -> bytes:
-    """Samples of a hand that turns evenly about y."""
+    """Samples of a hand that turns steadily about y."""
     samples = np.zeros(count, dtype=SAMPLE)
     samples["at"] = start + np.arange(count) * round(SECOND / rate_hz)
     samples["rate"][:, 1] = -speed
@@ -17,7 +17,7 @@ def block(start: int, count: int, rate_hz: float, speed: float) -> bytes:
 
 
 @pytest.mark.parametrize("rate_hz", [50, 250, 1000])
-def test_a_second_of_any_sensor_is_a_dozen_small_traces_of_its_speed(rate_hz: int) -> None:
+def test_one_second_becomes_about_a_dozen_small_traces(rate_hz: int) -> None:
     downsampler, traces = Downsampler(), []
     for start in range(0, SECOND, 40 * MS):
         downsampler.add("B", block(start, rate_hz // 25, rate_hz, 2.5))
@@ -30,13 +30,13 @@ def test_a_second_of_any_sensor_is_a_dozen_small_traces_of_its_speed(rate_hz: in
     assert traces[-1].at <= SECOND
 
 
-def test_samples_that_waited_for_long_are_still_few_points() -> None:
+def test_number_of_points_is_limited() -> None:
     downsampler = Downsampler()
     downsampler.add("A", block(0, 5000, 1000, 1.0))
     (trace,) = downsampler.due(5 * SECOND)
     assert len(trace.rates) == MAX_POINTS
 
 
-def test_what_is_no_samples_is_refused() -> None:
+def test_invalid_samples_are_rejected() -> None:
     with pytest.raises(ValueError, match="size"):
         Downsampler().add("A", b"abc")

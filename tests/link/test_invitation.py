@@ -1,4 +1,4 @@
-"""The file that is carried over: written once, and read with care."""
+"""Invitation files: writing, and validation on reading."""
 
 import json
 import stat
@@ -45,12 +45,12 @@ def changed(path: Path, change: Callable[[dict[str, Any]], object]) -> Path:
     return path
 
 
-def test_what_is_written_is_what_is_read(anna: Invitation, path: Path) -> None:
+def test_round_trip(anna: Invitation, path: Path) -> None:
     assert read(path) == anna
     assert read(path).where == (HERE, Endpoint("10.0.0.5", 7447))
 
 
-def test_its_file_is_this_users_alone_and_named_after_the_guest(anna: Invitation, path: Path) -> None:
+def test_file_is_private_and_named_after_the_guest(anna: Invitation, path: Path) -> None:
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
     assert file_name(anna.guest) == "operator-anna.sar-link"
 
@@ -63,19 +63,19 @@ def test_a_file_that_exists_is_left_as_it_is(anna: Invitation, tmp_path: Path) -
     assert taken.read_text() == "mine"
 
 
-def test_a_file_that_cannot_be_made_is_told(anna: Invitation, tmp_path: Path) -> None:
+def test_unwritable_file_is_reported(anna: Invitation, tmp_path: Path) -> None:
     with pytest.raises(LinkError, match="cannot be created"):
         write(anna, tmp_path / "no" / "folder.sar-link")
 
 
-def test_its_words_show_no_key(anna: Invitation) -> None:
+def test_repr_shows_no_key(anna: Invitation) -> None:
     assert "PRIVATE" not in f"{anna!r} {anna}"
 
 
-# --- read with care --------------------------------------------------------------------------------------------------
+# --- reading --------------------------------------------------------------------------------------------------
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
+def test_missing_file_is_reported(tmp_path: Path) -> None:
     with pytest.raises(LinkError, match="There is no file"):
         read(tmp_path / "none.sar-link")
 
@@ -113,18 +113,18 @@ def test_an_invitation_that_was_cut_off_is_damaged(path: Path) -> None:
         lambda plain: plain["credentials"].update(certificate=plain["credentials"]["authority"]),
     ],
 )
-def test_an_invitation_that_is_not_whole_is_damaged(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
+def test_invalid_field_is_reported_as_damage(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
     with pytest.raises(LinkError, match="is damaged"):
         read(changed(path, change))
 
 
-def test_an_observers_invitation_cannot_be_made_an_operators(eve: Invitation, tmp_path: Path) -> None:
+def test_role_cannot_be_changed(eve: Invitation, tmp_path: Path) -> None:
     write(eve, tmp_path / "eve.sar-link")
     with pytest.raises(LinkError, match="is damaged"):
         read(changed(tmp_path / "eve.sar-link", lambda plain: plain.update(role="operator")))
 
 
-def test_an_invitation_with_anothers_key_is_damaged(path: Path, eve: Invitation) -> None:
+def test_key_of_another_guest_is_rejected(path: Path, eve: Invitation) -> None:
     with pytest.raises(LinkError, match="is damaged"):
         read(changed(path, lambda plain: plain["credentials"].update(key=eve.credentials.key)))
 
@@ -134,7 +134,7 @@ def test_an_invitation_of_a_newer_version_asks_for_an_update(path: Path) -> None
         read(changed(path, lambda plain: plain.update(version=2, role="conductor")))
 
 
-def test_a_role_that_is_not_known_is_told(path: Path) -> None:
+def test_unknown_role_is_reported(path: Path) -> None:
     with pytest.raises(LinkError, match="role 'conductor'"):
         read(changed(path, lambda plain: plain.update(role="conductor")))
 
@@ -145,6 +145,6 @@ def test_an_expired_invitation_says_when_it_expired(anna: Invitation, path: Path
     assert read(path, anna.expires - timedelta(seconds=1)).guest == anna.guest
 
 
-def test_that_it_expires_later_cannot_be_written_into_it(anna: Invitation, path: Path) -> None:
+def test_expiry_is_read_from_the_certificate(anna: Invitation, path: Path) -> None:
     changed(path, lambda plain: plain.update(expires="2099-01-01T00:00:00Z"))
     assert read(path).expires == anna.expires

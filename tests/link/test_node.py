@@ -1,4 +1,4 @@
-"""The link on the bus, on a virtual clock: a channel that only remembers stands in for the process."""
+"""LinkNode on a virtual clock, with a fake channel to the broker process."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -34,7 +34,7 @@ from sar_tui.link.peer import Welcome
 from sar_tui.link.protocol import ActReceived, BrokerEvent, PeerJoined, PeerLeft, RequestRefused, SnapshotRequested
 
 ANNA, BEN, OLAF = "operator.anna", "operator.ben", "observer.olaf"
-ABOUT = Welcome(
+WELCOME = Welcome(
     link="link",
     session="s1",
     task="keyboard",
@@ -52,8 +52,8 @@ STARTED = m.SessionStarted(run=1, task="keyboard", theme="calm", seed=1)
 START = 100 * SECOND
 
 
-class Channel:
-    """Remembers what it was given; it can be full."""
+class FakeChannel:
+    """Records what is sent; it can be full."""
 
     link = "link"
 
@@ -62,61 +62,61 @@ class Channel:
         self.is_full = False
         self.checks = 0
 
-    def listen(self, hear: BrokerListener) -> None:
-        self.hear = hear
+    def listen(self, listener: BrokerListener) -> None:
+        self.notify = listener
 
-    def send(self, what: Outgoing) -> bool:
+    def send(self, message: Outgoing) -> bool:
         if not self.is_full:
-            self.sent.append(what)
+            self.sent.append(message)
         return not self.is_full
 
     def check(self) -> None:
         self.checks += 1
 
 
-class Says(Node):
-    """Publishes derived messages: whatever it is told to."""
+class Publisher(Node):
+    """Publishes given derived messages."""
 
-    name = "says"
+    name = "publisher"
 
     def attach(self, bus: Bus) -> None:
         super().attach(bus)
         self.due: list[tuple[Topic[Any], Message]] = []
         bus.subscribe(KEY, lambda _: [bus.publish(*each) for each in self.due])
 
-    def say(self, *what: tuple[Topic[Any], Message]) -> None:
-        self.due = list(what)
+    def publish(self, *messages: tuple[Topic[Any], Message]) -> None:
+        self.due = list(messages)
         self.bus.publish(KEY, m.KeyPressed(key="f", at=0))
 
 
 class Bench:
-    """A node of the link on a bus of its own."""
+    """LinkNode on a bus of its own."""
 
     def __init__(self) -> None:
         self.clock = VirtualClock(START)
         self.bus = Bus(self.clock)
-        self.channel = Channel()
+        self.channel = FakeChannel()
         self.node = LinkNode(self.channel)
-        self.node.welcome = ABOUT
-        self.says = Says()
-        self.says.attach(self.bus)
+        self.node.welcome = WELCOME
+        self.publisher = Publisher()
+        self.publisher.attach(self.bus)
         self.node.attach(self.bus)
-        self.heard: list[Record] = []
-        self.bus.tap(self.heard.extend)
+        self.records: list[Record] = []
+        self.bus.tap(self.records.extend)
         self.bus.publish(SESSION, STARTED)
 
-    def hear(self, *news: BrokerEvent | BrokerEnded) -> None:
-        """The process tells, and the bus is given time."""
-        for each in news:
-            self.channel.hear(each)
+    def receive(self, *events: BrokerEvent | BrokerEnded) -> None:
+        """Deliver events of the broker process."""
+        for each in events:
+            self.channel.notify(each)
         self.clock.advance(MS)
 
     def act(self, name: str, topic: Topic[Any], message: Message) -> None:
-        self.hear(ActReceived(name, topic.name, msgspec.Raw(protocol.encode(message))))
+        self.receive(ActReceived(name, topic.name, msgspec.Raw(protocol.encode(message))))
 
     def of(self, topic: Topic[Any]) -> list[Any]:
-        """What was published on a topic."""
-        return [record.message for record in self.heard if record.topic is topic]
+        """Return the messages published on a topic."""
+        return [record.message for record in self.records if record.topic is topic]
 
     def presence(self) -> list[tuple[str, str, bool]]:
         return [(changed.actor, changed.state, changed.operated) for changed in self.of(PRESENCE)]
@@ -124,7 +124,7 @@ class Bench:
     def batches(self) -> list[OutgoingBatch]:
         return [sent for sent in self.channel.sent if isinstance(sent, OutgoingBatch)]
 
-    def greetings(self) -> list[OutgoingSnapshot]:
+    def snapshots(self) -> list[OutgoingSnapshot]:
         return [sent for sent in self.channel.sent if isinstance(sent, OutgoingSnapshot)]
 
 
@@ -135,11 +135,11 @@ def bench() -> Iterator[Bench]:
     bench.node.detach()
 
 
-# --- who acts --------------------------------------------------------------------------------------------------
+# --- control --------------------------------------------------------------------------------------------------
 
 
-def test_the_first_operator_is_told_of_and_has_the_baton(bench: Bench) -> None:
-    bench.hear(PeerJoined(OLAF), PeerJoined(ANNA), PeerJoined(BEN))
+def test_first_operator_is_reported_and_in_control(bench: Bench) -> None:
+    bench.receive(PeerJoined(OLAF), PeerJoined(ANNA), PeerJoined(BEN))
     assert bench.presence() == [
         (OLAF, "joined", False),
         (ANNA, "joined", True),
@@ -149,64 +149,64 @@ def test_the_first_operator_is_told_of_and_has_the_baton(bench: Bench) -> None:
     assert bench.of(PRESENCE)[-1].peers == {OLAF: "observer", ANNA: "operator", BEN: "operator"}
 
 
-def test_an_act_of_the_holder_is_posted_with_the_name_that_the_link_knows(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA))
+def test_act_is_published_with_the_name_known_to_the_link(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA))
     bench.act(ANNA, DECISION, m.Decision(action="a1", verdict="veto", actor="somebody else", at=START))
     assert bench.of(DECISION) == [m.Decision(action="a1", verdict="veto", actor=ANNA, at=START)]
 
 
 @pytest.mark.parametrize(("said_ms", "stored_ms"), [(-90_000, -60_000), (-59_000, -59_000), (9_000, 0)])
-def test_a_stamp_is_held_to_the_last_minute(bench: Bench, said_ms: int, stored_ms: int) -> None:
-    bench.hear(PeerJoined(ANNA))
+def test_stamp_is_limited_to_the_last_minute(bench: Bench, said_ms: int, stored_ms: int) -> None:
+    bench.receive(PeerJoined(ANNA))
     now = bench.clock.now()
     act = m.NoteAdded(text="x", at=now + said_ms * MS)
     bench.node.receive(ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(act))))
     assert bench.of(NOTE_ADDED)[0].at == now + stored_ms * MS
 
 
-def test_an_act_without_a_stamp_happens_as_it_comes(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA))
+def test_act_without_stamp_gets_the_time_of_receipt(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA))
     bench.node.receive(ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(m.NoteAdded(text="x")))))
     assert bench.of(NOTE_ADDED)[0].at == bench.clock.now()
 
 
-def test_an_act_without_the_baton_is_refused_and_told(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA), PeerJoined(BEN))
+def test_act_of_operator_not_in_control_is_refused(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA), PeerJoined(BEN))
     bench.act(BEN, OPERATOR, m.Operator(command="end"))
     assert bench.of(OPERATOR) == []
     assert [(refused.actor, refused.what) for refused in bench.of(REFUSED)] == [(BEN, OPERATOR.name)]
 
 
-def test_that_another_operators_panel_shows_a_proposal_is_nothing_to_refuse(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA), PeerJoined(BEN))
+def test_proposal_seen_by_another_operator_is_ignored(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA), PeerJoined(BEN))
     bench.act(BEN, PROPOSAL_SEEN, m.ProposalSeen(action="a1"))
     assert bench.of(PROPOSAL_SEEN) == bench.of(REFUSED) == []
 
 
-def test_the_baton_moves_at_once_when_it_is_taken(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA), PeerJoined(BEN), ActReceived(BEN, protocol.TAKE_CONTROL, msgspec.Raw(b"\xc0")))
+def test_control_moves_at_once_when_taken(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA), PeerJoined(BEN), ActReceived(BEN, protocol.TAKE_CONTROL, msgspec.Raw(b"\xc0")))
     bench.act(ANNA, OPERATOR, m.Operator(command="pause"))
     bench.act(BEN, OPERATOR, m.Operator(command="skip"))
     assert bench.presence()[-1] == (BEN, "baton", True)
     assert [act.command for act in bench.of(OPERATOR)] == ["skip"]
 
 
-def test_an_observer_can_neither_act_nor_take_the_baton(bench: Bench) -> None:
-    bench.hear(PeerJoined(OLAF), ActReceived(OLAF, protocol.TAKE_CONTROL, msgspec.Raw(b"\xc0")))
+def test_observer_can_neither_act_nor_take_control(bench: Bench) -> None:
+    bench.receive(PeerJoined(OLAF), ActReceived(OLAF, protocol.TAKE_CONTROL, msgspec.Raw(b"\xc0")))
     bench.act(OLAF, OPERATOR, m.Operator(command="end"))
     assert bench.of(OPERATOR) == []
     assert [refused.actor for refused in bench.of(REFUSED)] == [OLAF, OLAF]
 
 
-def test_an_act_for_a_seat_that_there_is_not_is_refused(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA))
+def test_act_for_unknown_seat_is_refused(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA))
     bench.act(ANNA, NOTE_ADDED, m.NoteAdded(seat="Q", text="x"))
     assert bench.of(NOTE_ADDED) == []
     assert len(bench.of(REFUSED)) == 1
 
 
-def test_what_the_process_should_not_have_let_through_is_refused_here(bench: Bench) -> None:
-    bench.hear(
+def test_invalid_act_from_the_broker_is_refused(bench: Bench) -> None:
+    bench.receive(
         PeerJoined(ANNA),
         ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(b"\xc1")),
         ActReceived(ANNA, KEY.name, msgspec.Raw(b"\xc0")),
@@ -214,18 +214,18 @@ def test_what_the_process_should_not_have_let_through_is_refused_here(bench: Ben
     assert [refused.actor for refused in bench.of(REFUSED)] == [ANNA, ANNA]
 
 
-def test_what_is_refused_again_and_again_is_told_once_a_second_with_its_count(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA), PeerJoined(BEN))
+def test_repeated_refusal_is_reported_once_a_second_with_count(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA), PeerJoined(BEN))
     for _ in range(20):
         bench.act(BEN, OPERATOR, m.Operator(command="end"))
     bench.clock.advance(3 * SECOND)
     assert [refused.count for refused in bench.of(REFUSED)] == [1, 19]
 
 
-def test_when_the_holder_is_lost_the_session_is_operated_only_if_another_is_there(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA), PeerJoined(BEN))
-    bench.heard.clear()
-    bench.hear(PeerLeft(ANNA, "lost", "Nothing was heard."), PeerLeft(BEN, "left"), PeerJoined(ANNA))
+def test_session_is_operated_while_an_operator_is_present(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA), PeerJoined(BEN))
+    bench.records.clear()
+    bench.receive(PeerLeft(ANNA, "lost", "Nothing was heard."), PeerLeft(BEN, "left"), PeerJoined(ANNA))
     assert bench.presence() == [
         (ANNA, "lost", True),
         (BEN, "baton", True),
@@ -237,82 +237,82 @@ def test_when_the_holder_is_lost_the_session_is_operated_only_if_another_is_ther
 
 
 def test_when_the_process_ends_all_are_lost_and_when_it_cannot_come_back_that_is_told(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA), PeerJoined(OLAF))
-    bench.heard.clear()
-    bench.hear(BrokerEnded("It ended."), BrokerEnded("It ended for good.", is_final=True))
+    bench.receive(PeerJoined(ANNA), PeerJoined(OLAF))
+    bench.records.clear()
+    bench.receive(BrokerEnded("It ended."), BrokerEnded("It ended for good.", is_final=True))
     assert bench.presence() == [(ANNA, "lost", False), (OLAF, "lost", False)]
     assert [(refused.actor, refused.why) for refused in bench.of(REFUSED)] == [("link", "It ended for good.")]
 
 
-def test_what_the_process_refused_is_in_the_log_with_its_count(bench: Bench) -> None:
-    bench.hear(RequestRefused(OLAF, "an act", "An observer cannot act.", 12))
+def test_refusal_of_the_broker_is_logged_with_count(bench: Bench) -> None:
+    bench.receive(RequestRefused(OLAF, "an act", "An observer cannot act.", 12))
     refused = m.ActRefused(actor=OLAF, what="an act", why="An observer cannot act.", count=12)
     assert bench.of(REFUSED) == [refused]
 
 
-# --- what goes out ---------------------------------------------------------------------------------------------
+# --- to the peers ---------------------------------------------------------------------------------------------
 
 
-def test_with_nobody_there_nothing_is_sent(bench: Bench) -> None:
-    bench.says.say((WAITING, m.Waiting(what="enter", stage="attempt")))
+def test_without_peers_nothing_is_sent(bench: Bench) -> None:
+    bench.publisher.publish((WAITING, m.Waiting(what="enter", stage="attempt")))
     bench.clock.advance(SECOND)
     assert bench.channel.sent == []
 
 
-def test_who_comes_late_is_greeted_with_how_things_stand(bench: Bench) -> None:
+def test_late_peer_gets_a_snapshot(bench: Bench) -> None:
     for level in (2, 3):
-        bench.says.say((LEVEL, m.LevelChanged(previous=level - 1, level=level, reason="success")))
-    bench.hear(PeerJoined(ANNA), SnapshotRequested(ANNA))
+        bench.publisher.publish((LEVEL, m.LevelChanged(previous=level - 1, level=level, reason="success")))
+    bench.receive(PeerJoined(ANNA), SnapshotRequested(ANNA))
     bench.clock.advance(50 * MS)
-    (greeting,) = bench.greetings()
-    assert (greeting.welcome.name, greeting.welcome.role, greeting.welcome.session) == (ANNA, "operator", "s1")
-    told = [record.message for record in greeting.records]
+    (snapshot,) = bench.snapshots()
+    assert (snapshot.welcome.name, snapshot.welcome.role, snapshot.welcome.session) == (ANNA, "operator", "s1")
+    told = [record.message for record in snapshot.records]
     assert STARTED in told
     assert [each.level for each in told if isinstance(each, m.LevelChanged)] == [3]
-    assert [record.seq for record in greeting.records] == sorted(record.seq for record in greeting.records)
+    assert [record.seq for record in snapshot.records] == sorted(record.seq for record in snapshot.records)
 
 
-def test_what_a_resumed_session_stood_at_is_in_the_greeting_but_not_who_was_there_then() -> None:
+def test_snapshot_of_resumed_session_omits_former_peers() -> None:
     bus = Bus(clock := VirtualClock(START))
     bus.publish(SESSION, STARTED)
     bus.publish(PRESENCE, m.OperatorChanged(actor=BEN, state="joined", operated=True))
-    channel = Channel()
+    channel = FakeChannel()
     node = LinkNode(channel)
-    node.welcome = ABOUT
+    node.welcome = WELCOME
     node.attach(bus)
-    channel.hear(PeerJoined(ANNA))
-    channel.hear(SnapshotRequested(ANNA))
+    channel.notify(PeerJoined(ANNA))
+    channel.notify(SnapshotRequested(ANNA))
     clock.advance(50 * MS)
     node.detach()
-    (greeting,) = (sent for sent in channel.sent if isinstance(sent, OutgoingSnapshot))
-    told = [record.message for record in greeting.records]
+    (snapshot,) = (sent for sent in channel.sent if isinstance(sent, OutgoingSnapshot))
+    told = [record.message for record in snapshot.records]
     assert STARTED in told
     assert BEN not in [each.actor for each in told if isinstance(each, m.OperatorChanged)]
 
 
-def test_what_happens_goes_out_a_little_later_in_one_numbered_batch(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA))
+def test_messages_are_sent_in_numbered_batches(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA))
     bench.clock.advance(SECOND)
     (presence,) = bench.batches()
     for level in (2, 3):
-        bench.says.say((LEVEL, m.LevelChanged(previous=level - 1, level=level, reason="success")))
+        bench.publisher.publish((LEVEL, m.LevelChanged(previous=level - 1, level=level, reason="success")))
     assert bench.batches() == [presence]
     bench.clock.advance(50 * MS)
     _, levels = bench.batches()
     assert [record.topic for record in levels.records] == [LEVEL, LEVEL]  # the keys stay here
-    bench.says.say((CUE, m.CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left")))
+    bench.publisher.publish((CUE, m.CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left")))
     bench.clock.advance(50 * MS)
     assert [record.topic for record in bench.batches()[-1].records] == [CUE]
     assert (presence.number, levels.number) == (1, 2)
 
 
-def test_while_a_prompt_is_on_its_way_nothing_is_sent(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA))
+def test_nothing_is_sent_while_a_prompt_is_on_its_way(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA))
     bench.clock.advance(SECOND)
     before = len(bench.batches())
     prompt = m.Prompt(attempt=1, trial=1, presentation=1, level=1, stimulus="f", expected="f", text="Press: f",
                       glyph="f", choices=2, timeout=SECOND)  # fmt: skip
-    bench.says.say((PROMPT, prompt))
+    bench.publisher.publish((PROMPT, prompt))
     bench.clock.advance(300 * MS)
     assert len(bench.batches()) == before
     bench.bus.publish(SHOWN, m.Shown(attempt=1, trial=1, presentation=1, at=bench.clock.now(), source="virtual"))
@@ -320,18 +320,18 @@ def test_while_a_prompt_is_on_its_way_nothing_is_sent(bench: Bench) -> None:
     assert [record.topic for record in bench.batches()[-1].records] == [PROMPT, SHOWN]
 
 
-def test_a_prompt_that_is_never_shown_holds_nothing_back_for_ever(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA))
+def test_prompt_that_is_never_shown_delays_messages_only_briefly(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA))
     bench.clock.advance(SECOND)
     prompt = m.Prompt(attempt=1, trial=1, presentation=1, level=1, stimulus="f", expected="f", text="Press: f",
                       glyph="f", choices=2, timeout=SECOND)  # fmt: skip
-    bench.says.say((PROMPT, prompt))
+    bench.publisher.publish((PROMPT, prompt))
     bench.clock.advance(SECOND)
     assert PROMPT in [record.topic for record in bench.batches()[-1].records]
 
 
-def test_samples_go_out_in_one_piece_by_seat(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA))
+def test_samples_are_joined_by_seat(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA))
     bench.clock.advance(SECOND)
     for samples in (b"one", b"two"):
         bench.bus.publish(IMU, m.ImuBlock(samples=samples))
@@ -340,25 +340,25 @@ def test_samples_go_out_in_one_piece_by_seat(bench: Bench) -> None:
     assert bench.channel.sent[-2:] == [OutgoingSamples("A", b"onetwo"), OutgoingSamples("B", b"three")]
 
 
-def test_what_a_full_channel_did_not_take_is_made_good_by_a_greeting_to_all(bench: Bench) -> None:
-    bench.hear(PeerJoined(ANNA), PeerJoined(OLAF))
+def test_full_channel_is_followed_by_snapshots_for_all(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA), PeerJoined(OLAF))
     bench.clock.advance(SECOND)
     bench.channel.is_full = True
-    bench.says.say((LEVEL, m.LevelChanged(previous=1, level=4, reason="operator")))
+    bench.publisher.publish((LEVEL, m.LevelChanged(previous=1, level=4, reason="operator")))
     bench.clock.advance(5 * SECOND)
     bench.channel.is_full = False
     bench.clock.advance(2 * SECOND)
-    assert {greeting.name for greeting in bench.greetings()} == {ANNA, OLAF}
+    assert {snapshot.name for snapshot in bench.snapshots()} == {ANNA, OLAF}
     assert all(m.LevelChanged(previous=1, level=4, reason="operator") in
-               [record.message for record in greeting.records] for greeting in bench.greetings())  # fmt: skip
+               [record.message for record in snapshot.records] for snapshot in bench.snapshots())  # fmt: skip
 
 
-def test_the_process_is_looked_after_for_as_long_as_the_node_is_attached(bench: Bench) -> None:
+def test_broker_is_checked_while_the_node_is_attached(bench: Bench) -> None:
     bench.clock.advance(10 * SECOND)
     checks = bench.channel.checks
     assert checks >= 10
     bench.node.detach()
-    bench.hear(PeerJoined(ANNA))
+    bench.receive(PeerJoined(ANNA))
     bench.clock.advance(10 * SECOND)
     assert bench.channel.checks == checks
     assert bench.presence() == []

@@ -11,15 +11,21 @@ def made(name: str, **parameters: object) -> Task:
     return kind(build(kind.Parameters, parameters))
 
 
-def test_it_tells_how_values_are_shown_and_how_long_it_is() -> None:
-    told = session_welcome(
+def test_welcome_has_format_and_length() -> None:
+    welcome = session_welcome(
         made("keyboard", attempts=5, practice_attempts=2, prompts_per_attempt=7), "s1", "l1", {"A": "P01"}
     )
-    assert (told.unit, told.decimals, told.attempts, told.trials, told.spoken_names) == ("ms", 0, 7, 7, {})
-    assert told.parameters["prompts_per_attempt"] == 7
+    assert (welcome.unit, welcome.decimals, welcome.attempts, welcome.trials, welcome.spoken_names) == (
+        "ms",
+        0,
+        7,
+        7,
+        {},
+    )
+    assert welcome.parameters["prompts_per_attempt"] == 7
 
 
-def test_of_two_it_tells_what_the_agent_calls_each() -> None:
+def test_welcome_of_two_has_their_spoken_names() -> None:
     people = {"A": "P01", "B": "P02"}
     assert session_welcome(made("pairs"), "s1", "l1", people).spoken_names == {"A": "Left", "B": "Right"}
     assert session_welcome(made("pairs", address="code"), "s1", "l1", people).spoken_names == people

@@ -1,11 +1,11 @@
-"""Who is at the link, and who of them acts."""
+"""Presence of peers, and which operator is in control."""
 
 from sar_tui.framework.clock import SECOND
 from sar_tui.link.control_lock import ControlLock
 from sar_tui.link.presence import MAX_PEERS, Presence
 
 
-def test_a_peer_that_is_silent_for_longer_than_the_patience_is_lost_once() -> None:
+def test_silent_peer_is_lost_once() -> None:
     presence = Presence(2 * SECOND)
     assert presence.heartbeat("operator.anna", "1", 0) == "joined"
     assert presence.heartbeat("operator.anna", "1", SECOND) == "present"
@@ -15,7 +15,7 @@ def test_a_peer_that_is_silent_for_longer_than_the_patience_is_lost_once() -> No
     assert presence.heartbeat("operator.anna", "1", 10 * SECOND) == "joined"
 
 
-def test_a_second_program_of_the_same_name_waits_until_the_first_is_gone() -> None:
+def test_name_belongs_to_one_program_until_it_leaves() -> None:
     presence = Presence(2 * SECOND)
     presence.heartbeat("operator.anna", "first", 0)
     assert presence.heartbeat("operator.anna", "second", 0) == "taken"
@@ -25,14 +25,14 @@ def test_a_second_program_of_the_same_name_waits_until_the_first_is_gone() -> No
     assert presence.heartbeat("operator.anna", "second", 1) == "joined"
 
 
-def test_there_is_room_for_so_many_and_no_more() -> None:
+def test_number_of_peers_is_limited() -> None:
     presence = Presence(2 * SECOND)
     assert {presence.heartbeat(f"observer.{number}", "1", 0) for number in range(MAX_PEERS)} == {"joined"}
     assert presence.heartbeat("observer.late", "1", 0) == "full"
     assert not presence.leave("observer.late")
 
 
-def test_the_first_operator_gets_the_baton_and_an_observer_never() -> None:
+def test_first_operator_gets_control_and_observer_never() -> None:
     lock = ControlLock()
     lock.join("observer.olaf", "observer")
     assert lock.holder == ""
@@ -43,7 +43,7 @@ def test_the_first_operator_gets_the_baton_and_an_observer_never() -> None:
     assert lock.holder == "operator.anna"
 
 
-def test_taking_the_baton_moves_it_at_once_if_one_is_there() -> None:
+def test_only_present_operator_can_take_control() -> None:
     lock = ControlLock()
     lock.join("operator.anna", "operator")
     assert not lock.take("operator.ben")
@@ -52,7 +52,7 @@ def test_taking_the_baton_moves_it_at_once_if_one_is_there() -> None:
     assert lock.holder == "operator.ben"
 
 
-def test_when_its_holder_is_gone_the_baton_goes_to_another_operator_or_waits_for_one() -> None:
+def test_control_passes_on_when_its_holder_leaves() -> None:
     lock = ControlLock()
     for name in ("operator.anna", "operator.ben"):
         lock.join(name, "operator")

@@ -1,4 +1,4 @@
-"""What crosses the link comes out as it went in, or is refused."""
+"""Messages of the link survive a round trip, or are refused."""
 
 import io
 from typing import Any
@@ -19,23 +19,23 @@ NOTE = m.NoteAdded(text="The left hand tires.\nSince trial 4.", at=5)
 
 
 def raw(message: object) -> msgspec.Raw:
-    """As it comes in an act."""
+    """Encode a message as in an act."""
     return msgspec.Raw(protocol.encode(message))
 
 
-def test_an_act_comes_out_as_it_went_in() -> None:
+def test_act_round_trip() -> None:
     assert protocol.decode_act(NOTE_ADDED.name, raw(NOTE)) == NOTE
 
 
-def test_a_frame_keeps_its_number_its_time_and_its_topic() -> None:
+def test_frame_round_trip() -> None:
     record = Record(7, 123_456_789_012, NOTE_ADDED, NOTE)
-    crossed = protocol.decode(
+    decoded = protocol.decode(
         protocol.encode(protocol.Batch(1, protocol.encode_frames([record]))), protocol.SessionMessage
     )
-    assert [tuple(frame) for frame in protocol.decode_frames(crossed.frames, ALL)] == [tuple(record)]
+    assert [tuple(frame) for frame in protocol.decode_frames(decoded.frames, ALL)] == [tuple(record)]
 
 
-def test_a_frame_of_a_topic_that_is_not_known_or_not_as_it_should_be_is_left_out() -> None:
+def test_unknown_or_invalid_frames_are_skipped() -> None:
     frames = [(1, 1, "another/version", raw(NOTE)), (2, 2, TRIAL.name, raw(NOTE)), (3, 3, NOTE_ADDED.name, raw(NOTE))]
     assert [frame.seq for frame in protocol.decode_frames(frames, ALL)] == [3]
 
@@ -57,18 +57,18 @@ def test_a_frame_of_a_topic_that_is_not_known_or_not_as_it_should_be_is_left_out
         (OPERATOR.name, m.Operator(command="pause", reason="sensor"), "not a valid reason"),
     ],
 )
-def test_an_act_that_is_not_as_it_should_be_is_refused_in_words(topic: str, message: Message, why: str) -> None:
+def test_invalid_act_is_refused_with_a_reason(topic: str, message: Message, why: str) -> None:
     with pytest.raises(ProtocolError, match=why):
         protocol.decode_act(topic, raw(message))
 
 
 @pytest.mark.parametrize("text", ["¿Qué tal? Très bien, größer: 好", "👍🏽 👩‍🔬"])
-def test_words_of_any_language_are_well(text: str) -> None:
+def test_text_of_any_language_is_accepted(text: str) -> None:
     assert protocol.decode_act(REMARK.name, raw(m.Remark(text=text))) == m.Remark(text=text)
 
 
 @given(st.binary(max_size=300))
-def test_whatever_bytes_come_they_are_read_or_refused(data: bytes) -> None:
+def test_any_bytes_are_decoded_or_refused(data: bytes) -> None:
     for kind in (protocol.ActRequest, protocol.Ping, protocol.SessionMessage):
         try:
             protocol.decode(data, kind)
@@ -80,7 +80,7 @@ def test_whatever_bytes_come_they_are_read_or_refused(data: bytes) -> None:
     st.sampled_from(sorted(protocol.OPERATOR_TOPICS)),
     st.recursive(st.none() | st.integers() | st.text(), st.lists, max_leaves=5),
 )
-def test_whatever_an_act_holds_it_is_its_own_type_or_refused(topic: str, content: Any) -> None:
+def test_any_content_of_an_act_is_of_its_type_or_refused(topic: str, content: Any) -> None:
     try:
         data = msgspec.Raw(protocol.encode(content))
     except OverflowError:

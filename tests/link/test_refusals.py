@@ -1,4 +1,4 @@
-"""What zenoh's log tells of refusals. The lines are real ones of zenoh 1.10; the last test has it write them anew."""
+"""Refusals parsed from Zenoh's log. The lines are from Zenoh 1.10; the last test produces new ones."""
 
 import os
 import subprocess
@@ -37,7 +37,7 @@ def log() -> RefusalLog:
 
 
 @pytest.mark.parametrize(
-    ("said", "why"),
+    ("message", "why"),
     [
         ("peer sent no certificates.", "it has no certificate"),
         (
@@ -58,22 +58,22 @@ def log() -> RefusalLog:
         ("something that no version said so far.", "it could not identify itself"),
     ],
 )
-def test_a_connection_that_was_not_accepted_is_told_with_its_reason(log: RefusalLog, said: str, why: str) -> None:
-    assert log.parse(TLS + said + HINT) == Refusal("connection", "", why)
+def test_rejected_connection_is_reported_with_its_reason(log: RefusalLog, message: str, why: str) -> None:
+    assert log.parse(TLS + message + HINT) == Refusal("connection", "", why)
 
 
-def test_who_may_come_is_no_refusal(log: RefusalLog) -> None:
+def test_accepted_connection_is_no_refusal(log: RefusalLog) -> None:
     assert log.parse(EVE_CAME) is None
     assert log.parse(EVE_OPENED) is None
 
 
-def test_who_was_revoked_is_refused_by_name() -> None:
+def test_revoked_guest_is_refused_by_name() -> None:
     assert RefusalLog(["operator.anna"]).parse(EVE_CAME) == Refusal(
         "connection", "observer.eve", "its invitation was revoked, or is not known here"
     )
 
 
-def test_a_message_that_was_denied_is_told_with_who_sent_it(log: RefusalLog) -> None:
+def test_denied_message_is_reported_with_its_sender(log: RefusalLog) -> None:
     line = f"{ACL}{EVE} is unauthorized to Put (ingress) on {KEY}"
     assert log.parse(line) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
 
@@ -88,12 +88,12 @@ def test_a_message_that_was_denied_is_told_with_who_sent_it(log: RefusalLog) -> 
         ("Something New", "out", "it may not something new the messages of the session"),
     ],
 )
-def test_what_was_denied_is_told_in_words(log: RefusalLog, act: str, place: str, why: str) -> None:
+def test_denied_action_is_described(log: RefusalLog, act: str, place: str, why: str) -> None:
     refusal = log.parse(f"{ACL}{EVE} is unauthorized to {act} (ingress) on sar-tui/1422cbb3724b/{place}")
     assert refusal == Refusal("message", "observer.eve", why)
 
 
-def test_a_denial_that_names_nobody_is_told_with_who_the_connection_belongs_to(log: RefusalLog) -> None:
+def test_denial_without_name_is_attributed_by_connection(log: RefusalLog) -> None:
     line = f"{ACL}Using cached result: {ZID} is unauthorized to Put (ingress) on {KEY}"
     assert log.parse(line) == Refusal("message", "", "it may not send among the acts of operator.anna")
     log.parse(EVE_CAME)
@@ -115,11 +115,11 @@ def test_a_denial_that_names_nobody_is_told_with_who_the_connection_belongs_to(l
         "",
     ],
 )
-def test_what_was_allowed_and_all_else_is_no_refusal(log: RefusalLog, line: str) -> None:
+def test_other_lines_are_no_refusal(log: RefusalLog, line: str) -> None:
     assert log.parse(line) is None
 
 
-def test_what_zenoh_judges_beforehand_is_no_refusal_and_what_then_happens_is(log: RefusalLog) -> None:
+def test_cached_permissions_are_no_refusal(log: RefusalLog) -> None:
     assert log.parse(f"{ACL}ACL (ingress): caching permissions for `{KEY}` ...") is None
     for act in ("Query", "Reply", "Put", "Delete", "Declare/Undeclare Queryable"):
         assert log.parse(f"{ACL}{EVE} is unauthorized to {act} (ingress) on {KEY}") is None
@@ -128,7 +128,7 @@ def test_what_zenoh_judges_beforehand_is_no_refusal_and_what_then_happens_is(log
     assert log.parse(done) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
 
 
-def test_a_link_that_ends_with_its_certificate_is_told(log: RefusalLog) -> None:
+def test_connection_closed_on_expiry_is_reported(log: RefusalLog) -> None:
     log.parse(EVE_CAME)
     ended = (
         "2026-11-21T19:29:12.001263Z  WARN acc-0 ThreadId(04) zenoh_link_commons::tls::expiration: Closing TLS link "
@@ -137,7 +137,7 @@ def test_a_link_that_ends_with_its_certificate_is_told(log: RefusalLog) -> None:
     assert log.parse(ended) == Refusal("connection", "observer.eve", "its invitation has expired")
 
 
-def test_what_a_guest_wrote_into_a_key_is_fit_to_be_printed(log: RefusalLog) -> None:
+def test_untrusted_key_is_made_printable(log: RefusalLog) -> None:
     line = f"{ACL}{EVE} is unauthorized to Put (ingress) on a\x1b[31m{'x' * 1000}"
     refusal = log.parse(line)
     assert refusal is not None
@@ -145,7 +145,7 @@ def test_what_a_guest_wrote_into_a_key_is_fit_to_be_printed(log: RefusalLog) -> 
     assert len(refusal.why) < 200
 
 
-def test_however_many_come_little_is_remembered(log: RefusalLog) -> None:
+def test_memory_is_bounded(log: RefusalLog) -> None:
     for port in range(10_000):
         log.parse(EVE_CAME.replace("39750", str(port)))
     log.parse(EVE_CAME)
@@ -155,7 +155,7 @@ def test_however_many_come_little_is_remembered(log: RefusalLog) -> None:
     assert len(log._guest_at) < 100
 
 
-# --- a guest's side --------------------------------------------------------------------------------------------------
+# --- guest --------------------------------------------------------------------------------------------------
 
 HEAD = "2026-11-21T19:22:08.687339Z  WARN ThreadId(01) zenoh::net::runtime::orchestrator: Unable to connect to "
 SOURCE = " at /src/io/zenoh-links/zenoh-link-tls/src/unicast.rs:226."
@@ -181,7 +181,7 @@ SOURCE = " at /src/io/zenoh-links/zenoh-link-tls/src/unicast.rs:226."
         ("something that no version said so far", "cannot be reached"),
     ],
 )
-def test_a_guest_is_told_why_they_did_not_get_in(said: str, words: str) -> None:
+def test_reason_of_failed_connection(said: str, words: str) -> None:
     log = (
         f"{HEAD}tls/127.0.0.1:38741! {said}{SOURCE}\n"
         f"{HEAD}any of [Single(tls/127.0.0.1:38741)]!  at /src/zenoh/src/net/runtime/orchestrator.rs:447.\n"
@@ -189,13 +189,13 @@ def test_a_guest_is_told_why_they_did_not_get_in(said: str, words: str) -> None:
     assert words in why_not_connected(log)
 
 
-def test_a_key_in_the_log_is_not_repeated() -> None:
+def test_private_key_in_the_log_is_not_repeated() -> None:
     said = "Cannot create a new TLS listener to tls/127.0.0.1:1#connect_private_key_base64=S3VjaGVu"
     log = f"{HEAD}tls/127.0.0.1:1! {said}"
     assert why_not_connected(log) == "The session there cannot be reached."
 
 
-# --- with the zenoh that is installed --------------------------------------------------------------------------------
+# --- installed Zenoh --------------------------------------------------------------------------------
 
 HOST = """
 import sys, zenoh
@@ -207,7 +207,7 @@ with zenoh.open(config(sys.stdin.readline())):
 """
 
 
-def test_a_real_hosts_log_tells_who_was_refused_and_why(tmp_path: Path) -> None:
+def test_log_of_a_real_host(tmp_path: Path) -> None:
     at = house(tmp_path)
     files = at.authority.host_files([at.where])
     settings = host_settings(at.authority.link, listen=[at.where], files=files, guests=at.authority.guests())
@@ -238,7 +238,8 @@ def test_a_real_hosts_log_tells_who_was_refused_and_why(tmp_path: Path) -> None:
                 sure = zenoh.CongestionControl.BLOCK
                 eve.put(at.keys.act("observer.eve"), b"evil", congestion_control=sure)
                 wait_for(Refusal("message", "observer.eve", "it may not send among the acts of observer.eve"))
-                eve.declare_publisher(at.keys.act("operator.anna"), congestion_control=sure).put(b"evil")
+                # A declared key, not a publisher, which sends nothing if it knows in time that nobody subscribes.
+                eve.put(eve.declare_keyexpr(at.keys.act("operator.anna")), b"evil", congestion_control=sure)
                 wait_for(Refusal("message", "observer.eve", "it may not send among the acts of operator.anna"))
             with pytest.raises(zenoh.ZError), visiting(at.late):
                 pass

@@ -1,4 +1,4 @@
-"""The session's clock, seen from another program."""
+"""Estimate of the session's clock in another program."""
 
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.link.protocol import Pong
@@ -8,7 +8,7 @@ AHEAD = 1000 * SECOND
 
 
 class Watch:
-    """A clock to be set."""
+    """Clock set by hand."""
 
     now = 5 * SECOND
 
@@ -16,17 +16,17 @@ class Watch:
         return self.now
 
 
-def ping(clock: RemoteClock, watch: Watch, there: int, back: int, host: str = "present") -> None:
-    """A ping that takes so long (ns) to get there, and back."""
+def ping(clock: RemoteClock, watch: Watch, outward: int, back: int, clock_id: str = "there") -> None:
+    """Exchange a ping with these travel times (ns)."""
     sent = watch.now
-    watch.now += there + back
-    clock.update(Pong(sent, sent + there + AHEAD, host, 0, "1"))
+    watch.now += outward + back
+    clock.update(Pong(sent, sent + outward + AHEAD, clock_id, 0, "1"))
 
 
 def test_on_the_same_host_it_is_the_same_clock_whatever_pings_say() -> None:
     watch = Watch()
     clock = RemoteClock(watch, "here")
-    ping(clock, watch, 100 * MS, 1 * MS, host="here")
+    ping(clock, watch, 100 * MS, 1 * MS, clock_id="here")
     assert clock.now() == watch.now
 
 

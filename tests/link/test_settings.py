@@ -1,4 +1,4 @@
-"""What zenoh is told: where a session listens, and what may pass."""
+"""Zenoh's settings: where a session listens, and what is allowed."""
 
 import os
 from pathlib import Path
@@ -33,7 +33,7 @@ def decoded(settings: str) -> dict[str, Any]:
 
 
 def sockets() -> set[str]:
-    """The sockets that this process has open now, of any kind."""
+    """Return all sockets that this process has open."""
     found = set()
     for number in os.listdir("/proc/self/fd"):
         try:
@@ -60,7 +60,7 @@ def sockets() -> set[str]:
         ("[::1]", "::1", 7447),
     ],
 )
-def test_a_place_is_read_with_or_without_its_port(text: str, host: str, port: int) -> None:
+def test_endpoint_with_and_without_port(text: str, host: str, port: int) -> None:
     assert parse_endpoint(text) == Endpoint(host, port)
     assert parse_endpoint(parse_endpoint(text).locator) == Endpoint(host, port)
 
@@ -69,7 +69,7 @@ def test_a_place_is_read_with_or_without_its_port(text: str, host: str, port: in
     "text",
     ["", ":7447", "lab pc", "lab-pc:0", "lab-pc:99999", "lab-pc:x", "[::1", "[::1]7447", "tcp/lab-pc", "lab#a=b", "-a"],
 )
-def test_what_is_no_place_is_refused_in_words(text: str) -> None:
+def test_invalid_endpoint_is_refused(text: str) -> None:
     with pytest.raises(LinkError, match=r"lab-pc\.local"):
         parse_endpoint(text)
 
@@ -77,13 +77,13 @@ def test_what_is_no_place_is_refused_in_words(text: str) -> None:
 # --- hosts -----------------------------------------------------------------------------------------------------------
 
 
-def test_a_host_that_was_told_of_no_place_opens_no_socket() -> None:
+def test_host_without_endpoints_opens_no_socket() -> None:
     before = sockets()
     with zenoh.open(config(host_settings("abc"))):
         assert sockets() == before
 
 
-def test_a_guest_opens_the_one_socket_that_leads_to_its_host(tmp_path: Path) -> None:
+def test_guest_opens_only_the_socket_to_its_host(tmp_path: Path) -> None:
     path = tmp_path / "s.sock"
     with zenoh.open(config(host_settings("abc", socket=path))):
         listening = sockets()
@@ -92,7 +92,7 @@ def test_a_guest_opens_the_one_socket_that_leads_to_its_host(tmp_path: Path) -> 
     assert len(ends) == 2, "one of the guest, one that the host accepted"
 
 
-def test_a_host_listens_where_it_was_told_to_and_looks_for_nobody(tmp_path: Path) -> None:
+def test_host_listens_only_on_its_endpoints_and_does_not_scout(tmp_path: Path) -> None:
     settings = decoded(host_settings("abc", socket=tmp_path / "s.sock", listen=[HERE], files=FILES))
     assert settings["listen"]["endpoints"] == ["tls/lab-pc.local:7447", f"unixsock-stream/{tmp_path}/s.sock"]
     assert settings["connect"]["endpoints"] == []
@@ -100,7 +100,7 @@ def test_a_host_listens_where_it_was_told_to_and_looks_for_nobody(tmp_path: Path
     assert not settings["scouting"]["gossip"]["enabled"]
 
 
-def test_a_host_on_the_network_asks_every_guest_for_a_certificate() -> None:
+def test_host_requires_certificates_on_the_network() -> None:
     tls = decoded(host_settings("abc", listen=[HERE], files=FILES))["transport"]["link"]["tls"]
     assert tls["enable_mtls"] is True
     assert tls["root_ca_certificate"] == "/a.pem"
@@ -112,14 +112,14 @@ def test_a_host_cannot_listen_on_the_network_without_certificates() -> None:
 
 
 @pytest.mark.parametrize("name", ["a*", "a/b", "**", "", "a b", "$x", "a#b", "a?b", "a\nb"])
-def test_a_name_that_would_reach_further_than_itself_is_not_taken(name: str) -> None:
+def test_name_with_wildcard_or_separator_is_refused(name: str) -> None:
     with pytest.raises(ValueError, match="part of a key"):
         host_settings("abc", guests=[Guest(name, "operator")])
     with pytest.raises(ValueError, match="part of a key"):
         host_settings(name)
 
 
-def test_only_what_stands_in_a_rule_is_allowed_and_an_observers_rules_hold_no_act() -> None:
+def test_default_is_deny_and_observers_may_not_act() -> None:
     guests = [Guest("anna", "operator"), Guest("eve", "observer")]
     access = decoded(host_settings("abc", guests=guests))["access_control"]
     assert access["default_permission"] == "deny"
@@ -144,14 +144,14 @@ def test_only_what_stands_in_a_rule_is_allowed_and_an_observers_rules_hold_no_ac
 # --- guests ----------------------------------------------------------------------------------------------------------
 
 
-def test_a_guest_listens_nowhere_and_checks_who_answers() -> None:
+def test_guest_does_not_listen_and_verifies_the_host() -> None:
     settings = decoded(network_settings(HERE, SECRET))
     assert settings["listen"]["endpoints"] == []
     assert settings["connect"]["endpoints"] == ["tls/lab-pc.local:7447"]
     assert settings["transport"]["link"]["tls"]["verify_name_on_connect"] is True
 
 
-def test_a_key_is_shown_nowhere_by_chance() -> None:
+def test_private_key_is_not_shown() -> None:
     assert "the key" not in f"{SECRET!r} {SECRET}"
     assert "the key" not in network_settings(HERE, SECRET)
 

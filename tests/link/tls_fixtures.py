@@ -1,4 +1,4 @@
-"""A host with guests for the tests of the link: its authority, and real zenoh sessions over loopback TLS."""
+"""Certificate authority, host and guests for tests: real Zenoh sessions with TLS over loopback."""
 
 import socket
 import time
@@ -25,7 +25,7 @@ def free_port() -> int:
 
 
 def eventually(true: Callable[[], object], seconds: float = 60) -> bool:
-    """Whether it becomes true before the deadline."""
+    """Wait until a condition holds; return False after ``seconds``."""
     deadline = time.monotonic() + seconds
     while not true():
         if time.monotonic() > deadline:
@@ -35,7 +35,7 @@ def eventually(true: Callable[[], object], seconds: float = 60) -> bool:
 
 
 class House(NamedTuple):
-    """An authority that listens at one port, and who was invited to it."""
+    """Authority, its endpoint, and its invitations."""
 
     authority: Authority
     where: Endpoint
@@ -51,7 +51,7 @@ class House(NamedTuple):
 
 
 def house(data: Path) -> House:
-    """Anna and Ben operate, Eve observes; Gone was revoked, Late's time is over."""
+    """Invite operators Anna and Ben, observer Eve, the revoked Gone and the expired Late."""
     where = Endpoint("127.0.0.1", free_port())
     authority = Authority.open_or_create(data)
     made = House(
@@ -68,23 +68,23 @@ def house(data: Path) -> House:
 
 
 class FakeBroker:
-    """A host's zenoh session: everything that it hears, as ``(key, payload)``; what it is asked; who comes and goes."""
+    """Host's Zenoh session that records messages as ``(key, payload)``, queries, and changes of liveliness."""
 
     def __init__(self, session: zenoh.Session, keys: LinkKeys) -> None:
         self.session = session
-        self.heard: list[tuple[str, bytes]] = []
-        self.asked: list[str] = []
-        self.there: list[str] = []
+        self.received: list[tuple[str, bytes]] = []
+        self.queries: list[str] = []
+        self.liveliness: list[str] = []
         self._held = (
-            session.declare_subscriber("**", lambda s: self.heard.append((str(s.key_expr), bytes(s.payload)))),
-            session.declare_queryable("**", lambda q: self.asked.append(str(q.key_expr))),
-            session.liveliness().declare_subscriber(keys.ping("*"), lambda s: self.there.append(str(s.key_expr))),
+            session.declare_subscriber("**", lambda s: self.received.append((str(s.key_expr), bytes(s.payload)))),
+            session.declare_queryable("**", lambda q: self.queries.append(str(q.key_expr))),
+            session.liveliness().declare_subscriber(keys.ping("*"), lambda s: self.liveliness.append(str(s.key_expr))),
         )
 
 
 @contextmanager
 def hosting(at: House) -> Iterator[FakeBroker]:
-    """The host, as a session with ``--listen`` would be one."""
+    """Run the host as a session with ``--listen`` does."""
     files = at.authority.host_files([at.where])
     settings = host_settings(at.authority.link, listen=[at.where], files=files, guests=at.authority.guests())
     with zenoh.open(config(settings)) as session:
@@ -93,7 +93,7 @@ def hosting(at: House) -> Iterator[FakeBroker]:
 
 @contextmanager
 def visiting(*invitations: Invitation) -> Iterator[list[zenoh.Session]]:
-    """Sessions of guests. Raises zenoh.ZError: one was not let in."""
+    """Open Zenoh sessions of guests. Raises zenoh.ZError if one is rejected."""
     with ExitStack() as stack:
         yield [
             stack.enter_context(zenoh.open(config(network_settings(invited.where[0], invited.credentials))))
