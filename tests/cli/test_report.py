@@ -1,4 +1,4 @@
-"""``sar-tui report wizard``: of simulated sessions, for people and for programs."""
+"""``sar-tui report wizard`` on simulated sessions, printed and as JSON."""
 
 import json
 import re
@@ -18,7 +18,7 @@ BUSY = ("--set", "operator_difficulty=approve", "--set", "operator_encouragement
 
 
 def keys(value: object) -> set[str]:
-    """All names in a JSON value, at whatever depth."""
+    """Return all names in a JSON value, at any depth."""
     match value:
         case dict():
             return set(value).union(*map(keys, value.values()))
@@ -28,7 +28,7 @@ def keys(value: object) -> set[str]:
             return set()
 
 
-def test_json_has_every_field_and_the_data_dictionary_tells_of_each(call: Call) -> None:
+def test_json_has_every_field_and_the_data_dictionary_describes_each(call: Call) -> None:
     session = call(*SHORT, "--operator", "absent", "--attempts", 20, *BUSY).json["session"]
     printed = call("report", "wizard", session, "--json").json
     assert set(printed) == set(WizardReport.__struct_fields__)
@@ -41,7 +41,7 @@ def test_json_has_every_field_and_the_data_dictionary_tells_of_each(call: Call) 
     assert {"deviations", "absences", "agreement"} <= told
 
 
-def test_people_read_who_was_there_how_fast_they_were_and_how_far_they_agreed(call: Call) -> None:
+def test_the_printed_report_has_operators_latencies_and_agreement(call: Call) -> None:
     session = call(*SHORT, "--operator", "careful", "--attempts", 20, *BUSY).json["session"]
     called = call("report", "wizard", session)
     made = call("report", "wizard", session, "--json").json
@@ -58,7 +58,7 @@ def test_people_read_who_was_there_how_fast_they_were_and_how_far_they_agreed(ca
     assert "operator_time_ms 4000, operator_timeout act, operator_lost autonomous" in called.out
 
 
-def test_notes_marks_and_the_participants_pauses_are_told_with_their_times(call: Call, tmp_path: Path) -> None:
+def test_notes_marks_and_pauses_are_printed_with_their_times(call: Call, tmp_path: Path) -> None:
     session = call(*SHORT, "--operator", "careful", "--attempts", 2).json["session"]
     who, began = "operator.simulated", 0
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
@@ -81,7 +81,7 @@ def test_notes_marks_and_the_participants_pauses_are_told_with_their_times(call:
     assert paused in out
 
 
-def test_sessions_and_show_tell_of_an_operator(call: Call) -> None:
+def test_sessions_and_show_mention_an_operator(call: Call) -> None:
     alone = call(*SHORT, "--attempts", 1).json["session"]
     session = call(*SHORT, "--operator", "careful", "--attempts", 1).json["session"]
     assert f"`sar-tui report wizard {session}`" in call("show", session).out
@@ -92,7 +92,7 @@ def test_sessions_and_show_tell_of_an_operator(call: Call) -> None:
     assert listed == {session: ["operator.simulated"], alone: []}
 
 
-def test_absences_and_deviations_are_told(call: Call) -> None:
+def test_absences_and_deviations_are_printed(call: Call) -> None:
     session = call(*SHORT, "--operator", "absent", "--attempts", 20).json["session"]
     made = call("report", "wizard", session, "--json").json
     assert made["absences"], "this seed's operator goes"
@@ -111,13 +111,13 @@ def test_a_session_without_an_operator_says_so_in_one_sentence(call: Call, simul
 
 
 @pytest.mark.parametrize("session", ["nope", ""])
-def test_a_session_that_is_not_there_is_bad_input(call: Call, session: str) -> None:
+def test_an_unknown_session_is_bad_input(call: Call, session: str) -> None:
     called = call("report", "wizard", session)
     assert (called.code, called.out) == (2, "")
     assert "`sar-tui sessions` lists them." in called.err
 
 
-def test_a_record_that_cannot_be_read_is_one_sentence(call: Call, simulated: str, tmp_path: Path) -> None:
+def test_an_unreadable_record_is_one_sentence(call: Call, simulated: str, tmp_path: Path) -> None:
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
         connection.execute("UPDATE events SET topic='of/tomorrow' WHERE seq=3")
     called = call("report", "wizard", simulated)
@@ -128,11 +128,11 @@ def test_a_record_that_cannot_be_read_is_one_sentence(call: Call, simulated: str
 # --- simulate --operator ------------------------------------------------------------------------------------------
 
 
-def test_who_can_decide_is_who_there_is() -> None:
+def test_the_option_offers_every_profile() -> None:
     assert {name.value for name in OperatorName} == set(PROFILES)
 
 
-def test_with_an_operator_feedback_is_approved_unless_it_is_set_otherwise(call: Call) -> None:
+def test_with_an_operator_feedback_needs_approval_unless_set_otherwise(call: Call) -> None:
     def mode(*options: object) -> str:
         session = call(*SHORT, "--attempts", 2, *options).json["session"]
         return str(call("show", session, "--json").json["session"]["parameters"]["operator_feedback"])

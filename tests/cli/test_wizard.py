@@ -1,4 +1,4 @@
-"""`sar-tui wizard`: what it joins, and what it refuses, each in a sentence and before the screen changes."""
+"""``sar-tui wizard``: the session it joins, and what it refuses before the screen changes."""
 
 import os
 import re
@@ -36,7 +36,7 @@ def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
         (["--wait"], [], "needs a real terminal"),
     ],
 )
-def test_what_cannot_be_is_refused_in_a_sentence(
+def test_bad_input_is_refused_in_a_sentence(
     call: Call, monkeypatch: pytest.MonkeyPatch, arguments: list[str], sessions: list[JoinableSession], said: str
 ) -> None:
     live(monkeypatch, *sessions)
@@ -45,7 +45,7 @@ def test_what_cannot_be_is_refused_in_a_sentence(
     assert said in called.err
 
 
-def test_the_only_session_is_joined_and_of_several_one_is_chosen_on_the_screen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_only_session_is_joined_and_several_are_offered_on_the_screen(monkeypatch: pytest.MonkeyPatch) -> None:
     live(monkeypatch, ONE)
     assert session_to_show(None, None, wait=False, observe=False) == ONE
     live(monkeypatch, ONE, OTHER)
@@ -53,7 +53,7 @@ def test_the_only_session_is_joined_and_of_several_one_is_chosen_on_the_screen(m
     assert session_to_show("abd", None, wait=False, observe=False) == OTHER
 
 
-def test_an_invitation_to_act_is_not_one_to_look_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_operators_invitation_cannot_be_used_to_observe(monkeypatch: pytest.MonkeyPatch) -> None:
     def read(session: Any, link: Path) -> Invitation:
         return Invitation(
             role="operator",
@@ -71,7 +71,7 @@ def test_an_invitation_to_act_is_not_one_to_look_on(monkeypatch: pytest.MonkeyPa
         name_at_session("ben", Path("anna.sar-link"), observe=False)
 
 
-def test_who_only_looks_on_does_not_take_the_name_of_another_who_does(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_observers_of_one_user_have_different_names(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LOGNAME", "ben" * 20)
     here = name_at_session(None, None, observe=True)
     monkeypatch.setattr(os, "getpid", lambda: 4_194_304)

@@ -1,4 +1,4 @@
-"""A booth for an operator: the panel in front of them, a session they cannot touch, time that stands still."""
+"""Driver of the operator's panel in tests, with a fake link and a virtual clock."""
 
 import io
 from collections.abc import AsyncIterator, Callable
@@ -37,7 +37,7 @@ MODES: dict[m.ControlledKind, m.Mode] = {
 
 
 class FakePeer:
-    """A link that keeps what is sent."""
+    """Link that stores what is sent."""
 
     def __init__(self, receive: PeerListener, role: Role = "operator") -> None:
         self.name, self.role = f"{role}.anna", role
@@ -61,7 +61,7 @@ class FakePeer:
 
 
 def welcome(role: Role = "operator", **other: Any) -> Welcome:
-    told: dict[str, Any] = {
+    fields: dict[str, Any] = {
         "link": "abcd",
         "session": "s1",
         "task": "keyboard",
@@ -76,7 +76,7 @@ def welcome(role: Role = "operator", **other: Any) -> Welcome:
         "trials": 20,
         "parameters": {"min_level": 1, "max_level": 10, "operator_lost": "autonomous", "operator_difficulty": "veto"},
     }
-    return Welcome(**told | other)
+    return Welcome(**fields | other)
 
 
 def frame(topic: Topic[Any], message: Message, at: int = START, seq: int = 1) -> Frame:
@@ -84,7 +84,7 @@ def frame(topic: Topic[Any], message: Message, at: int = START, seq: int = 1) ->
 
 
 def proposal(id: str = "p1", **other: Any) -> m.Proposal:
-    told: dict[str, Any] = {
+    fields: dict[str, Any] = {
         "id": id,
         "kind": "feedback",
         "text": "Well done. You were 22 ms faster than in the last attempt; keep on like this.",
@@ -95,7 +95,7 @@ def proposal(id: str = "p1", **other: Any) -> m.Proposal:
         "degree": "clear",
         "attempt": 3,
     }
-    return m.Proposal(**told | other)
+    return m.Proposal(**fields | other)
 
 
 def approval(id: str = "p1", ms: int | None = 4000, level: int | None = None, **other: Any) -> m.PendingApproval:
@@ -107,8 +107,8 @@ def approval(id: str = "p1", ms: int | None = 4000, level: int | None = None, **
 
 
 def action(id: str, **other: Any) -> m.Action:
-    told = {name: getattr(proposal(id), name) for name in m.Proposal.__struct_fields__}
-    return m.Action(**told | {"decision": "accepted", "actor": "agent", "decided": START} | other)
+    fields = {name: getattr(proposal(id), name) for name in m.Proposal.__struct_fields__}
+    return m.Action(**fields | {"decision": "accepted", "actor": "agent", "decided": START} | other)
 
 
 def arbiter_state(*pending: m.PendingApproval, **other: Any) -> m.ArbiterState:
@@ -134,7 +134,7 @@ def trial(number: int, stimulus: str, ms: float | None, *, correct: bool = True,
 
 
 def attempt(seat: str = "A", **other: Any) -> m.AttemptEnded:
-    told: dict[str, Any] = {
+    fields: dict[str, Any] = {
         "seat": seat,
         "attempt": 2,
         "practice": False,
@@ -150,11 +150,11 @@ def attempt(seat: str = "A", **other: Any) -> m.AttemptEnded:
         "started": START,
         "ended": START,
     }
-    return m.AttemptEnded(**told | other)
+    return m.AttemptEnded(**fields | other)
 
 
 def waiting(what: Any = "response", stage: Any = "trial", **other: Any) -> m.Waiting:
-    told: dict[str, Any] = {
+    fields: dict[str, Any] = {
         "what": what,
         "stage": stage,
         "attempt": 3,
@@ -163,7 +163,7 @@ def waiting(what: Any = "response", stage: Any = "trial", **other: Any) -> m.Wai
         "attempt_name": "attempt 3 of 20",
         "trials": 20,
     }
-    return m.Waiting(**told | other)
+    return m.Waiting(**fields | other)
 
 
 def prompt(text: str = "Press: f") -> m.Prompt:
@@ -186,14 +186,14 @@ def cue(side: Any = "left") -> m.CueGiven:
 
 
 def presence(state: Any = "baton", actor: str = ANNA, **peers: Role) -> m.OperatorChanged:
-    """Somebody came, went or took the baton; unless it is ``actor`` who took it, Anna holds it."""
+    """Return a change of presence. Anna has control unless ``actor`` takes it (state ``baton``)."""
     there = {f"{role}.{name}": role for name, role in peers.items()}
     holder = actor if state == "baton" else ANNA
     return m.OperatorChanged(actor=actor, state=state, operated=True, holder=holder, peers={ANNA: "operator", **there})
 
 
-def begun(theme: Theme) -> list[Frame]:
-    """A session that is on its way."""
+def session_frames(theme: Theme) -> list[Frame]:
+    """Return the frames of a running session."""
     return [
         frame(t.THEME, m.ThemeApplied(theme=theme)),
         frame(t.PRESENCE, presence()),
@@ -213,7 +213,7 @@ def begun(theme: Theme) -> list[Frame]:
 
 
 class PanelDriver:
-    """What an operator sees and does."""
+    """Presses keys on the panel, reads its screen and plays the session."""
 
     def __init__(self, app: WizardApp, peer: Callable[[], FakePeer], theme: Theme) -> None:
         self.app = app
@@ -230,27 +230,27 @@ class PanelDriver:
         assert isinstance(self.app.screen, PanelScreen)
         return self.app.screen
 
-    async def receive(self, *heard: PeerEvent) -> None:
-        """The link brings something, and it is drawn."""
-        for each in heard:
+    async def receive(self, *events: PeerEvent) -> None:
+        """Pass events of the link to the panel, and draw it."""
+        for each in events:
             self.panel.receive(each)
         self.panel.draw()
         await settle(self.app)
 
-    async def tell(self, topic: Topic[Any], message: Message) -> None:
+    async def publish(self, topic: Topic[Any], message: Message) -> None:
         await self.receive([frame(topic, message, self.peer.now())])
 
     async def join(self, role: Role = "operator", **other: Any) -> None:
-        """A session on its way is joined."""
-        await self.receive(Connection("connected"), welcome(role, **other), begun(self._theme))
+        """Join a running session."""
+        await self.receive(Connection("connected"), welcome(role, **other), session_frames(self._theme))
 
     async def propose(self, *approvals: m.PendingApproval) -> None:
-        """Proposals come, are painted, and have been read."""
-        await self.tell(t.ARBITER_STATE, arbiter_state(*approvals))
-        await self.pass_by(500)
+        """Show proposals for long enough to be read."""
+        await self.publish(t.ARBITER_STATE, arbiter_state(*approvals))
+        await self.advance(500)
 
-    async def pass_by(self, ms: int) -> None:
-        """Time passes for the session."""
+    async def advance(self, ms: int) -> None:
+        """Advance the session's clock."""
         self.peer.clock.advance(ms * MS)
         self.panel.draw()
         await settle(self.app)
@@ -264,15 +264,15 @@ class PanelDriver:
             await settle(self.app)
 
     async def burst(self, *keys: str) -> None:
-        """Keys that are read all at once, as over a slow line."""
+        """Press keys that are read all at once, as over a slow link."""
         for key in keys:
             self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
         await settle(self.app)
         self.panel.draw()
         await settle(self.app)
 
-    def acts(self, topic: Topic[Any]) -> list[Any]:
-        """What was sent on a topic, without its stamp."""
+    def sent(self, topic: Topic[Any]) -> list[Any]:
+        """Return what was sent on a topic, without time stamps."""
         return [msgspec.structs.replace(message, at=0) for name, message in self.peer.sent if name == topic.name]
 
     @property
@@ -288,7 +288,7 @@ class PanelDriver:
 
 
 class _App(WizardApp):
-    """Joins a link that is none."""
+    """App that uses the fake link."""
 
     role: Role = "operator"
     peer: FakePeer
@@ -302,7 +302,7 @@ class _App(WizardApp):
 
 
 @asynccontextmanager
-async def sit_down(
+async def open_panel(
     catalogue: Catalogue,
     folder: Path,
     theme: str = "calm",
@@ -311,11 +311,11 @@ async def sit_down(
     *,
     joins: bool = True,
 ) -> AsyncIterator[PanelDriver]:
-    """Open the panel in front of an operator; unless told otherwise they have joined a session on its way."""
-    worn = catalogue.theme(theme)
-    app = _App(worn, folder, "anna", role, where=object())  # type: ignore[arg-type]
+    """Open the panel. ``joins``: at a running session."""
+    active = catalogue.theme(theme)
+    app = _App(active, folder, "anna", role, where=object())  # type: ignore[arg-type]
     app.role = role
-    driver = PanelDriver(app, lambda: app.peer, worn)
+    driver = PanelDriver(app, lambda: app.peer, active)
     async with app.run_test(size=size) as driver.pilot:
         await settle(app)
         if joins:

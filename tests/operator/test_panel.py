@@ -1,4 +1,4 @@
-"""The panel in front of an operator: what each key sends, and what is seen of it."""
+"""Keys of the panel: what they send, and what the screen shows."""
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -24,7 +24,7 @@ from tests.settle import settle
 
 @asynccontextmanager
 async def panel(catalogue: Catalogue, folder: Path, role: Role = "operator") -> AsyncIterator[PanelDriver]:
-    async with b.sit_down(catalogue, folder, role=role, size=(100, 30)) as driver:
+    async with b.open_panel(catalogue, folder, role=role, size=(100, 30)) as driver:
         yield driver
 
 
@@ -36,14 +36,14 @@ def folder(tmp_path: Path) -> Path:
 # --- proposals -----------------------------------------------------------------------------------------------------
 
 
-async def test_one_key_decides_stamped_with_its_time_and_a_proposal_is_told_seen_once(
+async def test_one_key_decides_with_its_time_stamp_and_each_proposal_is_reported_as_seen_once(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
         for number, key in enumerate(("enter", "x", "delete", "plus", "equals_sign", "minus")):
             await driver.propose(b.approval(f"p{number}"))
             await driver.press(key)
-        assert driver.acts(t.DECISION) == [
+        assert driver.sent(t.DECISION) == [
             m.Decision(action="p0", verdict="accept", actor=ANNA),
             m.Decision(action="p1", verdict="veto", actor=ANNA),
             m.Decision(action="p2", verdict="veto", actor=ANNA),
@@ -53,10 +53,10 @@ async def test_one_key_decides_stamped_with_its_time_and_a_proposal_is_told_seen
         ]
         at = [message.at for name, message in driver.peer.sent if name == t.DECISION.name][-1]
         assert driver.peer.now() - 5 * SECOND < at <= driver.peer.now()
-        assert [seen.action for seen in driver.acts(t.PROPOSAL_SEEN)] == ["p0", "p1", "p2", "p3", "p4", "p5"]
+        assert [seen.action for seen in driver.sent(t.PROPOSAL_SEEN)] == ["p0", "p1", "p2", "p3", "p4", "p5"]
 
 
-async def test_words_are_edited_in_place_unchanged_they_are_an_approval_and_escape_leaves_them(
+async def test_text_is_edited_in_place_unchanged_it_is_approved_and_escape_cancels(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
@@ -66,30 +66,30 @@ async def test_words_are_edited_in_place_unchanged_they_are_an_approval_and_esca
         await driver.press("e", "enter")
         await driver.propose(b.approval("p3"))
         await driver.press("e", "x", "escape")
-        assert len(driver.acts(t.DECISION)) == 2
+        assert len(driver.sent(t.DECISION)) == 2
         await driver.press("x")
-        assert driver.acts(t.DECISION) == [
+        assert driver.sent(t.DECISION) == [
             m.Decision(action="p1", verdict="edit", text="Well done!", actor=ANNA),
             m.Decision(action="p2", verdict="accept", actor=ANNA),
             m.Decision(action="p3", verdict="veto", actor=ANNA),
         ]
 
 
-async def test_what_is_typed_is_never_taken_for_keys_and_an_edit_that_is_too_late_can_be_said(
+async def test_typed_text_never_acts_as_keys_and_an_edit_that_is_too_late_can_be_said(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("e", "s", "r", "space", "u", "enter")
-        assert driver.acts(t.OPERATOR) == []
-        assert driver.acts(t.REMARK) == [m.Remark(text="sr u", source="free text", actor=ANNA)]
+        assert driver.sent(t.OPERATOR) == []
+        assert driver.sent(t.REMARK) == [m.Remark(text="sr u", source="free text", actor=ANNA)]
         await driver.propose(b.approval(text="Well done"))
         await driver.press("e", "!")
         await driver.propose()
         await driver.press("enter")
-        assert driver.acts(t.DECISION) == []
+        assert driver.sent(t.DECISION) == []
         assert "Too late: it was already decided." in driver.text
         await driver.press("enter")
-        assert driver.acts(t.REMARK)[1:] == [m.Remark(text="Well done!", source="free text", actor=ANNA)]
+        assert driver.sent(t.REMARK)[1:] == [m.Remark(text="Well done!", source="free text", actor=ANNA)]
 
 
 async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name_and_neither_has_a_valence(
@@ -101,20 +101,20 @@ async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name_and_neith
         assert "Level 4 → 5, from the next attempt on" in driver.text
         assert "positive" not in driver.text
         await driver.press("plus", "e", "backspace", "x", "enter")
-        assert driver.acts(t.DECISION) == []
+        assert driver.sent(t.DECISION) == []
         assert "A level is a number" in driver.text
         await driver.press("backspace", "3", "enter")
-        await driver.pass_by(500)
+        await driver.advance(500)
         await driver.press("e", *["backspace"] * 3, *"bow", "enter")
         assert "The theme has no gesture 'bow'" in driver.text
         await driver.press(*["backspace"] * 3, *"lean", "space", *"in", "enter")
-        assert driver.acts(t.DECISION) == [
+        assert driver.sent(t.DECISION) == [
             m.Decision(action="d1", verdict="edit", level=3, actor=ANNA),
             m.Decision(action="g1", verdict="edit", gesture="lean_in", actor=ANNA),
         ]
 
 
-async def test_what_stands_there_stays_until_it_is_decided_or_gone_and_then_no_key_is_for_the_next_at_once(
+async def test_the_shown_proposal_stays_until_it_is_decided_and_a_key_right_after_is_not_for_the_next(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
@@ -128,75 +128,75 @@ async def test_what_stands_there_stays_until_it_is_decided_or_gone_and_then_no_k
         await driver.press("right")
         assert "┃ “Second”" in driver.text
         await driver.press("left")
-        await driver.propose(second, urgent)  # the first is gone while it stands there
+        await driver.propose(second, urgent)  # the first is gone while it is shown
         await driver.press("right", "enter")
-        assert driver.acts(t.DECISION) == []
+        assert driver.sent(t.DECISION) == []
         assert "Too soon" in driver.text
-        await driver.pass_by(500)
+        await driver.advance(500)
         await driver.press("enter")
-        assert [decision.action for decision in driver.acts(t.DECISION)] == ["p2"]
+        assert [decision.action for decision in driver.sent(t.DECISION)] == ["p2"]
 
 
-async def test_one_that_was_decided_makes_room_for_the_next_and_is_not_decided_twice(
+async def test_a_decided_proposal_makes_room_for_the_next_and_is_not_decided_twice(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.propose(b.approval("p1"), b.approval("p2", text="Second"))
         await driver.press("enter")
         assert "“Second”" in driver.text
-        await driver.pass_by(500)
+        await driver.advance(500)
         await driver.press("x", "x")
-        assert [(each.action, each.verdict) for each in driver.acts(t.DECISION)] == [("p1", "accept"), ("p2", "veto")]
+        assert [(each.action, each.verdict) for each in driver.sent(t.DECISION)] == [("p1", "accept"), ("p2", "veto")]
         assert "Vetoed feedback …" in driver.text
-        await driver.tell(t.REFUSED, m.ActRefused(actor=ANNA, what=t.DECISION.name, why="Too many at once."))
+        await driver.publish(t.REFUSED, m.ActRefused(actor=ANNA, what=t.DECISION.name, why="Too many at once."))
         await driver.press("x")
-        await driver.pass_by(4000)  # and this one never arrived
+        await driver.advance(4000)  # and this one never arrived
         await driver.press("enter")
-        assert [each.verdict for each in driver.acts(t.DECISION)] == ["accept", "veto", "veto", "accept"]
+        assert [each.verdict for each in driver.sent(t.DECISION)] == ["accept", "veto", "veto", "accept"]
 
 
-async def test_the_time_that_is_left_runs_down_for_each_and_what_happens_then_is_told(
+async def test_the_time_left_is_counted_down_for_each_proposal_with_what_happens_then(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.tell(t.ARBITER_STATE, b.arbiter_state(b.approval(ms=4000), b.approval("p2", ms=4000)))
+        await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval(ms=4000), b.approval("p2", ms=4000)))
         assert "acts by itself in 4.0 s" in driver.text
         full = driver.text.count("█")
-        await driver.pass_by(2000)
+        await driver.advance(2000)
         assert "acts by itself in 2.0 s" in driver.text
         left = driver.text.count("█")
         assert left < full
         await driver.press("right")
-        assert driver.text.count("█") == left  # it has been running all the time
-        await driver.tell(t.ARBITER_STATE, b.arbiter_state(replace(b.approval("p3"), otherwise="drop")))
+        assert driver.text.count("█") == left  # it has been counting down all the time
+        await driver.publish(t.ARBITER_STATE, b.arbiter_state(replace(b.approval("p3"), otherwise="drop")))
         assert "is dropped in 2.0 s" in driver.text
-        await driver.tell(t.ARBITER_STATE, b.arbiter_state(b.approval("p4", ms=None)))
+        await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval("p4", ms=None)))
         assert "waits for you until the next attempt begins" in driver.text
 
 
 # --- the session ---------------------------------------------------------------------------------------------------
 
 
-async def test_one_key_steers_the_session_two_steps_up_are_two_levels_and_the_highest_is_the_end(
+async def test_single_keys_control_the_session_and_levels_stop_at_the_highest(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("u", "u")
-        assert [act.value for act in driver.acts(t.OPERATOR)] == [5, 6]
-        await driver.tell(t.OPERATOR, replace(driver.peer.sent[0][1]))
-        await driver.tell(t.OPERATOR, replace(driver.peer.sent[1][1]))
-        await driver.tell(t.LEVEL, m.LevelChanged(previous=6, level=10, reason="success"))
+        assert [act.value for act in driver.sent(t.OPERATOR)] == [5, 6]
+        await driver.publish(t.OPERATOR, replace(driver.peer.sent[0][1]))
+        await driver.publish(t.OPERATOR, replace(driver.peer.sent[1][1]))
+        await driver.publish(t.LEVEL, m.LevelChanged(previous=6, level=10, reason="success"))
         await driver.press("u")
-        assert len(driver.acts(t.OPERATOR)) == 2
+        assert len(driver.sent(t.OPERATOR)) == 2
         assert "Level 10 is the highest level." in driver.text
         await driver.join()
         driver.peer.sent.clear()
         await driver.press("f2", "space")
-        await driver.tell(t.WAITING, b.waiting())
+        await driver.publish(t.WAITING, b.waiting())
         await driver.press("s", "r", "u")
         await driver.join()
         await driver.press("d")
-        assert driver.acts(t.OPERATOR) == [
+        assert driver.sent(t.OPERATOR) == [
             m.Operator(command="stop", actor=ANNA),
             m.Operator(command="pause", actor=ANNA),
             m.Operator(command="skip", actor=ANNA),
@@ -206,104 +206,100 @@ async def test_one_key_steers_the_session_two_steps_up_are_two_levels_and_the_hi
         ]
 
 
-async def test_the_key_for_a_pause_ends_one_that_for_the_level_lets_it_go_again_and_that_for_the_end_asks_once(
-    catalogue: Catalogue, folder: Path
-) -> None:
+async def test_pause_and_hold_toggle_and_end_asks_once(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.tell(t.OPERATOR, m.Operator(command="pause", actor="operator.ben"))
-        await driver.tell(t.WAITING, b.waiting("resume", "paused"))
+        await driver.publish(t.OPERATOR, m.Operator(command="pause", actor="operator.ben"))
+        await driver.publish(t.WAITING, b.waiting("resume", "paused"))
         assert "ben paused" in driver.text
         await driver.press("space", "end")
         assert "End the session? Press End again to end it" in driver.text
         await driver.press("escape", "end")
-        assert [act.command for act in driver.acts(t.OPERATOR)] == ["resume"]
+        assert [act.command for act in driver.sent(t.OPERATOR)] == ["resume"]
         await driver.press("end")
-        assert [act.command for act in driver.acts(t.OPERATOR)] == ["resume", "end"]
+        assert [act.command for act in driver.sent(t.OPERATOR)] == ["resume", "end"]
         await driver.press("h")
         held = b.arbiter_state(modes={**b.MODES, "difficulty": "manual"})
-        await driver.tell(t.ARBITER_STATE, held)
+        await driver.publish(t.ARBITER_STATE, held)
         assert "manual: difficulty" in driver.text
         await driver.press("h")
-        assert driver.acts(t.MODE) == [
+        assert driver.sent(t.MODE) == [
             m.ModeChanged(kind="difficulty", mode="manual", actor=ANNA),
             m.ModeChanged(kind="difficulty", mode="veto", actor=ANNA),
         ]
 
 
-async def test_a_pause_of_the_participants_is_told_loudly_and_ended_by_a_second_key_alone(
+async def test_a_participants_pause_is_highlighted_and_ended_only_by_a_second_key(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
         for reason, told in (("", "P01 paused"), ("pain", "P01 paused: in pain"), ("tired", "P01 paused: tired")):
             await driver.join()
             driver.peer.sent.clear()
-            await driver.tell(t.OPERATOR, m.Operator(command="pause", reason=reason))
-            await driver.tell(t.WAITING, b.waiting("resume", "paused", reason=reason))
-            assert driver.text.count(told) == 2, "where they do, and in the log"
+            await driver.publish(t.OPERATOR, m.Operator(command="pause", reason=reason))
+            await driver.publish(t.WAITING, b.waiting("resume", "paused", reason=reason))
+            assert driver.text.count(told) == 2, "in the activity and in the log"
             await driver.press("space")
             assert f"{told}. Press Space again within 3 s to resume." in driver.text
             await driver.press("space")  # a key that bounces
-            await driver.pass_by(3200)
+            await driver.advance(3200)
             await driver.press("space")
-            assert driver.acts(t.OPERATOR) == []
-            await driver.pass_by(1000)
+            assert driver.sent(t.OPERATOR) == []
+            await driver.advance(1000)
             await driver.press("space")
-            assert [act.command for act in driver.acts(t.OPERATOR)] == ["resume"]
+            assert [act.command for act in driver.sent(t.OPERATOR)] == ["resume"]
             assert "Space again" not in driver.text
 
 
-async def test_the_pause_of_one_in_pain_is_theirs_also_for_whoever_comes_later(
+async def test_a_pause_for_pain_counts_as_the_participants_for_an_operator_who_joins_later(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.tell(t.WAITING, b.waiting("resume", "paused", reason="pain"))
+        await driver.publish(t.WAITING, b.waiting("resume", "paused", reason="pain"))
         assert "Paused: in pain" in driver.text
         await driver.press("space")
-        assert driver.acts(t.OPERATOR) == []
+        assert driver.sent(t.OPERATOR) == []
 
 
-async def test_keys_that_come_in_one_burst_are_each_for_what_the_one_before_opened(
+async def test_in_a_burst_of_keys_each_key_goes_to_what_the_one_before_opened(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.burst("n", *"hurx", "backspace", "t", "enter", "t", *"Hi", "enter", "n", *"so", "enter", "h")
-        assert [note.text for note in driver.acts(t.NOTE_ADDED)] == ["hurt", "so"]
-        assert [remark.text for remark in driver.acts(t.REMARK)] == ["Hi"]
-        assert [each.mode for each in driver.acts(t.MODE)] == ["manual"]
+        assert [note.text for note in driver.sent(t.NOTE_ADDED)] == ["hurt", "so"]
+        assert [remark.text for remark in driver.sent(t.REMARK)] == ["Hi"]
+        assert [each.mode for each in driver.sent(t.MODE)] == ["manual"]
         await driver.propose(b.approval(text="Well done"))
         await driver.burst("e", "!", "enter", "u")
-        assert [each.text for each in driver.acts(t.DECISION)] == ["Well done!"]
-        assert [act.command for act in driver.acts(t.OPERATOR)] == ["level"]
+        assert [each.text for each in driver.sent(t.DECISION)] == ["Well done!"]
+        assert [act.command for act in driver.sent(t.OPERATOR)] == ["level"]
         driver.app.post_message(Key("n", "n"))
         driver.app.post_message(Paste("pasted\nlines"))
         await driver.burst("enter")
-        assert [note.text for note in driver.acts(t.NOTE_ADDED)][2:] == ["pasted"]
+        assert [note.text for note in driver.sent(t.NOTE_ADDED)][2:] == ["pasted"]
 
 
-async def test_an_edit_whose_time_runs_out_says_so_where_it_is_typed_and_never_stands_under_the_next(
+async def test_an_edit_whose_time_runs_out_says_so_and_is_not_shown_with_the_next_proposal(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.propose(b.approval("p1", 2000, text="Well done"))
         await driver.press("e", "!")
         assert "Enter sends, Esc cancels" in driver.text
-        await driver.pass_by(2000)
-        await driver.tell(t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000, text="The next")))
+        await driver.advance(2000)
+        await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000, text="The next")))
         assert "Time is up: Well done!" in driver.text
         assert "FEEDBACK · time is up" in driver.text
         assert "Enter twice says it anyway" in driver.text
         assert "Also pending: 6 s feedback “The next”" in driver.text
         assert "┃ “The next”" not in driver.text
         await driver.press("enter")
-        assert driver.acts(t.DECISION) == []
+        assert driver.sent(t.DECISION) == []
         await driver.press("escape")
         assert "┃ “The next”" in driver.text
         assert "Time is up" not in driver.text
 
 
-async def test_behind_the_list_of_keys_and_in_a_window_that_is_too_small_only_the_stop_key_acts(
-    catalogue: Catalogue, folder: Path
-) -> None:
+async def test_while_the_panel_is_hidden_only_the_stop_key_acts(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("f1", "space", "u", "h", "1", "t", "x", "f2")
         assert [name for name, _ in driver.peer.sent] == [t.OPERATOR.name]
@@ -312,50 +308,48 @@ async def test_behind_the_list_of_keys_and_in_a_window_that_is_too_small_only_th
         await settle(driver.app)
         assert "This window is too small: it has 60 by 16 characters" in driver.text
         await driver.press("space", "f2")
-        assert [act.command for act in driver.acts(t.OPERATOR)] == ["stop", "stop"]
+        assert [act.command for act in driver.sent(t.OPERATOR)] == ["stop", "stop"]
         await driver.pilot.resize_terminal(80, 24)
         await settle(driver.app)
         assert "too small" not in driver.text
 
 
-async def test_words_that_have_to_wait_are_told_so_and_slots_that_are_typed_are_filled(
+async def test_remarks_that_must_wait_are_logged_so_and_typed_slots_are_filled(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.burst("t", *"{participant} :{", "enter")
-        assert [remark.text for remark in driver.acts(t.REMARK)] == ["P01 :{"]
-        await driver.tell(t.WAITING, b.waiting("response"))
+        assert [remark.text for remark in driver.sent(t.REMARK)] == ["P01 :{"]
+        await driver.publish(t.WAITING, b.waiting("response"))
         await driver.press("1")
         assert "After the response: said “" in driver.text
         await driver.burst("t", *"{result}", "enter")
-        assert [remark.text for remark in driver.acts(t.REMARK)][2:] == ["498 ms"]
+        assert [remark.text for remark in driver.sent(t.REMARK)][2:] == ["498 ms"]
         await driver.receive(b.welcome())
         await driver.burst("t", *"{result}", "enter")
         assert "{result} is not known yet. Nothing was sent." in driver.text
-        assert len(driver.acts(t.REMARK)) == 3
+        assert len(driver.sent(t.REMARK)) == 3
 
 
-async def test_a_prompt_is_neither_skipped_nor_repeated_while_there_is_none(catalogue: Catalogue, folder: Path) -> None:
+async def test_without_a_prompt_nothing_is_skipped_or_repeated(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("s", "r")
-        assert driver.acts(t.OPERATOR) == []
+        assert driver.sent(t.OPERATOR) == []
         assert "No prompt is shown. Nothing was sent." in driver.text
 
 
-async def test_what_is_approved_and_has_still_to_come_is_counted_down(catalogue: Catalogue, folder: Path) -> None:
+async def test_an_approved_action_that_is_due_later_is_counted_down(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         due = b.action("a9", text="Well done", due=b.START + 1900 * MS)
-        await driver.tell(t.ARBITER_STATE, b.arbiter_state(queued=(due,)))
+        await driver.publish(t.ARBITER_STATE, b.arbiter_state(queued=(due,)))
         assert "goes out in 1.9 s" in driver.text
-        await driver.pass_by(1000)
+        await driver.advance(1000)
         assert "goes out in 0.9 s" in driver.text
 
 
-async def test_when_the_session_is_done_the_panel_says_so_and_one_key_leaves_it(
-    catalogue: Catalogue, folder: Path
-) -> None:
+async def test_after_the_session_the_panel_says_so_and_one_key_leaves_it(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.tell(t.SESSION_ENDED, m.SessionEnded(status="completed"))
+        await driver.publish(t.SESSION_ENDED, m.SessionEnded(status="completed"))
         await driver.receive(Connection("ended", "The session is over."))
         assert "The session is over. q leaves. For the report: sar-tui report wizard last" in driver.text
         assert "no connection" not in driver.text
@@ -363,22 +357,20 @@ async def test_when_the_session_is_done_the_panel_says_so_and_one_key_leaves_it(
         assert driver.peer.is_closed
 
 
-# --- the palette, words, notes --------------------------------------------------------------------------------------
+# --- palette, speech, notes --------------------------------------------------------------------------------------
 
 
-async def test_a_number_does_what_stands_beside_it_on_each_page_tab_turns_it_and_escape_goes_back(
-    catalogue: Catalogue, folder: Path
-) -> None:
+async def test_numbers_choose_items_tab_turns_the_page_and_escape_goes_back(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.join(marks=b.MARKS)
-        await driver.tell(t.ARBITER_STATE, b.arbiter_state(queued=(b.action("a9", text="Next."),)))
+        await driver.publish(t.ARBITER_STATE, b.arbiter_state(queued=(b.action("a9", text="Next."),)))
         await driver.press("1", "g", "4", "m", "2", "o", "5", "c", "1", "9")
-        phrase, gesture = driver.acts(t.REMARK)
+        phrase, gesture = driver.sent(t.REMARK)
         assert (phrase.text, phrase.source) == (catalogue.theme("calm").phrases["encouragement"][0], "phrase")
         assert gesture == m.Remark(gesture="wave", source="gesture", actor=ANNA)
-        assert driver.acts(t.OPERATOR) == [m.Operator(command="mark", reason="assisted", actor=ANNA)]
-        assert driver.acts(t.MODE) == [m.ModeChanged(kind="difficulty", mode="approve", actor=ANNA)]
-        assert driver.acts(t.DECISION) == [m.Decision(action="a9", verdict="veto", actor=ANNA)]
+        assert driver.sent(t.OPERATOR) == [m.Operator(command="mark", reason="assisted", actor=ANNA)]
+        assert driver.sent(t.MODE) == [m.ModeChanged(kind="difficulty", mode="approve", actor=ANNA)]
+        assert driver.sent(t.DECISION) == [m.Decision(action="a9", verdict="veto", actor=ANNA)]
         await driver.press("escape")
         assert "Encourage 1/10" in driver.text
         await driver.press("tab")
@@ -389,15 +381,15 @@ async def test_a_number_does_what_stands_beside_it_on_each_page_tab_turns_it_and
         assert "Encourage 1/10" in driver.text
 
 
-async def test_own_words_a_note_and_an_event_are_sent_each_as_what_it_is_a_note_of_when_it_was_begun(
+async def test_speech_notes_and_events_are_sent_and_a_note_has_the_time_of_its_key(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("t", *"Hi", "enter", "n")
-        await driver.pass_by(20_000)
+        await driver.advance(20_000)
         await driver.press(*"tired", "enter", "f5")
-        assert driver.acts(t.REMARK) == [m.Remark(text="Hi", source="free text", actor=ANNA)]
-        assert driver.acts(t.NOTE_ADDED) == [
+        assert driver.sent(t.REMARK) == [m.Remark(text="Hi", source="free text", actor=ANNA)]
+        assert driver.sent(t.NOTE_ADDED) == [
             m.NoteAdded(text="tired", actor=ANNA),
             m.NoteAdded(label="distracted", actor=ANNA),
         ]
@@ -405,7 +397,7 @@ async def test_own_words_a_note_and_an_event_are_sent_each_as_what_it_is_a_note_
         assert note.at <= driver.peer.now() - 20 * SECOND
 
 
-async def test_with_two_participants_words_go_to_the_one_that_is_chosen_and_each_proposal_says_whom_it_is_for(
+async def test_with_two_participants_remarks_go_to_the_chosen_one_and_proposals_name_theirs(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
@@ -416,7 +408,7 @@ async def test_with_two_participants_words_go_to_the_one_that_is_chosen_and_each
         await driver.press("enter")
         assert "Encourage 1/10 · to P02 (a)" in driver.text
         assert "Said to P02 “Hi”" in driver.text
-        phrase, own = driver.acts(t.REMARK)
+        phrase, own = driver.sent(t.REMARK)
         assert (phrase.seat, own.seat, own.text) == ("B", "B", "Right: Hi")
         assert phrase.text.startswith("Right: ")
         await driver.propose(b.approval("p1", seat="B"))
@@ -425,39 +417,37 @@ async def test_with_two_participants_words_go_to_the_one_that_is_chosen_and_each
         await driver.press("e")
         assert "Edit: Well done" in driver.text
         await driver.press("!", "enter")
-        assert [decision.text for decision in driver.acts(t.DECISION)] == ["Right: Well done!"]
+        assert [decision.text for decision in driver.sent(t.DECISION)] == ["Right: Well done!"]
         await driver.propose(b.approval("l1", level=5))
         assert "DIFFICULTY · clear" in driver.text
 
 
-async def test_keys_and_phrases_of_the_operators_own_file_are_used(catalogue: Catalogue, folder: Path) -> None:
+async def test_keys_and_phrases_of_the_operators_file_are_used(catalogue: Catalogue, folder: Path) -> None:
     (folder / FILE).write_text('phrases = ["Go on, {participant}."]\n[keys]\napprove = "y"\n')
     async with panel(catalogue, folder) as driver:
         await driver.propose(b.approval())
         assert " y  approve" in driver.text
         await driver.press("enter")
-        assert driver.acts(t.DECISION) == []
+        assert driver.sent(t.DECISION) == []
         await driver.press("y", "1")
-        assert [decision.verdict for decision in driver.acts(t.DECISION)] == ["accept"]
-        assert [remark.text for remark in driver.acts(t.REMARK)] == ["Go on, P01."]
+        assert [decision.verdict for decision in driver.sent(t.DECISION)] == ["accept"]
+        assert [remark.text for remark in driver.sent(t.REMARK)] == ["Go on, P01."]
 
 
-async def test_a_file_that_is_wrong_is_told_in_the_log_and_the_usual_keys_work(
-    catalogue: Catalogue, folder: Path
-) -> None:
+async def test_an_invalid_file_is_logged_and_the_default_keys_work(catalogue: Catalogue, folder: Path) -> None:
     (folder / FILE).write_text("[keys]\nstpo = 'y'\n")
     async with panel(catalogue, folder) as driver:
         assert "is ignored" in driver.text
         await driver.press("f2")
-        assert [act.command for act in driver.acts(t.OPERATOR)] == ["stop"]
+        assert [act.command for act in driver.sent(t.OPERATOR)] == ["stop"]
 
 
-# --- who is there, and the link ------------------------------------------------------------------------------------
+# --- operators and the link ------------------------------------------------------------------------------------
 
 
-async def test_an_act_stands_in_the_log_with_what_became_of_it(catalogue: Catalogue, folder: Path) -> None:
+async def test_the_log_shows_each_act_with_its_outcome(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.tell(t.WAITING, b.waiting())
+        await driver.publish(t.WAITING, b.waiting())
         await driver.press("s")
         assert "Skipped the prompt …" in driver.text
         sent = driver.peer.sent[-1][1]
@@ -465,16 +455,16 @@ async def test_an_act_stands_in_the_log_with_what_became_of_it(catalogue: Catalo
         assert "Skipped the prompt · link 14 ms" in driver.text
         await driver.press("r")
         refused = m.ActRefused(actor=ANNA, what=t.OPERATOR.name, why="Another operator has control.")
-        await driver.tell(t.REFUSED, refused)
+        await driver.publish(t.REFUSED, refused)
         assert "Repeated the prompt: refused" in driver.text
         assert "Refused: a command. Another operator has control." in driver.text
-        await driver.pass_by(100)
+        await driver.advance(100)
         await driver.press("space")
-        await driver.pass_by(5000)
+        await driver.advance(5000)
         assert "Paused: the session has not confirmed it" in driver.text
 
 
-async def test_an_observer_sees_the_same_and_no_key_of_theirs_acts(catalogue: Catalogue, folder: Path) -> None:
+async def test_an_observer_sees_the_same_but_cannot_act(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder, "observer") as driver:
         await driver.propose(b.approval())
         assert "Well done." in driver.text
@@ -492,74 +482,74 @@ async def test_an_observer_sees_the_same_and_no_key_of_theirs_acts(catalogue: Ca
         assert "Skip this prompt" not in driver.text
 
 
-async def test_without_the_baton_nothing_is_sent_until_it_is_taken(catalogue: Catalogue, folder: Path) -> None:
+async def test_without_control_nothing_is_sent_until_it_is_taken(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.tell(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator", cara="observer"))
+        await driver.publish(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator", cara="observer"))
         assert "ben in control" in driver.text
         assert "cara watches" in driver.text
         assert "Nothing is pending for ben." in driver.text
         await driver.propose(b.approval())
         assert "ben decides; b takes control." in driver.text
-        await driver.tell(t.WAITING, b.waiting())
+        await driver.publish(t.WAITING, b.waiting())
         await driver.press("s", "t")
-        assert driver.acts(t.OPERATOR) == []
+        assert driver.sent(t.OPERATOR) == []
         assert "ben has control; b takes it. Nothing was sent." in driver.text
         await driver.press("b")
         assert driver.peer.control_requests == 1
-        await driver.tell(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
+        await driver.publish(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
         await driver.press("s")
-        assert [act.command for act in driver.acts(t.OPERATOR)] == ["skip"]
+        assert [act.command for act in driver.sent(t.OPERATOR)] == ["skip"]
 
 
-async def test_a_lost_link_is_told_with_what_goes_on_and_comes_back(catalogue: Catalogue, folder: Path) -> None:
+async def test_a_lost_link_is_shown_until_it_is_back(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.propose(b.approval())
         await driver.receive(Connection("lost", "Nothing is heard from the session."))
         assert "connection lost" in driver.text
         assert "the session goes on by" in driver.text
         await driver.press("enter", "s")
-        assert driver.acts(t.DECISION) == driver.acts(t.OPERATOR) == []
+        assert driver.sent(t.DECISION) == driver.sent(t.OPERATOR) == []
         assert "There is no connection. Nothing was sent." in driver.text
         await driver.join()
-        await driver.tell(t.WAITING, b.waiting())
+        await driver.publish(t.WAITING, b.waiting())
         await driver.press("s")
         assert "● in control" in driver.text
-        assert [act.command for act in driver.acts(t.OPERATOR)] == ["skip"]
+        assert [act.command for act in driver.sent(t.OPERATOR)] == ["skip"]
 
 
 async def test_the_panel_takes_the_theme_of_the_session(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         assert "calm" in driver.app.theme
-        await driver.tell(t.THEME, m.ThemeApplied(theme=catalogue.theme("playful")))
+        await driver.publish(t.THEME, m.ThemeApplied(theme=catalogue.theme("playful")))
         assert "playful" in driver.app.theme
 
 
-async def test_what_the_participant_sees_of_the_agent_is_seen(catalogue: Catalogue, folder: Path) -> None:
+async def test_the_panel_shows_the_agent_as_the_participant_sees_it(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.tell(t.ACTION, b.action("a2", text="Look at that!"))
+        await driver.publish(t.ACTION, b.action("a2", text="Look at that!"))
         assert "Look at that!" in driver.text
         assert driver.text.count("◠") == 2
-        await driver.tell(t.ACTION, b.action("a3", text="And then " + "on " * 60 + "to the end.", joins=True))
+        await driver.publish(t.ACTION, b.action("a3", text="And then " + "on " * 60 + "to the end.", joins=True))
         assert "to the end." in driver.text
-        assert "…" in "".join(row[:46] for row in driver.rows[2:9]), "what there is no room for is told"
+        assert "…" in "".join(row[:46] for row in driver.rows[2:9]), "cut text ends with an ellipsis"
         await driver.receive(b.TRACE)
         assert "rad/s" in driver.text
-        await driver.tell(t.WAITING, b.waiting("foreperiod"))
+        await driver.publish(t.WAITING, b.waiting("foreperiod"))
         assert "to the end." not in driver.text
         ahead = driver.panel.query_one(Agent).query_one(".robot", Static).render()
-        await driver.tell(t.CUE, b.cue())
+        await driver.publish(t.CUE, b.cue())
         aside = driver.panel.query_one(Agent).query_one(".robot", Static).render()
         assert str(aside) != str(ahead)
-        await driver.tell(t.WAITING, b.waiting("response"))
+        await driver.publish(t.WAITING, b.waiting("response"))
         assert str(driver.panel.query_one(Agent).query_one(".robot", Static).render()) == str(aside)
-        await driver.tell(t.WAITING, b.waiting("quiet"))
+        await driver.publish(t.WAITING, b.waiting("quiet"))
         assert str(driver.panel.query_one(Agent).query_one(".robot", Static).render()) == str(ahead)
 
 
-async def test_at_80_by_24_all_keys_are_listed_the_stop_key_works_anywhere_and_those_behind_are_told(
+async def test_at_80_by_24_all_keys_are_listed_stop_works_anywhere_and_other_proposals_are_named(
     catalogue: Catalogue, folder: Path
 ) -> None:
-    async with b.sit_down(catalogue, folder) as driver:
+    async with b.open_panel(catalogue, folder) as driver:
         await driver.press("t", "a", "f2", "escape", "f1")
         for words in (
             "Approve",
@@ -571,17 +561,15 @@ async def test_at_80_by_24_all_keys_are_listed_the_stop_key_works_anywhere_and_t
         ):
             assert words in driver.text
         await driver.press("f2", "f1")
-        assert [act.command for act in driver.acts(t.OPERATOR)] == ["stop", "stop"]
+        assert [act.command for act in driver.sent(t.OPERATOR)] == ["stop", "stop"]
         assert "Take control" not in driver.text
         wave = b.approval("p2", kind="gesture", text="", spoken="", gesture="wave")
         await driver.propose(b.approval("p1"), wave)
         assert "Also pending: 4 s gesture [wave]" in driver.text
 
 
-async def test_why_there_is_no_connection_is_told_and_the_panel_is_left_when_asked_twice(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with b.sit_down(catalogue, folder, joins=False) as driver:
+async def test_a_missing_connection_is_explained_and_leaving_asks_once(catalogue: Catalogue, folder: Path) -> None:
+    async with b.open_panel(catalogue, folder, joins=False) as driver:
         await driver.receive(Connection("connecting", "The other side does not know this invitation."))
         assert "There is no connection yet: The other side does not know this invitation." in driver.text
         await driver.press("q")

@@ -1,6 +1,6 @@
-"""The panel as it stands in every theme, and at 80 by 24 and at 100 by 30, as plain text.
+"""Snapshots of the panel as plain text, in each theme, at 80 by 24 and at 100 by 30.
 
-They are kept in ``snapshots/``. ``SAR_TUI_UPDATE_SNAPSHOTS=1`` draws them anew; then look at what has changed.
+They are stored in ``snapshots/``. Redraw them with ``SAR_TUI_UPDATE_SNAPSHOTS=1``, then look at the changes.
 """
 
 import os
@@ -22,7 +22,7 @@ VIEWS = ("joining", "prompt", "proposals", "editing", "modes", "two-participants
 
 
 class Album:
-    """Compares views with their snapshots, and tells in the end which have changed."""
+    """Compares views with their snapshots and reports the changed ones."""
 
     def __init__(self, theme: str, size: tuple[int, int]) -> None:
         self._kind = f"{theme}.{size[0]}x{size[1]}"
@@ -42,15 +42,15 @@ class Album:
     def check(self) -> None:
         for name, seen in self.changed.items():
             print(f"--- {name} is now:\n{seen}")
-        assert not self.changed, f"{', '.join(self.changed)}: SAR_TUI_UPDATE_SNAPSHOTS=1 keeps them as they are now"
+        assert not self.changed, f"{', '.join(self.changed)}: SAR_TUI_UPDATE_SNAPSHOTS=1 stores them as they are now"
 
 
 @pytest.mark.parametrize(("theme", "size"), KINDS, ids=[f"{theme}-{w}x{h}" for theme, (w, h) in KINDS])
-async def test_the_panel_looks_as_it_did(
+async def test_the_panel_matches_its_snapshots(
     theme: str, size: tuple[int, int], tmp_path: Path, catalogue: Catalogue
 ) -> None:
     album = Album(theme, size)
-    async with b.sit_down(catalogue, tmp_path, theme, size, joins=False) as driver:
+    async with b.open_panel(catalogue, tmp_path, theme, size, joins=False) as driver:
         album.take("joining", driver)
         await driver.join()
         attached = m.SensorChanged(state="attached", at=b.START)
@@ -58,7 +58,7 @@ async def test_the_panel_looks_as_it_did(
             [b.frame(t.SENSOR, attached), b.frame(t.PROMPT, b.prompt()), b.frame(t.WAITING, b.waiting())], b.TRACE
         )
         album.take("prompt", driver)
-        await driver.tell(t.WAITING, b.waiting("answer", "answer"))
+        await driver.publish(t.WAITING, b.waiting("answer", "answer"))
         wave = b.approval("p2", ms=6000, kind="gesture", text="", spoken="", gesture="wave", valence=None)
         await driver.propose(b.approval(), wave)
         album.take("proposals", driver)
@@ -80,6 +80,6 @@ async def test_the_panel_looks_as_it_did(
     album.check()
 
 
-def test_there_is_no_snapshot_of_a_view_that_is_gone() -> None:
+def test_no_snapshot_is_left_over() -> None:
     names = {f"{view}.{theme}.{w}x{h}.txt" for view in VIEWS for theme, (w, h) in KINDS}
     assert {path.name for path in FOLDER.iterdir()} == names

@@ -1,4 +1,4 @@
-"""The operator's own file, the phrases and their slots, the palette."""
+"""The operator's file, phrases and their slots, the palette."""
 
 from pathlib import Path
 
@@ -23,10 +23,15 @@ def theme(catalogue: Catalogue) -> Theme:
 
 @pytest.fixture
 def state(theme: Theme) -> SessionState:
-    return SessionState().receive(Connection("connected")).receive(b.welcome(marks=b.MARKS)).receive(b.begun(theme))
+    return (
+        SessionState()
+        .receive(Connection("connected"))
+        .receive(b.welcome(marks=b.MARKS))
+        .receive(b.session_frames(theme))
+    )
 
 
-def test_without_a_file_all_is_as_usual_and_every_key_is_one_thing(tmp_path: Path) -> None:
+def test_without_a_file_the_defaults_apply_and_each_key_has_one_command(tmp_path: Path) -> None:
     file, problem = read(tmp_path)
     assert (problem, file.events) == ("", EVENTS)
     keys = [key for key_command in KEY_COMMANDS for key in file.keys_of(key_command)]
@@ -34,7 +39,7 @@ def test_without_a_file_all_is_as_usual_and_every_key_is_one_thing(tmp_path: Pat
     assert all(is_key(key) for key in keys)
 
 
-def test_a_file_gives_other_keys_phrases_and_events(tmp_path: Path) -> None:
+def test_a_file_changes_keys_phrases_and_events(tmp_path: Path) -> None:
     (tmp_path / FILE).write_text(
         'phrases = ["Go on, {participant}.", {text = "Fine.", valence = "positive", gesture = "nod"}]\n'
         'events = ["noise"]\n[keys]\napprove = "y,+"\npositive = "p"\nphrases = "v"\n'
@@ -66,7 +71,7 @@ def test_the_former_id_of_the_key_that_takes_control_is_still_read(tmp_path: Pat
         ("[keys", "Expected ']'"),
     ],
 )
-def test_a_file_that_is_wrong_is_left_out_and_one_sentence_says_why(tmp_path: Path, text: str, why: str) -> None:
+def test_an_invalid_file_is_ignored_and_one_sentence_says_why(tmp_path: Path, text: str, why: str) -> None:
     (tmp_path / FILE).write_text(text)
     file, problem = read(tmp_path)
     assert file == KeymapFile()
@@ -74,7 +79,7 @@ def test_a_file_that_is_wrong_is_left_out_and_one_sentence_says_why(tmp_path: Pa
     assert FILE in problem
 
 
-def test_a_file_that_is_no_text_or_cannot_be_read_is_left_out_too(tmp_path: Path) -> None:
+def test_an_unreadable_file_is_ignored(tmp_path: Path) -> None:
     (tmp_path / FILE).write_bytes(b"\xff\xfe")
     assert "is ignored" in read(tmp_path)[1]
     (tmp_path / FILE).unlink()
@@ -82,17 +87,17 @@ def test_a_file_that_is_no_text_or_cannot_be_read_is_left_out_too(tmp_path: Path
     assert "cannot be read" in read(tmp_path)[1]
 
 
-def test_keys_are_called_as_on_the_keyboard() -> None:
+def test_keys_are_named_as_on_the_keyboard() -> None:
     called = [key_name(key) for key in ("enter", "plus", "ctrl+t", "f2", "escape", "x")]
     assert called == ["Enter", "+", "Ctrl-t", "F2", "Esc", "x"]
 
 
-def test_slots_are_filled_from_what_is_known(state: SessionState) -> None:
+def test_slots_are_filled_from_the_state(state: SessionState) -> None:
     phrase = Phrase("{participant}: {result} of {goal}, attempt {attempt}, level {level}.")
     assert fill(phrase, slot_values(state, "A")).text == "P01: 498 ms of 520 ms, attempt 3, level 4."
 
 
-def test_a_phrase_whose_slot_has_no_value_yet_cannot_be_chosen() -> None:
+def test_a_phrase_cannot_be_chosen_while_a_slot_has_no_value() -> None:
     known = SessionState().receive(Connection("connected")).receive(b.welcome())
     page = pages(known, PhraseBook.of(known, KeymapFile(phrases=("Last: {result}.", "Good."))), "A")[0]
     assert [(item.why, item.topic is None) for item in page.items] == [
@@ -109,14 +114,14 @@ def test_own_phrases_come_first_then_the_themes_by_heading(state: SessionState, 
     assert all(len(page.items) <= PER_PAGE for page in found)
 
 
-def test_praise_goes_with_the_face_and_gesture_of_praise(state: SessionState) -> None:
+def test_praise_has_the_face_and_gesture_of_praise(state: SessionState) -> None:
     praise = next(page for page in pages(state, PhraseBook.of(state, KeymapFile()), "A") if page.title == "Praise")
     remark = praise.items[0].message
     assert isinstance(remark, m.Remark)
     assert (remark.valence, remark.face, remark.gesture, remark.source) == ("positive", "happy", "nod", "phrase")
 
 
-def test_marks_modes_and_queue_are_pages_too(state: SessionState) -> None:
+def test_marks_modes_and_queue_have_pages(state: SessionState) -> None:
     said = b.action("a9", text="Next.")
     full = state.receive(
         [b.frame(t.ARBITER_STATE, b.arbiter_state(queued=(said,), current=b.action("a8", text="Now.")))]
@@ -128,9 +133,9 @@ def test_marks_modes_and_queue_are_pages_too(state: SessionState) -> None:
     assert found["queue"].items[1].message == m.Decision(action="a9", verdict="veto")
 
 
-def test_the_page_about_the_panel_has_every_id_and_its_example_of_a_file_is_right(tmp_path: Path) -> None:
+def test_the_documentation_lists_every_id_and_its_example_file_is_valid(tmp_path: Path) -> None:
     page = (Path(__file__).parents[2] / "docs" / "run-a-wizard-of-oz-study.md").read_text()
-    numbered = ("pick-", "event-")  # told as ranges
+    numbered = ("pick-", "event-")  # listed as ranges
     assert [
         key_command.id
         for key_command in KEY_COMMANDS

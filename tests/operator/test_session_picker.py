@@ -1,4 +1,4 @@
-"""From the sessions that can be joined to a panel."""
+"""Choice of a session, and its panel."""
 
 import re
 from pathlib import Path
@@ -26,7 +26,7 @@ OTHER = JoinableSession("s2", "reaching", "abce", 2)
 
 @pytest.fixture
 def joined(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """Which sessions were joined, by whom; the links are none."""
+    """Sessions that were joined, with names and roles, over fake links."""
     found: list[Any] = []
 
     def connect(where: Any, name: str, role: Any, hear: PeerListener, loop: Any) -> FakePeer:
@@ -41,9 +41,7 @@ def wizard(catalogue: Catalogue, folder: Path, look: Any, *, waits: bool = False
     return WizardApp(catalogue.theme("calm"), folder, "anna", waits=waits, look=look)
 
 
-async def test_of_several_sessions_one_is_chosen_and_its_panel_opens(
-    catalogue: Catalogue, tmp_path: Path, joined: list[Any]
-) -> None:
+async def test_the_panel_of_the_chosen_session_opens(catalogue: Catalogue, tmp_path: Path, joined: list[Any]) -> None:
     app = wizard(catalogue, tmp_path, lambda: [ONE, OTHER])
     async with app.run_test() as pilot:
         await pilot.press("down", "enter")
@@ -52,7 +50,7 @@ async def test_of_several_sessions_one_is_chosen_and_its_panel_opens(
     assert joined == [(OTHER, "anna", "operator")]
 
 
-async def test_while_there_is_none_how_to_start_one_is_told_and_the_first_that_comes_is_joined(
+async def test_without_a_session_it_says_how_to_start_one_and_joins_the_first(
     catalogue: Catalogue, tmp_path: Path, joined: list[Any]
 ) -> None:
     there: list[JoinableSession] = []
@@ -68,14 +66,14 @@ async def test_while_there_is_none_how_to_start_one_is_told_and_the_first_that_c
     assert joined == [(ONE, "anna", "operator")]
 
 
-async def test_whoever_leaves_the_choice_leaves_the_app(catalogue: Catalogue, tmp_path: Path) -> None:
+async def test_leaving_the_choice_leaves_the_app(catalogue: Catalogue, tmp_path: Path) -> None:
     app = wizard(catalogue, tmp_path, lambda: [ONE, OTHER])
     async with app.run_test() as pilot:
         await pilot.press("escape")
     assert app.return_code == 0
 
 
-async def test_a_link_that_cannot_be_made_ends_the_app_with_a_sentence(
+async def test_a_failed_link_ends_the_app_with_a_message(
     catalogue: Catalogue, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: Any, **__: Any) -> Any:
@@ -109,7 +107,7 @@ async def test_home_offers_the_panel_while_a_session_can_be_joined(
 
 
 @pytest.mark.parametrize("login", ["anna", "Ünal.K", "-x-", "", "a" * 80])
-def test_a_login_name_becomes_one_that_may_be_used(login: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_login_name_becomes_a_valid_name(login: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LOGNAME", login)
     for name in ("USER", "LNAME", "USERNAME"):
         monkeypatch.delenv(name, raising=False)

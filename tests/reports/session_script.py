@@ -1,4 +1,4 @@
-"""A session's messages written by hand, as a play is: who does what, and when."""
+"""Messages of a session, written by hand."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ WHO = "operator.anna"
 
 
 class Script(list[LoggedMessage]):
-    """Messages of a session, each said at a time in ms; begins with run 1 at 0."""
+    """Messages of a session with times in ms. Run 1 begins at 0."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -18,27 +18,27 @@ class Script(list[LoggedMessage]):
 
     def begin(self, run: int, ms: float) -> "Script":
         self.run = run
-        return self.say(ms, m.SessionStarted(run=run, task="keyboard", theme="calm", seed=1))
+        return self.log(ms, m.SessionStarted(run=run, task="keyboard", theme="calm", seed=1))
 
-    def say(self, ms: float, *messages: m.Message) -> "Script":
-        """All of one cascade."""
+    def log(self, ms: float, *messages: m.Message) -> "Script":
+        """Add the messages of one cascade."""
         self.extend(LoggedMessage(self.run, round(ms * 1e6), message) for message in messages)
         return self
 
     def join(self, ms: float, who: str = WHO, state: Any = "joined", *, operated: bool = True) -> "Script":
-        return self.say(ms, m.OperatorChanged(actor=who, state=state, operated=operated))
+        return self.log(ms, m.OperatorChanged(actor=who, state=state, operated=operated))
 
 
 def proposal(id: str, kind: Any = "feedback", text: str = "Well done.", **parts: Any) -> m.Proposal:
     return m.Proposal(id=id, kind=kind, text=text, **parts)
 
 
-def offer(proposed: m.Proposal, mode: Any = "approve", level: int | None = None) -> m.PendingApproval:
+def pending(proposed: m.Proposal, mode: Any = "approve", level: int | None = None) -> m.PendingApproval:
     return m.PendingApproval(proposal=proposed, mode=mode, level=level)
 
 
 def action(proposed: m.Proposal, decision: Any = "accepted", ground: Any = "operator", **changes: Any) -> m.Action:
-    """What becomes of a proposal that is done."""
+    """Return the action of a proposal."""
     said = {name: getattr(proposed, name) for name in proposed.__struct_fields__} | changes
     return m.Action(**said, decision=decision, actor=WHO if ground == "operator" else "agent", ground=ground)
 
@@ -51,5 +51,5 @@ def seen(id: str, ms: float, who: str = WHO) -> m.ProposalSeen:
     return m.ProposalSeen(action=id, actor=who, at=round(ms * 1e6))
 
 
-def ruled(id: str, level: int, decision: Any, ground: Any) -> m.LevelDecided:
+def level_decided(id: str, level: int, decision: Any, ground: Any) -> m.LevelDecided:
     return m.LevelDecided(id=id, level=level, decision=decision, actor="somebody", ground=ground, at=0)

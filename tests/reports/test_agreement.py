@@ -1,4 +1,4 @@
-"""How far operators agreed: by cases worked out by hand, and by what holds of any."""
+"""Agreement of operators: examples computed by hand, and properties."""
 
 from typing import Any
 
@@ -20,18 +20,18 @@ def decided(verdict: Any, text: str = "Well done.", said: str | None = None, *va
     )
 
 
-def test_kappa_of_a_table_worked_out_by_hand() -> None:
+def test_kappa_of_a_table_computed_by_hand() -> None:
     """Observed (20 + 15) / 50 = 0.7; by chance 25/50 · 30/50 + 25/50 · 20/50 = 0.5; (0.7 − 0.5) / 0.5 = 0.4."""
     pairs = [("yes", "yes")] * 20 + [("yes", "no")] * 5 + [("no", "yes")] * 10 + [("no", "no")] * 15
     assert kappa(pairs) == 0.4
 
 
 @pytest.mark.parametrize("pairs", [[], [("positive", "positive")] * 7])
-def test_kappa_is_not_defined_where_nothing_could_differ(pairs: list[tuple[str, str]]) -> None:
+def test_kappa_is_not_defined_without_variation(pairs: list[tuple[str, str]]) -> None:
     assert kappa(pairs) is None
 
 
-def test_two_who_always_contradict_each_other_are_below_chance() -> None:
+def test_constant_disagreement_is_below_chance() -> None:
     assert kappa([("positive", "negative"), ("negative", "positive")]) == -1
 
 
@@ -61,7 +61,7 @@ def test_the_share_of_words_that_an_edit_changed(before: str, after: str, share:
 
 
 @given(WORDS, WORDS, WORDS)
-def test_the_share_is_between_nothing_and_all_and_a_detour_is_never_shorter(one: str, two: str, three: str) -> None:
+def test_word_distance_is_a_metric(one: str, two: str, three: str) -> None:
     def steps(before: str, after: str) -> float:
         return word_distance(before, after) * max(len(before.split()), len(after.split()))
 
@@ -71,7 +71,7 @@ def test_the_share_is_between_nothing_and_all_and_a_detour_is_never_shorter(one:
     assert steps(one, three) <= steps(one, two) + steps(two, three) + 1e-9
 
 
-def test_a_session_worked_out_by_hand() -> None:
+def test_a_session_computed_by_hand() -> None:
     found = agreement(
         [
             decided("accepted", "Well done.", "Well done.", "positive", "positive"),
@@ -95,6 +95,6 @@ def test_a_session_worked_out_by_hand() -> None:
     assert found.valence_kappa == 0.4545, "(4/6 − (4·3 + 2·1)/36) / (1 − 14/36) = (24 − 14) / (36 − 14)"
 
 
-def test_where_nobody_decided_there_is_nothing_to_agree_on() -> None:
+def test_without_decisions_there_is_no_agreement() -> None:
     found = agreement([decided(None)])
     assert (found.decided, found.accepted_share, found.words_changed_median, found.valence_kappa) == (0,) + (None,) * 3

@@ -1,4 +1,4 @@
-"""The figure of attempts: the thesis' Figure 4.4 in text."""
+"""Text plot of attempts."""
 
 import pytest
 
@@ -17,7 +17,7 @@ def figure(**changes: object) -> str:
 
 
 @pytest.mark.parametrize("size", [(76, 12), (100, 18), (50, 9), (30, 7)])
-def test_it_has_the_size_that_was_asked_for(size: tuple[int, int]) -> None:
+def test_it_has_the_requested_size(size: tuple[int, int]) -> None:
     lines = figure(width=size[0], height=size[1], outcomes=OUTCOMES).split("\n")
     assert len(lines) == size[1]
     assert max(map(len, lines)) <= size[0]
@@ -89,5 +89,5 @@ def test_many_attempts_and_levels_still_fit() -> None:
     assert lines[-1].split()[1:4] == ["1", "20", "40"]
 
 
-def test_no_attempts_is_a_sentence() -> None:
+def test_without_attempts_there_is_a_sentence() -> None:
     assert figure(levels=[], metrics=[]) == "There are no attempts to show yet."

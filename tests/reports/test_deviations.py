@@ -1,4 +1,4 @@
-"""What an operator did beside the plan: told once each, by whom, and when."""
+"""Deviations from the plan: each once, with actor and time."""
 
 from typing import Any
 
@@ -21,7 +21,7 @@ def found(script: Script) -> list[Deviation]:
 
 
 def test_a_session_that_went_as_planned_has_none() -> None:
-    script = Script().join(10).join(10, state="baton").say(1000, m.Remark(text="Good.", actor=WHO), GOES_ON)
+    script = Script().join(10).join(10, state="baton").log(1000, m.Remark(text="Good.", actor=WHO), GOES_ON)
     assert found(script) == []
 
 
@@ -40,35 +40,35 @@ def test_a_session_that_went_as_planned_has_none() -> None:
         (m.OperatorChanged(actor=WHO, state="left", operated=False), "left", ""),
     ],
 )
-def test_each_is_told_with_its_time_and_by_whom(message: m.Message, what: str, detail: str) -> None:
-    script = Script().join(10).say(61_500, message)
+def test_each_deviation_has_its_time_and_actor(message: m.Message, what: str, detail: str) -> None:
+    script = Script().join(10).log(61_500, message)
     assert found(script) == [Deviation(run=1, at_s=61.5, what=what, actor=WHO, detail=detail)]
 
 
-def test_refused_acts_that_are_told_of_together_are_counted() -> None:
+def test_refused_acts_reported_together_are_counted() -> None:
     refused = m.ActRefused(actor="observer.eve", what="operator/act", why="An observer cannot act.", count=12)
-    (deviation,) = found(Script().say(2000, refused))
+    (deviation,) = found(Script().log(2000, refused))
     assert (deviation.what, deviation.actor, deviation.count) == ("refused", "observer.eve", 12)
 
 
-def test_what_participants_and_observers_do_is_no_deviation_of_the_operator() -> None:
+def test_acts_of_participants_and_observers_are_no_deviations() -> None:
     gone = m.OperatorChanged(actor="observer.eve", role="observer", state="left", operated=True)
-    assert found(Script().join(10).say(1000, m.Operator(command="pause"), m.Operator(command="stop"), gone)) == []
+    assert found(Script().join(10).log(1000, m.Operator(command="pause"), m.Operator(command="stop"), gone)) == []
 
 
 def test_a_pause_lasts_until_the_session_goes_on() -> None:
-    script = Script().join(10).say(5000, act("pause", reason="tired"), PAUSED).say(7000, PAUSED)
-    (pause,) = found(script.say(12_250, m.Operator(command="resume"), GOES_ON).say(90_000, GOES_ON))
+    script = Script().join(10).log(5000, act("pause", reason="tired"), PAUSED).log(7000, PAUSED)
+    (pause,) = found(script.log(12_250, m.Operator(command="resume"), GOES_ON).log(90_000, GOES_ON))
     assert (pause.what, pause.detail, pause.duration_s) == ("pause", "tired", 7.25)
 
 
-def test_a_pause_that_the_run_ends_in_lasts_until_then() -> None:
-    script = Script().join(10).say(5000, act("pause"), PAUSED).say(8000, PAUSED)
-    (pause,) = found(script.begin(2, 0).say(50, GOES_ON))
+def test_a_pause_lasts_at_most_until_the_run_ends() -> None:
+    script = Script().join(10).log(5000, act("pause"), PAUSED).log(8000, PAUSED)
+    (pause,) = found(script.begin(2, 0).log(50, GOES_ON))
     assert (pause.run, pause.duration_s) == (1, 3)
 
 
-def test_the_first_baton_is_the_plan_and_each_change_of_hands_is_not() -> None:
+def test_each_later_change_of_control_is_a_deviation() -> None:
     script = Script().join(10, state="baton").join(20, state="baton")
     script.join(5000, "operator.ben", "baton").join(9000, state="baton")
     assert [(each.what, each.actor, each.at_s) for each in found(script)] == [
@@ -77,6 +77,6 @@ def test_the_first_baton_is_the_plan_and_each_change_of_hands_is_not() -> None:
     ]
 
 
-def test_times_count_from_the_beginning_of_each_run() -> None:
-    script = Script().join(10).say(3000, act("skip")).begin(2, 700_000).say(702_000, act("repeat"))
+def test_times_count_from_the_start_of_each_run() -> None:
+    script = Script().join(10).log(3000, act("skip")).begin(2, 700_000).log(702_000, act("repeat"))
     assert [(each.run, each.at_s, each.what) for each in found(script)] == [(1, 3, "skip"), (2, 2, "repeat")]

@@ -1,4 +1,4 @@
-"""How times are spread, and drawn."""
+"""Statistics and histograms of times."""
 
 from itertools import pairwise
 
@@ -10,26 +10,26 @@ from sar_tui.reports.distribution import BINS, Distribution, bins, distribution,
 TIMES = st.lists(st.integers(-1_000_000, 60_000_000).map(lambda us: us / 1000), min_size=1, max_size=50)
 
 
-def test_figures_of_times_worked_out_by_hand() -> None:
-    """Of 0, 10, … 200 the percentile q is 2q."""
+def test_statistics_computed_by_hand() -> None:
+    """For 0, 10, … 200 the percentile q is 2q."""
     assert distribution([10 * n for n in range(21)]) == Distribution(
         n=21, median=100, iqr=100, p5=10, p25=50, p75=150, p95=190, worst=200
     )
 
 
-def test_between_two_times_a_percentile_is_interpolated() -> None:
+def test_percentiles_are_interpolated() -> None:
     found = distribution([100, 200])
     assert found is not None
     assert (found.p5, found.p25, found.median, found.p75, found.p95) == (105, 125, 150, 175, 195)
 
 
-def test_one_time_is_every_percentile_and_none_has_no_figures() -> None:
+def test_one_time_is_every_percentile_and_no_times_have_no_statistics() -> None:
     assert distribution([7.5]) == Distribution(n=1, median=7.5, iqr=0, p5=7.5, p25=7.5, p75=7.5, p95=7.5, worst=7.5)
     assert distribution([]) is None
 
 
 @given(TIMES)
-def test_figures_lie_in_order_between_the_shortest_and_the_longest(times: list[float]) -> None:
+def test_percentiles_are_in_order(times: list[float]) -> None:
     found = distribution(times)
     assert found is not None
     figures = [min(times), found.p5, found.p25, found.median, found.p75, found.p95, found.worst]
@@ -37,7 +37,7 @@ def test_figures_lie_in_order_between_the_shortest_and_the_longest(times: list[f
     assert found.worst == max(times)
 
 
-def test_bins_have_a_round_width_and_none_is_left_out() -> None:
+def test_bins_have_a_round_width_and_include_empty_ones() -> None:
     found = bins([120, 340, 360, 2210])
     assert [(each.low, each.high, each.n) for each in found] == [
         (low, low + 200, n) for low, n in zip(range(0, 2400, 200), [1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1], strict=True)
@@ -53,7 +53,7 @@ def test_every_time_is_in_the_bin_that_holds_it(times: list[float]) -> None:
     assert all(one.high == other.low for one, other in pairwise(found))
 
 
-def test_the_drawing_says_how_many_in_bars_as_long_as_they_are_many() -> None:
+def test_bars_are_proportional_to_counts() -> None:
     assert histogram([10.5] * 2 + [11.5, 13.5], 40) == [
         "10–11 ms ████████ 2",
         "11–12 ms ████ 1",
@@ -66,7 +66,7 @@ def test_the_drawing_says_how_many_in_bars_as_long_as_they_are_many() -> None:
 
 
 @given(TIMES, st.integers(30, 100))
-def test_a_drawing_fits_and_tells_a_little_from_nothing(times: list[float], width: int) -> None:
+def test_a_histogram_fits_and_only_empty_bins_have_no_bar(times: list[float], width: int) -> None:
     for line, each in zip(histogram(times, width), bins(times), strict=True):
         assert len(line) <= width
         assert ("█" in line) == bool(each.n)

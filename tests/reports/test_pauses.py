@@ -1,4 +1,4 @@
-"""The participant's own pauses: when, for how long, and how they said they were."""
+"""The participant's pauses: time, duration and reason."""
 
 from typing import Any
 
@@ -18,27 +18,27 @@ def found(script: Script) -> list[Pause]:
     return pauses(script, [WHO])
 
 
-def test_a_pause_is_told_with_its_reason_and_who_ended_it() -> None:
-    script = Script().say(1000, GOES_ON).say(5000, act("pause"), PAUSED).say(7000, act("pause", "pain"), PAUSED)
-    script.say(9000, act("resume", actor=WHO), GOES_ON).say(60_000, GOES_ON)
+def test_a_pause_has_its_reason_and_who_ended_it() -> None:
+    script = Script().log(1000, GOES_ON).log(5000, act("pause"), PAUSED).log(7000, act("pause", "pain"), PAUSED)
+    script.log(9000, act("resume", actor=WHO), GOES_ON).log(60_000, GOES_ON)
     assert found(script) == [Pause(1, 5, 4, "pain", WHO)]
 
 
-def test_who_is_in_pain_in_a_pause_of_the_operators_is_told_from_then_on() -> None:
-    script = Script().say(5000, act("pause", actor=WHO), PAUSED).say(6000, act("pause", "pain"), PAUSED)
-    assert found(script.say(8000, act("resume"), GOES_ON)) == [Pause(1, 6, 2, "pain", "participant")]
+def test_pain_during_an_operators_pause_starts_the_participants_own() -> None:
+    script = Script().log(5000, act("pause", actor=WHO), PAUSED).log(6000, act("pause", "pain"), PAUSED)
+    assert found(script.log(8000, act("resume"), GOES_ON)) == [Pause(1, 6, 2, "pain", "participant")]
 
 
-def test_a_pause_of_the_operators_is_none_of_the_participants() -> None:
-    script = Script().say(5000, act("pause", actor=WHO), PAUSED).say(8000, act("resume", actor=WHO), GOES_ON)
+def test_an_operators_pause_is_not_the_participants() -> None:
+    script = Script().log(5000, act("pause", actor=WHO), PAUSED).log(8000, act("resume", actor=WHO), GOES_ON)
     assert found(script) == []
 
 
-def test_what_could_not_be_a_pause_just_then_is_none() -> None:
-    assert found(Script().say(5000, act("pause")).say(6000, GOES_ON)) == []
+def test_a_pause_that_did_not_take_effect_is_left_out() -> None:
+    assert found(Script().log(5000, act("pause")).log(6000, GOES_ON)) == []
 
 
-def test_a_pause_in_which_the_run_ends_lasts_until_then_and_the_next_run_begins_without_one() -> None:
-    script = Script().say(5000, act("pause", "tired"), PAUSED).say(8000, m.NoteAdded())
-    script.begin(2, 0).say(1000, GOES_ON).say(4000, act("pause"), PAUSED).say(5000, act("resume"), GOES_ON)
+def test_a_pause_ends_with_its_run() -> None:
+    script = Script().log(5000, act("pause", "tired"), PAUSED).log(8000, m.NoteAdded())
+    script.begin(2, 0).log(1000, GOES_ON).log(4000, act("pause"), PAUSED).log(5000, act("resume"), GOES_ON)
     assert found(script) == [Pause(1, 5, 3, "tired", ""), Pause(2, 4, 1, "", "participant")]

@@ -1,4 +1,4 @@
-"""The whole report: of a session written by hand, and of simulated ones."""
+"""The whole report, on a session written by hand and on simulated ones."""
 
 from pathlib import Path
 from typing import Any
@@ -19,38 +19,38 @@ from sar_tui.simulation.operator import PROFILES
 from sar_tui.simulation.person import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
-from tests.reports.session_script import WHO, Script, action, decision, offer, proposal, seen
+from tests.reports.session_script import WHO, Script, action, decision, pending, proposal, seen
 
 SETTINGS = {"operator_feedback": "approve", "attempts": 8, "prompts_per_attempt": 4}
-"""The last is the task's own: the report does not mind."""
+"""The last setting is the task's own; the report ignores it."""
 
 
-def evening() -> Script:
-    """An operator accepts one, edits one, and lets one pass; then is lost; says, writes and sets something before."""
+def written_session() -> Script:
+    """An operator accepts, edits and misses a proposal, makes remarks, notes and a change of level, and is lost."""
     first, second, third, fourth = (
         proposal(f"a{n}", valence="negative", text="You were slow.") for n in (1, 2, 3, 4)
     )  # fmt: skip
     milder = action(second, "edited", text="You were quick.", valence="neutral")
     script = (
-        Script().join(0).say(0, m.OperatorChanged(actor="observer.eve", role="observer", state="joined", operated=True))
+        Script().join(0).log(0, m.OperatorChanged(actor="observer.eve", role="observer", state="joined", operated=True))
     )
-    script.say(10_000, first, offer(first)).say(10_040, seen("a1", 10_030))
-    script.say(11_002, decision("a1", ms=11_000), action(first))
-    script.say(20_000, second, offer(second)).say(20_040, seen("a2", 20_030))
-    script.say(22_034, decision("a2", "edit", 22_030), milder)
-    script.say(25_003, m.Remark(text="Take your time.", actor=WHO, at=25_000_000_000))
-    script.say(26_000, m.Remark(gesture="nod", source="gesture", actor=WHO, at=26_000_000_000))
-    script.say(27_000, m.NoteAdded(text="Tired today.", actor=WHO)).say(28_000, m.NoteAdded(label="yawn", actor=WHO))
-    script.say(29_001, m.Operator(command="level", value=2, actor=WHO, at=29_000_000_000))
-    script.say(30_000, third, offer(third)).say(30_040, seen("a3", 30_030)).say(
+    script.log(10_000, first, pending(first)).log(10_040, seen("a1", 10_030))
+    script.log(11_002, decision("a1", ms=11_000), action(first))
+    script.log(20_000, second, pending(second)).log(20_040, seen("a2", 20_030))
+    script.log(22_034, decision("a2", "edit", 22_030), milder)
+    script.log(25_003, m.Remark(text="Take your time.", actor=WHO, at=25_000_000_000))
+    script.log(26_000, m.Remark(gesture="nod", source="gesture", actor=WHO, at=26_000_000_000))
+    script.log(27_000, m.NoteAdded(text="Tired today.", actor=WHO)).log(28_000, m.NoteAdded(label="yawn", actor=WHO))
+    script.log(29_001, m.Operator(command="level", value=2, actor=WHO, at=29_000_000_000))
+    script.log(30_000, third, pending(third)).log(30_040, seen("a3", 30_030)).log(
         34_000, action(third, ground="deadline")
     )
     script.join(40_000, state="lost", operated=False)
-    return script.say(50_000, fourth, action(fourth, ground="no operator"))
+    return script.log(50_000, fourth, action(fourth, ground="no operator"))
 
 
-def test_a_session_worked_out_by_hand() -> None:
-    made, latencies = report("s1", SETTINGS, evening())
+def test_a_session_computed_by_hand() -> None:
+    made, latencies = report("s1", SETTINGS, written_session())
     assert (made.session, made.operated, made.operators, made.observers) == ("s1", True, [WHO], ["observer.eve"])
     assert (made.duration_s, made.operated_s) == (50, 40)
     (feedback,) = (row for row in made.proposals if row.kind == "feedback")
@@ -76,21 +76,21 @@ def test_a_session_worked_out_by_hand() -> None:
 
 
 def test_the_shares_of_a_kind_that_changed_its_mode() -> None:
-    script = Script().join(0).say(1000, proposal("a1"))
-    script.say(5000, m.ModeChanged(kind="feedback", mode="veto", actor=WHO)).say(6000, proposal("a2"), proposal("a3"))
-    made, _ = report("s1", SETTINGS, script.say(20_000, m.NoteAdded(actor=WHO)))
+    script = Script().join(0).log(1000, proposal("a1"))
+    script.log(5000, m.ModeChanged(kind="feedback", mode="veto", actor=WHO)).log(6000, proposal("a2"), proposal("a3"))
+    made, _ = report("s1", SETTINGS, script.log(20_000, m.NoteAdded(actor=WHO)))
     rows = [(row.mode, row.time_share, row.n, row.share) for row in made.proposals if row.kind == "feedback"]
     assert rows == [("veto", 0.75, 2, 0.6667), ("approve", 0.25, 1, 0.3333)]
 
 
-def test_a_session_that_ended_as_it_began_has_no_shares_of_time() -> None:
+def test_a_session_without_duration_has_no_time_shares() -> None:
     made, _ = report("s1", {}, Script())
     assert (made.duration_s, made.operated) == (0, False)
     assert {row.time_share for row in made.proposals} <= {None}
 
 
-def test_a_participants_own_stop_is_no_act_of_the_operators() -> None:
-    made, latencies = report("s1", {}, Script().join(0).say(5000, m.Operator(command="stop", at=4_000_000_000)))
+def test_a_participants_stop_is_no_act_of_an_operator() -> None:
+    made, latencies = report("s1", {}, Script().join(0).log(5000, m.Operator(command="stop", at=4_000_000_000)))
     assert (made.initiated, latencies.link, made.counts) == ({}, [], {})
 
 
@@ -98,7 +98,7 @@ def test_a_participants_own_stop_is_no_act_of_the_operators() -> None:
 
 
 class Simulated:
-    """A simulated session: its report, its messages, its rows."""
+    """Simulated session with its report, messages and rows."""
 
     def __init__(self, keyboard: type[Task], catalogue: Catalogue, data: Path, who: str, **settings: Any) -> None:
         values = {"attempts": 10, "prompts_per_attempt": 4, **settings}
@@ -131,7 +131,7 @@ def simulated(
     return Simulated(keyboard, catalogue, tmp_path_factory.mktemp("data"), request.param, **ALL_APPROVED)
 
 
-def test_every_proposal_came_to_one_thing(simulated: Simulated) -> None:
+def test_every_proposal_has_one_outcome(simulated: Simulated) -> None:
     for row in simulated.report.proposals:
         assert sum(row.fates.values()) == row.n
     for kind in {row.kind for row in simulated.report.proposals if row.n}:
@@ -139,7 +139,7 @@ def test_every_proposal_came_to_one_thing(simulated: Simulated) -> None:
         assert sum(share or 0 for share in shares) == pytest.approx(1, abs=0.001)
 
 
-def test_what_was_said_and_done_is_what_the_table_of_actions_says(simulated: Simulated) -> None:
+def test_proposal_records_agree_with_the_actions_table(simulated: Simulated) -> None:
     records = {record.id: record for record in proposal_records(simulated.messages, simulated.parameters)}
     rows = {row["id"]: row for row in simulated.actions if row["kind"] not in ("remark", "difficulty")}
     assert {id for id in rows if id[0] == "a"} == {id for id in records if id[0] == "a"}
@@ -151,7 +151,7 @@ def test_what_was_said_and_done_is_what_the_table_of_actions_says(simulated: Sim
             assert (records[id].verdict == "edited") == (row["decision"] == "edited"), id
 
 
-def test_no_operator_is_faster_than_a_hand_and_none_slower_than_the_deadline(simulated: Simulated) -> None:
+def test_decision_times_are_between_150_ms_and_the_deadline(simulated: Simulated) -> None:
     times = simulated.report.decision_ms
     assert times is not None
     assert times.p5 >= 150
@@ -159,14 +159,14 @@ def test_no_operator_is_faster_than_a_hand_and_none_slower_than_the_deadline(sim
     assert simulated.report.agreement.decided >= times.n > 0
 
 
-def test_an_operator_is_missed_only_where_one_was_absent(simulated: Simulated) -> None:
+def test_unattended_time_comes_only_from_absences(simulated: Simulated) -> None:
     whole = simulated.report.operated_s == simulated.report.duration_s
     unattended = sum(row.unattended_s for row in simulated.report.proposals)
     assert whole == (not simulated.report.absences) == (unattended == 0)
     assert len(simulated.report.absences) == simulated.report.counts.get("lost", 0)
 
 
-def test_a_session_without_an_operator_is_all_the_agents(
+def test_without_an_operator_all_proposals_are_the_agents(
     keyboard: type[Task], catalogue: Catalogue, tmp_path: Path
 ) -> None:
     made = Simulated(keyboard, catalogue, tmp_path, "nobody").report

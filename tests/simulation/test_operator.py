@@ -1,4 +1,4 @@
-"""Given a simulated operator, when the agent proposes, then it decides as its profile would, the same each time."""
+"""Simulated operators decide according to their profile, reproducibly."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -24,7 +24,7 @@ from sar_tui.simulation.person import PEOPLE
 PLAIN = OperatorProfile(
     "plain", 0, 500, 0.001, 0.001, vetoes=0, edits=0, slips=0, misses=0, remarks=0, notes=0, levels=0
 )
-"""Accepts all, 500 ms after it stood on the screen, and does nothing else."""
+"""Accepts everything 500 ms after it is on the screen, and does nothing else."""
 
 Record = tuple[int, m.Message]
 Play = Callable[..., list[Record]]
@@ -32,9 +32,9 @@ Play = Callable[..., list[Record]]
 
 @pytest.fixture
 def play(keyboard: type[Task], calm: Theme) -> Play:
-    """A whole session of a profile (None: nobody), as (when, message); parameters beside those of a short one.
+    """Play a whole session with an operator (None: nobody) and return its messages with times.
 
-    ``colleague``: chooses a mode when they hear certain messages.
+    ``colleague``: sets a mode in reply to a message.
     """
 
     def whole(
@@ -75,14 +75,14 @@ def like(profile: str, **changes: Any) -> OperatorProfile:
 
 
 @pytest.mark.parametrize("name", PROFILES)
-def test_the_same_seed_is_the_same_session_and_another_is_another(name: str, play: Play) -> None:
+def test_the_same_seed_gives_the_same_session_and_another_a_different_one(name: str, play: Play) -> None:
     profile = PROFILES[name]
     assert play(profile, 5) == play(profile, 5)
     decisions = [[(d.action, d.verdict, d.at) for d in of(m.Decision, play(profile, seed))] for seed in (5, 6)]
     assert decisions[0] != decisions[1]
 
 
-def test_it_is_there_from_the_beginning_and_holds_the_baton(play: Play) -> None:
+def test_it_joins_at_the_start_and_takes_control(play: Play) -> None:
     heard = play(PLAIN)
     came = [(at, message) for at, message in heard if isinstance(message, m.OperatorChanged)]
     assert [(at, message.state, message.operated, message.actor) for at, message in came] == [
@@ -91,7 +91,7 @@ def test_it_is_there_from_the_beginning_and_holds_the_baton(play: Play) -> None:
     ]
 
 
-def test_what_is_offered_is_seen_and_then_decided(play: Play) -> None:
+def test_pending_proposals_are_seen_and_then_decided(play: Play) -> None:
     heard = play(PLAIN)
     offers = {message.proposal.id: at for at, message in heard if isinstance(message, m.PendingApproval)}
     seen = {message.action: message.at for message in of(m.ProposalSeen, heard)}
@@ -104,7 +104,7 @@ def test_what_is_offered_is_seen_and_then_decided(play: Play) -> None:
     assert {message.ground for message in of(m.Action, heard) if message.kind == "feedback"} == {"operator"}
 
 
-def test_one_thing_is_decided_after_the_other(play: Play) -> None:
+def test_proposals_are_decided_one_after_the_other(play: Play) -> None:
     heard = play(PLAIN, operator_difficulty="approve", operator_gesture="approve")
     times = sorted(message.at for message in of(m.Decision, heard))
     assert len(times) > 12
@@ -115,12 +115,12 @@ def test_one_thing_is_decided_after_the_other(play: Play) -> None:
     ("share", "verdicts"),
     [("vetoes", {"veto"}), ("edits", {"edit"}), ("misses", set()), ("slips", {"veto", "edit"})],
 )
-def test_who_always_does_one_thing_does_it_always(share: str, verdicts: set[str], play: Play) -> None:
+def test_a_share_of_one_means_always(share: str, verdicts: set[str], play: Play) -> None:
     heard = play(msgspec.structs.replace(PLAIN, **{share: 1.0}), operator_difficulty="approve")
     assert {message.verdict for message in of(m.Decision, heard)} == verdicts
 
 
-def test_an_edit_adds_a_kind_word_and_makes_blame_milder(play: Play, calm: Theme) -> None:
+def test_an_edit_adds_encouragement_and_softens_blame(play: Play, calm: Theme) -> None:
     heard = play(like("careful", edits=1.0, vetoes=0, slips=0, misses=0), threshold=300)
     proposed = {message.id: message for message in of(m.Proposal, heard)}
     edits = of(m.Decision, heard)
@@ -131,8 +131,8 @@ def test_an_edit_adds_a_kind_word_and_makes_blame_milder(play: Play, calm: Theme
         assert edit.valence == "neutral"
 
 
-def test_a_key_that_comes_too_late_to_be_held_back_is_pressed_and_missed(play: Play) -> None:
-    """The deadline is at 1000 ms: who would decide at 1030 + 100 is on their way, who would at 2000 is not."""
+def test_a_key_already_on_its_way_is_pressed_and_comes_too_late(play: Play) -> None:
+    """The deadline is at 1000 ms: a key due at 1130 ms is on its way, one due at 2000 ms is not."""
     on_the_way = msgspec.structs.replace(PLAIN, mean_ms=1100)
     heard = play(on_the_way, operator_time_ms=1000)
     assert len(of(m.ActMissed, heard)) == len(of(m.PendingApproval, heard)) == 6
@@ -141,7 +141,7 @@ def test_a_key_that_comes_too_late_to_be_held_back_is_pressed_and_missed(play: P
     assert of(m.ActMissed, heard) == of(m.Decision, heard) == []
 
 
-def test_who_comes_and_goes_is_lost_and_back_and_decides_nothing_meanwhile(play: Play) -> None:
+def test_an_absent_operator_decides_nothing(play: Play) -> None:
     heard = play(like("absent", leaves=1.0, away_s=15.0, misses=0), attempts=10)
     states = [message.state for message in of(m.OperatorChanged, heard)]
     assert states.count("lost") >= 3
@@ -153,8 +153,8 @@ def test_who_comes_and_goes_is_lost_and_back_and_decides_nothing_meanwhile(play:
         assert is_here or not isinstance(message, m.Decision | m.Remark | m.NoteAdded | m.ProposalSeen)
 
 
-def test_what_is_put_before_them_once_more_is_decided_once(play: Play) -> None:
-    """A proposal that waits is offered anew when its mode is chosen anew."""
+def test_a_proposal_that_becomes_pending_again_is_decided_once(play: Play) -> None:
+    """A pending proposal becomes pending again when its mode is set again."""
 
     def colleague(message: m.Message) -> m.ModeChanged | None:
         waits = isinstance(message, m.PendingApproval) and message.mode == "approve"
@@ -168,7 +168,7 @@ def test_what_is_put_before_them_once_more_is_decided_once(play: Play) -> None:
     assert of(m.ActMissed, heard) == []
 
 
-def test_what_it_does_of_its_own_accord(play: Play) -> None:
+def test_acts_on_its_own_initiative(play: Play) -> None:
     heard = play(msgspec.structs.replace(PLAIN, remarks=1.0, notes=1.0, levels=1.0), attempts=8)
     acts = Counter(type(message).__name__ for message in of(m.Remark | m.NoteAdded | m.Operator, heard))
     assert acts["Remark"] >= 7
@@ -186,13 +186,13 @@ def test_the_participant_is_as_fast_with_an_operator_as_without(play: Play) -> N
     assert times[0] == times[1]
 
 
-# --- characters, by themselves -----------------------------------------------------------------------------------
+# --- profiles -----------------------------------------------------------------------------------
 
 MANY = [RandomStreams(1, "operator", f"a{n}") for n in range(2000)]
 
 
 @pytest.mark.parametrize("name", PROFILES)
-def test_shares_come_out_as_the_character_says(name: str) -> None:
+def test_shares_match_the_profile(name: str) -> None:
     profile = PROFILES[name]
     verdicts = Counter(profile.verdict(streams) for streams in MANY)
     assert verdicts["miss"] / 2000 == pytest.approx(profile.misses, abs=0.025)
@@ -203,7 +203,7 @@ def test_shares_come_out_as_the_character_says(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", PROFILES)
-def test_times_come_out_as_the_character_says(name: str) -> None:
+def test_times_match_the_profile(name: str) -> None:
     profile = PROFILES[name]
     text = "one two three four five"
     times = [profile.reaction_ms(text, streams) for streams in MANY]
@@ -212,7 +212,7 @@ def test_times_come_out_as_the_character_says(name: str) -> None:
     assert min(times) >= 150
 
 
-def test_who_is_hasty_is_faster_and_more_often_wrong_than_who_is_careful() -> None:
+def test_hasty_operators_are_faster_and_more_often_wrong_than_careful_ones() -> None:
     text = "You were a little slower than last time."
     hasty, careful = (
         fmean(PROFILES[name].reaction_ms(text, streams) for streams in MANY) for name in ("hasty", "careful")
