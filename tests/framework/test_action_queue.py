@@ -1,4 +1,4 @@
-"""Given what waits and what is under way, when turns are taken, then one thing goes on, the weightiest first."""
+"""The action queue begins one action at a time, by priority."""
 
 from hypothesis import given
 from hypothesis import strategies as st

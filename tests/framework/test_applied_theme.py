@@ -1,4 +1,4 @@
-"""Given a theme that is edited in mid-session, when the session goes on, or is gone on with, then it speaks by it."""
+"""A theme that is edited during a session applies from then on, also after a resume."""
 
 import msgspec
 import pytest
@@ -27,7 +27,7 @@ def said(driver: LoopDriver) -> list[str]:
     return [action.text for action in driver.all(ACTION) if action.kind == "feedback"]
 
 
-def sit(theme: Theme = CALM, history: LoopDriver | None = None, **more: object) -> LoopDriver:
+def new_session(theme: Theme = CALM, history: LoopDriver | None = None, **more: object) -> LoopDriver:
     records = history.records if history else None
     return LoopDriver(KEYBOARD, theme, history=records, **{**SET_UP, **more})  # type: ignore[arg-type]
 
@@ -35,7 +35,7 @@ def sit(theme: Theme = CALM, history: LoopDriver | None = None, **more: object) 
 @pytest.fixture
 def driver() -> LoopDriver:
     """After the first of four attempts."""
-    driver = sit()
+    driver = new_session()
     driver.enter()
     driver.attempt()
     return driver
@@ -74,7 +74,7 @@ def test_a_session_with_several_themes_is_resumed_with_the_present_theme(driver:
     driver.attempt()
     driver.session.apply_theme(edited(CALM, "Great"))
     driver.attempt()
-    resumed = sit(edited(CALM, "Bravo", name="calm"), driver)
+    resumed = new_session(edited(CALM, "Bravo", name="calm"), driver)
     assert resumed.waiting.reason == "interrupted"
     resumed.press("enter")
     resumed.wait(300)
@@ -84,42 +84,44 @@ def test_a_session_with_several_themes_is_resumed_with_the_present_theme(driver:
 
 
 def test_a_session_is_resumed_although_the_texts_of_its_theme_have_changed() -> None:
-    driver = sit(edited(CALM, "Splendid", texts=ROUNDS))
+    driver = new_session(edited(CALM, "Splendid", texts=ROUNDS))
     driver.enter()
     assert driver.waiting.attempt_name == "round 1 of 4"
-    resumed = sit(edited(CALM, "Splendid", texts={name: f"next {text}" for name, text in ROUNDS.items()}), driver)
+    resumed = new_session(
+        edited(CALM, "Splendid", texts={name: f"next {text}" for name, text in ROUNDS.items()}), driver
+    )
     resumed.press("enter")
     assert resumed.waiting.attempt_name == "next round 1 of 4"
 
 
 def test_the_record_holds_the_theme_as_it_was_applied(driver: LoopDriver) -> None:
-    worn = edited(CALM, "Splendid", texts=ROUNDS)
-    driver.session.apply_theme(worn)
+    applied = edited(CALM, "Splendid", texts=ROUNDS)
+    driver.session.apply_theme(applied)
     for record in driver.records:
         if record.topic is THEME:
             text = msgspec.json.encode(record.message)
             assert msgspec.json.decode(text, type=THEME.type) == record.message
-    assert [message.theme for message in driver.all(THEME)] == [CALM, worn]
+    assert [message.theme for message in driver.all(THEME)] == [CALM, applied]
 
 
-@given(st.lists(st.sampled_from(["attempt", "wear", "wait", "cut"]), max_size=12))
+@given(st.lists(st.sampled_from(["attempt", "apply", "wait", "cut"]), max_size=12))
 def test_feedback_uses_the_theme_of_its_time_despite_edits_and_resumes(steps: list[str]) -> None:
-    driver, worn, count, expected = sit(attempts=13), CALM, 0, []
+    driver, applied, count, expected = new_session(attempts=13), CALM, 0, []
     driver.enter()
     for step in steps:
         match step:
             case "attempt":
                 driver.attempt()
-                expected.append(worn)
-            case "wear":
+                expected.append(applied)
+            case "apply":
                 count += 1
-                worn = edited(CALM, f"{'x' * count}", texts=ROUNDS if count % 2 else {})
-                driver.session.apply_theme(worn)
+                applied = edited(CALM, f"{'x' * count}", texts=ROUNDS if count % 2 else {})
+                driver.session.apply_theme(applied)
             case "wait":
                 driver.wait(700)
             case "cut":
                 before = driver.records
-                driver = sit(worn, driver, attempts=13)
+                driver = new_session(applied, driver, attempts=13)
                 driver.press("enter")
                 driver.wait(300)
                 driver.records[:0] = before

@@ -1,4 +1,4 @@
-"""Given a task whose goal grows with its level, when attempts are scored, amended and counted, then each is its own."""
+"""Attempts are scored against the goal of their level, amended, and answered as scheduled."""
 
 from typing import Any
 

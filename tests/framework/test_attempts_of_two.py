@@ -1,4 +1,4 @@
-"""Given a course that two take, when attempts are scored, amended and asked about, then each has their own answer."""
+"""Attempts of two participants: each has a score and feedback, and the level is shared."""
 
 from typing import Any
 

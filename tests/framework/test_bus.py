@@ -1,4 +1,4 @@
-"""Given a bus, when messages are published, then causes come before effects."""
+"""The bus delivers messages so that causes come before effects."""
 
 import threading
 

@@ -1,4 +1,4 @@
-"""Given a clock, when time passes, then callbacks run in their order; on the virtual one identically each time."""
+"""Clocks run callbacks in order; the virtual clock does so identically each time."""
 
 import asyncio
 import threading

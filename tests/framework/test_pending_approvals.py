@@ -1,4 +1,4 @@
-"""Given what an operator makes of a proposal, when it is edited, then only what they changed is another."""
+"""An edit changes only what the operator changed; deadlines are taken in order."""
 
 from typing import Any
 
@@ -28,7 +28,7 @@ def edit(theme: Theme, proposal: Proposal = PRAISE, **changes: Any) -> Action:
     return edited(accepted(proposal), decision, theme, at=7)
 
 
-def offer(name: str, deadline: int | None) -> PendingApproval:
+def pending(name: str, deadline: int | None) -> PendingApproval:
     return PendingApproval(proposal=Proposal(id=name, kind="feedback", text=name), mode="veto", deadline=deadline)
 
 
@@ -61,11 +61,11 @@ def test_an_edit_with_the_same_values_is_an_acceptance(calm: Theme, same: dict[s
 
 
 def test_proposals_are_due_by_deadline_and_those_without_one_stay() -> None:
-    offers = PendingApprovals()
+    approvals = PendingApprovals()
     for name, deadline in (("late", 3 * SECOND), ("soon", SECOND), ("never", None)):
-        offers.add(offer(name, deadline))
-    assert offers.next_deadline == SECOND
-    assert [due.proposal.id for due in offers.take_due(SECOND)] == ["soon"]
-    assert [due.proposal.id for due in offers.take_due(10 * SECOND)] == ["late"]
-    assert offers.next_deadline is None
-    assert [waiting.proposal.id for waiting in offers.waiting] == ["never"]
+        approvals.add(pending(name, deadline))
+    assert approvals.next_deadline == SECOND
+    assert [due.proposal.id for due in approvals.take_due(SECOND)] == ["soon"]
+    assert [due.proposal.id for due in approvals.take_due(10 * SECOND)] == ["late"]
+    assert approvals.next_deadline is None
+    assert [waiting.proposal.id for waiting in approvals.waiting] == ["never"]

@@ -1,4 +1,4 @@
-"""Given a key, when a number is drawn, then it is always the same, whatever was drawn before."""
+"""A random number depends on its key and stream only."""
 
 import itertools
 from collections import Counter

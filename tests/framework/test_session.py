@@ -1,4 +1,4 @@
-"""Given a session cut off anywhere, when it is replayed and gone on with, then nothing is lost and nothing differs."""
+"""A session that is cut off anywhere can be replayed and resumed without loss."""
 
 import functools
 from typing import Any

@@ -114,7 +114,7 @@ class Agent:
         self.bus.publish(SESSION, SessionStarted(run=1, task=task.name, theme=theme.name, seed=seed, best=best or {}))
         self.bus.subscribe(PROPOSED, self.said.append)
 
-    def hears_of(self, metric: float | None, level: int = 1, **told: Any) -> str:
+    def feedback_on(self, metric: float | None, level: int = 1, **told: Any) -> str:
         """Tell it of an attempt; returns its answer. What is told besides: the fields of `Done`, and qualities."""
         self.count += 1
         known = {name: told.pop(name) for name in list(told) if name in Done.__struct_fields__}

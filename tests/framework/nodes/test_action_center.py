@@ -1,4 +1,4 @@
-"""Given what happens in a session, when the agent has something to say, then words, face and gesture fit it."""
+"""The action center proposes text, face and gesture to fit the events of a session."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -18,12 +18,12 @@ from sar_tui.plugins import Catalogue
 from tests.framework.nodes.agent_driver import Agent
 from tests.lifting_task import Lift, LiftDriver
 
-Sit = Callable[..., LiftDriver]
+NewSession = Callable[..., LiftDriver]
 
 
 @pytest.fixture
-def sit(calm: Theme) -> Sit:
-    """Sit down to five attempts of one lift each, unless told otherwise."""
+def new_session(calm: Theme) -> NewSession:
+    """Start a session; by default five attempts of one lift each."""
 
     def at(**settings: Any) -> LiftDriver:
         return LiftDriver(Lift, calm, **{"attempts": 5, "lifts": 1, "start_level": 3, **settings})
@@ -46,8 +46,8 @@ GOOD, BAD = 400.0, 1900.0
 # --- coming, going, and what to do ----------------------------------------------------------------------------
 
 
-def test_the_agent_greets_gives_instructions_and_says_goodbye(sit: Sit, calm: Theme) -> None:
-    driver = sit(attempts=1)
+def test_the_agent_greets_gives_instructions_and_says_goodbye(new_session: NewSession, calm: Theme) -> None:
+    driver = new_session(attempts=1)
     greeting, instruction = proposed(driver)
     assert (greeting.kind, greeting.face, greeting.gesture) == ("greeting", "happy", "wave")
     assert greeting.text in calm.phrases["greeting"]
@@ -61,29 +61,29 @@ def test_the_agent_greets_gives_instructions_and_says_goodbye(sit: Sit, calm: Th
     assert goodbye.text in calm.phrases["goodbye"]
 
 
-def test_instructions_are_given_once_per_run(sit: Sit) -> None:
-    driver = sit()
+def test_instructions_are_given_once_per_run(new_session: NewSession) -> None:
+    driver = new_session()
     driver.operate("pause")
     driver.operate("resume")
     assert driver.waiting.stage == "instructions"
     assert len(proposed(driver, "instruction")) == 1
 
 
-def test_instructions_are_given_again_after_an_interruption_in_them(sit: Sit, calm: Theme) -> None:
-    driver = sit()
+def test_instructions_are_given_again_after_an_interruption_in_them(new_session: NewSession, calm: Theme) -> None:
+    driver = new_session()
     resumed = LiftDriver(Lift, calm, attempts=5, lifts=1, start_level=3, history=driver.records)
     assert [proposal.kind for proposal in proposed(resumed)] == ["greeting", "instruction"]
 
 
-def test_a_resumed_session_welcomes_the_participant_back(sit: Sit, calm: Theme) -> None:
-    driver = sit()
+def test_a_resumed_session_welcomes_the_participant_back(new_session: NewSession, calm: Theme) -> None:
+    driver = new_session()
     driver.begin_lifts()
     resumed = LiftDriver(Lift, calm, attempts=5, lifts=1, start_level=3, history=driver.records)
     assert [proposal.text in calm.phrases["welcome_back"] for proposal in proposed(resumed)] == [True]
 
 
-def test_an_aborted_session_ends_with_a_goodbye_too(sit: Sit) -> None:
-    driver = sit()
+def test_an_aborted_session_ends_with_a_goodbye_too(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.operate("end")
     assert [proposal.kind for proposal in proposed(driver)][-1] == "goodbye"
@@ -92,8 +92,8 @@ def test_an_aborted_session_ends_with_a_goodbye_too(sit: Sit) -> None:
 # --- between attempts -----------------------------------------------------------------------------------------
 
 
-def test_encouragement_precedes_a_new_level_and_follows_two_failures(sit: Sit) -> None:
-    driver = sit(attempts=6)
+def test_encouragement_precedes_a_new_level_and_follows_two_failures(new_session: NewSession) -> None:
+    driver = new_session(attempts=6)
     driver.enter()
     for time_ms in (GOOD, BAD, GOOD, BAD, BAD):
         lift_once(driver, time_ms)
@@ -101,14 +101,14 @@ def test_encouragement_precedes_a_new_level_and_follows_two_failures(sit: Sit) -
     assert heard == [(2, True), (6, True)], "level 4 is new before attempt 2; attempts 4 and 5 failed"
 
 
-def test_the_first_attempt_gets_no_encouragement(sit: Sit) -> None:
-    driver = sit()
+def test_the_first_attempt_gets_no_encouragement(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     assert proposed(driver, "encouragement", "rest") == []
 
 
-def test_encouragement_can_be_left_out(sit: Sit) -> None:
-    driver = sit(encouragement=False)
+def test_encouragement_can_be_left_out(new_session: NewSession) -> None:
+    driver = new_session(encouragement=False)
     driver.enter()
     for _ in range(3):
         lift_once(driver, GOOD)
@@ -117,25 +117,25 @@ def test_encouragement_can_be_left_out(sit: Sit) -> None:
 
 @pytest.mark.parametrize(("every", "before"), [(0, []), (1, [2, 3, 4, 5]), (2, [3, 5]), (4, [5])])
 def test_a_rest_is_suggested_every_n_scored_attempts_but_not_after_the_last(
-    sit: Sit, every: int, before: list[int]
+    new_session: NewSession, every: int, before: list[int]
 ) -> None:
-    driver = sit(rest_every=every)
+    driver = new_session(rest_every=every)
     driver.enter()
     for _ in range(5):
         lift_once(driver, GOOD)
     assert [proposal.attempt for proposal in proposed(driver, "rest")] == before
 
 
-def test_practice_does_not_count_towards_a_rest(sit: Sit) -> None:
-    driver = sit(rest_every=2, practice_attempts=2)
+def test_practice_does_not_count_towards_a_rest(new_session: NewSession) -> None:
+    driver = new_session(rest_every=2, practice_attempts=2)
     driver.enter()
     for _ in range(4):
         lift_once(driver, GOOD)
     assert [proposal.attempt for proposal in proposed(driver, "rest")] == [5]
 
 
-def test_rest_and_encouragement_are_not_both_given(sit: Sit) -> None:
-    driver = sit(rest_every=1)
+def test_rest_and_encouragement_are_not_both_given(new_session: NewSession) -> None:
+    driver = new_session(rest_every=1)
     driver.enter()
     for _ in range(4):
         lift_once(driver, GOOD)
@@ -143,8 +143,8 @@ def test_rest_and_encouragement_are_not_both_given(sit: Sit) -> None:
     assert len(proposed(driver, "rest")) == 4
 
 
-def test_encouragement_is_given_once_per_attempt(sit: Sit) -> None:
-    driver = sit()
+def test_encouragement_is_given_once_per_attempt(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     lift_once(driver, GOOD)
     for level in (7, 8):
@@ -173,7 +173,7 @@ def test_distance_from_the_goal_selects_text_face_and_gesture(
 ) -> None:
     theme = catalogue.theme(name)
     agent = Agent(Lift, theme, "qualitative")
-    said = agent.hears_of(metric)
+    said = agent.feedback_on(metric)
     answer = agent.said[-1]
     assert said in theme.phrases[situation]
     assert (answer.kind, answer.valence, answer.degree, answer.attempt) == ("feedback", valence, degree, 1)
@@ -186,7 +186,7 @@ def test_every_manner_is_known_to_the_outputs(catalogue: Catalogue) -> None:
     for name in catalogue.theme_names():
         agent = Agent(Lift, catalogue.theme(name))
         for metric in (500.0, 800.0, 950.0, 1005.0, 1050.0, 1200.0, 2000.0, None):
-            agent.hears_of(metric)
+            agent.feedback_on(metric)
         for said in agent.said:
             assert said.face in FACES
             assert said.gesture in ("", *catalogue.theme(name).gestures)
@@ -196,7 +196,7 @@ def test_every_manner_is_known_to_the_outputs(catalogue: Catalogue) -> None:
 
 def test_what_is_spoken_has_its_units_in_full(calm: Theme) -> None:
     agent = Agent(Lift, calm)
-    agent.hears_of(700.0)
+    agent.feedback_on(700.0)
     (said,) = agent.said
     assert "700 ms" in said.text
     assert said.spoken == said.text.replace(" ms", " milliseconds")
@@ -215,7 +215,7 @@ def test_priorities_and_policies_of_the_kinds(calm: Theme) -> None:
     assert helps < RULES["greeting"].priority < RULES["feedback"].priority
     assert min(RULES, key=lambda kind: RULES[kind].priority) in ("goodbye", "rest")
     agent = Agent(Lift, calm)
-    agent.hears_of(700.0)
+    agent.feedback_on(700.0)
     assert (agent.said[-1].priority, agent.said[-1].policy) == RULES["feedback"]
 
 
@@ -229,7 +229,7 @@ def test_a_phrase_is_not_used_twice_in_a_row(
 ) -> None:
     theme = catalogue.theme(name)
     agent = Agent(Lift, theme, "qualitative", seed)
-    said = [agent.hears_of(metric) for metric in metrics]
+    said = [agent.feedback_on(metric) for metric in metrics]
     for wordings in theme.phrases.values():
         spoken = [words for words in said if words in wordings]
         assert all(one != other for one, other in pairwise(spoken))
@@ -238,7 +238,7 @@ def test_a_phrase_is_not_used_twice_in_a_row(
 @given(st.integers(0, 1000))
 def test_a_phrase_with_figures_is_not_used_twice_in_a_row(catalogue: Catalogue, seed: int) -> None:
     agent = Agent(catalogue.task("keyboard"), catalogue.theme("calm"), "quantitative", seed)
-    said = [agent.hears_of(700, level) for level in range(1, 9)]
+    said = [agent.feedback_on(700, level) for level in range(1, 9)]
     assert all(one != other for one, other in pairwise(said))
 
 
@@ -246,14 +246,14 @@ def test_a_phrase_with_figures_is_not_used_twice_in_a_row(catalogue: Catalogue, 
     ("form", "situation"), [("qualitative", "positive_strong"), ("quantitative", "positive_first")]
 )
 def test_every_phrase_is_used(keyboard: type[Task], calm: Theme, form: str, situation: str) -> None:
-    said = {Agent(keyboard, calm, form, seed).hears_of(700) for seed in range(30)}
+    said = {Agent(keyboard, calm, form, seed).feedback_on(700) for seed in range(30)}
     assert said == {wording.format(value="700 ms", goal="1000 ms") for wording in calm.phrases[situation]}
 
 
 def test_the_same_seed_says_the_same(keyboard: type[Task], calm: Theme) -> None:
     def session() -> list[str]:
         agent = Agent(keyboard, calm, "both", seed=9)
-        return [agent.hears_of(700 + 10 * attempt) for attempt in range(10)]
+        return [agent.feedback_on(700 + 10 * attempt) for attempt in range(10)]
 
     assert session() == session()
 
@@ -263,9 +263,9 @@ def test_the_same_seed_says_the_same(keyboard: type[Task], calm: Theme) -> None:
 
 def test_an_edited_theme_is_used_from_then_on(calm: Theme) -> None:
     agent = Agent(Lift, calm, "qualitative")
-    agent.hears_of(500)
+    agent.feedback_on(500)
     words, manner = {"positive_strong": ("Splendid.",)}, {"positive_strong": Manner("neutral", "", "up")}
     edited = msgspec.structs.replace(calm, phrases={**calm.phrases, **words}, manners=manner)
     agent.bus.publish(THEME, ThemeApplied(theme=edited))
-    assert agent.hears_of(500) == "Splendid."
+    assert agent.feedback_on(500) == "Splendid."
     assert (agent.said[-1].face, agent.said[-1].gesture, agent.said[-1].gaze) == ("neutral", "", "up")

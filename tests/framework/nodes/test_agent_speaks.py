@@ -1,4 +1,4 @@
-"""Given an agent that takes its time to speak, when trials come, then nobody has to move while they are spoken to."""
+"""Trials wait while the agent speaks."""
 
 from collections.abc import Callable
 from typing import Any
@@ -35,7 +35,7 @@ from tests.lifting_task import Lift, LiftDriver
 from tests.loop_driver import LoopDriver
 from tests.outputs.fake_outputs import Puppet, Speaker
 
-Sit = Callable[..., Any]
+NewSession = Callable[..., Any]
 FIXED = {"foreperiod_min_ms": 900, "foreperiod_max_ms": 900, "quiet_ms": 500}
 
 
@@ -58,8 +58,8 @@ class Prompter(Node):
 
 
 @pytest.fixture
-def sit(keyboard: type[Task], calm: Theme) -> Sit:
-    """Sit down to a keyboard session with an agent whose every utterance takes three seconds."""
+def new_session(keyboard: type[Task], calm: Theme) -> NewSession:
+    """Start a keyboard session with an agent whose every utterance takes three seconds."""
 
     def at(output: Output | None = None, **settings: Any) -> LoopDriver:
         speech = OutputNode(output or Speaker(3000), "speech", calm)
@@ -71,7 +71,7 @@ def sit(keyboard: type[Task], calm: Theme) -> Sit:
 
 
 @pytest.fixture
-def sit_to_lift(calm: Theme) -> Sit:
+def sit_to_lift(calm: Theme) -> NewSession:
     """The same with weights to lift."""
 
     def at(output: Output | None = None, **settings: Any) -> LiftDriver:
@@ -97,8 +97,8 @@ def shown_at(driver: LoopDriver) -> int:
 # --- with a foreperiod ----------------------------------------------------------------------------------------
 
 
-def test_the_first_foreperiod_waits_for_the_end_of_the_greeting(sit: Sit) -> None:
-    driver = sit()
+def test_the_first_foreperiod_waits_for_the_end_of_the_greeting(new_session: NewSession) -> None:
+    driver = new_session()
     assert is_acting(driver)
     driver.enter()
     driver.press("enter")
@@ -114,22 +114,24 @@ def test_the_first_foreperiod_waits_for_the_end_of_the_greeting(sit: Sit) -> Non
     ]
 
 
-def test_spoken_instructions_stop_when_the_participant_continues(sit: Sit) -> None:
-    driver = sit()
+def test_spoken_instructions_stop_when_the_participant_continues(new_session: NewSession) -> None:
+    driver = new_session()
     driver.wait(4000)
     assert driver.last(ACTION).kind == "instruction"
     driver.enter()
     assert driver.last(HALT).reason == "left"
     assert not is_acting(driver)
-    hurried = sit()
+    hurried = new_session()
     hurried.enter()
     hurried.press("enter")
     hurried.to_prompt()
     assert [dropped.reason for dropped in hurried.all(DROPPED)] == ["late"]
 
 
-def test_keys_pressed_while_the_agent_speaks_are_no_false_starts_but_delay_the_foreperiod(sit: Sit) -> None:
-    driver = sit()
+def test_keys_pressed_while_the_agent_speaks_are_no_false_starts_but_delay_the_foreperiod(
+    new_session: NewSession,
+) -> None:
+    driver = new_session()
     driver.enter()
     driver.press("enter")
     driver.wait(13 * 1000 - 10 * 1000 - 300 - 100)
@@ -142,8 +144,8 @@ def test_keys_pressed_while_the_agent_speaks_are_no_false_starts_but_delay_the_f
     assert driver.last(TRIAL).timing.false_starts == 0
 
 
-def test_feedback_is_spoken_to_its_end_before_the_next_trial(sit: Sit) -> None:
-    driver = sit()
+def test_feedback_is_spoken_to_its_end_before_the_next_trial(new_session: NewSession) -> None:
+    driver = new_session()
     driver.wait(10_000)
     driver.enter()
     driver.press("enter")
@@ -161,9 +163,9 @@ def test_feedback_is_spoken_to_its_end_before_the_next_trial(sit: Sit) -> None:
     assert shown_at(driver) - when_still(driver) == 900 * MS
 
 
-def test_feedback_interrupts_a_greeting(sit: Sit) -> None:
+def test_feedback_interrupts_a_greeting(new_session: NewSession) -> None:
     """It was held back by the trials, and spoken between them."""
-    driver = sit(Speaker(60_000), prompts_per_attempt=1, attempts=1)
+    driver = new_session(Speaker(60_000), prompts_per_attempt=1, attempts=1)
     driver.operate("stop")
     driver.enter()
     driver.attempt()
@@ -175,8 +177,8 @@ def test_feedback_interrupts_a_greeting(sit: Sit) -> None:
     assert driver.last(ACTION).kind == "goodbye"
 
 
-def test_the_stop_key_lets_the_trial_come_at_once(sit: Sit) -> None:
-    driver = sit(Speaker(60_000))
+def test_the_stop_key_lets_the_trial_come_at_once(new_session: NewSession) -> None:
+    driver = new_session(Speaker(60_000))
     driver.enter()
     driver.press("enter")
     driver.wait(2000)
@@ -189,8 +191,8 @@ def test_the_stop_key_lets_the_trial_come_at_once(sit: Sit) -> None:
     assert (stopped.output, stopped.asked, stopped.at, stopped.detail) == ("speech", stopped_at, stopped_at, "")
 
 
-def test_a_stop_in_a_trial_changes_nothing_in_it(sit: Sit) -> None:
-    driver = sit()
+def test_a_stop_in_a_trial_changes_nothing_in_it(new_session: NewSession) -> None:
+    driver = new_session()
     driver.wait(10_000)
     driver.start()
     driver.wait(200)
@@ -200,8 +202,8 @@ def test_a_stop_in_a_trial_changes_nothing_in_it(sit: Sit) -> None:
     assert driver.last(TRIAL).reaction_time_ms == 300.0
 
 
-def test_a_hanging_output_delays_the_session_for_a_limited_time(sit: Sit) -> None:
-    driver = sit(Puppet("speech", frozenset({"say"})))
+def test_a_hanging_output_delays_the_session_for_a_limited_time(new_session: NewSession) -> None:
+    driver = new_session(Puppet("speech", frozenset({"say"})))
     driver.enter()
     driver.press("enter")
     driver.to_prompt()
@@ -209,8 +211,8 @@ def test_a_hanging_output_delays_the_session_for_a_limited_time(sit: Sit) -> Non
     assert {report.state for report in driver.all(REPORT)} == {"queued", "failed"}
 
 
-def test_a_pause_silences_the_agent_at_once(sit: Sit) -> None:
-    driver = sit(Speaker(5000))
+def test_a_pause_silences_the_agent_at_once(new_session: NewSession) -> None:
+    driver = new_session(Speaker(5000))
     driver.enter()
     driver.press("enter")
     driver.operate("pause")
@@ -222,8 +224,10 @@ def test_a_pause_silences_the_agent_at_once(sit: Sit) -> None:
     driver.to_prompt()
 
 
-def test_a_session_cut_off_while_the_agent_speaks_can_be_resumed(sit: Sit, keyboard: type[Task], calm: Theme) -> None:
-    driver = sit()
+def test_a_session_cut_off_while_the_agent_speaks_can_be_resumed(
+    new_session: NewSession, keyboard: type[Task], calm: Theme
+) -> None:
+    driver = new_session()
     driver.enter()
     driver.press("enter")
     assert driver.waiting.what == "agent"
@@ -237,7 +241,7 @@ def test_a_session_cut_off_while_the_agent_speaks_can_be_resumed(sit: Sit, keybo
 # --- with a key that starts each trial ------------------------------------------------------------------------
 
 
-def test_no_trial_can_be_started_while_the_agent_speaks(sit_to_lift: Sit) -> None:
+def test_no_trial_can_be_started_while_the_agent_speaks(sit_to_lift: NewSession) -> None:
     driver = sit_to_lift()
     driver.enter()
     driver.press("enter")
@@ -254,7 +258,7 @@ def test_no_trial_can_be_started_while_the_agent_speaks(sit_to_lift: Sit) -> Non
 
 @pytest.mark.parametrize("signal", [False, True])
 def test_an_utterance_begun_before_the_start_key_ends_before_the_trial_continues(
-    sit_to_lift: Sit, signal: bool
+    sit_to_lift: NewSession, signal: bool
 ) -> None:
     """A greeting that has waited behind a long utterance may come then."""
     driver = sit_to_lift(signal=signal)

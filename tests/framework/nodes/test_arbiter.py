@@ -1,4 +1,4 @@
-"""Given what the agent proposes, when outputs take their time, then it does one thing at a time, none in a trial."""
+"""The arbiter passes on one action at a time, and none in a trial."""
 
 from typing import Any
 
@@ -30,33 +30,33 @@ from tests.outputs.contract import THEME as BARE
 from tests.outputs.fake_outputs import Speaker
 
 
-class Told(m.Message, frozen=True, kw_only=True):
+class Event(m.Message, frozen=True, kw_only=True):
     waiting: m.Waiting | None = None
     ended: m.SessionEnded | None = None
     proposals: tuple[m.Proposal, ...] = ()
 
 
-TOLD = Topic("test/told", Told, origin="input")
+EVENT = Topic("test/event", Event, origin="input")
 IN_TRIAL = ("foreperiod", "storage", "response")
 
 
-class Teller(Node):
+class EventSource(Node):
     """Stands in for the event handler and the action center."""
 
     name = "teller"
     emits = (WAITING, PROPOSED, SESSION_ENDED)
 
-    @on(TOLD)
-    def told(self, told: Told) -> None:
-        if told.waiting:
-            self.emit(WAITING, told.waiting)
-        if told.ended:
-            self.emit(SESSION_ENDED, told.ended)
-        for proposal in told.proposals:
+    @on(EVENT)
+    def happened(self, event: Event) -> None:
+        if event.waiting:
+            self.emit(WAITING, event.waiting)
+        if event.ended:
+            self.emit(SESSION_ENDED, event.ended)
+        for proposal in event.proposals:
             self.emit(PROPOSED, proposal)
 
 
-class Floor:
+class ArbiterDriver:
     """An arbiter, and outputs that can do this and that: they report what a test has them report."""
 
     def __init__(
@@ -70,7 +70,7 @@ class Floor:
         self.bus = Bus(self.clock)
         self.records: list[Record] = []
         self.bus.tap(self.records.extend)
-        for node in (Teller(), Arbiter(parameters, BARE), *extra):
+        for node in (EventSource(), Arbiter(parameters, BARE), *extra):
             node.attach(self.bus)
         self.begin(outputs or {})
 
@@ -81,11 +81,11 @@ class Floor:
 
     def wait_for(self, what: Any, stage: Any = "trial", reason: str = "") -> None:
         """The session comes to wait for something."""
-        self.bus.publish(TOLD, Told(waiting=m.Waiting(what=what, stage=stage, reason=reason)))
+        self.bus.publish(EVENT, Event(waiting=m.Waiting(what=what, stage=stage, reason=reason)))
 
     def propose(self, *names: str, **how: Any) -> None:
         made = [proposal(name, **how) for name in names]
-        self.bus.publish(TOLD, Told(proposals=tuple(made)))
+        self.bus.publish(EVENT, Event(proposals=tuple(made)))
 
     def report(self, action: str, state: Any = "done", output: str = "speech", part: m.ActionPart = "say") -> None:
         told = m.OutputReport(action=action, output=output, part=part, state=state, at=self.clock.now())
@@ -119,16 +119,16 @@ def proposal(name: str, **how: Any) -> m.Proposal:
 
 
 @pytest.fixture
-def floor() -> Floor:
+def driver() -> ArbiterDriver:
     """With one output that speaks."""
-    return Floor({"speech": ("say",)})
+    return ArbiterDriver({"speech": ("say",)})
 
 
 # --- passed on as it is, and not in a trial -------------------------------------------------------------------
 
 
 def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
-    floor = Floor()
+    driver = ArbiterDriver()
     whole: dict[str, Any] = {
         "seat": "B",
         "face": "happy",
@@ -142,8 +142,8 @@ def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
         "priority": 7,
         "policy": "drop",
     }
-    floor.propose("hello", **whole)
-    (action,) = floor.all(ACTION)
+    driver.propose("hello", **whole)
+    (action,) = driver.all(ACTION)
     assert action == m.Action(
         id="hello", kind="feedback", text="hello", spoken="hello", decision="accepted", actor="agent", **whole
     )
@@ -151,91 +151,91 @@ def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
 
 @pytest.mark.parametrize("what", IN_TRIAL)
 def test_proposals_in_a_trial_are_passed_on_in_order_after_it(what: str) -> None:
-    floor = Floor()
-    floor.wait_for(what)
-    floor.propose("a")
-    floor.wait_for(what)
-    floor.propose("b")
-    assert floor.acted == []
-    floor.wait_for("enter", "attempt")
-    assert floor.acted == ["a", "b"]
-    floor.wait_for("quiet")
-    assert floor.acted == ["a", "b"], "not again"
+    driver = ArbiterDriver()
+    driver.wait_for(what)
+    driver.propose("a")
+    driver.wait_for(what)
+    driver.propose("b")
+    assert driver.acted == []
+    driver.wait_for("enter", "attempt")
+    assert driver.acted == ["a", "b"]
+    driver.wait_for("quiet")
+    assert driver.acted == ["a", "b"], "not again"
 
 
 def test_waiting_for_storage_at_the_end_is_not_a_trial() -> None:
-    floor = Floor()
-    floor.wait_for("storage", "ended")
-    floor.propose("bye")
-    assert floor.acted == ["bye"]
+    driver = ArbiterDriver()
+    driver.wait_for("storage", "ended")
+    driver.propose("bye")
+    assert driver.acted == ["bye"]
 
 
 # --- one at a time --------------------------------------------------------------------------------------------
 
 
-def test_a_queued_action_waits_for_the_current_one(floor: Floor) -> None:
-    floor.propose("a", "b", "c")
-    assert (floor.acted, floor.acting) == (["a"], [True])
-    floor.report("a", "queued")
-    floor.report("a", "started")
-    assert floor.acted == ["a"]
+def test_a_queued_action_waits_for_the_current_one(driver: ArbiterDriver) -> None:
+    driver.propose("a", "b", "c")
+    assert (driver.acted, driver.acting) == (["a"], [True])
+    driver.report("a", "queued")
+    driver.report("a", "started")
+    assert driver.acted == ["a"]
     for number, (name, end) in enumerate([("a", "done"), ("b", "failed"), ("c", "aborted")], 1):
-        floor.report(name, end)
-        assert floor.acted == ["a", "b", "c"][: number + 1]
-    assert floor.acting == [True, False], "told when it changes, not with each action"
+        driver.report(name, end)
+        assert driver.acted == ["a", "b", "c"][: number + 1]
+    assert driver.acting == [True, False], "told when it changes, not with each action"
 
 
-def test_a_higher_priority_goes_first(floor: Floor) -> None:
-    floor.propose("a")
-    floor.propose("b", priority=1)
-    floor.propose("c", priority=2)
-    floor.report("a")
-    floor.report("c")
-    assert floor.acted == ["a", "c", "b"]
+def test_a_higher_priority_goes_first(driver: ArbiterDriver) -> None:
+    driver.propose("a")
+    driver.propose("b", priority=1)
+    driver.propose("c", priority=2)
+    driver.report("a")
+    driver.report("c")
+    assert driver.acted == ["a", "c", "b"]
 
 
 def test_an_action_is_over_when_every_output_has_done_its_part_of_it() -> None:
-    floor = Floor({"speech": ("say",), "robot": ("gesture", "gaze", "say"), "screen": ("show",)})
-    floor.propose("a", gesture="wave")
+    driver = ArbiterDriver({"speech": ("say",), "robot": ("gesture", "gaze", "say"), "screen": ("show",)})
+    driver.propose("a", gesture="wave")
     for output, part in (("speech", "say"), ("robot", "say"), ("robot", "gaze"), ("screen", "show")):
-        floor.report("a", "done", output, part)  # type: ignore[arg-type]
-        assert floor.acting == [True], "its gesture goes on"
-    floor.report("a", "done", "robot", "gesture")
-    assert floor.acting == [True, False]
+        driver.report("a", "done", output, part)  # type: ignore[arg-type]
+        assert driver.acting == [True], "its gesture goes on"
+    driver.report("a", "done", "robot", "gesture")
+    assert driver.acting == [True, False]
 
 
 def test_text_on_the_screen_is_not_waited_for() -> None:
-    floor = Floor({"screen": ("show",)})
-    floor.propose("a", "b")
-    assert (floor.acted, floor.acting) == (["a", "b"], [])
+    driver = ArbiterDriver({"screen": ("show",)})
+    driver.propose("a", "b")
+    assert (driver.acted, driver.acting) == (["a", "b"], [])
 
 
 # --- breaking off ---------------------------------------------------------------------------------------------
 
 
-def test_an_interrupting_action_halts_one_of_equal_or_lower_priority(floor: Floor) -> None:
-    floor.propose("a", priority=3)
-    floor.propose("b", priority=3, policy="interrupt")
-    assert floor.halted == [("a", "interrupted")]
-    assert [record.topic for record in floor.records if record.topic in (HALT, ACTION)] == [ACTION, HALT, ACTION]
-    floor.report("a", "aborted")
-    assert floor.acting == [True], "b goes on"
-    floor.report("b")
-    assert floor.acting == [True, False]
+def test_an_interrupting_action_halts_one_of_equal_or_lower_priority(driver: ArbiterDriver) -> None:
+    driver.propose("a", priority=3)
+    driver.propose("b", priority=3, policy="interrupt")
+    assert driver.halted == [("a", "interrupted")]
+    assert [record.topic for record in driver.records if record.topic in (HALT, ACTION)] == [ACTION, HALT, ACTION]
+    driver.report("a", "aborted")
+    assert driver.acting == [True], "b goes on"
+    driver.report("b")
+    assert driver.acting == [True, False]
 
 
-def test_an_interrupting_action_waits_for_one_of_higher_priority(floor: Floor) -> None:
-    floor.propose("a", priority=3)
-    floor.propose("b", priority=2, policy="interrupt")
-    assert (floor.acted, floor.halted) == (["a"], [])
-    floor.report("a")
-    assert floor.acted == ["a", "b"]
+def test_an_interrupting_action_waits_for_one_of_higher_priority(driver: ArbiterDriver) -> None:
+    driver.propose("a", priority=3)
+    driver.propose("b", priority=2, policy="interrupt")
+    assert (driver.acted, driver.halted) == (["a"], [])
+    driver.report("a")
+    assert driver.acted == ["a", "b"]
 
 
-def test_nothing_is_interrupted_in_a_trial(floor: Floor) -> None:
-    floor.wait_for("response")
-    floor.propose("a", policy="interrupt")
-    assert (floor.acted, floor.halted) == ([], [])
+def test_nothing_is_interrupted_in_a_trial(driver: ArbiterDriver) -> None:
+    driver.wait_for("response")
+    driver.propose("a", policy="interrupt")
+    assert (driver.acted, driver.halted) == ([], [])
 
 
 @pytest.mark.parametrize(
@@ -248,168 +248,168 @@ def test_nothing_is_interrupted_in_a_trial(floor: Floor) -> None:
     ],
 )
 def test_instructions_are_halted_when_the_participant_continues(
-    floor: Floor, what: str, stage: str, halted: list[tuple[str, str]]
+    driver: ArbiterDriver, what: str, stage: str, halted: list[tuple[str, str]]
 ) -> None:
-    floor.propose("a", kind="instruction")
-    floor.wait_for(what, stage)
-    assert floor.halted == halted
+    driver.propose("a", kind="instruction")
+    driver.wait_for(what, stage)
+    assert driver.halted == halted
 
 
 # --- too late, too early --------------------------------------------------------------------------------------
 
 
-def test_an_action_of_policy_drop_is_dropped_by_a_trial(floor: Floor) -> None:
-    floor.propose("a")
-    floor.propose("b", policy="drop")
-    floor.propose("c")
-    floor.wait_for("enter", "attempt")
-    assert floor.dropped == []
-    floor.wait_for("agent")
-    assert floor.dropped == [("b", "late")]
-    floor.report("a")
-    assert floor.acted == ["a", "c"]
+def test_an_action_of_policy_drop_is_dropped_by_a_trial(driver: ArbiterDriver) -> None:
+    driver.propose("a")
+    driver.propose("b", policy="drop")
+    driver.propose("c")
+    driver.wait_for("enter", "attempt")
+    assert driver.dropped == []
+    driver.wait_for("agent")
+    assert driver.dropped == [("b", "late")]
+    driver.report("a")
+    assert driver.acted == ["a", "c"]
 
 
-def test_an_action_of_policy_drop_is_finished_once_begun(floor: Floor) -> None:
-    floor.propose("a", policy="drop")
-    floor.wait_for("agent")
-    assert (floor.dropped, floor.halted) == ([], [])
+def test_an_action_of_policy_drop_is_finished_once_begun(driver: ArbiterDriver) -> None:
+    driver.propose("a", policy="drop")
+    driver.wait_for("agent")
+    assert (driver.dropped, driver.halted) == ([], [])
 
 
-def test_an_action_begins_exactly_when_it_is_due(floor: Floor) -> None:
-    floor.propose("a", due=floor.clock.now() + 2500 * MS)
-    floor.clock.advance(2500 * MS - 1)
-    assert floor.acted == []
-    floor.clock.advance(1)
-    assert floor.acted == ["a"]
+def test_an_action_begins_exactly_when_it_is_due(driver: ArbiterDriver) -> None:
+    driver.propose("a", due=driver.clock.now() + 2500 * MS)
+    driver.clock.advance(2500 * MS - 1)
+    assert driver.acted == []
+    driver.clock.advance(1)
+    assert driver.acted == ["a"]
 
 
-def test_an_action_due_in_a_trial_begins_after_it(floor: Floor) -> None:
-    floor.propose("a", due=floor.clock.now() + 10)
-    floor.wait_for("response")
-    floor.clock.advance(SECOND)
-    assert floor.acted == []
-    floor.wait_for("enter", "attempt")
-    assert floor.acted == ["a"]
+def test_an_action_due_in_a_trial_begins_after_it(driver: ArbiterDriver) -> None:
+    driver.propose("a", due=driver.clock.now() + 10)
+    driver.wait_for("response")
+    driver.clock.advance(SECOND)
+    assert driver.acted == []
+    driver.wait_for("enter", "attempt")
+    assert driver.acted == ["a"]
 
 
-def test_a_due_action_interrupts_while_others_wait(floor: Floor) -> None:
-    floor.propose("a", "b")
-    floor.propose("c", priority=5, policy="interrupt", due=floor.clock.now() + SECOND)
-    floor.clock.advance(SECOND)
-    assert floor.acted == ["a", "c"]
+def test_a_due_action_interrupts_while_others_wait(driver: ArbiterDriver) -> None:
+    driver.propose("a", "b")
+    driver.propose("c", priority=5, policy="interrupt", due=driver.clock.now() + SECOND)
+    driver.clock.advance(SECOND)
+    assert driver.acted == ["a", "c"]
 
 
 # --- stopped --------------------------------------------------------------------------------------------------
 
 
-def test_the_stop_key_halts_everything_and_drops_what_waits(floor: Floor) -> None:
-    floor.propose("a", "b")
-    floor.propose("c", due=floor.clock.now() + SECOND)
-    pressed = floor.clock.now() - 5 * MS
-    floor.stop(pressed)
-    assert sorted(floor.dropped) == [("b", "stopped"), ("c", "stopped")]
-    (halt,) = floor.all(HALT)
+def test_the_stop_key_halts_everything_and_drops_what_waits(driver: ArbiterDriver) -> None:
+    driver.propose("a", "b")
+    driver.propose("c", due=driver.clock.now() + SECOND)
+    pressed = driver.clock.now() - 5 * MS
+    driver.stop(pressed)
+    assert sorted(driver.dropped) == [("b", "stopped"), ("c", "stopped")]
+    (halt,) = driver.all(HALT)
     assert (halt.action, halt.reason, halt.asked) == ("", "stopped", pressed)
-    floor.report("a", "aborted")
-    floor.clock.advance(10 * SECOND)
-    assert (floor.acted, floor.acting) == (["a"], [True, False])
-    floor.propose("d")
-    assert floor.acted == ["a", "d"], "and it can speak again"
+    driver.report("a", "aborted")
+    driver.clock.advance(10 * SECOND)
+    assert (driver.acted, driver.acting) == (["a"], [True, False])
+    driver.propose("d")
+    assert driver.acted == ["a", "d"], "and it can speak again"
 
 
-def test_the_stop_key_works_in_a_trial_too(floor: Floor) -> None:
-    floor.wait_for("response")
-    floor.propose("a")
-    floor.stop()
-    floor.wait_for("enter", "attempt")
-    assert (floor.acted, floor.dropped) == ([], [("a", "stopped")])
-    assert floor.all(HALT)[0].asked == floor.clock.now(), "without a stamp of its own it counts from its handling"
+def test_the_stop_key_works_in_a_trial_too(driver: ArbiterDriver) -> None:
+    driver.wait_for("response")
+    driver.propose("a")
+    driver.stop()
+    driver.wait_for("enter", "attempt")
+    assert (driver.acted, driver.dropped) == ([], [("a", "stopped")])
+    assert driver.all(HALT)[0].asked == driver.clock.now(), "without a stamp of its own it counts from its handling"
 
 
-def test_other_commands_stop_nothing(floor: Floor) -> None:
-    floor.propose("a")
+def test_other_commands_stop_nothing(driver: ArbiterDriver) -> None:
+    driver.propose("a")
     for command in ("pause", "resume", "skip", "mark"):
-        floor.bus.publish(OPERATOR, m.Operator(command=command))  # type: ignore[arg-type]
-    assert floor.halted == []
+        driver.bus.publish(OPERATOR, m.Operator(command=command))  # type: ignore[arg-type]
+    assert driver.halted == []
 
 
 # --- outputs that fall silent, and another run ----------------------------------------------------------------
 
 
-def test_no_session_hangs_on_an_output_that_never_answers(floor: Floor) -> None:
+def test_no_session_hangs_on_an_output_that_never_answers(driver: ArbiterDriver) -> None:
     patience = PATIENCE + PER_CHARACTER
-    floor.propose("a", "b")
-    floor.clock.advance(patience - 1)
-    assert floor.acted == ["a"]
-    floor.clock.advance(1)
-    assert floor.acted == ["a", "b"]
-    assert floor.halted == [("a", "interrupted")], "and it is told to be quiet"
-    floor.clock.advance(patience)
-    assert floor.acting == [True, False]
+    driver.propose("a", "b")
+    driver.clock.advance(patience - 1)
+    assert driver.acted == ["a"]
+    driver.clock.advance(1)
+    assert driver.acted == ["a", "b"]
+    assert driver.halted == [("a", "interrupted")], "and it is told to be quiet"
+    driver.clock.advance(patience)
+    assert driver.acting == [True, False]
 
 
-def test_the_time_limit_grows_with_the_text(floor: Floor) -> None:
-    floor.propose("a", spoken="a" * 800)
-    floor.clock.advance(PATIENCE + 799 * PER_CHARACTER)
-    assert floor.acting == [True]
+def test_the_time_limit_grows_with_the_text(driver: ArbiterDriver) -> None:
+    driver.propose("a", spoken="a" * 800)
+    driver.clock.advance(PATIENCE + 799 * PER_CHARACTER)
+    assert driver.acting == [True]
 
 
 @pytest.mark.parametrize("reason", ["", "pain", "sensor"])
-def test_nothing_begins_in_a_pause(floor: Floor, reason: str) -> None:
-    floor.wait_for("resume", "paused", reason=reason)
-    floor.propose("a")
-    assert floor.acted == []
-    floor.wait_for("enter", "attempt")
-    assert floor.acted == ["a"]
+def test_nothing_begins_in_a_pause(driver: ArbiterDriver, reason: str) -> None:
+    driver.wait_for("resume", "paused", reason=reason)
+    driver.propose("a")
+    assert driver.acted == []
+    driver.wait_for("enter", "attempt")
+    assert driver.acted == ["a"]
 
 
-def test_a_resumed_session_greets_in_its_pause(floor: Floor) -> None:
-    floor.wait_for("enter", "paused", reason="interrupted")
-    floor.propose("a", kind="greeting")
-    assert floor.acted == ["a"]
+def test_a_resumed_session_greets_in_its_pause(driver: ArbiterDriver) -> None:
+    driver.wait_for("enter", "paused", reason="interrupted")
+    driver.propose("a", kind="greeting")
+    assert driver.acted == ["a"]
 
 
-def test_waiting_instructions_are_dropped_on_the_next_screen(floor: Floor) -> None:
-    floor.wait_for("enter", "instructions")
-    floor.propose("hello")
-    floor.propose("a", kind="instruction")
-    floor.wait_for("enter", "attempt")
-    floor.report("hello")
-    assert (floor.acted, floor.dropped) == (["hello"], [("a", "late")])
+def test_waiting_instructions_are_dropped_on_the_next_screen(driver: ArbiterDriver) -> None:
+    driver.wait_for("enter", "instructions")
+    driver.propose("hello")
+    driver.propose("a", kind="instruction")
+    driver.wait_for("enter", "attempt")
+    driver.report("hello")
+    assert (driver.acted, driver.dropped) == (["hello"], [("a", "late")])
 
 
-def test_each_action_has_its_own_time_limit(floor: Floor) -> None:
-    floor.propose("a", "b")
-    floor.clock.advance(PATIENCE - 1)
-    floor.report("a")
-    floor.clock.advance(PATIENCE - 1)
-    assert floor.acting == [True]
+def test_each_action_has_its_own_time_limit(driver: ArbiterDriver) -> None:
+    driver.propose("a", "b")
+    driver.clock.advance(PATIENCE - 1)
+    driver.report("a")
+    driver.clock.advance(PATIENCE - 1)
+    assert driver.acting == [True]
 
 
-def test_a_new_run_starts_with_an_empty_queue_and_its_own_outputs(floor: Floor) -> None:
-    floor.wait_for("response")
-    floor.propose("late")
-    floor.wait_for("enter", "attempt")
-    floor.propose("waits")
-    floor.propose("due", due=floor.clock.now() + SECOND)
-    floor.begin({"robot": ("gesture",)}, run=2)
-    assert sorted(floor.dropped) == [("due", "late"), ("waits", "late")]
-    assert floor.acting == [True, False]
-    floor.clock.advance(2 * PATIENCE)
-    assert floor.acted == ["late"]
-    floor.propose("b")
-    assert floor.acting == [True, False], "nobody speaks in this run"
-    floor.propose("c", gesture="wave")
-    assert floor.acting == [True, False, True]
+def test_a_new_run_starts_with_an_empty_queue_and_its_own_outputs(driver: ArbiterDriver) -> None:
+    driver.wait_for("response")
+    driver.propose("late")
+    driver.wait_for("enter", "attempt")
+    driver.propose("waits")
+    driver.propose("due", due=driver.clock.now() + SECOND)
+    driver.begin({"robot": ("gesture",)}, run=2)
+    assert sorted(driver.dropped) == [("due", "late"), ("waits", "late")]
+    assert driver.acting == [True, False]
+    driver.clock.advance(2 * PATIENCE)
+    assert driver.acted == ["late"]
+    driver.propose("b")
+    assert driver.acting == [True, False], "nobody speaks in this run"
+    driver.propose("c", gesture="wave")
+    assert driver.acting == [True, False, True]
 
 
 def test_a_new_run_is_not_in_a_trial() -> None:
-    floor = Floor()
-    floor.wait_for("response")
-    floor.begin({}, run=2)
-    floor.propose("welcome")
-    assert floor.acted == ["welcome"]
+    driver = ArbiterDriver()
+    driver.wait_for("response")
+    driver.begin({}, run=2)
+    driver.propose("welcome")
+    assert driver.acted == ["welcome"]
 
 
 # --- whatever happens -----------------------------------------------------------------------------------------
@@ -435,38 +435,38 @@ def test_actions_never_overlap_or_begin_in_a_trial_and_none_is_lost(
     robot = Speaker(robot_takes_ms)
     robot.name = "robot"
     extra = tuple(OutputNode(output, output.name, BARE) for output in (Speaker(takes_ms), robot))
-    floor = Floor(extra=extra)
+    driver = ArbiterDriver(extra=extra)
     in_trial = False
     for number, (what, *how) in enumerate(events):
-        before = len(floor.acted)
+        before = len(driver.acted)
         match what:
             case "propose":
                 priority, policy, delay_ms = how
-                due = floor.clock.now() + delay_ms * MS
-                floor.propose(f"a{number}", priority=priority, policy=policy, due=due)
+                due = driver.clock.now() + delay_ms * MS
+                driver.propose(f"a{number}", priority=priority, policy=policy, due=due)
             case "trial":
                 in_trial = True
-                floor.wait_for(how[0])
-                before = len(floor.acted)
+                driver.wait_for(how[0])
+                before = len(driver.acted)
             case "between":
                 in_trial = False
-                floor.wait_for(how[0])
+                driver.wait_for(how[0])
             case "wait":
-                floor.clock.advance(how[0] * MS)
+                driver.clock.advance(how[0] * MS)
             case "stop":
-                floor.stop()
-        floor.clock.advance(0)
+                driver.stop()
+        driver.clock.advance(0)
         if in_trial:
-            assert len(floor.acted) == before
-    floor.wait_for("enter", "attempt")
-    floor.clock.advance(100 * len(events) * SECOND)
+            assert len(driver.acted) == before
+    driver.wait_for("enter", "attempt")
+    driver.clock.advance(100 * len(events) * SECOND)
 
     proposed = [f"a{number}" for number, event in enumerate(events) if event[0] == "propose"]
-    assert sorted([*floor.acted, *(name for name, _ in floor.dropped)]) == sorted(proposed)
-    assert floor.acting == [True, False] * (len(floor.acting) // 2)
+    assert sorted([*driver.acted, *(name for name, _ in driver.dropped)]) == sorted(proposed)
+    assert driver.acting == [True, False] * (len(driver.acting) // 2)
     for output in ("speech", "robot"):
         said: list[str] = []
-        for report in floor.all(REPORT):
+        for report in driver.all(REPORT):
             if report.output == output and report.state == "started":
                 assert said == [], "one utterance is over before the next begins"
                 said.append(report.action)

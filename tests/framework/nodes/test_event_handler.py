@@ -1,4 +1,4 @@
-"""Given a person at the keyboard, when they press, pause, fall asleep or sneeze, then each is taken as what it is."""
+"""The event handler runs the keyboard task: keys, pauses, storage, faults."""
 
 from collections.abc import Callable
 from typing import Any
@@ -26,12 +26,12 @@ from sar_tui.framework.topics import (
 from sar_tui.framework.trial_types import Metric, Result, Situation, Stimulus, Trial
 from tests.loop_driver import LoopDriver
 
-Sit = Callable[..., LoopDriver]
+NewSession = Callable[..., LoopDriver]
 
 
 @pytest.fixture
-def sit(keyboard: type[Task], calm: Theme) -> Sit:
-    """Sit down to a keyboard session of two attempts with three prompts each, unless told otherwise."""
+def new_session(keyboard: type[Task], calm: Theme) -> NewSession:
+    """Start a keyboard session; by default two attempts of three prompts each."""
 
     def at(**settings: Any) -> LoopDriver:
         return LoopDriver(keyboard, calm, **{"prompts_per_attempt": 3, "attempts": 2, **settings})
@@ -54,8 +54,8 @@ def numbers(driver: LoopDriver) -> list[tuple[int, int]]:
 # --- a session that goes well -----------------------------------------------------------------------------
 
 
-def test_a_session_goes_from_the_instructions_through_its_attempts_to_its_end(sit: Sit) -> None:
-    driver = sit()
+def test_a_session_goes_from_the_instructions_through_its_attempts_to_its_end(new_session: NewSession) -> None:
+    driver = new_session()
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "instructions")
     driver.enter()
     assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt_name) == (
@@ -79,22 +79,22 @@ def test_a_session_goes_from_the_instructions_through_its_attempts_to_its_end(si
     assert driver.session.faults == []
 
 
-def test_with_one_seat_it_is_always_its_turn(sit: Sit) -> None:
-    driver = sit()
+def test_with_one_seat_it_is_always_its_turn(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.attempt()
     assert {waiting.seat for waiting in driver.all(WAITING)} == {"A"}
 
 
-def test_a_trial_is_quiet_then_foreperiod_then_prompt(sit: Sit) -> None:
-    driver = sit()
+def test_a_trial_is_quiet_then_foreperiod_then_prompt(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.begin_attempt()
     assert stages(driver)[-3:] == ["quiet", "foreperiod", "response"]
 
 
-def test_a_correct_key_is_stored_with_its_time_from_onset_to_stamp(sit: Sit) -> None:
-    driver = sit()
+def test_a_correct_key_is_stored_with_its_time_from_onset_to_stamp(new_session: NewSession) -> None:
+    driver = new_session()
     prompt = driver.start()
     onset = driver.clock.now()
     driver.wait(432)
@@ -109,8 +109,8 @@ def test_a_correct_key_is_stored_with_its_time_from_onset_to_stamp(sit: Sit) -> 
     assert (timing.false_starts, timing.presentation, timing.flags) == (0, 1, ())
 
 
-def test_a_wrong_key_lowers_accuracy_and_is_not_in_the_metric(sit: Sit) -> None:
-    driver = sit()
+def test_a_wrong_key_lowers_accuracy_and_is_not_in_the_metric(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.press("enter")
     driver.answer(300, key="#")
@@ -124,8 +124,8 @@ def test_a_wrong_key_lowers_accuracy_and_is_not_in_the_metric(sit: Sit) -> None:
     assert driver.last(FEEDBACK).reason == "accuracy"
 
 
-def test_a_miss_is_stored_with_nulls_after_the_time_out(sit: Sit) -> None:
-    driver = sit(response_timeout_ms=2000)
+def test_a_miss_is_stored_with_nulls_after_the_time_out(new_session: NewSession) -> None:
+    driver = new_session(response_timeout_ms=2000)
     driver.start()
     driver.wait(2049)
     assert driver.all(TRIAL) == []
@@ -136,8 +136,8 @@ def test_a_miss_is_stored_with_nulls_after_the_time_out(sit: Sit) -> None:
     assert miss.onset is not None
 
 
-def test_an_attempt_with_no_correct_response_fails_with_an_empty_metric(sit: Sit) -> None:
-    driver = sit(start_level=2, min_accuracy=0.0)
+def test_an_attempt_with_no_correct_response_fails_with_an_empty_metric(new_session: NewSession) -> None:
+    driver = new_session(start_level=2, min_accuracy=0.0)
     driver.enter()
     driver.attempt(wrong=3)
     ended = driver.last(ATTEMPT_ENDED)
@@ -146,8 +146,8 @@ def test_an_attempt_with_no_correct_response_fails_with_an_empty_metric(sit: Sit
     assert driver.last(LEVEL).level == 1
 
 
-def test_success_raises_and_failure_lowers_the_level_of_the_next_attempt(sit: Sit) -> None:
-    driver = sit(attempts=3, start_level=4)
+def test_success_raises_and_failure_lowers_the_level_of_the_next_attempt(new_session: NewSession) -> None:
+    driver = new_session(attempts=3, start_level=4)
     driver.enter()
     driver.attempt(400)
     driver.attempt(1400)
@@ -160,8 +160,8 @@ def test_success_raises_and_failure_lowers_the_level_of_the_next_attempt(sit: Si
     ]
 
 
-def test_an_attempt_is_in_memory_before_its_feedback(sit: Sit) -> None:
-    driver = sit(attempts=3, difficulty_policy="fixed", feedback_form="quantitative")
+def test_an_attempt_is_in_memory_before_its_feedback(new_session: NewSession) -> None:
+    driver = new_session(attempts=3, difficulty_policy="fixed", feedback_form="quantitative")
     driver.enter()
     driver.attempt(700)
     driver.attempt(650)
@@ -170,8 +170,8 @@ def test_an_attempt_is_in_memory_before_its_feedback(sit: Sit) -> None:
     assert topics[-4:] == [TRIAL, ATTEMPT_ENDED, FEEDBACK, ACTION]
 
 
-def test_feedback_frequency_is_independent_of_difficulty(sit: Sit) -> None:
-    driver = sit(attempts=6, prompts_per_attempt=1, feedback_every=3, consecutive_successes=2)
+def test_feedback_frequency_is_independent_of_difficulty(new_session: NewSession) -> None:
+    driver = new_session(attempts=6, prompts_per_attempt=1, feedback_every=3, consecutive_successes=2)
     driver.enter()
     for _ in range(6):
         driver.attempt(400)
@@ -180,8 +180,8 @@ def test_feedback_frequency_is_independent_of_difficulty(sit: Sit) -> None:
     assert [ended.level for ended in driver.all(ATTEMPT_ENDED)] == [1, 1, 2, 2, 3, 3]
 
 
-def test_practice_gets_feedback_but_changes_neither_level_nor_count(sit: Sit) -> None:
-    driver = sit(practice_attempts=1, attempts=2, feedback_every=2, start_level=3)
+def test_practice_gets_feedback_but_changes_neither_level_nor_count(new_session: NewSession) -> None:
+    driver = new_session(practice_attempts=1, attempts=2, feedback_every=2, start_level=3)
     driver.enter()
     assert driver.waiting.attempt_name == "practice 1 of 1"
     driver.attempt(400)
@@ -199,8 +199,8 @@ def test_practice_gets_feedback_but_changes_neither_level_nor_count(sit: Sit) ->
     assert driver.waiting.stage == "review"
 
 
-def test_failures_in_practice_do_not_count_as_consecutive(sit: Sit) -> None:
-    driver = sit(practice_attempts=2, attempts=1, start_level=3, consecutive_failures=3)
+def test_failures_in_practice_do_not_count_as_consecutive(new_session: NewSession) -> None:
+    driver = new_session(practice_attempts=2, attempts=1, start_level=3, consecutive_failures=3)
     driver.enter()
     for _ in range(3):
         driver.attempt(1400)
@@ -210,8 +210,8 @@ def test_failures_in_practice_do_not_count_as_consecutive(sit: Sit) -> None:
 # --- keys where none belong -------------------------------------------------------------------------------
 
 
-def test_a_key_in_the_foreperiod_restarts_it_and_is_no_response(sit: Sit) -> None:
-    driver = sit(foreperiod_min_ms=800, foreperiod_max_ms=800)
+def test_a_key_in_the_foreperiod_restarts_it_and_is_no_response(new_session: NewSession) -> None:
+    driver = new_session(foreperiod_min_ms=800, foreperiod_max_ms=800)
     driver.enter()
     driver.press("enter")
     driver.until(lambda: driver.waiting.what == "foreperiod")
@@ -228,8 +228,8 @@ def test_a_key_in_the_foreperiod_restarts_it_and_is_no_response(sit: Sit) -> Non
     assert driver.last(TRIAL).reaction_time_ms == 400.0
 
 
-def test_the_foreperiod_lies_between_its_bounds_and_differs_from_trial_to_trial(sit: Sit) -> None:
-    driver = sit(prompts_per_attempt=20, foreperiod_min_ms=600, foreperiod_max_ms=900)
+def test_the_foreperiod_lies_between_its_bounds_and_differs_from_trial_to_trial(new_session: NewSession) -> None:
+    driver = new_session(prompts_per_attempt=20, foreperiod_min_ms=600, foreperiod_max_ms=900)
     driver.enter()
     driver.attempt()
     waits = [trial.timing.foreperiod_ms for trial in driver.all(TRIAL)]
@@ -240,8 +240,8 @@ def test_the_foreperiod_lies_between_its_bounds_and_differs_from_trial_to_trial(
     assert [(end - begin) / MS for begin, end in zip(began, shown, strict=True)] == pytest.approx(waits)
 
 
-def test_a_foreperiod_begins_only_after_half_a_second_without_keys(sit: Sit) -> None:
-    driver = sit()
+def test_a_foreperiod_begins_only_after_half_a_second_without_keys(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.press("enter")
     entered = driver.clock.now()
@@ -253,8 +253,8 @@ def test_a_foreperiod_begins_only_after_half_a_second_without_keys(sit: Sit) -> 
     assert driver.clock.now() - answered == 500 * MS
 
 
-def test_a_key_before_the_foreperiod_delays_it_and_is_no_false_start(sit: Sit) -> None:
-    driver = sit()
+def test_a_key_before_the_foreperiod_delays_it_and_is_no_false_start(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.press("enter")
     driver.wait(300)
@@ -265,8 +265,8 @@ def test_a_key_before_the_foreperiod_delays_it_and_is_no_false_start(sit: Sit) -
     assert driver.answer().timing.false_starts == 0
 
 
-def test_after_a_quiet_miss_the_foreperiod_begins_at_once(sit: Sit) -> None:
-    driver = sit(response_timeout_ms=2000)
+def test_after_a_quiet_miss_the_foreperiod_begins_at_once(new_session: NewSession) -> None:
+    driver = new_session(response_timeout_ms=2000)
     driver.start()
     driver.until(lambda: driver.all(TRIAL))
     missed = driver.clock.now()
@@ -274,8 +274,8 @@ def test_after_a_quiet_miss_the_foreperiod_begins_at_once(sit: Sit) -> None:
     assert driver.clock.now() == missed
 
 
-def test_a_held_key_delays_the_prompt_until_it_is_released(sit: Sit) -> None:
-    driver = sit()
+def test_a_held_key_delays_the_prompt_until_it_is_released(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.press("enter")
     driver.wait(30)
@@ -288,8 +288,8 @@ def test_a_held_key_delays_the_prompt_until_it_is_released(sit: Sit) -> None:
     assert driver.all(TRIAL) == []
 
 
-def test_a_held_enter_begins_no_attempt(sit: Sit) -> None:
-    driver = sit()
+def test_a_held_enter_begins_no_attempt(new_session: NewSession) -> None:
+    driver = new_session()
     driver.hold("enter", ms=900)
     assert driver.waiting.stage == "attempt"
     driver.wait(200)
@@ -297,8 +297,8 @@ def test_a_held_enter_begins_no_attempt(sit: Sit) -> None:
     assert driver.waiting.stage == "trial"
 
 
-def test_only_enter_begins_an_attempt(sit: Sit) -> None:
-    driver = sit()
+def test_only_enter_begins_an_attempt(new_session: NewSession) -> None:
+    driver = new_session()
     driver.press("space")
     assert driver.waiting.stage == "instructions"
     driver.enter()
@@ -306,8 +306,8 @@ def test_only_enter_begins_an_attempt(sit: Sit) -> None:
     assert driver.waiting.stage == "attempt"
 
 
-def test_a_key_before_onset_is_stored_as_an_anticipation_outside_the_metric(sit: Sit) -> None:
-    driver = sit()
+def test_a_key_before_onset_is_stored_as_an_anticipation_outside_the_metric(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.press("enter")
     driver.until(lambda: driver.all(PROMPT))
@@ -322,8 +322,8 @@ def test_a_key_before_onset_is_stored_as_an_anticipation_outside_the_metric(sit:
     assert trial.timing.flags == ("anticipation",)
 
 
-def test_the_first_of_two_keys_before_onset_is_the_response(sit: Sit) -> None:
-    driver = sit()
+def test_the_first_of_two_keys_before_onset_is_the_response(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.press("enter")
     driver.until(lambda: driver.all(PROMPT))
@@ -335,8 +335,8 @@ def test_the_first_of_two_keys_before_onset_is_the_response(sit: Sit) -> None:
     assert driver.session.faults == []
 
 
-def test_a_key_stamped_after_onset_but_handled_before_it_is_a_response(sit: Sit) -> None:
-    driver = sit()
+def test_a_key_stamped_after_onset_but_handled_before_it_is_a_response(new_session: NewSession) -> None:
+    driver = new_session()
     driver.screen.shows = False
     driver.enter()
     driver.press("enter")
@@ -351,8 +351,10 @@ def test_a_key_stamped_after_onset_but_handled_before_it_is_a_response(sit: Sit)
 
 
 @pytest.mark.parametrize(("reaction", "flagged"), [(0, True), (99, True), (99.999, True), (100, False), (101, False)])
-def test_faster_than_a_tenth_of_a_second_is_an_anticipation(sit: Sit, reaction: float, flagged: bool) -> None:
-    driver = sit()
+def test_faster_than_a_tenth_of_a_second_is_an_anticipation(
+    new_session: NewSession, reaction: float, flagged: bool
+) -> None:
+    driver = new_session()
     driver.start()
     trial = driver.answer(reaction)
     assert trial.reaction_time_ms == reaction
@@ -360,8 +362,8 @@ def test_faster_than_a_tenth_of_a_second_is_an_anticipation(sit: Sit, reaction: 
     assert trial.value == (None if flagged else reaction)
 
 
-def test_anticipations_are_correct_but_not_in_the_mean(sit: Sit) -> None:
-    driver = sit()
+def test_anticipations_are_correct_but_not_in_the_mean(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.press("enter")
     for reaction in (50, 400, 600):
@@ -370,8 +372,8 @@ def test_anticipations_are_correct_but_not_in_the_mean(sit: Sit) -> None:
     assert (ended.metric, ended.accuracy) == (500.0, 1.0)
 
 
-def test_a_key_stamped_in_time_counts_even_if_handled_late(sit: Sit) -> None:
-    driver = sit(response_timeout_ms=2000)
+def test_a_key_stamped_in_time_counts_even_if_handled_late(new_session: NewSession) -> None:
+    driver = new_session(response_timeout_ms=2000)
     prompt = driver.start()
     onset = driver.clock.now()
     driver.wait(2030)
@@ -384,8 +386,8 @@ def test_a_key_stamped_in_time_counts_even_if_handled_late(sit: Sit) -> None:
     assert numbers(driver).count((1, 1)) == 1
 
 
-def test_a_key_stamped_late_is_a_flagged_miss(sit: Sit) -> None:
-    driver = sit(response_timeout_ms=2000)
+def test_a_key_stamped_late_is_a_flagged_miss(new_session: NewSession) -> None:
+    driver = new_session(response_timeout_ms=2000)
     prompt = driver.start()
     driver.wait(2030)
     driver.press(prompt.expected)
@@ -394,8 +396,8 @@ def test_a_key_stamped_late_is_a_flagged_miss(sit: Sit) -> None:
     assert trial.timing.flags == ("late_key",)
 
 
-def test_a_key_after_the_miss_belongs_to_no_trial(sit: Sit) -> None:
-    driver = sit(response_timeout_ms=2000)
+def test_a_key_after_the_miss_belongs_to_no_trial(new_session: NewSession) -> None:
+    driver = new_session(response_timeout_ms=2000)
     prompt = driver.start()
     driver.wait(2060)
     driver.press(prompt.expected)
@@ -404,8 +406,8 @@ def test_a_key_after_the_miss_belongs_to_no_trial(sit: Sit) -> None:
     assert driver.waiting.what == "quiet"
 
 
-def test_repeats_of_a_held_key_never_count(sit: Sit) -> None:
-    driver = sit(quiet_ms=0, foreperiod_min_ms=0, foreperiod_max_ms=0, levels=["f"])
+def test_repeats_of_a_held_key_never_count(new_session: NewSession) -> None:
+    driver = new_session(quiet_ms=0, foreperiod_min_ms=0, foreperiod_max_ms=0, levels=["f"])
     driver.enter()
     driver.press("enter")
     driver.to_prompt()
@@ -422,8 +424,8 @@ def test_repeats_of_a_held_key_never_count(sit: Sit) -> None:
     assert "repeat_key" in flags(driver)
 
 
-def test_a_paste_is_flagged_and_never_a_response(sit: Sit) -> None:
-    driver = sit()
+def test_a_paste_is_flagged_and_never_a_response(new_session: NewSession) -> None:
+    driver = new_session()
     driver.start()
     driver.wait(200)
     driver.paste()
@@ -432,8 +434,8 @@ def test_a_paste_is_flagged_and_never_a_response(sit: Sit) -> None:
     assert (trial.correct, trial.timing.flags) == (True, ("paste",))
 
 
-def test_a_paste_in_the_foreperiod_restarts_it(sit: Sit) -> None:
-    driver = sit()
+def test_a_paste_in_the_foreperiod_restarts_it(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.press("enter")
     driver.until(lambda: driver.waiting.what == "foreperiod")
@@ -446,8 +448,8 @@ def test_a_paste_in_the_foreperiod_restarts_it(sit: Sit) -> None:
     assert driver.answer().timing.false_starts == 1
 
 
-def test_a_lost_focus_is_flagged_and_never_a_response(sit: Sit) -> None:
-    driver = sit()
+def test_a_lost_focus_is_flagged_and_never_a_response(new_session: NewSession) -> None:
+    driver = new_session()
     driver.start()
     driver.focus(False)
     driver.focus(True)
@@ -456,8 +458,8 @@ def test_a_lost_focus_is_flagged_and_never_a_response(sit: Sit) -> None:
     assert driver.answer(300).timing.flags == ()
 
 
-def test_every_trial_without_focus_is_flagged(sit: Sit) -> None:
-    driver = sit()
+def test_every_trial_without_focus_is_flagged(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.focus(False)
     driver.press("enter")
@@ -467,16 +469,16 @@ def test_every_trial_without_focus_is_flagged(sit: Sit) -> None:
     assert driver.answer().timing.flags == ()
 
 
-def test_an_onset_stamped_after_refresh_is_flagged(sit: Sit) -> None:
-    driver = sit()
+def test_an_onset_stamped_after_refresh_is_flagged(new_session: NewSession) -> None:
+    driver = new_session()
     driver.screen.source = "refresh"
     driver.start()
     trial = driver.answer()
     assert (trial.timing.onset_source, trial.timing.flags) == ("refresh", ("onset_refresh",))
 
 
-def test_an_onset_of_another_presentation_is_ignored(sit: Sit) -> None:
-    driver = sit()
+def test_an_onset_of_another_presentation_is_ignored(new_session: NewSession) -> None:
+    driver = new_session()
     driver.start()
     stale = driver.screen.prompt
     driver.operate("repeat")
@@ -491,9 +493,9 @@ def test_an_onset_of_another_presentation_is_ignored(sit: Sit) -> None:
 
 @pytest.mark.parametrize(("level", "typed", "correct"), [(1, str.upper, True), (8, str.swapcase, False)])
 def test_case_is_ignored_unless_the_level_asks_for_shift(
-    sit: Sit, level: int, typed: Callable[[str], str], correct: bool
+    new_session: NewSession, level: int, typed: Callable[[str], str], correct: bool
 ) -> None:
-    driver = sit(start_level=level)
+    driver = new_session(start_level=level)
     prompt = driver.start()
     assert prompt.expected.isalpha()
     driver.wait(400)
@@ -537,9 +539,9 @@ IN_A_TRIAL = [in_quiet, in_foreperiod, in_storing, before_onset, in_response]
 
 @pytest.mark.parametrize("moment", IN_A_TRIAL)
 def test_a_pause_in_a_trial_voids_it_and_it_is_repeated_as_it_was(
-    sit: Sit, moment: Callable[[LoopDriver], None]
+    new_session: NewSession, moment: Callable[[LoopDriver], None]
 ) -> None:
-    driver, undisturbed = sit(seed=5), sit(seed=5)
+    driver, undisturbed = new_session(seed=5), new_session(seed=5)
     undisturbed.enter()
     undisturbed.attempt()
     moment(driver)
@@ -565,8 +567,8 @@ def test_a_pause_in_a_trial_voids_it_and_it_is_repeated_as_it_was(
     assert driver.session.faults == []
 
 
-def test_a_repeated_prompt_counts_its_presentations(sit: Sit) -> None:
-    driver = sit()
+def test_a_repeated_prompt_counts_its_presentations(new_session: NewSession) -> None:
+    driver = new_session()
     first = driver.start()
     driver.operate("pause")
     driver.operate("resume")
@@ -575,8 +577,8 @@ def test_a_repeated_prompt_counts_its_presentations(sit: Sit) -> None:
     assert driver.answer().timing.presentation == 2
 
 
-def test_flags_of_a_voided_prompt_are_not_on_its_repetition(sit: Sit) -> None:
-    driver = sit()
+def test_flags_of_a_voided_prompt_are_not_on_its_repetition(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.press("enter")
     driver.until(lambda: driver.waiting.what == "foreperiod")
@@ -589,8 +591,8 @@ def test_flags_of_a_voided_prompt_are_not_on_its_repetition(sit: Sit) -> None:
     assert (timing.false_starts, timing.flags) == (0, ())
 
 
-def test_after_a_pause_there_is_quiet_and_a_whole_foreperiod(sit: Sit) -> None:
-    driver = sit(foreperiod_min_ms=700, foreperiod_max_ms=700)
+def test_after_a_pause_there_is_quiet_and_a_whole_foreperiod(new_session: NewSession) -> None:
+    driver = new_session(foreperiod_min_ms=700, foreperiod_max_ms=700)
     driver.start()
     driver.operate("pause")
     driver.wait(10_000)
@@ -600,8 +602,8 @@ def test_after_a_pause_there_is_quiet_and_a_whole_foreperiod(sit: Sit) -> None:
     assert driver.clock.now() - resumed == (500 + 700 + 4) * MS
 
 
-def test_nothing_times_out_in_a_pause(sit: Sit) -> None:
-    driver = sit()
+def test_nothing_times_out_in_a_pause(new_session: NewSession) -> None:
+    driver = new_session()
     driver.start()
     driver.operate("pause")
     driver.wait(600_000)
@@ -609,8 +611,8 @@ def test_nothing_times_out_in_a_pause(sit: Sit) -> None:
     assert driver.waiting.stage == "paused"
 
 
-def test_a_pause_between_attempts_voids_nothing_and_goes_back_there(sit: Sit) -> None:
-    driver = sit()
+def test_a_pause_between_attempts_voids_nothing_and_goes_back_there(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.attempt()
     driver.operate("pause")
@@ -620,16 +622,16 @@ def test_a_pause_between_attempts_voids_nothing_and_goes_back_there(sit: Sit) ->
     assert driver.all(VOIDED) == []
 
 
-def test_a_pause_in_the_instructions_goes_back_to_them(sit: Sit) -> None:
-    driver = sit()
+def test_a_pause_in_the_instructions_goes_back_to_them(new_session: NewSession) -> None:
+    driver = new_session()
     driver.operate("pause")
     driver.operate("resume")
     assert driver.waiting.stage == "instructions"
 
 
 @pytest.mark.parametrize("reason", ["tired", "pain", "finished"])
-def test_the_reason_of_a_pause_is_reported_and_only_a_command_resumes(sit: Sit, reason: str) -> None:
-    driver = sit()
+def test_the_reason_of_a_pause_is_reported_and_only_a_command_resumes(new_session: NewSession, reason: str) -> None:
+    driver = new_session()
     driver.start()
     driver.operate("pause")
     driver.operate("pause", reason=reason)
@@ -644,8 +646,10 @@ def test_the_reason_of_a_pause_is_reported_and_only_a_command_resumes(sit: Sit, 
 @pytest.mark.parametrize(
     "moment", [*IN_A_TRIAL, lambda driver: None, LoopDriver.enter, lambda driver: driver.operate("pause")]
 )
-def test_an_end_aborts_from_anywhere_and_is_final(sit: Sit, moment: Callable[[LoopDriver], None]) -> None:
-    driver = sit()
+def test_an_end_aborts_from_anywhere_and_is_final(
+    new_session: NewSession, moment: Callable[[LoopDriver], None]
+) -> None:
+    driver = new_session()
     moment(driver)
     done = len(driver.all(TRIAL))
     driver.operate("end")
@@ -665,9 +669,9 @@ def test_an_end_aborts_from_anywhere_and_is_final(sit: Sit, moment: Callable[[Lo
 
 @pytest.mark.parametrize("moment", IN_A_TRIAL)
 def test_a_skipped_prompt_is_stored_and_the_next_follows(
-    sit: Sit, moment: Callable[[LoopDriver], None]
+    new_session: NewSession, moment: Callable[[LoopDriver], None]
 ) -> None:
-    driver = sit()
+    driver = new_session()
     moment(driver)
     done = len(driver.all(TRIAL))
     driver.screen.stores = True
@@ -678,8 +682,8 @@ def test_a_skipped_prompt_is_stored_and_the_next_follows(
     assert driver.answer().trial == done + 2
 
 
-def test_a_repeat_shows_the_prompt_again_under_its_number(sit: Sit) -> None:
-    driver = sit()
+def test_a_repeat_shows_the_prompt_again_under_its_number(new_session: NewSession) -> None:
+    driver = new_session()
     first = driver.start()
     driver.wait(100)
     driver.operate("repeat")
@@ -689,16 +693,16 @@ def test_a_repeat_shows_the_prompt_again_under_its_number(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize("act", ["skip", "repeat"])
-def test_outside_a_trial_there_is_nothing_to_skip_or_repeat(sit: Sit, act: str) -> None:
-    driver = sit()
+def test_outside_a_trial_there_is_nothing_to_skip_or_repeat(new_session: NewSession, act: str) -> None:
+    driver = new_session()
     driver.enter()
     said = len(driver.all(WAITING))
     driver.operate(act)
     assert (driver.all(TRIAL), driver.all(VOIDED), len(driver.all(WAITING))) == ([], [], said)
 
 
-def test_a_level_set_between_attempts_applies_to_the_next_at_once(sit: Sit) -> None:
-    driver = sit()
+def test_a_level_set_between_attempts_applies_to_the_next_at_once(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.operate("level", value=5)
     assert driver.waiting.level == 5
@@ -708,8 +712,8 @@ def test_a_level_set_between_attempts_applies_to_the_next_at_once(sit: Sit) -> N
     assert driver.waiting.level == 6
 
 
-def test_a_level_set_in_an_attempt_applies_to_the_next(sit: Sit) -> None:
-    driver = sit()
+def test_a_level_set_in_an_attempt_applies_to_the_next(new_session: NewSession) -> None:
+    driver = new_session()
     driver.start()
     driver.operate("level", value=7)
     while not driver.all(ATTEMPT_ENDED):
@@ -723,8 +727,8 @@ def test_a_level_set_in_an_attempt_applies_to_the_next(sit: Sit) -> None:
     assert driver.last(PROMPT).level == 7
 
 
-def test_a_level_set_in_a_pause_of_an_attempt_waits_for_its_end_too(sit: Sit) -> None:
-    driver = sit()
+def test_a_level_set_in_a_pause_of_an_attempt_waits_for_its_end_too(new_session: NewSession) -> None:
+    driver = new_session()
     driver.start()
     driver.operate("pause")
     driver.operate("level", value=7)
@@ -733,8 +737,8 @@ def test_a_level_set_in_a_pause_of_an_attempt_waits_for_its_end_too(sit: Sit) ->
 
 
 @pytest.mark.parametrize(("asked", "given"), [(0, 2), (-3, 2), (99, 6), (4, 4)])
-def test_a_level_set_stays_within_its_bounds(sit: Sit, asked: int, given: int) -> None:
-    driver = sit(min_level=2, max_level=6, start_level=3)
+def test_a_level_set_stays_within_its_bounds(new_session: NewSession, asked: int, given: int) -> None:
+    driver = new_session(min_level=2, max_level=6, start_level=3)
     driver.enter()
     driver.operate("level", value=asked)
     assert driver.last(LEVEL).level == given
@@ -743,8 +747,8 @@ def test_a_level_set_stays_within_its_bounds(sit: Sit, asked: int, given: int) -
 # --- the disk -----------------------------------------------------------------------------------------------
 
 
-def test_the_next_prompt_waits_until_the_trial_is_stored(sit: Sit) -> None:
-    driver = sit()
+def test_the_next_prompt_waits_until_the_trial_is_stored(new_session: NewSession) -> None:
+    driver = new_session()
     driver.screen.stores = False
     driver.start()
     driver.answer()
@@ -755,8 +759,8 @@ def test_the_next_prompt_waits_until_the_trial_is_stored(sit: Sit) -> None:
     assert len(driver.all(PROMPT)) == 2
 
 
-def test_an_acknowledgement_of_an_earlier_trial_is_not_enough(sit: Sit) -> None:
-    driver = sit()
+def test_an_acknowledgement_of_an_earlier_trial_is_not_enough(new_session: NewSession) -> None:
+    driver = new_session()
     driver.start()
     driver.answer()
     driver.to_prompt()
@@ -769,8 +773,8 @@ def test_an_acknowledgement_of_an_earlier_trial_is_not_enough(sit: Sit) -> None:
     assert len(driver.all(PROMPT)) == 3
 
 
-def test_a_key_while_the_trial_is_stored_restarts_the_foreperiod(sit: Sit) -> None:
-    driver = sit()
+def test_a_key_while_the_trial_is_stored_restarts_the_foreperiod(new_session: NewSession) -> None:
+    driver = new_session()
     in_storing(driver)
     driver.press("f")
     assert driver.waiting.what == "quiet"
@@ -780,8 +784,8 @@ def test_a_key_while_the_trial_is_stored_restarts_the_foreperiod(sit: Sit) -> No
     assert len(driver.all(PROMPT)) == 2
 
 
-def test_the_first_prompt_of_an_attempt_waits_for_the_last_trial_of_the_one_before(sit: Sit) -> None:
-    driver = sit(prompts_per_attempt=1)
+def test_the_first_prompt_of_an_attempt_waits_for_the_last_trial_of_the_one_before(new_session: NewSession) -> None:
+    driver = new_session(prompts_per_attempt=1)
     driver.screen.stores = False
     driver.start()
     driver.answer()
@@ -793,8 +797,8 @@ def test_the_first_prompt_of_an_attempt_waits_for_the_last_trial_of_the_one_befo
     assert driver.last(PROMPT).attempt == 2
 
 
-def test_a_session_is_complete_only_when_its_last_trial_is_stored(sit: Sit) -> None:
-    driver = sit(attempts=1, prompts_per_attempt=1)
+def test_a_session_is_complete_only_when_its_last_trial_is_stored(new_session: NewSession) -> None:
+    driver = new_session(attempts=1, prompts_per_attempt=1)
     driver.screen.stores = False
     driver.start()
     driver.answer()
@@ -809,8 +813,8 @@ def test_a_session_is_complete_only_when_its_last_trial_is_stored(sit: Sit) -> N
     assert driver.last(SESSION_ENDED).status == "completed"
 
 
-def test_at_the_end_too_an_acknowledgement_of_an_earlier_trial_is_not_enough(sit: Sit) -> None:
-    driver = sit(attempts=1, prompts_per_attempt=2)
+def test_at_the_end_too_an_acknowledgement_of_an_earlier_trial_is_not_enough(new_session: NewSession) -> None:
+    driver = new_session(attempts=1, prompts_per_attempt=2)
     driver.screen.stores = False
     driver.start()
     driver.operate("skip")
@@ -825,9 +829,9 @@ def test_at_the_end_too_an_acknowledgement_of_an_earlier_trial_is_not_enough(sit
 
 @pytest.mark.parametrize("moment", IN_A_TRIAL)
 def test_a_disk_failure_pauses_and_enter_resumes_after_it(
-    sit: Sit, moment: Callable[[LoopDriver], None]
+    new_session: NewSession, moment: Callable[[LoopDriver], None]
 ) -> None:
-    driver = sit()
+    driver = new_session()
     moment(driver)
     done = len(driver.all(TRIAL))
     driver.disk(False)
@@ -849,8 +853,8 @@ def test_a_disk_failure_pauses_and_enter_resumes_after_it(
     assert driver.answer().trial == done + 1
 
 
-def test_a_disk_failure_between_attempts_returns_there(sit: Sit) -> None:
-    driver = sit()
+def test_a_disk_failure_between_attempts_returns_there(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.disk(False)
     driver.disk(True)
@@ -858,8 +862,8 @@ def test_a_disk_failure_between_attempts_returns_there(sit: Sit) -> None:
     assert driver.waiting.stage == "attempt"
 
 
-def test_a_disk_failure_in_a_pause_is_reported_first(sit: Sit) -> None:
-    driver = sit()
+def test_a_disk_failure_in_a_pause_is_reported_first(new_session: NewSession) -> None:
+    driver = new_session()
     driver.start()
     driver.operate("pause", reason="tired")
     driver.disk(False)
@@ -871,8 +875,8 @@ def test_a_disk_failure_in_a_pause_is_reported_first(sit: Sit) -> None:
     assert driver.waiting.reason == "tired", "what a person said is not forgotten"
 
 
-def test_a_trial_is_repeated_if_the_program_was_suspended(sit: Sit) -> None:
-    driver = sit()
+def test_a_trial_is_repeated_if_the_program_was_suspended(new_session: NewSession) -> None:
+    driver = new_session()
     prompt = driver.start()
     driver.wait(50)
     driver.clock.set(driver.clock.now() + 8000 * MS)
@@ -883,8 +887,8 @@ def test_a_trial_is_repeated_if_the_program_was_suspended(sit: Sit) -> None:
     assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
 
 
-def test_a_miss_stores_the_delay_of_its_time_out(sit: Sit) -> None:
-    driver = sit(response_timeout_ms=1000)
+def test_a_miss_stores_the_delay_of_its_time_out(new_session: NewSession) -> None:
+    driver = new_session(response_timeout_ms=1000)
     driver.start()
     driver.wait(900)
     driver.clock.set(driver.clock.now() + 300 * MS)
@@ -893,8 +897,8 @@ def test_a_miss_stores_the_delay_of_its_time_out(sit: Sit) -> None:
     assert 150 < timing.loop_lag_ms < 250
 
 
-def test_a_participant_who_holds_a_key_is_asked_to_release_it(sit: Sit) -> None:
-    driver = sit()
+def test_a_participant_who_holds_a_key_is_asked_to_release_it(new_session: NewSession) -> None:
+    driver = new_session()
     driver.enter()
     driver.begin_attempt()
     driver.answer()
@@ -916,8 +920,8 @@ def test_a_participant_who_holds_a_key_is_asked_to_release_it(sit: Sit) -> None:
         Result(correct=True, response="j", details={"share": float("inf")}),
     ],
 )
-def test_a_result_that_cannot_be_stored_stops_the_session(sit: Sit, result: Result) -> None:
-    driver = sit()
+def test_a_result_that_cannot_be_stored_stops_the_session(new_session: NewSession, result: Result) -> None:
+    driver = new_session()
     driver.start()
     driver.session.task.perceived = lambda trial, percept: result  # type: ignore[method-assign]
     driver.press("f")
@@ -934,8 +938,8 @@ def test_a_result_that_cannot_be_stored_stops_the_session(sit: Sit, result: Resu
     assert driver.waiting.stage == "broken"
 
 
-def test_a_working_disk_changes_nothing(sit: Sit) -> None:
-    driver = sit()
+def test_a_working_disk_changes_nothing(new_session: NewSession) -> None:
+    driver = new_session()
     driver.start()
     said = len(driver.all(WAITING))
     driver.disk(True)

@@ -1,4 +1,4 @@
-"""Given feedback after a delay or on request, when the participant waits, asks or hurries, then it comes in time."""
+"""Delayed and requested feedback comes on time."""
 
 from collections.abc import Callable
 from typing import Any
@@ -24,15 +24,15 @@ from sar_tui.framework.topics import (
 from sar_tui.plugins import Catalogue
 from tests.lifting_task import Lift, LiftDriver
 
-Sit = Callable[..., LiftDriver]
+NewSession = Callable[..., LiftDriver]
 DELAY_MS = 2500
 ONE_LIFT = {"attempts": 3, "lifts": 1}
 CALM = Catalogue().theme("calm")
 
 
 @pytest.fixture
-def sit(calm: Theme) -> Sit:
-    """Sit down to three attempts of one lift each; ready to start the first."""
+def new_session(calm: Theme) -> NewSession:
+    """Start a session of three attempts of one lift each, ready for the first lift."""
 
     def at(**settings: Any) -> LiftDriver:
         driver = LiftDriver(Lift, calm, **{**ONE_LIFT, **settings})
@@ -59,8 +59,8 @@ def answers(driver: LiftDriver) -> list[int]:
 # --- after a delay --------------------------------------------------------------------------------------------
 
 
-def test_delayed_feedback_comes_exactly_on_time(sit: Sit) -> None:
-    driver = sit(feedback_delay_ms=DELAY_MS)
+def test_delayed_feedback_comes_exactly_on_time(new_session: NewSession) -> None:
+    driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
     ended = driver.last(ATTEMPT_ENDED).ended
     assert (driver.waiting.what, driver.waiting.stage) == ("answer", "answer")
@@ -72,8 +72,8 @@ def test_delayed_feedback_comes_exactly_on_time(sit: Sit) -> None:
     assert driver.last(FEEDBACK).due == ended + DELAY_MS * MS
 
 
-def test_no_attempt_begins_before_the_feedback(sit: Sit) -> None:
-    driver = sit(feedback_delay_ms=DELAY_MS)
+def test_no_attempt_begins_before_the_feedback(new_session: NewSession) -> None:
+    driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
     for _ in range(24):
         driver.press("enter")
@@ -85,8 +85,8 @@ def test_no_attempt_begins_before_the_feedback(sit: Sit) -> None:
     assert len(answers(driver)) == 1
 
 
-def test_the_review_waits_for_the_last_feedback(sit: Sit) -> None:
-    driver = sit(attempts=1, feedback_delay_ms=DELAY_MS)
+def test_the_review_waits_for_the_last_feedback(new_session: NewSession) -> None:
+    driver = new_session(attempts=1, feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.press("enter")
     assert driver.waiting.what == "answer"
@@ -96,14 +96,14 @@ def test_the_review_waits_for_the_last_feedback(sit: Sit) -> None:
     assert driver.all(SESSION_ENDED)
 
 
-def test_without_feedback_there_is_no_wait(sit: Sit) -> None:
-    driver = sit(feedback_delay_ms=DELAY_MS, feedback_every=2)
+def test_without_feedback_there_is_no_wait(new_session: NewSession) -> None:
+    driver = new_session(feedback_delay_ms=DELAY_MS, feedback_every=2)
     lift(driver)
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "attempt")
 
 
-def test_a_pause_in_the_delay_does_not_delay_the_feedback(sit: Sit) -> None:
-    driver = sit(feedback_delay_ms=DELAY_MS)
+def test_a_pause_in_the_delay_does_not_delay_the_feedback(new_session: NewSession) -> None:
+    driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
     ended = driver.last(ATTEMPT_ENDED).ended
     driver.wait(500)
@@ -116,8 +116,8 @@ def test_a_pause_in_the_delay_does_not_delay_the_feedback(sit: Sit) -> None:
     assert answers(driver) == [ended + DELAY_MS * MS]
 
 
-def test_feedback_due_in_a_pause_comes_after_it(sit: Sit) -> None:
-    driver = sit(feedback_delay_ms=DELAY_MS)
+def test_feedback_due_in_a_pause_comes_after_it(new_session: NewSession) -> None:
+    driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.operate("pause", reason="pain")
     driver.wait(10_000)
@@ -127,8 +127,8 @@ def test_feedback_due_in_a_pause_comes_after_it(sit: Sit) -> None:
     assert len(answers(driver)) == 1
 
 
-def test_a_session_ended_in_the_delay_gives_no_feedback_after_the_goodbye(sit: Sit) -> None:
-    driver = sit(feedback_delay_ms=DELAY_MS)
+def test_a_session_ended_in_the_delay_gives_no_feedback_after_the_goodbye(new_session: NewSession) -> None:
+    driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.wait(500)
     driver.operate("end")
@@ -141,10 +141,10 @@ def test_a_session_ended_in_the_delay_gives_no_feedback_after_the_goodbye(sit: S
 
 @pytest.mark.parametrize("starts_at", [10 * SECOND, 0, 10**15])
 def test_a_session_cut_off_in_the_delay_does_not_wait_for_feedback(
-    sit: Sit, calm: Theme, starts_at: int
+    new_session: NewSession, calm: Theme, starts_at: int
 ) -> None:
     """The stamps of another run of the program, or of the machine, say nothing."""
-    driver = sit(feedback_delay_ms=DELAY_MS)
+    driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.wait(500)
     resumed = LiftDriver(Lift, calm, history=driver.records, begin=False, feedback_delay_ms=DELAY_MS, **ONE_LIFT)
@@ -164,8 +164,8 @@ def test_a_session_cut_off_in_the_delay_does_not_wait_for_feedback(
     assert [dropped.id for dropped in resumed.all(DROPPED) if dropped.reason == "late"] == late
 
 
-def test_an_attempt_amended_in_the_delay_gets_the_amended_feedback_once(sit: Sit) -> None:
-    driver = sit(feedback_delay_ms=DELAY_MS)
+def test_an_attempt_amended_in_the_delay_gets_the_amended_feedback_once(new_session: NewSession) -> None:
+    driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.operate("mark", reason="caught")
     assert driver.waiting.what == "answer"
@@ -179,9 +179,7 @@ def test_an_attempt_amended_in_the_delay_gets_the_amended_feedback_once(sit: Sit
 
 
 @given(st.lists(st.integers(0, 1500), max_size=6), st.integers(0, 6000))
-def test_with_any_pauses_feedback_comes_once_and_on_time(
-    waits: list[int], delay_ms: int
-) -> None:
+def test_with_any_pauses_feedback_comes_once_and_on_time(waits: list[int], delay_ms: int) -> None:
     driver = LiftDriver(Lift, CALM, feedback_delay_ms=delay_ms, **ONE_LIFT)
     driver.begin_lifts()
     lift(driver)
@@ -206,8 +204,8 @@ def asks(driver: LiftDriver) -> list[str]:
     return [waiting.ask for waiting in driver.all(WAITING)]
 
 
-def test_feedback_on_request_is_given_once_when_requested(sit: Sit) -> None:
-    driver = sit(feedback_schedule="request", feedback_delay_ms=DELAY_MS)
+def test_feedback_on_request_is_given_once_when_requested(new_session: NewSession) -> None:
+    driver = new_session(feedback_schedule="request", feedback_delay_ms=DELAY_MS)
     assert set(asks(driver)) == {""}
     lift(driver)
     assert (driver.waiting.what, driver.waiting.stage, driver.waiting.ask) == ("enter", "attempt", "tab")
@@ -227,8 +225,8 @@ def test_feedback_on_request_is_given_once_when_requested(sit: Sit) -> None:
     assert len(answers(driver)) == 1
 
 
-def test_feedback_can_be_requested_until_the_next_attempt_begins(sit: Sit) -> None:
-    driver = sit(feedback_schedule="request")
+def test_feedback_can_be_requested_until_the_next_attempt_begins(new_session: NewSession) -> None:
+    driver = new_session(feedback_schedule="request")
     lift(driver)
     driver.press("enter")
     driver.wait(300)
@@ -239,8 +237,8 @@ def test_feedback_can_be_requested_until_the_next_attempt_begins(sit: Sit) -> No
     assert [feedback.attempt for feedback in driver.all(FEEDBACK)] == [2]
 
 
-def test_feedback_on_the_last_attempt_can_be_requested(sit: Sit) -> None:
-    driver = sit(feedback_schedule="request", attempts=1)
+def test_feedback_on_the_last_attempt_can_be_requested(new_session: NewSession) -> None:
+    driver = new_session(feedback_schedule="request", attempts=1)
     lift(driver)
     assert (driver.waiting.stage, driver.waiting.ask) == ("review", "tab")
     driver.press("tab")
@@ -248,8 +246,8 @@ def test_feedback_on_the_last_attempt_can_be_requested(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize("schedule", ["every", "faded", "bandwidth", "summary", "none"])
-def test_under_other_schedules_a_request_is_ignored(sit: Sit, schedule: str) -> None:
-    driver = sit(feedback_schedule=schedule, feedback_every=3)
+def test_under_other_schedules_a_request_is_ignored(new_session: NewSession, schedule: str) -> None:
+    driver = new_session(feedback_schedule=schedule, feedback_every=3)
     lift(driver)
     before = len(answers(driver))
     driver.press("tab")
@@ -258,8 +256,8 @@ def test_under_other_schedules_a_request_is_ignored(sit: Sit, schedule: str) -> 
     assert set(asks(driver)) == {""}
 
 
-def test_requested_feedback_stands_when_the_attempt_is_amended(sit: Sit) -> None:
-    driver = sit(feedback_schedule="request")
+def test_requested_feedback_stands_when_the_attempt_is_amended(new_session: NewSession) -> None:
+    driver = new_session(feedback_schedule="request")
     lift(driver)
     driver.press("tab")
     driver.operate("mark", reason="caught")
@@ -274,8 +272,8 @@ def test_requested_feedback_stands_when_the_attempt_is_amended(sit: Sit) -> None
     assert len(answers(driver)) == 1
 
 
-def test_a_request_after_an_amendment_gives_the_amended_feedback(sit: Sit) -> None:
-    driver = sit(feedback_schedule="request")
+def test_a_request_after_an_amendment_gives_the_amended_feedback(new_session: NewSession) -> None:
+    driver = new_session(feedback_schedule="request")
     lift(driver)
     driver.operate("mark", reason="caught")
     assert driver.waiting.ask == "tab"
@@ -283,8 +281,8 @@ def test_a_request_after_an_amendment_gives_the_amended_feedback(sit: Sit) -> No
     assert driver.last(FEEDBACK).valence == driver.last(ATTEMPT_ENDED).feedback == "negative"
 
 
-def test_feedback_can_be_requested_after_a_resume(sit: Sit, calm: Theme) -> None:
-    driver = sit(feedback_schedule="request")
+def test_feedback_can_be_requested_after_a_resume(new_session: NewSession, calm: Theme) -> None:
+    driver = new_session(feedback_schedule="request")
     lift(driver)
     resumed = LiftDriver(Lift, calm, history=driver.records, feedback_schedule="request", **ONE_LIFT)
     resumed.press("enter")
@@ -293,8 +291,8 @@ def test_feedback_can_be_requested_after_a_resume(sit: Sit, calm: Theme) -> None
     assert len(answers(resumed)) == 1
 
 
-def test_a_request_in_a_pause_is_ignored(sit: Sit) -> None:
-    driver = sit(feedback_schedule="request")
+def test_a_request_in_a_pause_is_ignored(new_session: NewSession) -> None:
+    driver = new_session(feedback_schedule="request")
     lift(driver)
     driver.operate("pause")
     driver.press("tab")

@@ -63,7 +63,7 @@ def lift(**told: object) -> dict[str, Any]:
     st.sampled_from([{}, {"1": 700.0, "2": 400.0}]),
     st.integers(0, 1000),
 )
-def test_in_words_there_is_never_a_number_and_in_figures_always_one(
+def test_qualitative_feedback_has_no_number_and_quantitative_always_one(
     attempts: list[dict[str, Any]],
     theme: Theme,
     reference: str,
@@ -75,7 +75,7 @@ def test_in_words_there_is_never_a_number_and_in_figures_always_one(
         form: Agent(Lift, theme, form, seed, best, about=about, feedback_compared_with=reference) for form in FORMS
     }
     for attempt in attempts:
-        said = {form: agent.hears_of(**attempt) for form, agent in agents.items()}
+        said = {form: agent.feedback_on(**attempt) for form, agent in agents.items()}
         assert not holds_number(said["qualitative"], theme.language), said["qualitative"]
         assert any(character.isdigit() for character in said["quantitative"]), said["quantitative"]
         assert any(character.isdigit() for character in said["both"]), said["both"]
@@ -84,13 +84,13 @@ def test_in_words_there_is_never_a_number_and_in_figures_always_one(
 
 @example([lift(sway=0.0), lift(sway=40.0)], "last attempt", "both").via("nothing before, of which no share can be told")
 @given(SESSIONS, st.sampled_from(REFERENCES), st.sampled_from(CONTENTS))
-def test_each_form_says_what_is_its_own_and_both_says_first_words_then_figures(
-    attempts: list[dict[str, Any]], reference: str, about: str
-) -> None:
+def test_the_form_both_gives_words_then_figures(attempts: list[dict[str, Any]], reference: str, about: str) -> None:
     theme = spelling(VOICES[0])
     agents = {form: Agent(Lift, theme, form, about=about, feedback_compared_with=reference) for form in FORMS}
     for attempt in attempts:
-        said = {form: [part.situation for part in spelled(agent.hears_of(**attempt))] for form, agent in agents.items()}
+        said = {
+            form: [part.situation for part in spelled(agent.feedback_on(**attempt))] for form, agent in agents.items()
+        }
         assert set(said["qualitative"]) <= set(QUALITATIVE)
         first, *more = said["quantitative"]
         assert first in QUANTITATIVE
@@ -111,7 +111,7 @@ def figures(
 ) -> list[Spelled]:
     """The figures given of each attempt, told of one after the other."""
     agent = Agent(task, spelling(VOICES[0]), "quantitative", 1, best, feedback_compared_with=reference, **parameters)
-    return [spelled(agent.hears_of(metric, level))[0] for metric, level in attempts]
+    return [spelled(agent.feedback_on(metric, level))[0] for metric, level in attempts]
 
 
 RESULTS = st.lists(st.tuples(st.floats(1, 3000), st.integers(1, 2)), min_size=1, max_size=12)
@@ -125,7 +125,7 @@ def _told_apart(metric: Metric, value: float, against: float) -> float:
 @pytest.mark.parametrize("task", [Lift, Reps])
 @pytest.mark.parametrize("reference", REFERENCES)
 @given(attempts=RESULTS, best=st.dictionaries(st.sampled_from(["1", "2"]), st.floats(1, 3000)))
-def test_an_attempt_is_compared_with_what_was_asked_for_at_its_level(
+def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
     task: type[Task], reference: str, attempts: list[tuple[float, int]], best: dict[str, float]
 ) -> None:
     words = dict(zip(REFERENCES, ("last time", "your best", "your average today", "the goal"), strict=True))
@@ -160,34 +160,34 @@ def test_an_attempt_is_compared_with_what_was_asked_for_at_its_level(
 
 
 @pytest.mark.parametrize("reference", ["last attempt", "session's mean"])
-def test_the_best_of_earlier_sessions_is_nothing_but_a_best(reference: str) -> None:
+def test_the_best_of_earlier_sessions_is_used_only_as_best(reference: str) -> None:
     ((situation, _),) = figures(Lift, [(800.0, 1)], reference, {"1": 500.0})
     assert situation == "positive_first"
 
 
-def test_a_new_best_is_told_as_what_it_beats() -> None:
+def test_a_new_best_is_compared_with_the_previous_one() -> None:
     first, second, third = figures(Lift, [(520.0, 1), (480.0, 1), (470.0, 1)], "best attempt", {"1": 500.0})
     assert (first.situation, first.slots["difference"]) == ("positive_worsened", "20 ms")
     assert (second.situation, second.slots["difference"]) == ("positive_improved", "20 ms")
     assert (third.situation, third.slots["difference"]) == ("positive_improved", "10 ms")
 
 
-def test_practice_is_compared_with_nothing_but_the_goal() -> None:
+def test_practice_is_compared_with_the_goal_only() -> None:
     agent = Agent(Lift, spelling(VOICES[0]))
-    agent.hears_of(600, practice=True)
-    assert spelled(agent.hears_of(700))[0].situation == "positive_first"
+    agent.feedback_on(600, practice=True)
+    assert spelled(agent.feedback_on(700))[0].situation == "positive_first"
 
 
-def test_an_attempt_without_a_result_is_passed_over() -> None:
+def test_attempts_without_a_result_are_skipped_in_comparisons() -> None:
     agent = Agent(Lift, spelling(VOICES[0]))
-    agent.hears_of(800)
-    agent.hears_of(None)
-    assert spelled(agent.hears_of(700))[0].slots["difference"] == "100 ms"
+    agent.feedback_on(800)
+    agent.feedback_on(None)
+    assert spelled(agent.feedback_on(700))[0].slots["difference"] == "100 ms"
 
 
 def test_figures_are_written_as_the_language_writes_them() -> None:
     theme = spelling(CATALOGUE.theme("calm", "es"))
-    (told,) = spelled(Agent(Reps, theme).hears_of(1234.5))
+    (told,) = spelled(Agent(Reps, theme).feedback_on(1234.5))
     assert told.slots["value"] == "1234,5 reps"
 
 
@@ -195,22 +195,23 @@ def test_figures_are_written_as_the_language_writes_them() -> None:
 
 
 @pytest.mark.parametrize(("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")])
-def test_an_attempt_without_a_result_to_speak_of_gives_what_was_right(
+def test_an_attempt_without_a_result_reports_the_correct_trials(
     metric: float | None, correct: int, situation: str
 ) -> None:
     agent = Agent(Lift, spelling(VOICES[0]), "both", about="both")
-    agent.hears_of(800, sway=1.0)
-    words, told = spelled(agent.hears_of(metric, correct=correct, sway=9.0))
+    agent.feedback_on(800, sway=1.0)
+    words, told = spelled(agent.feedback_on(metric, correct=correct, sway=9.0))
     assert words == (situation, {})
     assert told == (f"{situation}_figures", {"correct": str(correct), "trials": "20"})
 
 
 @pytest.mark.parametrize(("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")])
-def test_what_the_task_has_to_say_of_it_takes_the_place_of_the_words_not_of_the_figures(
+def test_the_tasks_remark_replaces_the_words_but_not_the_figures(
     metric: float | None, correct: int, situation: str
 ) -> None:
     said = {
-        form: Agent(Lift, spelling(VOICES[0]), form).hears_of(metric, correct=correct, remark=REMARK) for form in FORMS
+        form: Agent(Lift, spelling(VOICES[0]), form).feedback_on(metric, correct=correct, remark=REMARK)
+        for form in FORMS
     }
     assert said["qualitative"] == REMARK
     assert [part.situation for part in spelled(said["quantitative"])] == [f"{situation}_figures"]
@@ -218,17 +219,17 @@ def test_what_the_task_has_to_say_of_it_takes_the_place_of_the_words_not_of_the_
 
 
 def test_a_remark_on_an_attempt_that_has_a_result_is_left_out() -> None:
-    assert REMARK not in Agent(Lift, VOICES[0], "both").hears_of(500, remark=REMARK)
+    assert REMARK not in Agent(Lift, VOICES[0], "both").feedback_on(500, remark=REMARK)
 
 
 # --- a summary ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("metric", "valence"), [(500.0, "positive"), (1005.0, "neutral"), (1500.0, "negative")])
-def test_a_summary_tells_how_many_reached_the_goal_and_the_means(metric: float, valence: str) -> None:
+def test_a_summary_reports_goals_reached_and_means(metric: float, valence: str) -> None:
     agent = Agent(Lift, spelling(VOICES[0]), "both", about="both")
-    agent.hears_of(400, sway=3.0)
-    words, told = spelled(agent.hears_of(metric, sums_up=5, reached=3, sway=9.0))
+    agent.feedback_on(400, sway=3.0)
+    words, told = spelled(agent.feedback_on(metric, sums_up=5, reached=3, sway=9.0))
     assert words.situation == f"summary_{valence}"
     assert told == (
         "summary_figures",
@@ -236,9 +237,9 @@ def test_a_summary_tells_how_many_reached_the_goal_and_the_means(metric: float, 
     )
 
 
-def test_a_summary_of_attempts_none_of_which_could_be_timed_gives_counts_alone() -> None:
+def test_a_summary_without_times_gives_counts_only() -> None:
     agent = Agent(Lift, spelling(VOICES[0]), "both")
-    words, told = spelled(agent.hears_of(None, sums_up=5, reached=0))
+    words, told = spelled(agent.feedback_on(None, sums_up=5, reached=0))
     assert words.situation == "summary_negative"
     assert told == ("summary_empty_figures", {"reached": "0", "attempts": "5"})
 
@@ -248,7 +249,7 @@ def test_a_summary_of_attempts_none_of_which_could_be_timed_gives_counts_alone()
 
 def how(agent: Agent, **attempt: Any) -> Spelled:
     """What is said of how the attempt was done; it comes last."""
-    return spelled(agent.hears_of(**{"metric": 900.0, **attempt}))[-1]
+    return spelled(agent.feedback_on(**{"metric": 900.0, **attempt}))[-1]
 
 
 def watcher(form: str = "qualitative", about: str = "performance") -> Agent:
@@ -259,7 +260,7 @@ def watcher(form: str = "qualitative", about: str = "performance") -> Agent:
 STEADY, FIRM = "with a steady arm", "with a firm grip"
 
 
-def test_the_first_time_the_agent_says_what_to_heed() -> None:
+def test_the_first_performance_feedback_gives_the_aim() -> None:
     assert how(watcher(), sway=10.0, grip=50.0) in [("performance_first", {"aim": aim}) for aim in (STEADY, FIRM)]
 
 
@@ -279,11 +280,11 @@ def test_the_first_time_the_agent_says_what_to_heed() -> None:
         (10.0, 50.0, "performance_same", ""),
     ],
 )
-def test_what_got_better_most_is_told_else_what_got_worse_most(
+def test_performance_feedback_reports_the_largest_improvement_or_else_decline(
     sway: float, grip: float, situation: str, words: str
 ) -> None:
     agent = watcher()
-    agent.hears_of(900, sway=10.0, grip=50.0)
+    agent.feedback_on(900, sway=10.0, grip=50.0)
     told = how(agent, sway=sway, grip=grip)
     assert told.situation == situation
     assert told.slots["reference"] == "last time"
@@ -294,9 +295,9 @@ def test_what_got_better_most_is_told_else_what_got_worse_most(
     ("sway", "grip", "percent"),
     [(8.0, 50.0, "20 %"), (10.0, 60.0, "20 %"), (15.0, 50.0, "50 %"), (10.0, 25.0, "50 %"), (10.0, 50.0, "0 %")],
 )
-def test_in_figures_how_much_better_or_worse_is_told_in_percent(sway: float, grip: float, percent: str) -> None:
+def test_quantitative_performance_feedback_is_in_percent(sway: float, grip: float, percent: str) -> None:
     agent = watcher("quantitative")
-    agent.hears_of(900, sway=10.0, grip=50.0)
+    agent.feedback_on(900, sway=10.0, grip=50.0)
     told = how(agent, sway=sway, grip=grip)
     assert told.situation.endswith("_figures")
     assert told.slots["percent"] == percent
@@ -305,57 +306,57 @@ def test_in_figures_how_much_better_or_worse_is_told_in_percent(sway: float, gri
 @pytest.mark.parametrize(
     ("sway", "grip", "valence"), [(7.0, 50.0, "positive"), (15.0, 50.0, "negative"), (10.0, 50.0, "neutral")]
 )
-def test_the_face_goes_with_how_it_was_done_where_that_is_what_is_told(sway: float, grip: float, valence: str) -> None:
+def test_the_face_matches_the_performance_feedback(sway: float, grip: float, valence: str) -> None:
     """However fast it was: no cheer stands beside words about what to heed."""
     agent = watcher(about="performance")
-    agent.hears_of(900, sway=10.0, grip=50.0)
+    agent.feedback_on(900, sway=10.0, grip=50.0)
     for metric in (850, 1090):
-        agent.hears_of(metric, sway=sway, grip=grip)
+        agent.feedback_on(metric, sway=sway, grip=grip)
         assert agent.said[-1].valence == valence
-        agent.hears_of(900, sway=10.0, grip=50.0)
+        agent.feedback_on(900, sway=10.0, grip=50.0)
 
 
-def test_a_change_of_which_no_share_can_be_made_sense_of_is_told_with_the_result() -> None:
+def test_a_change_without_meaningful_percentage_is_reported_with_the_result() -> None:
     agent = watcher("quantitative", about="performance")
-    agent.hears_of(900, sway=10.0, grip=50.0)
-    agent.hears_of(900, sway=40.0, grip=50.0)
+    agent.feedback_on(900, sway=10.0, grip=50.0)
+    agent.feedback_on(900, sway=40.0, grip=50.0)
     assert "percent" not in agent.said[-1].text
     assert "900" in agent.said[-1].text
 
 
-def test_only_attempts_alike_are_compared_in_how_they_were_done() -> None:
+def test_performance_is_compared_between_similar_attempts_only() -> None:
     """A slower movement has more of everything: that is no worsening."""
     agent = watcher()
-    agent.hears_of(900, sway=10.0)
+    agent.feedback_on(900, sway=10.0)
     assert how(agent, metric=1200, sway=20.0).situation == "performance_first"
     assert how(agent, metric=950, sway=7.0).slots["change"] == "steadier"
 
 
-def test_how_it_was_done_is_compared_with_the_last_time_at_that_level() -> None:
+def test_performance_is_compared_with_the_last_attempt_at_the_level() -> None:
     agent = watcher()
-    agent.hears_of(900, sway=10.0)
+    agent.feedback_on(900, sway=10.0)
     assert how(agent, level=2, sway=30.0).situation == "performance_first"
     assert how(agent, sway=7.0).situation == "performance_improved"
     reference = "last time at this level"
     assert how(agent, level=2, sway=40.0) == ("performance_worsened", {"aim": STEADY, "reference": reference})
 
 
-def test_how_practice_was_done_is_not_compared_with() -> None:
+def test_performance_in_practice_is_not_a_reference() -> None:
     agent = watcher()
-    agent.hears_of(900, practice=True, sway=30.0)
+    agent.feedback_on(900, practice=True, sway=30.0)
     assert how(agent, sway=10.0).situation == "performance_first"
 
 
-def test_only_what_was_measured_both_times_is_compared() -> None:
+def test_only_qualities_measured_both_times_are_compared() -> None:
     agent = watcher()
-    agent.hears_of(900, sway=10.0)
+    agent.feedback_on(900, sway=10.0)
     assert how(agent, sway=10.5, grip=99.0).situation == "performance_same"
     assert how(agent, grip=50.0).slots["aim"] == FIRM
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_where_nothing_of_how_was_measured_the_result_is_told(form: str) -> None:
-    assert watcher(form).hears_of(900) == watcher(form, about="results").hears_of(900)
+def test_without_measured_qualities_the_result_is_reported(form: str) -> None:
+    assert watcher(form).feedback_on(900) == watcher(form, about="results").feedback_on(900)
 
 
 @pytest.mark.parametrize(
@@ -372,14 +373,14 @@ def test_where_nothing_of_how_was_measured_the_result_is_told(form: str) -> None
         ("both", "both", ["positive", "positive_first", "performance_first"]),
     ],
 )
-def test_what_is_told_is_what_the_task_asks_for(form: str, about: str, situations: list[str]) -> None:
-    said = spelled(watcher(form, about).hears_of(800, sway=1.0))
+def test_the_task_selects_the_content(form: str, about: str, situations: list[str]) -> None:
+    said = spelled(watcher(form, about).feedback_on(800, sway=1.0))
     assert [part.situation for part in said] == situations
 
 
 def test_the_parameters_decide_the_form(keyboard: type[Task]) -> None:
     assert TaskParameters().feedback_form == "both"
-    assert len(spelled(Agent(keyboard, spelling(VOICES[0]), "both").hears_of(700))) == 2
+    assert len(spelled(Agent(keyboard, spelling(VOICES[0]), "both").feedback_on(700))) == 2
 
 
 # --- what tasks have to say -----------------------------------------------------------------------------------
@@ -387,7 +388,7 @@ def test_the_parameters_decide_the_form(keyboard: type[Task]) -> None:
 
 @pytest.mark.parametrize("language", ["en", "es"])
 @pytest.mark.parametrize("name", CATALOGUE.task_names())
-def test_what_a_task_adds_to_words_holds_no_number(name: str, language: str) -> None:
+def test_text_that_a_task_adds_holds_no_number(name: str, language: str) -> None:
     kind = CATALOGUE.task(name)
     task = kind(build(kind.Parameters, {"language": language}))
     changes = [quality.improved for quality in task.qualities] + [task.metric.improved, task.metric.worsened]

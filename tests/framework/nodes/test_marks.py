@@ -1,4 +1,4 @@
-"""Given a therapist who watches, when they mark a trial with one key, then trial, attempt and level follow."""
+"""A therapist's mark corrects the trial, its attempt and the level."""
 
 from collections.abc import Callable
 from typing import Any
@@ -11,12 +11,12 @@ from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, FEEDBACK, LEVEL, MAR
 from tests.lifting_task import Lift, LiftDriver
 from tests.loop_driver import LoopDriver
 
-Sit = Callable[..., LiftDriver]
+NewSession = Callable[..., LiftDriver]
 
 
 @pytest.fixture
-def sit(calm: Theme) -> Sit:
-    """Sit down to three attempts of two lifts each, unless told otherwise; ready to start the first."""
+def new_session(calm: Theme) -> NewSession:
+    """Start a session, ready for the first lift; by default three attempts of two lifts each."""
 
     def at(**settings: Any) -> LiftDriver:
         driver = LiftDriver(Lift, calm, **{"attempts": 3, "start_level": 3, **settings})
@@ -37,8 +37,8 @@ def marked(driver: LoopDriver) -> list[tuple[int, int, str, bool]]:
 # --- the trial under way ------------------------------------------------------------------------------------
 
 
-def test_a_mark_in_a_trial_is_stored_and_the_trial_does_not_count(sit: Sit) -> None:
-    driver = sit()
+def test_a_mark_in_a_trial_is_stored_and_the_trial_does_not_count(new_session: NewSession) -> None:
+    driver = new_session()
     driver.press("space")
     driver.to_prompt()
     mark(driver, "caught")
@@ -56,8 +56,8 @@ def test_a_mark_in_a_trial_is_stored_and_the_trial_does_not_count(sit: Sit) -> N
     assert (ended.metric, ended.correct, ended.accuracy, ended.qualities["sway"]) == (500.0, 1, 0.5, 5.0)
 
 
-def test_a_counting_mark_leaves_the_trial_correct(sit: Sit) -> None:
-    driver = sit()
+def test_a_counting_mark_leaves_the_trial_correct(new_session: NewSession) -> None:
+    driver = new_session()
     driver.press("space")
     driver.to_prompt()
     mark(driver, "leaned")
@@ -68,15 +68,15 @@ def test_a_counting_mark_leaves_the_trial_correct(sit: Sit) -> None:
     assert (trial.correct, trial.value, trial.details["mark"]) == (True, 400.0, "leaned")
 
 
-def test_a_counting_mark_does_not_make_a_failed_trial_correct(sit: Sit) -> None:
-    driver = sit()
+def test_a_counting_mark_does_not_make_a_failed_trial_correct(new_session: NewSession) -> None:
+    driver = new_session()
     driver.lift(end="d")
     mark(driver, "leaned")
     assert marked(driver) == [(1, 1, "leaned", False)]
 
 
-def test_the_last_of_two_marks_in_a_trial_stands(sit: Sit) -> None:
-    driver = sit()
+def test_the_last_of_two_marks_in_a_trial_stands(new_session: NewSession) -> None:
+    driver = new_session()
     driver.press("space")
     driver.to_prompt()
     mark(driver, "caught")
@@ -88,8 +88,8 @@ def test_the_last_of_two_marks_in_a_trial_stands(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize("broken_off", ["?", "pause"])
-def test_a_mark_on_a_voided_trial_is_not_on_its_repetition(sit: Sit, broken_off: str) -> None:
-    driver = sit()
+def test_a_mark_on_a_voided_trial_is_not_on_its_repetition(new_session: NewSession, broken_off: str) -> None:
+    driver = new_session()
     driver.press("space")
     driver.to_prompt()
     mark(driver, "caught")
@@ -107,8 +107,8 @@ def test_a_mark_on_a_voided_trial_is_not_on_its_repetition(sit: Sit, broken_off:
 # --- the last trial ------------------------------------------------------------------------------------------
 
 
-def test_between_trials_the_last_one_is_marked(sit: Sit) -> None:
-    driver = sit()
+def test_between_trials_the_last_one_is_marked(new_session: NewSession) -> None:
+    driver = new_session()
     driver.lift(400)
     assert driver.waiting.what == "start"
     mark(driver, "caught")
@@ -120,16 +120,16 @@ def test_between_trials_the_last_one_is_marked(sit: Sit) -> None:
     assert driver.last(FEEDBACK).reason == "accuracy"
 
 
-def test_before_the_first_trial_of_a_session_there_is_nothing_to_mark(sit: Sit) -> None:
-    driver = sit()
+def test_before_the_first_trial_of_a_session_there_is_nothing_to_mark(new_session: NewSession) -> None:
+    driver = new_session()
     mark(driver, "caught")
     assert marked(driver) == []
     driver.lift()
     assert "mark" not in driver.last(TRIAL).details
 
 
-def test_a_mark_after_an_attempt_corrects_its_score_and_the_level(sit: Sit) -> None:
-    driver = sit()
+def test_a_mark_after_an_attempt_corrects_its_score_and_the_level(new_session: NewSession) -> None:
+    driver = new_session()
     driver.lift(400)
     driver.lift(500)
     before = driver.last(ATTEMPT_ENDED)
@@ -147,8 +147,8 @@ def test_a_mark_after_an_attempt_corrects_its_score_and_the_level(sit: Sit) -> N
     assert len(driver.all(ACTION)) == said, "nothing more is said of it"
 
 
-def test_another_mark_replaces_the_first(sit: Sit) -> None:
-    driver = sit()
+def test_another_mark_replaces_the_first(new_session: NewSession) -> None:
+    driver = new_session()
     driver.lift(400)
     driver.lift(500)
     original = driver.last(ATTEMPT_ENDED)
@@ -159,8 +159,8 @@ def test_another_mark_replaces_the_first(sit: Sit) -> None:
     assert driver.waiting.level == 4
 
 
-def test_a_counting_mark_changes_neither_score_nor_level(sit: Sit) -> None:
-    driver = sit()
+def test_a_counting_mark_changes_neither_score_nor_level(new_session: NewSession) -> None:
+    driver = new_session()
     driver.lift(400)
     driver.lift(500)
     levels = len(driver.all(LEVEL))
@@ -170,8 +170,8 @@ def test_a_counting_mark_changes_neither_score_nor_level(sit: Sit) -> None:
     assert len(driver.all(LEVEL)) == levels
 
 
-def test_the_last_trial_of_the_last_attempt_can_be_marked(sit: Sit) -> None:
-    driver = sit(attempts=1)
+def test_the_last_trial_of_the_last_attempt_can_be_marked(new_session: NewSession) -> None:
+    driver = new_session(attempts=1)
     driver.lift(400)
     driver.lift(500)
     assert driver.waiting.stage == "review"
@@ -184,9 +184,9 @@ def test_the_last_trial_of_the_last_attempt_can_be_marked(sit: Sit) -> None:
     assert driver.last(ATTEMPT_ENDED) == driver.all(ATTEMPT_ENDED)[0]
 
 
-def test_a_mark_may_lead_to_the_same_level(sit: Sit) -> None:
+def test_a_mark_may_lead_to_the_same_level(new_session: NewSession) -> None:
     """With two failures in a row to fall, the first is counted after the mark and the second falls."""
-    driver = sit(consecutive_successes=2, consecutive_failures=2)
+    driver = new_session(consecutive_successes=2, consecutive_failures=2)
     driver.lift(400)
     driver.lift(500)
     mark(driver, "caught")
@@ -199,8 +199,8 @@ def test_a_mark_may_lead_to_the_same_level(sit: Sit) -> None:
     assert (driver.last(LEVEL).level, driver.last(LEVEL).reason) == (2, "failure")
 
 
-def test_after_the_next_attempt_has_begun_the_last_cannot_be_marked(sit: Sit) -> None:
-    driver = sit()
+def test_after_the_next_attempt_has_begun_the_last_cannot_be_marked(new_session: NewSession) -> None:
+    driver = new_session()
     driver.lift()
     driver.lift()
     driver.press("enter")
@@ -211,8 +211,8 @@ def test_after_the_next_attempt_has_begun_the_last_cannot_be_marked(sit: Sit) ->
 
 
 @pytest.mark.parametrize("attempts", [1, 3])
-def test_a_level_set_by_hand_is_not_undone_by_a_mark(sit: Sit, attempts: int) -> None:
-    driver = sit(attempts=attempts)
+def test_a_level_set_by_hand_is_not_undone_by_a_mark(new_session: NewSession, attempts: int) -> None:
+    driver = new_session(attempts=attempts)
     driver.lift()
     driver.lift()
     driver.operate("level", value=7)
@@ -221,8 +221,8 @@ def test_a_level_set_by_hand_is_not_undone_by_a_mark(sit: Sit, attempts: int) ->
     assert (marked(driver), len(driver.all(ATTEMPT_ENDED)), driver.last(LEVEL).level) == ([], ended, 7)
 
 
-def test_a_mark_in_practice_does_not_change_the_level(sit: Sit) -> None:
-    driver = sit(practice_attempts=1)
+def test_a_mark_in_practice_does_not_change_the_level(new_session: NewSession) -> None:
+    driver = new_session(practice_attempts=1)
     driver.lift()
     driver.lift()
     mark(driver, "caught")
@@ -232,16 +232,16 @@ def test_a_mark_in_practice_does_not_change_the_level(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize("name", ["", "dropped", "f7"])
-def test_an_unknown_mark_is_ignored(sit: Sit, name: str) -> None:
-    driver = sit()
+def test_an_unknown_mark_is_ignored(new_session: NewSession, name: str) -> None:
+    driver = new_session()
     driver.lift()
     mark(driver, name)
     assert marked(driver) == []
     assert driver.session.faults == []
 
 
-def test_a_session_with_marks_can_be_replayed(sit: Sit, calm: Theme) -> None:
-    driver = sit(attempts=1)
+def test_a_session_with_marks_can_be_replayed(new_session: NewSession, calm: Theme) -> None:
+    driver = new_session(attempts=1)
     driver.press("space")
     driver.to_prompt()
     mark(driver, "leaned")
@@ -261,8 +261,8 @@ def test_a_session_with_marks_can_be_replayed(sit: Sit, calm: Theme) -> None:
     assert marked(driver) == [(1, 1, "leaned", True), (1, 1, "caught", False), (1, 2, "caught", False)]
 
 
-def test_the_same_mark_again_removes_it(sit: Sit) -> None:
-    driver = sit()
+def test_the_same_mark_again_removes_it(new_session: NewSession) -> None:
+    driver = new_session()
     driver.press("space")
     driver.to_prompt()
     for _ in range(2):
@@ -277,8 +277,8 @@ def test_the_same_mark_again_removes_it(sit: Sit) -> None:
     assert marked(driver)[-2:] == [(1, 1, "caught", False), (1, 1, "", True)]
 
 
-def test_voiding_a_trial_removes_its_mark(sit: Sit) -> None:
-    driver = sit()
+def test_voiding_a_trial_removes_its_mark(new_session: NewSession) -> None:
+    driver = new_session()
     driver.press("space")
     driver.to_prompt()
     mark(driver, "caught")

@@ -1,4 +1,4 @@
-"""Given attempts that ended, when memory is asked, then it tells those that count, and what was best before."""
+"""Memory answers recalls of scored attempts and earlier bests."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Given an operator who decides, when an attempt ends, then the session waits for them, no longer than it is set to."""
+"""A session with an operator waits for decisions on feedback and level, up to the deadline."""
 
 from typing import Any
 
@@ -59,9 +59,9 @@ def feedback(driver: LoopDriver) -> list[m.Action]:
     return [action for action in driver.all(ACTION) if action.kind == "feedback"]
 
 
-def offered(driver: LoopDriver) -> str:
+def pending_feedback(driver: LoopDriver) -> str:
     """The id of the feedback that waits."""
-    return [offer.proposal.id for offer in driver.all(PENDING_APPROVAL) if offer.proposal.kind == "feedback"][-1]
+    return [pending.proposal.id for pending in driver.all(PENDING_APPROVAL) if pending.proposal.kind == "feedback"][-1]
 
 
 def test_no_attempt_begins_while_feedback_is_decided_on(calm: Theme) -> None:
@@ -69,7 +69,7 @@ def test_no_attempt_begins_while_feedback_is_decided_on(calm: Theme) -> None:
     assert (driver.waiting.what, driver.waiting.stage) == ("answer", "answer")
     driver.press("enter")
     assert driver.waiting.stage == "answer"
-    decide(driver, offered(driver), "accept")
+    decide(driver, pending_feedback(driver), "accept")
     assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt) == ("enter", "attempt", 2)
     assert len(feedback(driver)) == 1
 
@@ -114,7 +114,7 @@ def test_after_a_pause_the_wait_for_a_decision_continues(calm: Theme) -> None:
 def test_feedback_decided_in_a_pause_is_given_after_it(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="approve", operator_time_ms=60_000)
     driver.operate("pause")
-    decide(driver, offered(driver), "accept")
+    decide(driver, pending_feedback(driver), "accept")
     assert feedback(driver) == []
     driver.operate("resume")
     assert driver.waiting.stage == "attempt"
@@ -124,18 +124,18 @@ def test_feedback_decided_in_a_pause_is_given_after_it(calm: Theme) -> None:
 def test_the_review_waits_for_the_decision_on_the_last_feedback(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="approve", operator_time_ms=60_000)
     for _ in range(2):
-        decide(driver, offered(driver), "veto")
+        decide(driver, pending_feedback(driver), "veto")
         driver.attempt()
     driver.press("enter")
     assert driver.waiting.stage == "answer"
-    decide(driver, offered(driver), "accept")
+    decide(driver, pending_feedback(driver), "accept")
     assert driver.waiting.stage == "review"
 
 
 def test_an_operator_of_an_earlier_run_decides_nothing_in_the_next(calm: Theme) -> None:
     settings = {"attempts": 3, "prompts_per_attempt": 2, "filler": "never", "encouragement": False}
     killed = operated(calm, operator_feedback="approve")
-    decide(killed, offered(killed), "veto")
+    decide(killed, pending_feedback(killed), "veto")
     driver = LoopDriver(
         Catalogue().task("keyboard"), calm, history=killed.records, operator_feedback="approve", **settings
     )
@@ -167,9 +167,7 @@ def test_an_operator_can_edit_the_level(calm: Theme, how: dict[str, Any], level:
 
 
 @pytest.mark.parametrize(("asked", "level"), [(99, 5), (0, 2)])
-def test_an_edited_level_stays_within_its_bounds(
-    calm: Theme, asked: int, level: int
-) -> None:
+def test_an_edited_level_stays_within_its_bounds(calm: Theme, asked: int, level: int) -> None:
     settings = {"start_level": 3, "min_level": 2, "max_level": 5}
     driver = operated(calm, operator_difficulty="approve", operator_time_ms=60_000, **settings)
     decide(driver, "l1", "edit", level=asked)
@@ -179,7 +177,7 @@ def test_an_edited_level_stays_within_its_bounds(
 def test_after_the_last_attempt_no_level_is_proposed(calm: Theme) -> None:
     driver = lifted(calm, attempts=1, operator_difficulty="approve", operator_time_ms=60_000)
     assert driver.waiting.stage == "review"
-    assert offers(driver) == []
+    assert pending_ids(driver) == []
     assert driver.all(LEVEL) == []
 
 
@@ -210,7 +208,7 @@ def test_no_level_changes_once_the_session_is_being_ended(calm: Theme) -> None:
     driver.operate("end")
     assert (driver.waiting.what, driver.waiting.stage) == ("storage", "ended")
     decide(driver, "l1", "accept")
-    assert [ruled.decision for ruled in driver.all(LEVEL_DECIDED)] == ["accepted"]
+    assert [decided.decision for decided in driver.all(LEVEL_DECIDED)] == ["accepted"]
     assert driver.all(LEVEL) == []
 
 
@@ -234,21 +232,19 @@ def test_a_mark_withdraws_a_pending_level_that_no_longer_follows(calm: Theme) ->
     driver.begin_lifts()
     driver.lift()
     driver.lift()
-    assert [offer.proposal.id for offer in driver.last(ARBITER_STATE).pending] == ["l1"]
+    assert [pending.proposal.id for pending in driver.last(ARBITER_STATE).pending] == ["l1"]
     driver.operate("mark", reason="caught")
     assert driver.last(ARBITER_STATE).pending == ()
     decide(driver, "l1", "accept")
     assert (driver.waiting.stage, driver.waiting.level) == ("attempt", 1)
     driver.operate("mark", reason="caught")
-    assert [offer.proposal.id for offer in driver.last(ARBITER_STATE).pending] == ["l2"], "the mark was taken back"
+    assert [pending.proposal.id for pending in driver.last(ARBITER_STATE).pending] == ["l2"], "the mark was taken back"
     decide(driver, "l2", "accept")
     assert driver.waiting.level == 2
 
 
 @pytest.mark.parametrize(("lost", "level"), [("autonomous", 2), ("silent", 1)])
-def test_a_pending_level_is_decided_without_an_operator_after_a_resume(
-    calm: Theme, lost: str, level: int
-) -> None:
+def test_a_pending_level_is_decided_without_an_operator_after_a_resume(calm: Theme, lost: str, level: int) -> None:
     settings = {"operator_difficulty": "approve", "operator_time_ms": 60_000, "operator_lost": lost}
     killed = operated(calm, **settings)
     assert (killed.waiting.stage, killed.waiting.level) == ("answer", 1)
@@ -264,7 +260,7 @@ def test_a_pending_level_is_decided_without_an_operator_after_a_resume(
     )
     driver.press("enter")
     assert (driver.waiting.stage, driver.waiting.level) == ("attempt", level)
-    assert [(ruled.id, ruled.actor, ruled.ground) for ruled in driver.all(LEVEL_DECIDED)] == [
+    assert [(decided.id, decided.actor, decided.ground) for decided in driver.all(LEVEL_DECIDED)] == [
         ("l1", "agent", "no operator")
     ]
 
@@ -279,8 +275,8 @@ def lifted(calm: Theme, task: type[Task] = Lift, **settings: Any) -> LiftDriver:
     return driver
 
 
-def offers(driver: LoopDriver) -> list[str]:
-    return [offer.proposal.id for offer in driver.last(ARBITER_STATE).pending]
+def pending_ids(driver: LoopDriver) -> list[str]:
+    return [pending.proposal.id for pending in driver.last(ARBITER_STATE).pending]
 
 
 @pytest.mark.parametrize("attempts", [2, 3])
@@ -290,31 +286,31 @@ def test_a_level_that_follows_from_a_mark_is_pending_before_the_last_attempt_too
     driver.operate("mark", reason="caught")
     driver.operate("mark", reason="caught")
     assert driver.all(LEVEL) == []
-    assert offers(driver) == ["l2"]
+    assert pending_ids(driver) == ["l2"]
 
 
 @pytest.mark.parametrize(
     ("how", "level"), [({"verdict": "veto"}, 1), ({"verdict": "accept"}, 2), ({"verdict": "edit", "level": 4}, 4)]
 )
-def test_a_mark_that_changes_no_outcome_keeps_the_operators_level(
-    calm: Theme, how: dict[str, Any], level: int
-) -> None:
+def test_a_mark_that_changes_no_outcome_keeps_the_operators_level(calm: Theme, how: dict[str, Any], level: int) -> None:
     driver = lifted(calm, operator_difficulty="approve", operator_time_ms=60_000)
     decide(driver, "l1", **how)
     driver.operate("mark", reason="leaned")
-    assert (driver.waiting.stage, driver.waiting.level, offers(driver)) == ("attempt", level, [])
+    assert (driver.waiting.stage, driver.waiting.level, pending_ids(driver)) == ("attempt", level, [])
     driver.press("enter")
     driver.wait(300)
     assert driver.waiting.level == level
     driver.lift()
     driver.lift()
-    assert [offer.level for offer in driver.last(ARBITER_STATE).pending] == [level + 1], "the next step is from there"
+    assert [pending.level for pending in driver.last(ARBITER_STATE).pending] == [level + 1], (
+        "the next step is from there"
+    )
 
 
 def test_a_mark_that_changes_no_outcome_leaves_the_level_pending(calm: Theme) -> None:
     driver = lifted(calm, operator_difficulty="approve", operator_time_ms=60_000)
     driver.operate("mark", reason="leaned")
-    assert offers(driver) == ["l1"]
+    assert pending_ids(driver) == ["l1"]
 
 
 def test_a_mark_withdraws_a_pending_level_whatever_the_previous_outcome(calm: Theme) -> None:
@@ -328,16 +324,16 @@ def test_a_mark_withdraws_a_pending_level_whatever_the_previous_outcome(calm: Th
     driver.lift()
     driver.lift()
     assert [one.outcome for one in driver.all(ATTEMPT_ENDED)] == ["failure", "success"]
-    assert offers(driver) == ["l1"]
+    assert pending_ids(driver) == ["l1"]
     driver.operate("mark", reason="caught")
-    assert offers(driver) == []
+    assert pending_ids(driver) == []
 
 
 def test_pending_feedback_is_replaced_when_the_attempt_is_scored_again(calm: Theme) -> None:
     driver = lifted(calm, operator_feedback="approve", operator_time_ms=60_000)
     driver.operate("mark", reason="caught")
     assert driver.waiting.stage == "answer"
-    decide(driver, offered(driver), "accept")
+    decide(driver, pending_feedback(driver), "accept")
     assert [action.valence for action in feedback(driver)] == ["negative"]
     assert driver.last(ATTEMPT_ENDED).feedback == "negative"
 
@@ -394,7 +390,7 @@ def test_with_two_seats_a_level_stays_pending_if_a_mark_changes_one_outcome_only
     driver = lifted(calm, UnevenCouple, start_level=3, operator_difficulty="approve", operator_time_ms=60_000)
     driver.operate("mark", reason="caught")
     assert {one.outcome for one in driver.all(ATTEMPT_ENDED)[-2:]} == {"failure"}
-    assert offers(driver) == ["l1"]
+    assert pending_ids(driver) == ["l1"]
     decide(driver, "l1", "accept")
     assert driver.waiting.level == 2
 
@@ -403,19 +399,21 @@ def test_with_two_seats_a_mark_that_changes_the_shared_outcome_proposes_one_leve
     driver = lifted(calm, Couple, start_level=3, operator_difficulty="approve", operator_time_ms=60_000)
     levels = []
     for _ in range(3):
-        (offer,) = driver.last(ARBITER_STATE).pending
-        levels.append((offer.proposal.id, offer.level))
+        (pending,) = driver.last(ARBITER_STATE).pending
+        levels.append((pending.proposal.id, pending.level))
         driver.operate("mark", reason="caught")
     assert levels == [("l1", 4), ("l2", 2), ("l3", 4)]
 
 
 def test_with_two_seats_only_unsaid_feedback_is_replaced(calm: Theme) -> None:
     driver = lifted(calm, Couple, operator_feedback="approve", operator_time_ms=60_000)
-    decide(driver, offers(driver)[0], "accept")
+    decide(driver, pending_ids(driver)[0], "accept")
     driver.operate("mark", reason="caught")
-    assert [(offer.seat, offer.proposal.valence) for offer in driver.last(ARBITER_STATE).pending] == [("B", "negative")]
+    assert [(pending.seat, pending.proposal.valence) for pending in driver.last(ARBITER_STATE).pending] == [
+        ("B", "negative")
+    ]
     assert {one.seat: one.feedback for one in driver.all(ATTEMPT_ENDED)} == {"A": "positive", "B": "negative"}
-    decide(driver, offers(driver)[0], "accept")
+    decide(driver, pending_ids(driver)[0], "accept")
     assert [(action.seat, action.valence) for action in feedback(driver)] == [("A", "positive"), ("B", "negative")]
 
 
@@ -425,7 +423,7 @@ def test_feedback_that_becomes_pending_in_a_pause_is_waited_for_after_it(calm: T
     driver.session.bus.publish(MODE, m.ModeChanged(kind="feedback", mode="approve", actor="operator.ana"))
     driver.operate("resume")
     assert driver.waiting.stage == "answer"
-    decide(driver, offered(driver), "accept")
+    decide(driver, pending_feedback(driver), "accept")
     assert driver.waiting.stage == "attempt"
     assert len(feedback(driver)) == 1
 

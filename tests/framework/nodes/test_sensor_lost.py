@@ -1,4 +1,4 @@
-"""Given a sensor on somebody's arm, when it comes loose and back, then the session waits, and goes on by itself."""
+"""A lost sensor pauses the session, which resumes when it returns."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,12 +10,12 @@ from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import PROMPT, SENSOR, SESSION_ENDED, TRIAL, VOIDED, WAITING
 from tests.lifting_task import Lift, LiftDriver, SensedLift
 
-Sit = Callable[..., LiftDriver]
+NewSession = Callable[..., LiftDriver]
 
 
 @pytest.fixture
-def sit(calm: Theme) -> Sit:
-    """Sit down to two attempts of two lifts each, with a sensor that nothing is known of yet."""
+def new_session(calm: Theme) -> NewSession:
+    """Start a session of two attempts of two lifts each, before anything is known of the sensor."""
 
     def at(task: type[Lift] = SensedLift, **settings: Any) -> LiftDriver:
         return LiftDriver(task, calm, **{"attempts": 2, **settings})
@@ -24,9 +24,9 @@ def sit(calm: Theme) -> Sit:
 
 
 @pytest.fixture
-def lifting(sit: Sit) -> LiftDriver:
+def lifting(new_session: NewSession) -> LiftDriver:
     """Ready to start the first lift, the sensor in place."""
-    driver = sit()
+    driver = new_session()
     sensor(driver, "attached")
     driver.begin_lifts()
     return driver
@@ -44,8 +44,8 @@ LOST = ("sensor", "paused", "sensor")
 AT_START = ("start", "trial", "")
 
 
-def test_the_instructions_can_be_read_while_the_sensor_is_sought_and_no_longer(sit: Sit) -> None:
-    driver = sit()
+def test_the_session_waits_for_the_sensor_after_the_instructions(new_session: NewSession) -> None:
+    driver = new_session()
     assert stands(driver) == ("enter", "instructions", "")
     driver.enter()
     assert stands(driver) == LOST
@@ -56,13 +56,13 @@ def test_the_instructions_can_be_read_while_the_sensor_is_sought_and_no_longer(s
     assert stands(driver) == ("enter", "attempt", "")
 
 
-def test_a_sensor_that_is_there_is_never_spoken_of(lifting: LiftDriver) -> None:
+def test_a_working_sensor_causes_no_pause(lifting: LiftDriver) -> None:
     lifting.lift()
     assert all(waiting.reason != "sensor" for waiting in lifting.all(WAITING))
 
 
-def test_a_task_without_sensors_does_not_care(sit: Sit) -> None:
-    driver = sit(Lift)
+def test_a_task_without_sensors_ignores_them(new_session: NewSession) -> None:
+    driver = new_session(Lift)
     driver.begin_lifts()
     sensor(driver, "detached")
     assert stands(driver) == AT_START
@@ -72,9 +72,7 @@ def test_a_task_without_sensors_does_not_care(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize(("loss", "cure"), [("detached", "attached"), ("stalled", "flowing"), ("ended", "attached")])
-def test_a_sensor_from_which_nothing_comes_stops_a_trial_which_is_started_again(
-    lifting: LiftDriver, loss: SensorState, cure: SensorState
-) -> None:
+def test_a_lost_sensor_voids_the_trial(lifting: LiftDriver, loss: SensorState, cure: SensorState) -> None:
     lifting.press("space")
     lifting.to_prompt()
     lifting.press("k")
@@ -95,14 +93,14 @@ def test_a_sensor_from_which_nothing_comes_stops_a_trial_which_is_started_again(
     assert lifting.last(TRIAL).timing.presentation == 2
 
 
-def test_what_it_is_that_stands_in_the_way_is_told_anew_when_it_is_something_else(lifting: LiftDriver) -> None:
+def test_a_new_reason_of_the_loss_is_published(lifting: LiftDriver) -> None:
     sensor(lifting, "stalled", "Nothing comes.")
     sensor(lifting, "error", "The cable is broken.")
     assert (stands(lifting), lifting.waiting.detail) == (LOST, "The cable is broken.")
 
 
 @pytest.mark.parametrize("state", ["gap", "saturated", "error"])
-def test_a_sensor_that_errs_and_goes_on_stops_nothing(lifting: LiftDriver, state: SensorState) -> None:
+def test_a_sensor_error_without_loss_stops_nothing(lifting: LiftDriver, state: SensorState) -> None:
     lifting.press("space")
     lifting.to_prompt()
     said = len(lifting.all(WAITING))
@@ -111,7 +109,7 @@ def test_a_sensor_that_errs_and_goes_on_stops_nothing(lifting: LiftDriver, state
     assert lifting.all(VOIDED) == []
 
 
-def test_between_attempts_too_the_session_waits_for_the_sensor(lifting: LiftDriver) -> None:
+def test_a_sensor_lost_between_attempts_pauses_the_session(lifting: LiftDriver) -> None:
     lifting.lift()
     lifting.lift()
     sensor(lifting, "detached")
@@ -123,8 +121,8 @@ def test_between_attempts_too_the_session_waits_for_the_sensor(lifting: LiftDriv
     assert lifting.all(VOIDED) == []
 
 
-def test_once_all_is_done_the_sensor_may_be_taken_off(sit: Sit) -> None:
-    driver = sit(attempts=1, lifts=1)
+def test_after_the_last_attempt_a_lost_sensor_is_ignored(new_session: NewSession) -> None:
+    driver = new_session(attempts=1, lifts=1)
     sensor(driver, "attached")
     driver.begin_lifts()
     driver.lift()
@@ -137,8 +135,8 @@ def test_once_all_is_done_the_sensor_may_be_taken_off(sit: Sit) -> None:
     assert [ended.status for ended in driver.all(SESSION_ENDED)] == ["completed"]
 
 
-def test_while_the_last_answer_is_waited_for_the_sensor_may_be_taken_off(sit: Sit) -> None:
-    driver = sit(attempts=1, feedback_delay_ms=3000)
+def test_a_sensor_lost_before_the_last_feedback_is_ignored(new_session: NewSession) -> None:
+    driver = new_session(attempts=1, feedback_delay_ms=3000)
     sensor(driver, "attached")
     driver.begin_lifts()
     driver.lift()
@@ -153,8 +151,8 @@ def test_while_the_last_answer_is_waited_for_the_sensor_may_be_taken_off(sit: Si
     assert driver.last(SESSION_ENDED).status == "completed"
 
 
-def test_a_sensor_lost_in_the_instructions_is_asked_for_after_them(sit: Sit) -> None:
-    driver = sit()
+def test_a_sensor_lost_in_the_instructions_pauses_after_them(new_session: NewSession) -> None:
+    driver = new_session()
     sensor(driver, "attached")
     sensor(driver, "detached", "Gone.")
     assert stands(driver) == ("enter", "instructions", "")
@@ -162,7 +160,7 @@ def test_a_sensor_lost_in_the_instructions_is_asked_for_after_them(sit: Sit) -> 
     assert (stands(driver), driver.waiting.detail) == (LOST, "Gone.")
 
 
-def test_a_pause_that_a_person_made_is_theirs_to_end_whatever_the_sensor_does(lifting: LiftDriver) -> None:
+def test_a_persons_pause_is_not_ended_by_the_sensor(lifting: LiftDriver) -> None:
     lifting.operate("pause", reason="tired")
     paused = stands(lifting)
     sensor(lifting, "detached")
@@ -173,7 +171,7 @@ def test_a_pause_that_a_person_made_is_theirs_to_end_whatever_the_sensor_does(li
     assert stands(lifting) == AT_START
 
 
-def test_a_pause_that_ends_while_the_sensor_is_lost_becomes_one_for_the_sensor(lifting: LiftDriver) -> None:
+def test_resuming_with_a_lost_sensor_waits_for_the_sensor(lifting: LiftDriver) -> None:
     lifting.operate("pause")
     sensor(lifting, "stalled", "Nothing comes.")
     lifting.operate("resume")
@@ -183,7 +181,7 @@ def test_a_pause_that_ends_while_the_sensor_is_lost_becomes_one_for_the_sensor(l
     assert [voided.reason for voided in lifting.all(VOIDED)] == ["pause"]
 
 
-def test_a_person_who_pauses_while_the_sensor_is_lost_is_not_hurried_by_its_return(lifting: LiftDriver) -> None:
+def test_a_pause_during_sensor_loss_outlasts_its_return(lifting: LiftDriver) -> None:
     sensor(lifting, "detached")
     lifting.operate("pause", reason="pain")
     assert stands(lifting) == ("resume", "paused", "pain")
@@ -191,7 +189,7 @@ def test_a_person_who_pauses_while_the_sensor_is_lost_is_not_hurried_by_its_retu
     assert stands(lifting) == ("resume", "paused", "pain")
 
 
-def test_a_session_that_waits_for_its_sensor_can_be_ended(lifting: LiftDriver) -> None:
+def test_a_session_that_waits_for_a_sensor_can_be_ended(lifting: LiftDriver) -> None:
     sensor(lifting, "detached")
     lifting.operate("end")
     assert [ended.status for ended in lifting.all(SESSION_ENDED)] == ["aborted"]
@@ -199,7 +197,7 @@ def test_a_session_that_waits_for_its_sensor_can_be_ended(lifting: LiftDriver) -
     assert lifting.waiting.stage == "ended"
 
 
-def test_a_sensor_that_comes_back_to_a_full_disk_starts_nothing(lifting: LiftDriver) -> None:
+def test_a_sensor_that_returns_during_a_disk_failure_starts_nothing(lifting: LiftDriver) -> None:
     sensor(lifting, "detached")
     lifting.disk(False)
     assert lifting.waiting.reason == "storage"
@@ -211,7 +209,7 @@ def test_a_sensor_that_comes_back_to_a_full_disk_starts_nothing(lifting: LiftDri
     assert stands(lifting) == AT_START
 
 
-def test_a_disk_that_comes_back_before_the_sensor_leaves_the_session_waiting_for_that(lifting: LiftDriver) -> None:
+def test_after_a_disk_failure_the_session_waits_for_a_lost_sensor(lifting: LiftDriver) -> None:
     sensor(lifting, "detached")
     lifting.disk(False)
     sensor(lifting, "stalled")
@@ -221,7 +219,7 @@ def test_a_disk_that_comes_back_before_the_sensor_leaves_the_session_waiting_for
     assert stands(lifting) == AT_START
 
 
-def test_a_sensor_lost_while_the_disk_is_full_is_asked_for_when_it_can_be_written_again(lifting: LiftDriver) -> None:
+def test_a_sensor_lost_during_a_disk_failure_is_waited_for_afterwards(lifting: LiftDriver) -> None:
     lifting.disk(False)
     sensor(lifting, "detached")
     assert lifting.waiting.reason == "storage"
@@ -232,9 +230,7 @@ def test_a_sensor_lost_while_the_disk_is_full_is_asked_for_when_it_can_be_writte
 
 
 @pytest.mark.parametrize("lost", [False, True])
-def test_a_session_that_is_gone_on_with_waits_for_enter_first_and_then_for_its_sensor(
-    lifting: LiftDriver, calm: Theme, lost: bool
-) -> None:
+def test_a_resumed_session_waits_for_enter_then_for_its_sensor(lifting: LiftDriver, calm: Theme, lost: bool) -> None:
     lifting.lift()
     if lost:
         sensor(lifting, "detached")
@@ -247,9 +243,7 @@ def test_a_session_that_is_gone_on_with_waits_for_enter_first_and_then_for_its_s
     assert resumed.all(PROMPT) == []
 
 
-def test_a_sensor_that_is_there_again_before_the_participant_is_keeps_nobody_waiting(
-    lifting: LiftDriver, calm: Theme
-) -> None:
+def test_a_resumed_session_with_a_working_sensor_only_waits_for_enter(lifting: LiftDriver, calm: Theme) -> None:
     sensor(lifting, "detached")
     resumed = LiftDriver(SensedLift, calm, attempts=2, history=lifting.records)
     sensor(resumed, "attached")

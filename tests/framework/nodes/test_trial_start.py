@@ -1,4 +1,4 @@
-"""Given trials that the participant starts, when they wait, hurry or fail, then each trial is theirs to begin."""
+"""Trials that the participant starts."""
 
 from collections.abc import Callable
 from typing import Any
@@ -11,12 +11,12 @@ from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, PROMPT, TRIAL, VOIDED, WAITING
 from tests.lifting_task import SLIPPED, Lift, LiftDriver
 
-Sit = Callable[..., LiftDriver]
+NewSession = Callable[..., LiftDriver]
 
 
 @pytest.fixture
-def sit(calm: Theme) -> Sit:
-    """Sit down to two attempts of two lifts each, unless told otherwise."""
+def new_session(calm: Theme) -> NewSession:
+    """Start a session; by default two attempts of two lifts each."""
 
     def at(**settings: Any) -> LiftDriver:
         return LiftDriver(Lift, calm, **{"attempts": 2, **settings})
@@ -35,8 +35,8 @@ def numbers(driver: LiftDriver) -> list[tuple[int, int]]:
 # --- the key that starts a trial -----------------------------------------------------------------------------
 
 
-def test_a_trial_waits_for_its_start_as_long_as_the_participant_likes(sit: Sit) -> None:
-    driver = sit()
+def test_a_trial_waits_for_its_start_without_limit(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt, driver.waiting.trial) == (
         "start",
@@ -50,8 +50,8 @@ def test_a_trial_waits_for_its_start_as_long_as_the_participant_likes(sit: Sit) 
     assert (driver.all(PROMPT), driver.all(TRIAL), driver.all(VOIDED)) == ([], [], [])
 
 
-def test_the_start_key_shows_the_prompt_at_once(sit: Sit) -> None:
-    driver = sit()
+def test_the_start_key_shows_the_prompt_at_once(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.press("space")
     (prompt,) = driver.all(PROMPT)
@@ -60,8 +60,8 @@ def test_the_start_key_shows_the_prompt_at_once(sit: Sit) -> None:
     assert prompt.started == driver.clock.now()
 
 
-def test_a_trial_is_told_when_its_key_was_pressed_not_when_it_was_handled(sit: Sit) -> None:
-    driver = sit()
+def test_a_trial_starts_at_the_stamp_of_the_start_key(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     pressed = driver.clock.now() - 7 * MS
     driver.press("space", at=pressed)
@@ -69,8 +69,8 @@ def test_a_trial_is_told_when_its_key_was_pressed_not_when_it_was_handled(sit: S
 
 
 @pytest.mark.parametrize("key", ["enter", "u", "k", "s"])
-def test_no_other_key_starts_a_trial(sit: Sit, key: str) -> None:
-    driver = sit()
+def test_no_other_key_starts_a_trial(new_session: NewSession, key: str) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.press(key)
     driver.wait(5000)
@@ -78,8 +78,8 @@ def test_no_other_key_starts_a_trial(sit: Sit, key: str) -> None:
     assert driver.all(PROMPT) == []
 
 
-def test_a_held_start_key_starts_one_trial_and_not_the_next(sit: Sit) -> None:
-    driver = sit()
+def test_a_held_start_key_starts_only_one_trial(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.hold("space", ms=300)
     driver.operate("skip")
@@ -93,8 +93,8 @@ def test_a_held_start_key_starts_one_trial_and_not_the_next(sit: Sit) -> None:
     assert len(driver.all(PROMPT)) == 2
 
 
-def test_each_trial_of_an_attempt_is_started_and_a_new_attempt_is_begun_with_enter(sit: Sit) -> None:
-    driver = sit()
+def test_each_trial_needs_a_start_and_each_attempt_enter(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.lift()
     assert (driver.waiting.what, driver.waiting.trial) == ("start", 2)
@@ -110,8 +110,8 @@ def test_each_trial_of_an_attempt_is_started_and_a_new_attempt_is_begun_with_ent
     assert driver.waiting.stage == "review"
 
 
-def test_a_trial_started_before_the_last_is_stored_waits_for_the_disk_and_no_key_disturbs_it(sit: Sit) -> None:
-    driver = sit()
+def test_a_started_trial_waits_for_storage_undisturbed_by_keys(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.screen.stores = False
     driver.lift()
@@ -126,8 +126,8 @@ def test_a_trial_started_before_the_last_is_stored_waits_for_the_disk_and_no_key
     assert driver.last(PROMPT).started == pressed
 
 
-def test_a_time_out_counts_from_the_prompt_however_long_the_start_was_awaited(sit: Sit) -> None:
-    driver = sit(response_timeout_ms=2000)
+def test_the_time_out_counts_from_the_prompt(new_session: NewSession) -> None:
+    driver = new_session(response_timeout_ms=2000)
     driver.begin_lifts()
     driver.wait(10_000)
     driver.press("space")
@@ -138,8 +138,8 @@ def test_a_time_out_counts_from_the_prompt_however_long_the_start_was_awaited(si
     assert (driver.last(TRIAL).response, driver.last(TRIAL).correct) == (None, False)
 
 
-def test_a_pause_before_the_start_goes_back_to_it(sit: Sit) -> None:
-    driver = sit()
+def test_a_pause_before_the_start_returns_there(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.operate("pause")
     driver.press("space")
@@ -151,8 +151,8 @@ def test_a_pause_before_the_start_goes_back_to_it(sit: Sit) -> None:
     assert numbers(driver) == [(1, 1)]
 
 
-def test_a_pause_in_a_trial_has_it_started_again(sit: Sit) -> None:
-    driver = sit()
+def test_after_a_pause_a_trial_must_be_started_again(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.press("space")
     driver.to_prompt()
@@ -169,8 +169,8 @@ def test_a_pause_in_a_trial_has_it_started_again(sit: Sit) -> None:
     assert driver.all(TRIAL) == [], "what was lifted before the pause is forgotten"
 
 
-def test_a_trial_that_was_not_started_can_be_skipped(sit: Sit) -> None:
-    driver = sit()
+def test_a_trial_that_was_not_started_can_be_skipped(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.operate("skip")
     skipped = driver.last(TRIAL)
@@ -179,8 +179,10 @@ def test_a_trial_that_was_not_started_can_be_skipped(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize("presses", [(), ("space",), ("space", "k")])
-def test_a_session_cut_off_in_a_trial_has_it_started_again(sit: Sit, calm: Theme, presses: tuple[str, ...]) -> None:
-    driver = sit()
+def test_after_a_resume_a_trial_must_be_started_again(
+    new_session: NewSession, calm: Theme, presses: tuple[str, ...]
+) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.lift()
     for key in presses:
@@ -197,8 +199,8 @@ def test_a_session_cut_off_in_a_trial_has_it_started_again(sit: Sit, calm: Theme
 # --- with a signal, or without --------------------------------------------------------------------------------
 
 
-def test_with_a_signal_the_start_is_followed_by_quiet_and_a_foreperiod(sit: Sit) -> None:
-    driver = sit(signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900)
+def test_with_a_signal_the_start_is_followed_by_quiet_and_a_foreperiod(new_session: NewSession) -> None:
+    driver = new_session(signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900)
     driver.begin_lifts()
     driver.press("space")
     started = driver.clock.now()
@@ -210,8 +212,8 @@ def test_with_a_signal_the_start_is_followed_by_quiet_and_a_foreperiod(sit: Sit)
     assert driver.last(TRIAL).timing.foreperiod_ms == 900.0
 
 
-def test_a_key_before_the_signal_begins_the_foreperiod_anew_and_the_start_stands(sit: Sit) -> None:
-    driver = sit(signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900)
+def test_a_key_before_the_signal_restarts_the_foreperiod_only(new_session: NewSession) -> None:
+    driver = new_session(signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900)
     driver.begin_lifts()
     driver.press("space")
     started = driver.clock.now()
@@ -225,8 +227,8 @@ def test_a_key_before_the_signal_begins_the_foreperiod_anew_and_the_start_stands
     assert driver.last(TRIAL).timing.false_starts == 1
 
 
-def test_a_task_that_neither_waits_for_a_start_nor_for_a_foreperiod_shows_its_prompts_at_once(sit: Sit) -> None:
-    driver = sit(by_itself=True)
+def test_without_start_key_and_foreperiod_prompts_come_at_once(new_session: NewSession) -> None:
+    driver = new_session(by_itself=True)
     driver.enter()
     driver.press("enter")
     assert [prompt.trial for prompt in driver.all(PROMPT)] == [1]
@@ -241,8 +243,8 @@ def test_a_task_that_neither_waits_for_a_start_nor_for_a_foreperiod_shows_its_pr
 # --- a response that lasts ------------------------------------------------------------------------------------
 
 
-def test_the_row_of_a_movement_begins_with_its_onset_and_ends_with_its_end(sit: Sit) -> None:
-    driver = sit()
+def test_the_row_of_a_movement_has_its_onset_and_end(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.lift(450)
     trial = driver.last(TRIAL)
@@ -252,8 +254,8 @@ def test_the_row_of_a_movement_begins_with_its_onset_and_ends_with_its_end(sit: 
     assert trial.timing.flags == ()
 
 
-def test_without_a_signal_there_is_no_reaction_time_and_nothing_is_an_anticipation(sit: Sit) -> None:
-    driver = sit()
+def test_without_a_signal_there_is_no_reaction_time_or_anticipation(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.press("space")
     driver.press("k")
@@ -263,16 +265,16 @@ def test_without_a_signal_there_is_no_reaction_time_and_nothing_is_an_anticipati
     assert (trial.reaction_time_ms, trial.value, trial.timing.flags) == (None, 5.0, ())
 
 
-def test_with_a_signal_the_reaction_time_runs_from_the_signal_to_the_movements_onset(sit: Sit) -> None:
-    driver = sit(signal=True)
+def test_with_a_signal_the_reaction_time_ends_at_movement_onset(new_session: NewSession) -> None:
+    driver = new_session(signal=True)
     driver.begin_lifts()
     driver.lift(450)
     trial = driver.last(TRIAL)
     assert (trial.reaction_time_ms, trial.value, trial.timing.flags) == (200.0, 450.0, ())
 
 
-def test_a_movement_that_begins_too_soon_after_the_signal_is_an_anticipation_however_late_it_ends(sit: Sit) -> None:
-    driver = sit(signal=True, lifts=1)
+def test_a_movement_that_begins_too_soon_is_an_anticipation(new_session: NewSession) -> None:
+    driver = new_session(signal=True, lifts=1)
     driver.begin_lifts()
     driver.press("space")
     driver.to_prompt()
@@ -290,8 +292,8 @@ def test_a_movement_that_begins_too_soon_after_the_signal_is_an_anticipation_how
     assert driver.last(ATTEMPT_ENDED).metric is None
 
 
-def test_a_movement_that_begins_before_the_signal_is_an_anticipation_without_a_reaction_time(sit: Sit) -> None:
-    driver = sit(signal=True, lifts=1)
+def test_a_movement_before_the_signal_is_an_anticipation_without_reaction_time(new_session: NewSession) -> None:
+    driver = new_session(signal=True, lifts=1)
     driver.begin_lifts()
     driver.press("space")
     driver.until(lambda: driver.all(PROMPT))
@@ -308,8 +310,8 @@ def test_a_movement_that_begins_before_the_signal_is_an_anticipation_without_a_r
 # --- a trial of which nothing can be said ---------------------------------------------------------------------
 
 
-def test_a_trial_of_which_nothing_can_be_said_is_done_once_more_and_the_participant_is_told_why(sit: Sit) -> None:
-    driver = sit()
+def test_an_unmeasurable_trial_is_repeated_with_a_notice(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     first = driver.waiting
     driver.lift(end="?")
@@ -324,8 +326,8 @@ def test_a_trial_of_which_nothing_can_be_said_is_done_once_more_and_the_particip
     assert driver.waiting.notice == "", "the next trial is no repetition"
 
 
-def test_what_was_perceived_before_a_trial_is_done_once_more_is_forgotten(sit: Sit) -> None:
-    driver = sit()
+def test_percepts_before_a_repetition_are_forgotten(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.lift(end="?")
     driver.press("space")
@@ -339,8 +341,8 @@ def test_what_was_perceived_before_a_trial_is_done_once_more_is_forgotten(sit: S
     assert driver.last(TRIAL).value == 300.0
 
 
-def test_a_trial_may_be_done_over_as_soon_as_its_prompt_is_seen(sit: Sit) -> None:
-    driver = sit()
+def test_a_trial_may_be_repeated_right_after_its_prompt(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     driver.press("space")
     driver.press("?")
@@ -350,8 +352,8 @@ def test_a_trial_may_be_done_over_as_soon_as_its_prompt_is_seen(sit: Sit) -> Non
     assert driver.session.faults == []
 
 
-def test_however_often_a_trial_is_done_over_its_prompt_is_the_same(sit: Sit) -> None:
-    driver = sit(signal=True)
+def test_repetitions_show_the_same_prompt(new_session: NewSession) -> None:
+    driver = new_session(signal=True)
     driver.begin_lifts()
     for _ in range(MAX_REPEATS - 1):
         driver.lift(end="?")
@@ -365,8 +367,8 @@ def test_however_often_a_trial_is_done_over_its_prompt_is_the_same(sit: Sit) -> 
     assert numbers(driver) == [(1, 1)]
 
 
-def test_a_trial_of_which_nothing_can_be_said_is_not_asked_for_without_end(sit: Sit) -> None:
-    driver = sit()
+def test_an_unmeasurable_trial_is_repeated_a_limited_number_of_times(new_session: NewSession) -> None:
+    driver = new_session()
     driver.begin_lifts()
     for _ in range(MAX_REPEATS):
         driver.lift(end="?")
@@ -380,8 +382,8 @@ def test_a_trial_of_which_nothing_can_be_said_is_not_asked_for_without_end(sit: 
 # --- what has to be known first -------------------------------------------------------------------------------
 
 
-def test_a_level_is_announced_before_the_first_attempt_and_when_it_is_another(sit: Sit) -> None:
-    driver = sit(attempts=3, lifts=1, start_level=3)
+def test_a_level_is_announced_at_the_start_and_when_it_changes(new_session: NewSession) -> None:
+    driver = new_session(attempts=3, lifts=1, start_level=3)
     driver.enter()
     assert driver.waiting.notice == "Weight 3 after 0"
     driver.press("enter")
@@ -393,8 +395,8 @@ def test_a_level_is_announced_before_the_first_attempt_and_when_it_is_another(si
     assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", ""), "the level is what it was"
 
 
-def test_a_level_that_stays_is_not_announced_again(sit: Sit) -> None:
-    driver = sit(lifts=1, difficulty_policy="fixed")
+def test_a_level_that_stays_is_not_announced_again(new_session: NewSession) -> None:
+    driver = new_session(lifts=1, difficulty_policy="fixed")
     driver.begin_lifts()
     driver.lift()
     assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", "")
