@@ -108,7 +108,7 @@ class Terminal:
                 stderr=far,
                 env=inherited | {"TERM": "xterm-256color"} | dict(environment or {}),
                 start_new_session=True,
-                preexec_fn=_take_terminal,  # noqa: PLW1509  one system call, and no other way to a controlling terminal
+                preexec_fn=_take_terminal,  # noqa: PLW1509  system calls alone, and no other way to a controlling terminal
             )
         except BaseException:
             os.close(self._file)
@@ -232,5 +232,10 @@ def read_together(*terminals: Terminal) -> None:
 
 
 def _take_terminal() -> None:
-    """Make standard input the controlling terminal of a new session, so that signals and hang-ups arrive."""
+    """Make standard input the controlling terminal of a new session, with the signals' default actions.
+
+    Signals that this program ignores (under ``nohup``, or in the background) would be ignored by the new one, too.
+    """
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
     fcntl.ioctl(0, termios.TIOCSCTTY, 0)

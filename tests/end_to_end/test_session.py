@@ -5,9 +5,11 @@ import re
 import time
 from pathlib import Path
 
+import pytest
+
 from sar_tui.framework.clock import MS
 from sar_tui.timing.pty import Terminal
-from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
+from sar_tui.timing.scripted_participant import Press, ScriptedParticipant, random_answers
 from tests.end_to_end.participant_terminal import (
     Eyes,
     command,
@@ -24,14 +26,21 @@ def _slowly(foreperiod_ms: int) -> dict[str, int]:
     return {"foreperiod_min_ms": foreperiod_ms, "foreperiod_max_ms": foreperiod_ms}
 
 
-def test_every_press_is_a_row_right_or_wrong_as_it_was_pressed(data: Path) -> None:
-    with Terminal(run_command(data, prompts_per_attempt=12, attempts=2)) as terminal:
-        participant = ScriptedParticipant(terminal, random_answers(3, 120, 220, slips=0.25))
-        presses = participant.run(24)
+@pytest.fixture(scope="module")
+def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Press]]:
+    """The data of a whole session, and what its participant pressed."""
+    data = tmp_path_factory.mktemp("played") / "data"
+    with Terminal(run_command(data, prompts_per_attempt=6, attempts=2)) as terminal:
+        participant = ScriptedParticipant(terminal, random_answers(3, 120, 220, error_rate=0.25))
+        presses = participant.run(12)
         see_the_summary(terminal)
         terminal.press("enter")
         assert terminal.wait() == 0
+    return data, presses
 
+
+def test_every_press_is_a_row_right_or_wrong_as_it_was_pressed(played: tuple[Path, list[Press]]) -> None:
+    data, presses = played
     recorded = rows(data, "SELECT stimulus, response, correct FROM trials ORDER BY attempt, trial")
     assert recorded == [(press.expected, press.key, press.key == press.expected) for press in presses]
     assert {correct for _, _, correct in recorded} == {0, 1}, "the script planned both"
@@ -39,11 +48,8 @@ def test_every_press_is_a_row_right_or_wrong_as_it_was_pressed(data: Path) -> No
     assert rows(data, "SELECT count(*) FROM attempts") == [(2,)]
 
 
-def test_each_trial_tells_how_well_it_was_timed(data: Path) -> None:
-    with Terminal(run_command(data, prompts_per_attempt=3, attempts=1)) as terminal:
-        ScriptedParticipant(terminal, random_answers(3, 120, 220)).run(3)
-        see_the_summary(terminal)
-
+def test_each_trial_tells_how_well_it_was_timed(played: tuple[Path, list[Press]]) -> None:
+    data, _ = played
     for (text,) in rows(data, "SELECT timing FROM trials"):
         timing = json.loads(text)
         assert timing["onset_source"] == "flush"
@@ -51,8 +57,8 @@ def test_each_trial_tells_how_well_it_was_timed(data: Path) -> None:
         assert timing["loop_lag_ms"] is not None
 
 
-def test_the_prompt_line_stands_while_a_prompt_is_up_and_is_gone_between_prompts(data: Path) -> None:
-    with Terminal(run_command(data, prompts_per_attempt=3, attempts=1, **_slowly(700))) as t:
+def test_the_prompt_line_stands_and_not_a_byte_arrives_while_a_response_is_awaited(data: Path) -> None:
+    with Terminal(run_command(data, prompts_per_attempt=2, attempts=1, **_slowly(700))) as t:
         eyes = Eyes(t)
         t.wait_for("Press Enter to go on.")
         t.settle()
@@ -62,33 +68,20 @@ def test_the_prompt_line_stands_while_a_prompt_is_up_and_is_gone_between_prompts
         t.settle()
         assert "Press Enter to begin attempt 1 of 1." in eyes.text()
         t.press("enter")
-        for _ in range(3):
+        seen = len(t.output)
+        for _ in range(2):
             t.settle(silence_ms=300)
-            assert "Press:" not in eyes.text()
-            seen = len(t.output)
-            t.wait_for("Press: ", since=seen)
+            if b"Press: " not in t.output[seen:]:  # on a busy machine the prompt may be there already
+                assert "Press:" not in eyes.text()
+            seen = t.wait_for("Press: ", since=seen)
             t.settle()
             line = re.search(r"Press: (\S)\s*$", eyes.text(), re.MULTILINE)
             assert line, eyes.text()
-            t.press(line[1])
-
-
-def test_not_a_byte_arrives_while_a_response_is_awaited(data: Path) -> None:
-    with Terminal(run_command(data, prompts_per_attempt=2, attempts=1)) as t:
-        t.wait_for("Press Enter to go on.")
-        t.settle()
-        t.press("enter")
-        t.wait_for("Press Enter to begin")
-        t.settle()
-        t.press("enter")
-        shown = 0
-        for _ in range(2):
-            shown = t.wait_for("Press: ", since=shown)
-            t.settle(silence_ms=50)
-            seen = len(t.output)
+            drawn = len(t.output)
             t.read(time.monotonic_ns() + 700 * MS)
-            assert t.output[seen:] == b""
-            t.press(chr(t.output[shown]))
+            assert t.output[drawn:] == b""
+            seen = len(t.output)
+            t.press(line[1])
         see_the_summary(t)
 
 
