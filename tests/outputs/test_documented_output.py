@@ -140,7 +140,7 @@ def test_a_robot_that_cannot_be_told_to_stop_is_told_of(serial_robot: ModuleType
     path.unlink()
     rig.output.stop()
     assert rig.states("a", "gesture") == ["started", "aborted"]
-    assert rig.detail("a", "gesture") == "The robot could not be told to be still."
+    assert rig.detail("a", "gesture") == "The robot could not be stopped."
 
 
 def test_it_is_forty_lines() -> None:
@@ -150,5 +150,5 @@ def test_it_is_forty_lines() -> None:
 def test_the_page_tells_how_long_an_output_may_be_silent() -> None:
     page = " ".join(PAGE.split())
     assert f"given up after {TIMEOUT // SECOND} seconds; for `say`, after {PER_CHARACTER // MS} ms a character" in page
-    assert f"What is not over after {STOP_TIMEOUT // SECOND} seconds has failed." in page
-    assert f"Of a detail, {LONGEST_DETAIL} characters are kept." in page
+    assert f"A part that is not over after {STOP_TIMEOUT // SECOND} seconds has failed." in page
+    assert f"Details are cut to {LONGEST_DETAIL} characters." in page
