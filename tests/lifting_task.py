@@ -1,6 +1,6 @@
-"""A task that the participant starts: press space, lift a weight, put it down. A key stands for each, no sensor needed.
+"""A task whose trials the participant starts: press Space, lift a weight, put it down. Keys replace the sensor.
 
-``k`` takes the weight off the table, ``u`` puts it back, ``d`` drops it, ``?`` is a lift of which nothing can be said.
+``k`` takes the weight off the table, ``u`` puts it back, ``d`` drops it, ``?`` is a lift that cannot be measured.
 """
 
 from typing import Annotated, Any, Literal
@@ -27,7 +27,7 @@ SLIPPED = "The weight slipped. Please lift it once more."
 
 
 class LiftParameters(TaskParameters, frozen=True, kw_only=True):
-    """How often a weight is lifted, and whether on a signal."""
+    """Parameters of the lifting task."""
 
     lifts: Annotated[int, meta("Lifts", ge=1, le=50)] = 2
     signal: Annotated[bool, meta("Signal")] = False
@@ -36,7 +36,7 @@ class LiftParameters(TaskParameters, frozen=True, kw_only=True):
 
 
 class LiftDetails(Details, frozen=True):
-    """What is kept of a lift."""
+    """Details stored with a lift."""
 
     sway: float | None = None
     grip: float | None = None
@@ -44,7 +44,7 @@ class LiftDetails(Details, frozen=True):
 
 
 class Lift(Task):
-    """The metric is the time from table to table; a level is a weight, each with a goal of its own."""
+    """The metric is the duration of the lift; each level is a weight with its own goal."""
 
     name = "lift"
     title = "Lift"
@@ -113,22 +113,22 @@ class Lift(Task):
 
 
 class SensedLift(Lift):
-    """The same with a sensor on the arm."""
+    """The same task with a sensor."""
 
     sensors = ("imu",)
 
 
 class LiftDriver(LoopDriver):
-    """Somebody who lifts weights, at the moment a test says."""
+    """Drives a session of the lifting task."""
 
     def begin_lifts(self) -> None:
-        """From the instructions to where the first lift can be started."""
+        """Continue from the instructions until the first lift can be started."""
         self.enter()
         self.press("enter")
         self.wait(300)
 
     def lift(self, time_ms: float = 400, end: str = "u") -> None:
-        """Start a lift when that can be done, and do it."""
+        """Start a lift and do it."""
         assert self.waiting.what == "start", self.waiting
         self.press("space")
         self.to_prompt()

@@ -1,4 +1,4 @@
-"""A participant who does what a test says, at the nanosecond it says, on a virtual clock."""
+"""Drives a session as a participant would, at exact times on a virtual clock."""
 
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
@@ -20,7 +20,7 @@ SHOWING = 4 * MS
 
 
 class Screen(Node):
-    """Shows prompts after a moment, and stands in for the disk, unless told not to."""
+    """Shows prompts after a moment, and acknowledges storage, unless switched off."""
 
     name = "screen"
     emits = (SHOWN, STORED)
@@ -71,13 +71,13 @@ class Screen(Node):
 
 
 class LoopDriver:
-    """A session with a screen and a keyboard in front of it, driven by a test.
+    """A session with a screen and a keyboard, driven by a test.
 
     Args:
         task: the class of the task.
         theme: of the agent.
         seed: of the session.
-        history: what was recorded of it before; it is then resumed.
+        history: a record to resume.
         parameters: of the task.
     """
 
@@ -103,15 +103,15 @@ class LoopDriver:
         if begin:
             self.session.begin(1 if history is None else 2)
 
-    # --- what a participant does ---------------------------------------------------------------------------
+    # --- the participant ---------------------------------------------------------------------------
 
     def press(self, key: str, at: int | None = None, lag: int = 0) -> None:
-        """Press a key now, or have one handled now that was stamped at ``at``."""
+        """Press a key now; ``at``: its time stamp, if it is handled late."""
         stamp = self.clock.now() if at is None else at
         self.session.bus.publish(KEY, m.KeyPressed(key=key, at=stamp, loop_lag=lag))
 
     def hold(self, key: str, ms: int, every_ms: int = 30) -> None:
-        """Hold a key down: a stream of ordinary keys."""
+        """Hold a key down: publish it repeatedly."""
         for _ in range(0, ms, every_ms):
             self.press(key)
             self.wait(every_ms)
@@ -134,13 +134,13 @@ class LoopDriver:
         self.clock.advance(round(ms * MS))
 
     def until(self, is_so: Callable[[], object]) -> None:
-        """Let time jump from callback to callback until something is so."""
+        """Step the clock from callback to callback until a condition holds."""
         while not is_so():
             if not self.clock.step():
                 raise AssertionError(f"nothing is due any more; the session waits for {self.screen.waiting}")
 
     def to_prompt(self) -> m.Prompt:
-        """Go on to the moment at which the next prompt is on the screen."""
+        """Continue until the next prompt is on the screen."""
         self.until(lambda: self.screen.onset is not None)
         assert self.screen.prompt is not None
         return self.screen.prompt
@@ -148,7 +148,7 @@ class LoopDriver:
     # --- whole steps --------------------------------------------------------------------------------------------
 
     def start(self) -> m.Prompt:
-        """From the instructions to the first prompt."""
+        """Continue from the instructions to the first prompt."""
         self.enter()
         return self.begin_attempt()
 
@@ -161,7 +161,7 @@ class LoopDriver:
         return self.to_prompt()
 
     def answer(self, after_ms: float = 400, key: str | None = None) -> m.TrialEnded:
-        """See the next prompt, and answer it: rightly, unless a key is given."""
+        """Respond to the next prompt: correctly, unless a key is given."""
         prompt = self.to_prompt()
         self.wait(after_ms)
         self.press(prompt.expected if key is None else key)
@@ -175,7 +175,7 @@ class LoopDriver:
             self.answer(after_ms, key="#" if trial < wrong else None)
         self.wait(1000)
 
-    # --- what was said ------------------------------------------------------------------------------------------
+    # --- messages ------------------------------------------------------------------------------------------
 
     def all(self, topic: Topic[M]) -> list[M]:
         return [record.message for record in self.records if record.topic is topic]

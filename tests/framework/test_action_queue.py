@@ -102,7 +102,7 @@ def test_removing_some_actions_leaves_the_rest() -> None:
 
 
 class AgendaMachine(RuleBasedStateMachine):
-    """An agenda as the Arbiter uses it, against what has to hold of it at any time."""
+    """Uses the queue as the arbiter does, and checks its invariants."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -19,7 +19,7 @@ ROUNDS = {"attempt {number} of {total}": "round {number} of {total}"}
 
 
 def edited(theme: Theme, word: str, **more: object) -> Theme:
-    """The theme with one wording for each situation."""
+    """Return the theme with one phrase per key."""
     return msgspec.structs.replace(theme, phrases=dict.fromkeys(theme.phrases, (f"{word}.",)), **more)
 
 
@@ -34,7 +34,7 @@ def new_session(theme: Theme = CALM, history: LoopDriver | None = None, **more: 
 
 @pytest.fixture
 def driver() -> LoopDriver:
-    """After the first of four attempts."""
+    """Start a session of four attempts, after the first."""
     driver = new_session()
     driver.enter()
     driver.attempt()

@@ -34,7 +34,7 @@ def attempt(under_way: Attempts, *trials: Results) -> AttemptScore:
     return scored
 
 
-# --- a goal for each level ------------------------------------------------------------------------------------
+# --- goals of levels ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_goals_of_successive_attempts_follow_their_levels() -> None:
     assert under_way.level == 4
 
 
-# --- how it was done ------------------------------------------------------------------------------------------
+# --- knowledge of performance ---------------------------------------------------------------------------------
 
 
 def test_a_quality_is_the_mean_over_correct_trials_that_have_it() -> None:
@@ -177,7 +177,7 @@ def test_a_level_set_by_hand_in_an_attempt_survives_its_amendment() -> None:
     )
 
 
-# --- what is answered -----------------------------------------------------------------------------------------
+# --- feedback -------------------------------------------------------------------------------------------------
 
 SCHEDULES = ("every", "faded", "bandwidth", "summary", "request", "none")
 STEPS = st.lists(st.tuples(st.floats(300, 2000), st.none() | st.booleans(), st.booleans()), min_size=1, max_size=15)

@@ -13,7 +13,7 @@ from tests.lifting_task import Lift
 
 
 class Together(Lift):
-    """Two lift, each on their own."""
+    """Lifting task with two seats."""
 
     seats = ("A", "B")
 

@@ -13,7 +13,7 @@ PINNED = {
     "choice": ["a", "s", "a", "d", "d", "s", "d", "s"],
     "generator": -0.5645398617121157,
 }
-"""Sessions recorded long ago are resumed and replayed with these; they may never change."""
+"""Recorded sessions are replayed with these numbers, so they must never change."""
 
 KEYS = st.lists(st.one_of(st.integers(), st.text(max_size=5)), max_size=4)
 

@@ -49,7 +49,7 @@ class Disk(Node):
 
 
 class Simulated:
-    """A session with a simulated participant: whole, or gone on with from what was recorded."""
+    """A session with a simulated participant, new or resumed from a record."""
 
     def __init__(self, history: list[Record] | None = None, seed: int = 3, run: int = 2, **changed: Any) -> None:
         catalogue = Catalogue()
@@ -80,7 +80,7 @@ def whole() -> Simulated:
 
 
 def shape(records: list[Record], *topics: Any) -> list[Any]:
-    """What happened, without when: stamps differ from run to run of the program."""
+    """Return the messages without time stamps, which differ between runs."""
     chosen = []
     for record in records:
         message = record.message
@@ -165,7 +165,7 @@ def test_a_resumed_session_continues_the_message_numbers(at: int) -> None:
 
 
 def moments() -> dict[str, int]:
-    """How many cascades to keep so that the cut falls where the session waits for each thing."""
+    """Return the numbers of cascades after which the session waits for each kind of event."""
     found = {}
     for number, cascade in enumerate(whole().cascades, 1):
         for record in cascade:
@@ -303,9 +303,7 @@ class Clumsy(Node):
         raise RuntimeError("no such widget")
 
 
-def test_a_session_in_which_an_output_raised_can_be_resumed(
-    keyboard: type[Task], calm: Theme
-) -> None:
+def test_a_session_in_which_an_output_raised_can_be_resumed(keyboard: type[Task], calm: Theme) -> None:
     driver = LoopDriver(keyboard, calm, extra=[Clumsy()], prompts_per_attempt=2)
     driver.start()
     driver.answer()

@@ -1,4 +1,4 @@
-"""Memory and action center, told of attempts one after the other; and a theme that spells out what it is asked for."""
+"""Drives memory and action center with scored attempts; and a theme whose phrases spell out their keys and slots."""
 
 import re
 from typing import Any, NamedTuple
@@ -21,7 +21,7 @@ from sar_tui.framework.trial_types import Score
 
 
 class Done(Message, frozen=True, kw_only=True):
-    """An attempt, as if a task had just ended it. ``sums_up``: how many attempts the answer is about."""
+    """An attempt that has just ended. ``sums_up``: number of attempts that the feedback summarises."""
 
     attempt: int
     level: int
@@ -39,7 +39,7 @@ DONE = Topic("test/done", Done, origin="input")
 
 
 class Judge(Node):
-    """Stands in for the event handler: attempt first, feedback after it."""
+    """Stub of the event handler: publishes the attempt, then the feedback on it."""
 
     name = "judge"
     emits = (ATTEMPT_ENDED, FEEDBACK)
@@ -87,7 +87,7 @@ class Judge(Node):
 
 
 class Agent:
-    """Memory and action center, told of attempts one after the other.
+    """Memory and action center that receive one attempt after the other.
 
     Args:
         task, theme, seed: whose words are said, and which of them.
@@ -115,7 +115,7 @@ class Agent:
         self.bus.subscribe(PROPOSED, self.said.append)
 
     def feedback_on(self, metric: float | None, level: int = 1, **told: Any) -> str:
-        """Tell it of an attempt; returns its answer. What is told besides: the fields of `Done`, and qualities."""
+        """Publish an attempt and return the feedback text. Keyword arguments: fields of `Done`, and qualities."""
         self.count += 1
         known = {name: told.pop(name) for name in list(told) if name in Done.__struct_fields__}
         self.bus.publish(DONE, Done(attempt=self.count, level=level, metric=metric, qualities=told, **known))
@@ -123,14 +123,14 @@ class Agent:
 
 
 class Spelled(NamedTuple):
-    """A situation that was put into words, and what its slots were filled with."""
+    """Phrase key of a text, and the values of its slots."""
 
     situation: str
     slots: dict[str, str]
 
 
 def spelling(theme: Theme) -> Theme:
-    """The theme with one wording for each situation, which names it and all its slots: read them with ``spelled``."""
+    """Return a theme with one phrase per key, which names the key and all its slots: read them with ``spelled``."""
     phrases = {
         situation: ("".join((f"<{situation}", *(f";{slot}={{{slot}}}" for slot in sorted(slots)), ">")),)
         for situation, slots in PHRASE_KEYS.items()
@@ -139,6 +139,6 @@ def spelling(theme: Theme) -> Theme:
 
 
 def spelled(said: str) -> list[Spelled]:
-    """What was said in words of a ``spelling`` theme."""
+    """Return the keys and slots of a text of a ``spelling`` theme."""
     parts = [found.split(";") for found in re.findall(r"<([^<>]*)>", said)]
     return [Spelled(name, dict(slot.split("=", 1) for slot in slots)) for name, *slots in parts]

@@ -43,7 +43,7 @@ def lift_once(driver: LiftDriver, time_ms: float) -> None:
 GOOD, BAD = 400.0, 1900.0
 
 
-# --- coming, going, and what to do ----------------------------------------------------------------------------
+# --- greeting, instructions, goodbye --------------------------------------------------------------------------
 
 
 def test_the_agent_greets_gives_instructions_and_says_goodbye(new_session: NewSession, calm: Theme) -> None:
@@ -152,7 +152,7 @@ def test_encouragement_is_given_once_per_attempt(new_session: NewSession) -> Non
     assert len(proposed(driver, "encouragement")) == 1
 
 
-# --- the answer's manner --------------------------------------------------------------------------------------
+# --- manner of feedback ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -219,7 +219,7 @@ def test_priorities_and_policies_of_the_kinds(calm: Theme) -> None:
     assert (agent.said[-1].priority, agent.said[-1].policy) == RULES["feedback"]
 
 
-# --- one wording or another -----------------------------------------------------------------------------------
+# --- choice of phrases ----------------------------------------------------------------------------------------
 
 
 @given(st.lists(st.sampled_from([500.0, 800.0, 950.0, 1005.0, 1050.0, 1200.0, 2000.0, None]), max_size=20),

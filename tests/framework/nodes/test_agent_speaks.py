@@ -40,14 +40,14 @@ FIXED = {"foreperiod_min_ms": 900, "foreperiod_max_ms": 900, "quiet_ms": 500}
 
 
 class Speak(Message, frozen=True, kw_only=True):
-    """A wish that the agent speak now."""
+    """Request that makes the agent speak now."""
 
 
 SPEAK = Topic("test/speak", Speak, origin="input")
 
 
 class Prompter(Node):
-    """Has the agent speak whenever a test wants it to."""
+    """Makes the agent speak on request of a test."""
 
     name = "prompter"
     emits = (PROPOSED,)
@@ -72,7 +72,7 @@ def new_session(keyboard: type[Task], calm: Theme) -> NewSession:
 
 @pytest.fixture
 def sit_to_lift(calm: Theme) -> NewSession:
-    """The same with weights to lift."""
+    """Start a session of the lifting task with the same agent."""
 
     def at(output: Output | None = None, **settings: Any) -> LiftDriver:
         speech = OutputNode(output or Speaker(3000), "speech", calm)
@@ -86,7 +86,7 @@ def is_acting(driver: LoopDriver) -> bool:
 
 
 def when_still(driver: LoopDriver) -> int:
-    """When the agent last fell silent."""
+    """Return when the agent last became silent."""
     return [record.at for record in driver.records if record.topic is ACTING and not record.message.acting][-1]
 
 
@@ -164,7 +164,7 @@ def test_feedback_is_spoken_to_its_end_before_the_next_trial(new_session: NewSes
 
 
 def test_feedback_interrupts_a_greeting(new_session: NewSession) -> None:
-    """It was held back by the trials, and spoken between them."""
+    """The trials held the greeting back; it is spoken between them."""
     driver = new_session(Speaker(60_000), prompts_per_attempt=1, attempts=1)
     driver.operate("stop")
     driver.enter()
@@ -260,7 +260,7 @@ def test_no_trial_can_be_started_while_the_agent_speaks(sit_to_lift: NewSession)
 def test_an_utterance_begun_before_the_start_key_ends_before_the_trial_continues(
     sit_to_lift: NewSession, signal: bool
 ) -> None:
-    """A greeting that has waited behind a long utterance may come then."""
+    """A greeting may wait behind a long utterance, and come then."""
     driver = sit_to_lift(signal=signal)
     driver.wait(10_000)
     driver.begin_lifts()
@@ -275,7 +275,7 @@ def test_an_utterance_begun_before_the_start_key_ends_before_the_trial_continues
     assert shown_at(driver) - when_still(driver) == (900 * MS if signal else 0)
 
 
-# --- whatever happens -----------------------------------------------------------------------------------------
+# --- arbitrary input ------------------------------------------------------------------------------------------
 
 CATALOGUE = Catalogue()
 CALM = CATALOGUE.theme("calm")
@@ -320,7 +320,7 @@ def test_prompts_and_speech_never_overlap(
 
 
 def _after(record: Record, speaking: bool, up: bool) -> tuple[bool, bool]:
-    """Whether the agent speaks, and whether a prompt is up or about to come, after a message."""
+    """Return if the agent speaks, and if a prompt is shown or about to come, after a message."""
     if record.topic is ACTING:
         return record.message.acting, up
     if record.topic is WAITING:

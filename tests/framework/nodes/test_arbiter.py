@@ -41,7 +41,7 @@ IN_TRIAL = ("foreperiod", "storage", "response")
 
 
 class EventSource(Node):
-    """Stands in for the event handler and the action center."""
+    """Stub of the event handler and the action center."""
 
     name = "teller"
     emits = (WAITING, PROPOSED, SESSION_ENDED)
@@ -57,7 +57,7 @@ class EventSource(Node):
 
 
 class ArbiterDriver:
-    """An arbiter, and outputs that can do this and that: they report what a test has them report."""
+    """Drives an arbiter and its outputs, which report what a test says."""
 
     def __init__(
         self,
@@ -80,7 +80,7 @@ class ArbiterDriver:
         self.bus.publish(SESSION, m.SessionStarted(run=run, task="lift", theme="calm", seed=1))
 
     def wait_for(self, what: Any, stage: Any = "trial", reason: str = "") -> None:
-        """The session comes to wait for something."""
+        """Publish that the session waits for something."""
         self.bus.publish(EVENT, Event(waiting=m.Waiting(what=what, stage=stage, reason=reason)))
 
     def propose(self, *names: str, **how: Any) -> None:
@@ -120,11 +120,11 @@ def proposal(name: str, **how: Any) -> m.Proposal:
 
 @pytest.fixture
 def driver() -> ArbiterDriver:
-    """With one output that speaks."""
+    """Drive an arbiter with one output that speaks."""
     return ArbiterDriver({"speech": ("say",)})
 
 
-# --- passed on as it is, and not in a trial -------------------------------------------------------------------
+# --- proposals outside and inside trials ----------------------------------------------------------------------
 
 
 def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
@@ -210,7 +210,7 @@ def test_text_on_the_screen_is_not_waited_for() -> None:
     assert (driver.acted, driver.acting) == (["a", "b"], [])
 
 
-# --- breaking off ---------------------------------------------------------------------------------------------
+# --- interrupting ---------------------------------------------------------------------------------------------
 
 
 def test_an_interrupting_action_halts_one_of_equal_or_lower_priority(driver: ArbiterDriver) -> None:
@@ -300,7 +300,7 @@ def test_a_due_action_interrupts_while_others_wait(driver: ArbiterDriver) -> Non
     assert driver.acted == ["a", "c"]
 
 
-# --- stopped --------------------------------------------------------------------------------------------------
+# --- the stop key ---------------------------------------------------------------------------------------------
 
 
 def test_the_stop_key_halts_everything_and_drops_what_waits(driver: ArbiterDriver) -> None:
@@ -334,7 +334,7 @@ def test_other_commands_stop_nothing(driver: ArbiterDriver) -> None:
     assert driver.halted == []
 
 
-# --- outputs that fall silent, and another run ----------------------------------------------------------------
+# --- silent outputs, and a new run ----------------------------------------------------------------------------
 
 
 def test_no_session_hangs_on_an_output_that_never_answers(driver: ArbiterDriver) -> None:
@@ -412,7 +412,7 @@ def test_a_new_run_is_not_in_a_trial() -> None:
     assert driver.acted == ["welcome"]
 
 
-# --- whatever happens -----------------------------------------------------------------------------------------
+# --- arbitrary input ------------------------------------------------------------------------------------------
 
 EVENTS = st.one_of(
     st.tuples(

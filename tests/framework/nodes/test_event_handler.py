@@ -51,7 +51,7 @@ def numbers(driver: LoopDriver) -> list[tuple[int, int]]:
     return [(trial.attempt, trial.trial) for trial in driver.all(TRIAL)]
 
 
-# --- a session that goes well -----------------------------------------------------------------------------
+# --- a normal session -------------------------------------------------------------------------------------
 
 
 def test_a_session_goes_from_the_instructions_through_its_attempts_to_its_end(new_session: NewSession) -> None:
@@ -207,7 +207,7 @@ def test_failures_in_practice_do_not_count_as_consecutive(new_session: NewSessio
     assert driver.all(LEVEL) == []
 
 
-# --- keys where none belong -------------------------------------------------------------------------------
+# --- keys outside the response window ---------------------------------------------------------------------
 
 
 def test_a_key_in_the_foreperiod_restarts_it_and_is_no_response(new_session: NewSession) -> None:
@@ -503,7 +503,7 @@ def test_case_is_ignored_unless_the_level_asks_for_shift(
     assert driver.last(TRIAL).correct is correct
 
 
-# --- pausing, and what an operator may do -----------------------------------------------------------------
+# --- pauses and commands ----------------------------------------------------------------------------------
 
 
 def in_quiet(driver: LoopDriver) -> None:
@@ -950,7 +950,7 @@ def test_a_working_disk_changes_nothing(new_session: NewSession) -> None:
 
 
 class Taps(Task):
-    """As many taps of the space bar as you can."""
+    """A task of as many taps of the space bar as possible."""
 
     name = "taps"
     title = "Taps"
@@ -1025,7 +1025,7 @@ def test_a_task_with_few_levels_stays_within_them(calm: Theme) -> None:
     assert [ended.level for ended in driver.all(ATTEMPT_ENDED)] == [1, 2, 2, 2]
 
 
-# --- whatever anyone does -------------------------------------------------------------------------------------
+# --- arbitrary input ------------------------------------------------------------------------------------------
 
 ACTS = st.lists(
     st.one_of(

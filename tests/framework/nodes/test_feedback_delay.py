@@ -43,7 +43,7 @@ def new_session(calm: Theme) -> NewSession:
 
 
 def lift(driver: LiftDriver, time_ms: float = 400) -> None:
-    """A lift, and not a moment more."""
+    """Do a lift, without waiting after it."""
     driver.press("space")
     driver.to_prompt()
     driver.press("k")
@@ -52,7 +52,7 @@ def lift(driver: LiftDriver, time_ms: float = 400) -> None:
 
 
 def answers(driver: LiftDriver) -> list[int]:
-    """When the agent answered."""
+    """Return when the agent gave feedback."""
     return [record.at for record in driver.records if record.topic is ACTION and record.message.kind == "feedback"]
 
 
@@ -143,7 +143,7 @@ def test_a_session_ended_in_the_delay_gives_no_feedback_after_the_goodbye(new_se
 def test_a_session_cut_off_in_the_delay_does_not_wait_for_feedback(
     new_session: NewSession, calm: Theme, starts_at: int
 ) -> None:
-    """The stamps of another run of the program, or of the machine, say nothing."""
+    """Time stamps of different runs cannot be compared."""
     driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.wait(500)

@@ -1,4 +1,4 @@
-"""Given an attempt and what memory holds, when it is answered, then form, number and direction are right."""
+"""Feedback texts have the right form, numbers and direction."""
 
 from typing import Any
 
@@ -26,7 +26,7 @@ REMARK = "Please wait for the signal before you lift."
 
 
 class Reps(Lift):
-    """The same, counted: more is better, and a fraction of one counts."""
+    """The same task with a metric that is counted: higher is better, fractions count."""
 
     name = "reps"
     metric = Metric("reps", "reps", "higher", improved="more", worsened="fewer", decimals=1)
@@ -48,7 +48,7 @@ SESSIONS = st.lists(LIFTS, min_size=1, max_size=12)
 
 
 def lift(**told: object) -> dict[str, Any]:
-    """An attempt that reached its goal."""
+    """Return an attempt that reached its goal."""
     return {"metric": 900.0, "level": 1, "correct": 20, **told}
 
 
@@ -109,7 +109,7 @@ def figures(
     best: dict[str, float] | None = None,
     **parameters: object,
 ) -> list[Spelled]:
-    """The figures given of each attempt, told of one after the other."""
+    """Return the figures in the feedback on each of successive attempts."""
     agent = Agent(task, spelling(VOICES[0]), "quantitative", 1, best, feedback_compared_with=reference, **parameters)
     return [spelled(agent.feedback_on(metric, level))[0] for metric, level in attempts]
 
@@ -118,7 +118,7 @@ RESULTS = st.lists(st.tuples(st.floats(1, 3000), st.integers(1, 2)), min_size=1,
 
 
 def _told_apart(metric: Metric, value: float, against: float) -> float:
-    """The difference of two results as they are shown."""
+    """Return the difference of two results as they are shown."""
     return abs(round(value, metric.decimals) - round(against, metric.decimals))
 
 
@@ -248,12 +248,12 @@ def test_a_summary_without_times_gives_counts_only() -> None:
 
 
 def how(agent: Agent, **attempt: Any) -> Spelled:
-    """What is said of how the attempt was done; it comes last."""
+    """Return the performance feedback, which comes last."""
     return spelled(agent.feedback_on(**{"metric": 900.0, **attempt}))[-1]
 
 
 def watcher(form: str = "qualitative", about: str = "performance") -> Agent:
-    """An agent that answers how a weight was lifted: its sway matters in steps of 2, its grip in steps of 5."""
+    """Return an agent with feedback on performance: sway in steps of 2, grip in steps of 5."""
     return Agent(Lift, spelling(VOICES[0]), form, about=about)
 
 
@@ -307,7 +307,7 @@ def test_quantitative_performance_feedback_is_in_percent(sway: float, grip: floa
     ("sway", "grip", "valence"), [(7.0, 50.0, "positive"), (15.0, 50.0, "negative"), (10.0, 50.0, "neutral")]
 )
 def test_the_face_matches_the_performance_feedback(sway: float, grip: float, valence: str) -> None:
-    """However fast it was: no cheer stands beside words about what to heed."""
+    """No praise accompanies advice, however fast the attempt was."""
     agent = watcher(about="performance")
     agent.feedback_on(900, sway=10.0, grip=50.0)
     for metric in (850, 1090):
@@ -325,7 +325,7 @@ def test_a_change_without_meaningful_percentage_is_reported_with_the_result() ->
 
 
 def test_performance_is_compared_between_similar_attempts_only() -> None:
-    """A slower movement has more of everything: that is no worsening."""
+    """A slower movement has higher values; that is no decline."""
     agent = watcher()
     agent.feedback_on(900, sway=10.0)
     assert how(agent, metric=1200, sway=20.0).situation == "performance_first"
@@ -383,7 +383,7 @@ def test_the_parameters_decide_the_form(keyboard: type[Task]) -> None:
     assert len(spelled(Agent(keyboard, spelling(VOICES[0]), "both").feedback_on(700))) == 2
 
 
-# --- what tasks have to say -----------------------------------------------------------------------------------
+# --- texts of tasks -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("language", ["en", "es"])

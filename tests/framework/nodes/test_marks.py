@@ -34,7 +34,7 @@ def marked(driver: LoopDriver) -> list[tuple[int, int, str, bool]]:
     return [(m.attempt, m.trial, m.mark, m.correct) for m in driver.all(MARKED)]
 
 
-# --- the trial under way ------------------------------------------------------------------------------------
+# --- the open trial -----------------------------------------------------------------------------------------
 
 
 def test_a_mark_in_a_trial_is_stored_and_the_trial_does_not_count(new_session: NewSession) -> None:
@@ -185,7 +185,7 @@ def test_the_last_trial_of_the_last_attempt_can_be_marked(new_session: NewSessio
 
 
 def test_a_mark_may_lead_to_the_same_level(new_session: NewSession) -> None:
-    """With two failures in a row to fall, the first is counted after the mark and the second falls."""
+    """The level falls after two consecutive failures: the mark makes the first, the next attempt is the second."""
     driver = new_session(consecutive_successes=2, consecutive_failures=2)
     driver.lift(400)
     driver.lift(500)

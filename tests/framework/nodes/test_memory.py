@@ -20,7 +20,7 @@ DONE = Topic("test/done", Done, origin="input")
 
 
 class Handler(Node):
-    """Stands in for the event handler."""
+    """Stub of the event handler."""
 
     name = "handler"
     emits = (ATTEMPT_ENDED,)
@@ -32,7 +32,7 @@ class Handler(Node):
 
 @pytest.fixture
 def bus() -> Bus:
-    """Of a session in whose earlier ones 500 ms was the best at level 1, and 700 ms at level 3."""
+    """Return the memory of a session whose earlier bests are 500 ms at level 1 and 700 ms at level 3."""
     bus = Bus(VirtualClock())
     for node in (Memory(), Handler()):
         node.attach(bus)

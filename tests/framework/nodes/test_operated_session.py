@@ -34,7 +34,7 @@ from tests.outputs.fake_outputs import Speaker
 
 
 def operated(theme: Theme, **settings: Any) -> LoopDriver:
-    """A session with an operator, at the end of its first attempt."""
+    """Start a session with an operator, at the end of its first attempt."""
     driver = LoopDriver(
         Catalogue().task("keyboard"),
         theme,
@@ -60,7 +60,7 @@ def feedback(driver: LoopDriver) -> list[m.Action]:
 
 
 def pending_feedback(driver: LoopDriver) -> str:
-    """The id of the feedback that waits."""
+    """Return the id of the pending feedback."""
     return [pending.proposal.id for pending in driver.all(PENDING_APPROVAL) if pending.proposal.kind == "feedback"][-1]
 
 
@@ -266,7 +266,7 @@ def test_a_pending_level_is_decided_without_an_operator_after_a_resume(calm: The
 
 
 def lifted(calm: Theme, task: type[Task] = Lift, **settings: Any) -> LiftDriver:
-    """A session with an operator and a therapist, at the end of its first attempt."""
+    """Start a session with an operator and a therapist, at the end of its first attempt."""
     driver = LiftDriver(task, calm, **{"attempts": 3, "filler": "never", "encouragement": False, **settings})
     driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
     driver.begin_lifts()
@@ -346,7 +346,7 @@ def test_given_feedback_is_not_repeated_while_the_level_is_pending(calm: Theme) 
 
 
 class Couple(Lift):
-    """A lifts for two: B's time is told apart, as if it were their own."""
+    """One participant lifts for two seats; B gets a time of its own."""
 
     seats = ("A", "B")
     b_ms = 400.0
@@ -428,11 +428,11 @@ def test_feedback_that_becomes_pending_in_a_pause_is_waited_for_after_it(calm: T
     assert len(feedback(driver)) == 1
 
 
-# --- with and without -------------------------------------------------------------------------------------------------
+# --- with and without an operator -------------------------------------------------------------------------------------
 
 
 def test_an_operator_who_accepts_everything_is_not_noticed_by_the_participant(calm: Theme) -> None:
-    """But the time: and not even that, with a fixed delay."""
+    """Only the timing differs, and not even that with a fixed delay."""
     sessions = []
     for mode in ("autonomous", "veto", "approve"):
         settings = dict.fromkeys((f"operator_{kind}" for kind in ("feedback", "encouragement", "difficulty")), mode)

@@ -31,7 +31,7 @@ from tests.framework.nodes.test_arbiter import EVENT, ArbiterDriver, Event
 
 
 class OperatedDriver(ArbiterDriver):
-    """A driver with an operator in the next driver."""
+    """Drives an arbiter with an operator."""
 
     def __init__(self, *, operated: bool = True, **settings: object) -> None:
         super().__init__({"speech": ("say",)}, **settings)
@@ -362,7 +362,7 @@ def test_a_delay_is_covered_as_the_filler_setting_says(filler: str, covered: int
 
 @pytest.mark.parametrize(("status", "said"), [("completed", ["a1", "a2"]), ("aborted", ["a1"])])
 def test_the_last_feedback_precedes_the_goodbye_unless_the_session_was_aborted(status: Any, said: list[str]) -> None:
-    """Two people are answered one after the other; who goes on to the summary meanwhile does not cut the second off."""
+    """Feedback for two seats comes in turn; ending the session meanwhile does not drop the second."""
     driver = OperatedDriver()
     driver.propose("a1", "a2")
     driver.bus.publish(EVENT, Event(ended=m.SessionEnded(status=status)))
@@ -402,7 +402,7 @@ def test_when_the_operator_is_lost_pending_proposals_are_decided_at_once(
     assert driver.state.pending[-1].proposal.id == "a2"
 
 
-# --- switched live, and told ----------------------------------------------------------------------------------------
+# --- changing modes, and the published state ------------------------------------------------------------------------
 
 
 def test_a_new_mode_applies_to_pending_proposals() -> None:
@@ -456,7 +456,7 @@ def test_without_an_operator_no_state_is_published() -> None:
     assert driver.all(ARBITER_STATE) == []
 
 
-# --- an operator's own ------------------------------------------------------------------------------------------------
+# --- remarks of operators ---------------------------------------------------------------------------------------------
 
 
 def test_remarks_go_first_but_not_in_a_trial() -> None:

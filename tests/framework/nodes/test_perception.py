@@ -12,7 +12,7 @@ from sar_tui.framework.topics import KEY, PERCEIVED, SESSION
 
 
 def perceived(*keys: tuple[str, int], interval: int = 100, delay: int = 0, new_run: bool = False) -> list[KeyPerceived]:
-    """What is perceived of keys stamped at so many ms, each handled ``delay`` ms later."""
+    """Return the percepts of keys stamped at given times (ms), each handled ``delay`` ms later."""
     clock = VirtualClock()
     bus = Bus(clock)
     Perception(build(TaskParameters, {"repeat_interval_ms": interval})).attach(bus)

@@ -25,7 +25,7 @@ def new_session(calm: Theme) -> NewSession:
 
 @pytest.fixture
 def lifting(new_session: NewSession) -> LiftDriver:
-    """Ready to start the first lift, the sensor in place."""
+    """Start a session with a working sensor, ready for the first lift."""
     driver = new_session()
     sensor(driver, "attached")
     driver.begin_lifts()

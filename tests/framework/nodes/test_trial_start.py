@@ -307,7 +307,7 @@ def test_a_movement_before_the_signal_is_an_anticipation_without_reaction_time(n
     assert trial.response_at - trial.onset == 503 * MS
 
 
-# --- a trial of which nothing can be said ---------------------------------------------------------------------
+# --- unmeasurable trials --------------------------------------------------------------------------------------
 
 
 def test_an_unmeasurable_trial_is_repeated_with_a_notice(new_session: NewSession) -> None:
@@ -379,7 +379,7 @@ def test_an_unmeasurable_trial_is_repeated_a_limited_number_of_times(new_session
     assert len(driver.all(TRIAL)) == 1, "and each trial has as many tries"
 
 
-# --- what has to be known first -------------------------------------------------------------------------------
+# --- notices --------------------------------------------------------------------------------------------------
 
 
 def test_a_level_is_announced_at_the_start_and_when_it_changes(new_session: NewSession) -> None:
