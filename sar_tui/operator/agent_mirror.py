@@ -29,8 +29,8 @@ class AgentMirror:
         self.widget = Agent(theme, clock, id="agent")
         self.widget.display = False
         self._theme: Theme | None = None
-        self._seen = AgentState()
-        self._said: tuple[str, str] = ("", "")
+        self._shown = AgentState()
+        self._shown_text: tuple[str, str] = ("", "")
 
     def show(self, state: SessionState, now: int) -> None:
         """Bring the agent up to date. ``now``: session clock (ns)."""
@@ -40,21 +40,21 @@ class AgentMirror:
             self._theme = state.theme
             self.widget.wear(state.theme)
             self.widget.display = True
-        seen, before = state.agent, self._seen
-        self._seen = seen
-        self._say(seen, before)
-        if seen.halts != before.halts:
+        agent, before = state.agent, self._shown
+        self._shown = agent
+        self._show_text(agent, before)
+        if agent.halts != before.halts:
             self.widget.be_still()
-        self._hold(state, before)
-        action = seen.moves
+        self._hold_still(state, before)
+        action = agent.moves
         if action and action is not before.moves and now - action.decided < _FRESH:
             if action.gesture in state.theme.gestures:
                 self.widget.gesture(state.theme.gestures[action.gesture])
             if action.gaze:
                 self.widget.gaze(action.gaze)
-        self.widget.speaking(seen.is_speaking and state.is_connected)
+        self.widget.speaking(agent.is_speaking and state.is_connected)
 
-    def _hold(self, state: SessionState, before: AgentState) -> None:
+    def _hold_still(self, state: SessionState, before: AgentState) -> None:
         """Keep still while the participant's agent does, and show its cue."""
         cue = state.agent.cue
         if not state.is_quiet or (before.cue and before.cue is not cue):
@@ -64,30 +64,30 @@ class AgentMirror:
         if cue and cue is not before.cue:
             self.widget.cue(cue.gaze, state.theme.gestures.get(cue.gesture) if state.theme else None)
 
-    def _say(self, seen: AgentState, before: AgentState) -> None:
-        said = self._fitted(seen)
-        if said == self._said and seen.valence == before.valence:
-            if seen.face != before.face:
-                self.widget.look(seen.face)
+    def _show_text(self, agent: AgentState, before: AgentState) -> None:
+        text = self._fit_text(agent)
+        if text == self._shown_text and agent.valence == before.valence:
+            if agent.face != before.face:
+                self.widget.look(agent.face)
             return
-        self._said = said
-        words, more = said
+        self._shown_text = text
+        words, more = text
         if not words:
-            self.widget.clear(seen.face)
+            self.widget.clear(agent.face)
             return
-        self.widget.say(words, seen.face, seen.valence)
+        self.widget.say(words, agent.face, agent.valence)
         if more:
             self.widget.say(more, joins=True)
 
-    def _fitted(self, seen: AgentState) -> tuple[str, str]:
-        """Return the text that fits here, where there is less room: of joined texts, the end is shown."""
-        around = self.widget.parent
-        room = around.content_size if isinstance(around, Widget) else Size(0, 0)
-        width = room.width - WIDTH - _MARGINS
-        if width <= 0 or not seen.words:  # nothing has been laid out yet
-            return seen.words, seen.more
-        more, most = wrap(seen.more, width, len(seen.more)), max(2, room.height - 2)
+    def _fit_text(self, agent: AgentState) -> tuple[str, str]:
+        """Return the text that fits here, where there is less size: of joined texts, the end is shown."""
+        parent = self.widget.parent
+        size = parent.content_size if isinstance(parent, Widget) else Size(0, 0)
+        width = size.width - WIDTH - _MARGINS
+        if width <= 0 or not agent.words:  # nothing has been laid out yet
+            return agent.words, agent.more
+        more, most = wrap(agent.more, width, len(agent.more)), max(2, size.height - 2)
         if len(more) > most:
             more = ["…", *more[1 - most :]]
-        words = wrap(seen.words, width, room.height - (len(more) + 1 if more else 0))
+        words = wrap(agent.words, width, size.height - (len(more) + 1 if more else 0))
         return "\n".join(words), "\n".join(more)

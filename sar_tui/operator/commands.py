@@ -94,7 +94,8 @@ class Commands:
 
     def report_seen(self, approval: PendingApproval, at: int) -> None:
         """Note that a proposal is on the screen, and report it once if this operator may decide on it."""
-        self.shown = (approval.proposal.id, at)
+        if self.shown[0] != approval.proposal.id:  # a slow screen may report it twice
+            self.shown = (approval.proposal.id, at)
         if approval.proposal.id not in self.painted:
             pending = {each.proposal.id for each in self.pending}
             self.painted = (self.painted & pending) | {approval.proposal.id}

@@ -130,14 +130,16 @@ def nothing_pending(state: SessionState, loss: str, now: int, width: int, leave_
         return Content.assemble((words, ""), (f"\ngoes out in {(action.due - now) / SECOND:.1f} s", "$accent bold"))
     if all(mode == "autonomous" for mode in state.arbiter.modes.values()):
         return Content.assemble(("Nothing is pending: the agent decides everything by itself.", "$text-muted"))
-    whom = "you" if state.has_control else short_name(state.holder) or "an operator"
-    return Content.assemble((f"Nothing is pending for {whom}.", "$text-muted"))
+    who = "you" if state.has_control else short_name(state.holder) or "an operator"
+    return Content.assemble((f"Nothing is pending for {who}.", "$text-muted"))
 
 
-def other_proposals(offers: tuple[PendingApproval, ...], chosen: PendingApproval | None, now: int, width: int) -> str:
+def other_proposals(pending: tuple[PendingApproval, ...], chosen: PendingApproval | None, now: int, width: int) -> str:
     """Return the other proposals with their times, on one line."""
     others = [
-        f"{_time(o, now)}{o.proposal.kind} {proposal_text(o.proposal, o.level)}" for o in offers if o is not chosen
+        f"{_time(each, now)}{each.proposal.kind} {proposal_text(each.proposal, each.level)}"
+        for each in pending
+        if each is not chosen
     ]
     return cut(f"Also pending: {' · '.join(others)}", width) if others else ""
 

@@ -232,8 +232,8 @@ def _on_arbiter_state(state: SessionState, arbiter: ArbiterState) -> SessionStat
     return replace(state, arbiter=arbiter, operated=arbiter.operated)
 
 
-def _on_theme(state: SessionState, worn: ThemeApplied) -> SessionState:
-    return replace(state, theme=worn.theme)
+def _on_theme(state: SessionState, applied: ThemeApplied) -> SessionState:
+    return replace(state, theme=applied.theme)
 
 
 # --- operators and observers ----------------------------------------------------------------------------------------

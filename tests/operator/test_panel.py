@@ -14,6 +14,7 @@ from sar_tui.framework import topics as t
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import Role
 from sar_tui.link.peer import Connection
+from sar_tui.operator.commands import Commands
 from sar_tui.operator.keymap import FILE
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
@@ -137,6 +138,13 @@ async def test_the_shown_proposal_stays_until_it_is_decided_and_a_key_right_afte
         assert [decision.action for decision in driver.sent(t.DECISION)] == ["p2"]
 
 
+def test_a_proposal_painted_twice_is_on_the_screen_since_the_first_time() -> None:
+    commands = Commands()
+    commands.report_seen(b.approval("p1"), 1000 * MS)
+    commands.report_seen(b.approval("p1"), 1100 * MS)
+    assert commands.shown == ("p1", 1000 * MS)
+
+
 async def test_a_decided_proposal_makes_room_for_the_next_and_is_not_decided_twice(
     catalogue: Catalogue, folder: Path
 ) -> None:
@@ -232,14 +240,14 @@ async def test_a_participants_pause_is_highlighted_and_ended_only_by_a_second_ke
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        for reason, told in (("", "P01 paused"), ("pain", "P01 paused: in pain"), ("tired", "P01 paused: tired")):
+        for reason, text in (("", "P01 paused"), ("pain", "P01 paused: in pain"), ("tired", "P01 paused: tired")):
             await driver.join()
             driver.peer.sent.clear()
             await driver.publish(t.OPERATOR, m.Operator(command="pause", reason=reason))
             await driver.publish(t.WAITING, b.waiting("resume", "paused", reason=reason))
-            assert driver.text.count(told) == 2, "in the activity and in the log"
+            assert driver.text.count(text) == 2, "in the activity and in the log"
             await driver.press("space")
-            assert f"{told}. Press Space again within 3 s to resume." in driver.text
+            assert f"{text}. Press Space again within 3 s to resume." in driver.text
             await driver.press("space")  # a key that bounces
             await driver.advance(3200)
             await driver.press("space")

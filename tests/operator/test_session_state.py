@@ -231,15 +231,15 @@ def test_dropped_proposals_are_logged_by_kind_except_fillers() -> None:
         replace(b.approval("l2", level=6), mode="veto"),
         queued=(b.action("s1", kind="filler"),),
     )
-    ruled = {"level": 5, "ground": "deadline", "at": 0, "actor": "agent"}
+    decided = {"level": 5, "ground": "deadline", "at": 0, "actor": "agent"}
     state = after(
         (t.ARBITER_STATE, waits),
         (t.DROPPED, m.Dropped(id="p1", reason="late")),
         (t.DROPPED, m.Dropped(id="s1", reason="late")),
-        (t.LEVEL_DECIDED, m.LevelDecided(id="l1", decision="accepted", **ruled)),
-        (t.LEVEL_DECIDED, m.LevelDecided(id="l2", decision="accepted", **ruled)),
-        (t.LEVEL_DECIDED, m.LevelDecided(id="l1", decision="accepted", **ruled | {"ground": "operator"})),
-        (t.LEVEL_DECIDED, m.LevelDecided(id="l1", decision="rejected", **ruled | {"ground": "mode", "level": 0})),
+        (t.LEVEL_DECIDED, m.LevelDecided(id="l1", decision="accepted", **decided)),
+        (t.LEVEL_DECIDED, m.LevelDecided(id="l2", decision="accepted", **decided)),
+        (t.LEVEL_DECIDED, m.LevelDecided(id="l1", decision="accepted", **decided | {"ground": "operator"})),
+        (t.LEVEL_DECIDED, m.LevelDecided(id="l1", decision="rejected", **decided | {"ground": "mode", "level": 0})),
     )
     assert lines(state) == [
         "The encouragement came too late: the session had moved on.",
@@ -332,7 +332,7 @@ def test_repeated_events_share_one_line_of_the_log() -> None:
     state = SessionState().receive(Connection("connected")).receive(b.welcome())
     knock = m.ActRefused(actor="unknown", what="a connection", why="It has no certificate.")
     state = state.receive([b.frame(t.REFUSED, knock) for _ in range(40)])
-    told = "40 times: Refused for unknown: a connection. It has no certificate."
-    assert [line.text_with_count for line in state.log] == [told]
+    text = "40 times: Refused for unknown: a connection. It has no certificate."
+    assert [line.text_with_count for line in state.log] == [text]
     state = state.receive([b.frame(t.REFUSED, replace(knock, why="It has expired."))])
     assert [line.times for line in state.log] == [40, 1]

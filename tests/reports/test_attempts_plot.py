@@ -10,10 +10,10 @@ OUTCOMES = ["success", "success", "success", "failure", "success", "success", "f
 
 
 def figure(**changes: object) -> str:
-    told = {"metric": "reaction time (ms)", "width": 76, "height": 12, "color": False} | changes
-    levels = told.pop("levels", LEVELS)
-    told.setdefault("goals", [1000] * len(levels))  # type: ignore[arg-type]
-    return attempts_figure(levels, told.pop("metrics", METRICS), **told)  # type: ignore[arg-type]
+    arguments = {"metric": "reaction time (ms)", "width": 76, "height": 12, "color": False} | changes
+    levels = arguments.pop("levels", LEVELS)
+    arguments.setdefault("goals", [1000] * len(levels))  # type: ignore[arg-type]
+    return attempts_figure(levels, arguments.pop("metrics", METRICS), **arguments)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("size", [(76, 12), (100, 18), (50, 9), (30, 7)])

@@ -41,7 +41,7 @@ def test_an_accepted_proposal_has_its_two_latencies() -> None:
     record = only(script)
     assert (record.mode, record.fate, record.verdict) == ("approve", "accepted", "accepted")
     assert record.decision_ms == 800, "from the screen to the key, not to its arrival"
-    assert record.waiting_ms == 835, "from the offer to the decision, not to its turn"
+    assert record.waiting_ms == 835, "from pending to the decision, not to its turn"
     assert record.said == "Too slow."
 
 
@@ -185,7 +185,7 @@ UP = m.LevelChanged(previous=1, level=2, reason="success")
 
 
 @pytest.mark.parametrize(
-    ("ruling", "fate", "verdict"),
+    ("decided", "fate", "verdict"),
     [
         (level_decided("l1", 2, "accepted", "operator"), "accepted", "accepted"),
         (level_decided("l1", 3, "edited", "operator"), "edited", "edited"),
@@ -197,9 +197,9 @@ UP = m.LevelChanged(previous=1, level=2, reason="success")
         (level_decided("l1", 0, "rejected", "mode"), "amended", None),
     ],
 )
-def test_a_pending_change_of_level_is_one_proposal(ruling: m.LevelDecided, fate: str, verdict: str | None) -> None:
-    told = () if ruling.decision == "rejected" else (UP,)
-    script = Script().join(10).log(1000, pending(L1, level=2)).log(1700, ruling, *told)
+def test_a_pending_change_of_level_is_one_proposal(decided: m.LevelDecided, fate: str, verdict: str | None) -> None:
+    change = () if decided.decision == "rejected" else (UP,)
+    script = Script().join(10).log(1000, pending(L1, level=2)).log(1700, decided, *change)
     record = only(script)
     assert (record.kind, record.mode, record.fate, record.verdict) == ("difficulty", "approve", fate, verdict)
     assert record.waiting_ms == 700

@@ -62,7 +62,7 @@ def test_a_session_computed_by_hand() -> None:
         n=2, median=1485, iqr=515, p5=1021.5, p25=1227.5, p75=1742.5, p95=1948.5, worst=2000
     )
     assert made.undecided_seen == 1
-    assert latencies.waiting == [1002, 2034, 4000], "what was not offered did not wait"
+    assert latencies.waiting == [1002, 2034, 4000], "only pending proposals wait"
     assert sorted(latencies.link) == [0, 1, 2, 3, 4, 10, 10, 10]
     assert made.initiated == {"phrase": 1, "gesture": 1, "level": 1}
     assert (made.agreement.decided, made.agreement.accepted_share, made.agreement.valences_overridden) == (2, 0.5, 1)

@@ -48,26 +48,26 @@ def play(keyboard: type[Task], calm: Theme) -> Play:
         clock = VirtualClock()
         operator = [SimulatedOperator(profile, seed)] if profile else []
         session = Session(task, calm, clock, seed, [SimulatedParticipant(PEOPLE["average"], task, seed), *operator])
-        heard: list[Record] = []
-        session.bus.tap(lambda cascade: heard.extend((record.at, record.message) for record in cascade))
+        messages: list[Record] = []
+        session.bus.tap(lambda cascade: messages.extend((record.at, record.message) for record in cascade))
         session.begin()
         while not session.ended and session.broken is None:
-            before = len(heard)
+            before = len(messages)
             assert clock.step()
-            for _, message in heard[before:]:
+            for _, message in messages[before:]:
                 if chosen := colleague(message):
                     session.bus.publish(MODE, chosen)
                 if isinstance(message, m.TrialEnded):  # is committed at once
                     stored = m.Stored(attempt=message.attempt, trial=message.trial)
                     session.bus.publish(STORED, stored)
         assert session.faults == []
-        return heard
+        return messages
 
     return whole
 
 
-def of(kind: type[Any], heard: list[Record]) -> list[Any]:
-    return [message for _, message in heard if isinstance(message, kind)]
+def of(kind: type[Any], messages: list[Record]) -> list[Any]:
+    return [message for _, message in messages if isinstance(message, kind)]
 
 
 def like(profile: str, **changes: Any) -> OperatorProfile:
@@ -83,8 +83,8 @@ def test_the_same_seed_gives_the_same_session_and_another_a_different_one(name: 
 
 
 def test_it_joins_at_the_start_and_takes_control(play: Play) -> None:
-    heard = play(PLAIN)
-    came = [(at, message) for at, message in heard if isinstance(message, m.OperatorChanged)]
+    messages = play(PLAIN)
+    came = [(at, message) for at, message in messages if isinstance(message, m.OperatorChanged)]
     assert [(at, message.state, message.operated, message.actor) for at, message in came] == [
         (0, "joined", True, NAME),
         (0, "baton", True, NAME),
@@ -92,21 +92,21 @@ def test_it_joins_at_the_start_and_takes_control(play: Play) -> None:
 
 
 def test_pending_proposals_are_seen_and_then_decided(play: Play) -> None:
-    heard = play(PLAIN)
-    offers = {message.proposal.id: at for at, message in heard if isinstance(message, m.PendingApproval)}
-    seen = {message.action: message.at for message in of(m.ProposalSeen, heard)}
-    decided = {message.action: message.at for message in of(m.Decision, heard)}
-    assert offers.keys() == seen.keys() == decided.keys()
-    assert len(offers) == 6
-    for id, at in offers.items():
+    messages = play(PLAIN)
+    pending = {message.proposal.id: at for at, message in messages if isinstance(message, m.PendingApproval)}
+    seen = {message.action: message.at for message in of(m.ProposalSeen, messages)}
+    decided = {message.action: message.at for message in of(m.Decision, messages)}
+    assert pending.keys() == seen.keys() == decided.keys()
+    assert len(pending) == 6
+    for id, at in pending.items():
         assert seen[id] - at == 30_000_000
         assert decided[id] - seen[id] == pytest.approx(500_000_000, abs=2_000_000)
-    assert {message.ground for message in of(m.Action, heard) if message.kind == "feedback"} == {"operator"}
+    assert {message.ground for message in of(m.Action, messages) if message.kind == "feedback"} == {"operator"}
 
 
 def test_proposals_are_decided_one_after_the_other(play: Play) -> None:
-    heard = play(PLAIN, operator_difficulty="approve", operator_gesture="approve")
-    times = sorted(message.at for message in of(m.Decision, heard))
+    messages = play(PLAIN, operator_difficulty="approve", operator_gesture="approve")
+    times = sorted(message.at for message in of(m.Decision, messages))
     assert len(times) > 12
     assert min(later - earlier for earlier, later in pairwise(times)) > 490_000_000
 
@@ -116,14 +116,14 @@ def test_proposals_are_decided_one_after_the_other(play: Play) -> None:
     [("vetoes", {"veto"}), ("edits", {"edit"}), ("misses", set()), ("slips", {"veto", "edit"})],
 )
 def test_a_share_of_one_means_always(share: str, verdicts: set[str], play: Play) -> None:
-    heard = play(msgspec.structs.replace(PLAIN, **{share: 1.0}), operator_difficulty="approve")
-    assert {message.verdict for message in of(m.Decision, heard)} == verdicts
+    messages = play(msgspec.structs.replace(PLAIN, **{share: 1.0}), operator_difficulty="approve")
+    assert {message.verdict for message in of(m.Decision, messages)} == verdicts
 
 
 def test_an_edit_adds_encouragement_and_softens_blame(play: Play, calm: Theme) -> None:
-    heard = play(like("careful", edits=1.0, vetoes=0, slips=0, misses=0), threshold=300)
-    proposed = {message.id: message for message in of(m.Proposal, heard)}
-    edits = of(m.Decision, heard)
+    messages = play(like("careful", edits=1.0, vetoes=0, slips=0, misses=0), threshold=300)
+    proposed = {message.id: message for message in of(m.Proposal, messages)}
+    edits = of(m.Decision, messages)
     assert {proposed[edit.action].valence for edit in edits} == {"negative"}
     for edit in edits:
         before = proposed[edit.action].text
@@ -134,20 +134,20 @@ def test_an_edit_adds_encouragement_and_softens_blame(play: Play, calm: Theme) -
 def test_a_key_already_on_its_way_is_pressed_and_comes_too_late(play: Play) -> None:
     """The deadline is at 1000 ms: a key due at 1130 ms is on its way, one due at 2000 ms is not."""
     on_the_way = msgspec.structs.replace(PLAIN, mean_ms=1100)
-    heard = play(on_the_way, operator_time_ms=1000)
-    assert len(of(m.ActMissed, heard)) == len(of(m.PendingApproval, heard)) == 6
+    messages = play(on_the_way, operator_time_ms=1000)
+    assert len(of(m.ActMissed, messages)) == len(of(m.PendingApproval, messages)) == 6
     assert 100_000_000 < TOO_LATE_TO_STOP < 970_000_000
-    heard = play(msgspec.structs.replace(PLAIN, mean_ms=2000), operator_time_ms=1000)
-    assert of(m.ActMissed, heard) == of(m.Decision, heard) == []
+    messages = play(msgspec.structs.replace(PLAIN, mean_ms=2000), operator_time_ms=1000)
+    assert of(m.ActMissed, messages) == of(m.Decision, messages) == []
 
 
 def test_an_absent_operator_decides_nothing(play: Play) -> None:
-    heard = play(like("absent", leaves=1.0, away_s=15.0, misses=0), attempts=10)
-    states = [message.state for message in of(m.OperatorChanged, heard)]
+    messages = play(like("absent", leaves=1.0, away_s=15.0, misses=0), attempts=10)
+    states = [message.state for message in of(m.OperatorChanged, messages)]
     assert states.count("lost") >= 3
     assert states.count("joined") >= 3
     is_here = False
-    for _, message in heard:
+    for _, message in messages:
         if isinstance(message, m.OperatorChanged):
             is_here = message.operated
         assert is_here or not isinstance(message, m.Decision | m.Remark | m.NoteAdded | m.ProposalSeen)
@@ -160,28 +160,29 @@ def test_a_proposal_that_becomes_pending_again_is_decided_once(play: Play) -> No
         waits = isinstance(message, m.PendingApproval) and message.mode == "approve"
         return m.ModeChanged(kind="feedback", mode="veto") if waits else None
 
-    heard = play(PLAIN, colleague=colleague)
-    offers = Counter(message.proposal.id for message in of(m.PendingApproval, heard))
-    decisions = Counter(message.action for message in of(m.Decision, heard))
-    assert sorted(offers.values()) == [1] * 5 + [2]
-    assert decisions == Counter(offers.keys())
-    assert of(m.ActMissed, heard) == []
+    messages = play(PLAIN, colleague=colleague)
+    pending = Counter(message.proposal.id for message in of(m.PendingApproval, messages))
+    decisions = Counter(message.action for message in of(m.Decision, messages))
+    assert sorted(pending.values()) == [1] * 5 + [2]
+    assert decisions == Counter(pending.keys())
+    assert of(m.ActMissed, messages) == []
 
 
 def test_acts_on_its_own_initiative(play: Play) -> None:
-    heard = play(msgspec.structs.replace(PLAIN, remarks=1.0, notes=1.0, levels=1.0), attempts=8)
-    acts = Counter(type(message).__name__ for message in of(m.Remark | m.NoteAdded | m.Operator, heard))
+    messages = play(msgspec.structs.replace(PLAIN, remarks=1.0, notes=1.0, levels=1.0), attempts=8)
+    acts = Counter(type(message).__name__ for message in of(m.Remark | m.NoteAdded | m.Operator, messages))
     assert acts["Remark"] >= 7
     assert acts["NoteAdded"] >= 7
-    assert {message.command for message in of(m.Operator, heard)} == {"level"}
-    assert all(message.actor == NAME and message.at for message in of(m.Remark | m.NoteAdded | m.Operator, heard))
+    assert {message.command for message in of(m.Operator, messages)} == {"level"}
+    assert all(message.actor == NAME and message.at for message in of(m.Remark | m.NoteAdded | m.Operator, messages))
 
 
 def test_the_participant_is_as_fast_with_an_operator_as_without(play: Play) -> None:
     with_one, without = play(PROFILES["careful"], 2), play(None, 2)
     assert of(m.Decision, with_one)
     times = [
-        {(t.attempt, t.trial): t.reaction_time_ms for t in of(m.TrialEnded, heard)} for heard in (with_one, without)
+        {(t.attempt, t.trial): t.reaction_time_ms for t in of(m.TrialEnded, messages)}
+        for messages in (with_one, without)
     ]
     assert times[0] == times[1]
 
