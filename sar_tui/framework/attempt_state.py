@@ -41,7 +41,7 @@ class EndedAttempt(msgspec.Struct, frozen=True):
 
 
 class AttemptState(msgspec.Struct, frozen=True):
-    """Where a session stands: the attempt that runs or comes next, and what the following ones depend on.
+    """The attempt that runs or comes next, and the state that the following ones depend on.
 
     Attributes:
         attempt: its number, from 1, practice attempts included.

@@ -65,21 +65,21 @@ def graph(nodes: Sequence[type[Node]], taps: Sequence[type[Listener]] = ()) -> G
     if orphans:
         parts.append(Part(OUTSIDE, "outside", emits=tuple(orphans)))
     received = {name for part in parts for name in part.receives}
-    told = [
+    topic_edges = [
         Edge(source.name, target.name, name, "topic")
         for source in parts
         for name in source.emits
         for target in parts
         if target is not source and (name in target.receives or (target.kind == "tap" and name not in received))
     ]
-    asked = [
+    service_edges = [
         Edge(source.name, target.name, name, "service")
         for source in parts
         for name in source.asks
         for target in parts
         if name in target.answers
     ]
-    return Graph(tuple(parts), (*told, *asked))
+    return Graph(tuple(parts), (*topic_edges, *service_edges))
 
 
 def _part(node: type[Node]) -> Part:
@@ -104,13 +104,13 @@ def _names(topics: Sequence[Topic[Any]]) -> tuple[str, ...]:
 def spine(whole: Graph) -> list[str]:
     """Return the names on the longest path from an input through the loop, each once."""
     inner = {part.name for part in whole.nodes if part.kind in ("input", "node", "output")}
-    told: dict[str, list[str]] = {}
+    targets: dict[str, list[str]] = {}
     for edge in whole.edges:
         if edge.kind == "topic" and {edge.source, edge.target} <= inner:
-            told.setdefault(edge.source, []).append(edge.target)
+            targets.setdefault(edge.source, []).append(edge.target)
 
     def longest(path: list[str]) -> list[str]:
-        ways = [longest([*path, name]) for name in dict.fromkeys(told.get(path[-1], ())) if name not in path]
+        ways = [longest([*path, name]) for name in dict.fromkeys(targets.get(path[-1], ())) if name not in path]
         return max(ways, key=len, default=path)
 
     starts = [part.name for part in whole.nodes if part.kind == "input"] or [part.name for part in whole.nodes]

@@ -6,7 +6,7 @@ from sar_tui.framework.attempts import Attempts
 from sar_tui.framework.messages import Waiting
 from sar_tui.framework.task import Task
 
-ASK_KEY = "tab"
+REQUEST_KEY = "tab"
 """Key with which a participant asks for feedback on the last attempt, where it is given on request."""
 
 
@@ -22,7 +22,7 @@ class Phase(Enum):
     STORING = auto()  # the foreperiod is over, but the last trial is not on disk yet
     ONSET = auto()  # the prompt is on its way to the screen
     RESPONSE = auto()
-    ANSWER = auto()  # the attempt is over; its feedback comes after a delay
+    FEEDBACK = auto()  # the attempt is over; its feedback comes after a delay
     PAUSED = auto()
     REVIEW = auto()  # every attempt is done; waits for Enter
     CLOSING = auto()  # the session is over, but the last trial is not on disk yet
@@ -36,7 +36,7 @@ OVER = {Phase.CLOSING, Phase.ENDED, Phase.BROKEN}
 ENTER_RESUMES = ("interrupted", "restored")
 PAUSES: dict[str, str] = {"interrupted": "enter", "restored": "enter", "sensor": "sensor"}
 """What a pause waits for, by its reason; any other waits for a command to resume."""
-MARKABLE = {Phase.AGENT, Phase.START, Phase.ANSWER, Phase.READY, Phase.REVIEW}
+MARKABLE = {Phase.AGENT, Phase.START, Phase.FEEDBACK, Phase.READY, Phase.REVIEW}
 """Phases in which a mark applies to the last trial."""
 WAITS: dict[Phase, tuple[str, str]] = {
     Phase.INSTRUCTIONS: ("enter", "instructions"),
@@ -47,7 +47,7 @@ WAITS: dict[Phase, tuple[str, str]] = {
     Phase.FOREPERIOD: ("foreperiod", "trial"),
     Phase.STORING: ("storage", "trial"),
     Phase.ONSET: ("response", "trial"),
-    Phase.ANSWER: ("answer", "answer"),
+    Phase.FEEDBACK: ("answer", "answer"),
     Phase.REVIEW: ("enter", "review"),
     Phase.CLOSING: ("storage", "ended"),
     Phase.ENDED: ("nothing", "ended"),
@@ -82,5 +82,5 @@ def waiting_message(
         notice=notice,
         reason=reason,
         detail=detail,
-        ask=ASK_KEY if phase in (Phase.READY, Phase.REVIEW) and attempts.is_feedback_on_request else "",
+        ask=REQUEST_KEY if phase in (Phase.READY, Phase.REVIEW) and attempts.is_feedback_on_request else "",
     )

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sar_tui.framework.messages import KeyPressed
-from sar_tui.framework.session_phase import ASK_KEY
+from sar_tui.framework.session_phase import REQUEST_KEY
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
@@ -69,7 +69,7 @@ class Laboratory:
                 asked=[
                     record.message.at
                     for record in sessions.history(database, name)
-                    if isinstance(record.message, KeyPressed) and record.message.key == ASK_KEY
+                    if isinstance(record.message, KeyPressed) and record.message.key == REQUEST_KEY
                 ],
             )
 

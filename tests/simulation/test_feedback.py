@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from sar_tui.framework.policies.feedback.faded import RAREST
-from sar_tui.framework.session_phase import ASK_KEY
+from sar_tui.framework.session_phase import REQUEST_KEY
 from sar_tui.framework.topics import ALL, ATTEMPT_ENDED, FEEDBACK, KEY, PROPOSED
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
@@ -159,7 +159,7 @@ def test_the_row_is_the_last_message_and_the_answer_has_the_same_choice(session:
 
 def test_what_was_said_is_what_was_chosen_at_the_time_it_was_chosen_for(session: Kept) -> None:
     rows = {row["attempt"]: row for row in session.attempts}
-    asked = [key.at for key in session.all(KEY) if key.key == ASK_KEY]
+    asked = [key.at for key in session.all(KEY) if key.key == REQUEST_KEY]
     on_request = session.parameters.feedback_schedule == "request"
     said = [action for action in session.actions if action["kind"] == "feedback"]
     assert [action["proposed"]["attempt"] for action in said] == session.answered

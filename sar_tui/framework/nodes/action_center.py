@@ -58,16 +58,16 @@ class ActionCenter(Node):
     def __init__(self, task: Task, theme: Theme, seed: int) -> None:
         super().__init__()
         self._task = task
-        self._words = _Words(theme, RandomStreams(seed))
-        self._answers = FeedbackText(task, self._words)
+        self._phrases = _Phrases(theme, RandomStreams(seed))
+        self._feedback_text = FeedbackText(task, self._phrases)
         self._instructed = False
         self._ready_for = 0
-        self._answered = 0
+        self._last_feedback = 0
 
     @on(THEME)
     def theme_applied(self, applied: ThemeApplied) -> None:
         """Use the theme from here on."""
-        self._words.theme = applied.theme
+        self._phrases.theme = applied.theme
 
     @on(SESSION)
     def greet(self, session: SessionStarted) -> None:
@@ -84,17 +84,17 @@ class ActionCenter(Node):
     @on(FEEDBACK)
     def feedback_due(self, feedback: Feedback) -> None:
         recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level))
-        answer = self._answers.answer(feedback, recalled)
-        plain = answer.valence == "neutral" or answer.degree == "clear"
-        follows = self._answered == feedback.attempt and feedback.seat != self._task.seats[0]
-        self._answered = feedback.attempt
+        content = self._feedback_text.answer(feedback, recalled)
+        plain = content.valence == "neutral" or content.degree == "clear"
+        follows = self._last_feedback == feedback.attempt and feedback.seat != self._task.seats[0]
+        self._last_feedback = feedback.attempt
         self._propose(
             "feedback",
-            self._to(feedback.seat, answer.text),
-            answer.valence if plain else f"{answer.valence}_{answer.degree}",
+            self._to(feedback.seat, content.text),
+            content.valence if plain else f"{content.valence}_{content.degree}",
             seat=feedback.seat,
-            valence=answer.valence,
-            degree=answer.degree,
+            valence=content.valence,
+            degree=content.degree,
             attempt=feedback.attempt,
             due=feedback.due,
             joins=follows,
@@ -110,12 +110,12 @@ class ActionCenter(Node):
 
     def _to_all(self, situation: str) -> str:
         """Return a phrase for all participants."""
-        return self._words(situation if len(self._task.seats) == 1 else f"{situation}_both")
+        return self._phrases(situation if len(self._task.seats) == 1 else f"{situation}_both")
 
     @on(FILLER_DUE)
     def filler_due(self, due: FillerDue) -> None:
         """Propose a filler while feedback is awaited."""
-        self._propose("filler", self._words("filler"), seat=due.seat)
+        self._propose("filler", self._phrases("filler"), seat=due.seat)
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
@@ -150,14 +150,14 @@ class ActionCenter(Node):
         joins: bool = False,
         policy: Policy | None = None,
     ) -> None:
-        self._words.count += 1
-        theme = self._words.theme
+        self._phrases.count += 1
+        theme = self._phrases.theme
         how = theme.manner(manner or kind)
         self.emit(
             PROPOSED,
             Proposal(
                 seat=seat,
-                id=f"a{self._words.count}",
+                id=f"a{self._phrases.count}",
                 kind=kind,
                 text=text,
                 spoken=theme.spoken(text if spoken is None else spoken),
@@ -176,7 +176,7 @@ class ActionCenter(Node):
         )
 
 
-class _Words:
+class _Phrases:
     """Phrases of a theme, chosen at random, but never the same twice in a row."""
 
     def __init__(self, theme: Theme, streams: RandomStreams) -> None:

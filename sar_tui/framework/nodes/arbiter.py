@@ -148,8 +148,8 @@ class Arbiter(Approvals):
     @on(SESSION_ENDED)
     def session_ended(self, ended: m.SessionEnded) -> None:
         """Drop what waits, except the last feedback if the session was completed: it precedes the goodbye."""
-        answers = [action.id for action in self._queue.waiting if action.kind == "feedback"]
-        self._drop("late", lambda one: ended.status == "aborted" or one.id not in answers)
+        feedback = [action.id for action in self._queue.waiting if action.kind == "feedback"]
+        self._drop("late", lambda one: ended.status == "aborted" or one.id not in feedback)
         self._publish_state()
 
     # --- what the agent proposes -------------------------------------------------------------------------------
@@ -165,8 +165,8 @@ class Arbiter(Approvals):
     def unsaid_requested(self, request: m.UnsaidFeedbackRequest) -> m.UnsaidFeedback:
         """Return the seats whose feedback on an attempt waits."""
         waiting = (*self._queue.waiting, *(one.proposal for one in self._pending.waiting))
-        answers = [one for one in waiting if one.kind == "feedback" and one.attempt == request.attempt]
-        return m.UnsaidFeedback(seats=tuple(sorted({one.seat for one in answers})))
+        feedback = [one for one in waiting if one.kind == "feedback" and one.attempt == request.attempt]
+        return m.UnsaidFeedback(seats=tuple(sorted({one.seat for one in feedback})))
 
     def _set_filler_timer(self, proposal: Proposal) -> None:
         """Schedule a filler for a wait for an operator; or for any wait, so that it does not reveal an operator."""
@@ -211,9 +211,9 @@ class Arbiter(Approvals):
     def remarked(self, remark: m.Remark) -> None:
         """Queue an operator's own words or gesture before anything the agent proposes."""
         self._remarks += 1
-        said = initiated(remark, f"o{self._remarks}", self._theme, self.now)
-        self._queue.add(said)
-        self.emit(DECIDED, said)
+        action = initiated(remark, f"o{self._remarks}", self._theme, self.now)
+        self._queue.add(action)
+        self.emit(DECIDED, action)
         self._begin_next()
 
     @on(OPERATOR)
@@ -247,8 +247,8 @@ class Arbiter(Approvals):
         if name == "patience" and (current := self._queue.current):
             self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
             self._queue.abandon()
-        elif name == "filler" and (owed := next(filter(self._is_awaited, self._awaited), None)):
-            self.emit(FILLER_DUE, m.FillerDue(id=owed))
+        elif name == "filler" and (awaited := next(filter(self._is_awaited, self._awaited), None)):
+            self.emit(FILLER_DUE, m.FillerDue(id=awaited))
         elif name == "deadline":
             self._apply_deadlines()
         self._begin_next()

@@ -32,8 +32,8 @@ class AttemptFlow(TrialFlow):
         self._attempts = Attempts(task, seed)
         self._last_results = MarkedResults({})
         self._paused_from = Phase.INSTRUCTIONS
-        self._after_answer = Phase.READY
-        self._answer_due = 0
+        self._after_feedback = Phase.READY
+        self._feedback_due_at = 0
         self._is_decision_pending = False
         self._announced_level = 0
 
@@ -68,9 +68,9 @@ class AttemptFlow(TrialFlow):
         scored = self._attempts.score(self.now)
         self._publish_score(scored)
         self._give_feedback(scored, self.task.seats)
-        self._after_answer = Phase.READY if self._attempts.advance() else Phase.REVIEW
-        self._answer_due = max(one.feedback.due for one in scored.seats)
-        self._await_answer()
+        self._after_feedback = Phase.READY if self._attempts.advance() else Phase.REVIEW
+        self._feedback_due_at = max(one.feedback.due for one in scored.seats)
+        self._await_feedback()
 
     def _give_feedback(self, scored: AttemptScore, seats: Collection[str]) -> None:
         for one in scored.seats:
@@ -78,7 +78,7 @@ class AttemptFlow(TrialFlow):
                 self.emit(FEEDBACK, one.feedback)
 
     def _request_feedback(self) -> None:
-        """Give the participant the feedback on the last attempt that they asked for."""
+        """Give the requested feedback on the last attempt."""
         if requested := self._attempts.request_feedback(self.now):
             self._publish_score(requested)
             self._give_feedback(requested, self.task.seats)
@@ -86,30 +86,30 @@ class AttemptFlow(TrialFlow):
 
     # --- until the feedback is given ------------------------------------------------------------------------
 
-    def _await_answer(self) -> None:
+    def _await_feedback(self) -> None:
         """Wait for delayed feedback: the next attempt does not begin before it."""
-        if self._answer_due > self.now:
-            self._wait(Phase.ANSWER)
-            self.set_timer("answer", self._answer_due)
+        if self._feedback_due_at > self.now:
+            self._wait(Phase.FEEDBACK)
+            self.set_timer("answer", self._feedback_due_at)
         else:
-            self._wait(Phase.ANSWER if self._is_decision_pending else self._after_answer)
+            self._wait(Phase.FEEDBACK if self._is_decision_pending else self._after_feedback)
 
     def agent_acted(self, agent: m.AgentActing) -> None:
         """Wait for an operator's decision on feedback or level as for delayed feedback."""
         super().agent_acted(agent)
         was_pending, self._is_decision_pending = self._is_decision_pending, agent.awaits_operator
-        if was_pending and not agent.awaits_operator and self._phase is Phase.ANSWER:
-            self._await_answer()
+        if was_pending and not agent.awaits_operator and self._phase is Phase.FEEDBACK:
+            self._await_feedback()
         self._wait_for_decision()
 
     def _wait_for_decision(self) -> None:
         if self._is_decision_pending and self._phase in (Phase.READY, Phase.REVIEW):
-            self._after_answer = self._phase
-            self._wait(Phase.ANSWER)
+            self._after_feedback = self._phase
+            self._wait(Phase.FEEDBACK)
 
     def timer(self, name: str, late: int) -> None:
         if name == "answer":
-            self._await_answer()
+            self._await_feedback()
         else:
             super().timer(name, late)
 

@@ -11,11 +11,11 @@ from sar_tui.framework.node import on
 from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.nodes.attempt_flow import AttemptFlow
 from sar_tui.framework.session_phase import (
-    ASK_KEY,
     ENTER_RESUMES,
     IN_TRIAL,
     OVER,
     PAUSES,
+    REQUEST_KEY,
     Phase,
     waiting_message,
 )
@@ -81,7 +81,7 @@ class EventHandler(AttemptFlow):
         self._start_key_at = None
         self._focused = True
         self._is_agent_acting = False
-        self._answer_due = 0
+        self._feedback_due_at = 0
         self._is_decision_pending = False
         self.cancel_timers()
         self._stored = self._last_trial
@@ -171,8 +171,8 @@ class EventHandler(AttemptFlow):
         elif self._is_under_way:
             self._last_key = self.now
             self._begin_trial()
-        elif self._paused_from is Phase.ANSWER:
-            self._await_answer()
+        elif self._paused_from is Phase.FEEDBACK:
+            self._await_feedback()
         else:
             self._wait(self._paused_from)
             self._wait_for_decision()
@@ -183,7 +183,7 @@ class EventHandler(AttemptFlow):
 
     def _is_all_done_in(self, phase: Phase) -> bool:
         """Return True if the last attempt has ended."""
-        return phase is Phase.REVIEW or (phase is Phase.ANSWER and self._after_answer is Phase.REVIEW)
+        return phase is Phase.REVIEW or (phase is Phase.FEEDBACK and self._after_feedback is Phase.REVIEW)
 
     def _close(self, status: Literal["completed", "aborted"]) -> None:
         """End the session as soon as its last trial is on disk."""
@@ -207,7 +207,7 @@ class EventHandler(AttemptFlow):
                 self._begin_attempt()
             case Phase.REVIEW, "enter" if not percept.repeat:
                 self._close("completed")
-            case Phase.READY | Phase.REVIEW, key if key == ASK_KEY:
+            case Phase.READY | Phase.REVIEW, key if key == REQUEST_KEY:
                 self._request_feedback()
             case Phase.PAUSED, "enter" if self._reason in ENTER_RESUMES:
                 self._resume()
