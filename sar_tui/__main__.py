@@ -1,4 +1,4 @@
-"""The program's door: ``sar-tui`` and ``python -m sar_tui``. Opens so fast that a Ctrl-C is always told in a word."""
+"""Entry point of ``sar-tui`` and ``python -m sar_tui``. It imports so little that Ctrl-C always ends it in order."""
 
 import sys
 
@@ -6,7 +6,7 @@ from sar_tui import INTERRUPTED
 
 
 def main() -> None:
-    """Run the program; Ctrl-C while it is still being loaded ends it in order, too."""
+    """Run the program, and end it in order on Ctrl-C, even while it is loading."""
     try:
         from sar_tui.cli import main as run
 

@@ -1,11 +1,11 @@
-"""The commands. Each is a few lines that call the rooms above; what is heavy is imported when a command runs."""
+"""The commands. Each is a few lines that call other packages, which are imported when the command runs."""
 
 import sys
 from typing import Annotated
 
 import typer
 
-from sar_tui import INTERRUPTED, __version__
+from sar_tui import __version__
 from sar_tui.cli.agent_view import follow_agent
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, need_screen
 from sar_tui.cli.detect import detect
@@ -49,7 +49,7 @@ def open_app(
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    """Motor-rehabilitation tasks in a terminal. Without a command: opens the app."""
+    """Motor-rehabilitation tasks in a terminal. Opens the app if there is no command."""
     home = Home.of(context, data, tasks)
     context.obj = home
     if context.invoked_subcommand is None:
@@ -62,14 +62,14 @@ def open_app(
 
 def measure_timing(
     context: typer.Context,
-    trials: Annotated[int, typer.Option(min=10, max=10_000, help="How many responses to measure.")] = 100,
+    trials: Annotated[int, typer.Option(min=10, max=10_000, help="Number of responses to measure.")] = 100,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Measure how well this machine times.
+    """Measure the timing of this machine.
 
-    Says whether it is fit for an experiment, and why; the figures are kept with later sessions.
+    Reports whether it is fit for an experiment, and why. The figures are stored with later sessions.
     """
     from sar_tui.cli import timing
 
@@ -100,11 +100,8 @@ app.add_typer(themes_app, name="themes")
 
 
 def main() -> None:
-    """The program. Ends it with an exit code: 0 done, 1 failed, 2 bad usage or input, 130 stopped by Ctrl-C."""
+    """Run the program, and exit with 0: done, 1: failed, 2: bad usage or input, 130: stopped by Ctrl-C."""
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
-    try:
-        app()
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+    app(prog_name="sar-tui")

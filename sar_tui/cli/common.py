@@ -21,15 +21,21 @@ if TYPE_CHECKING:
 Data = Annotated[
     Path | None,
     typer.Option(
-        "--data", metavar="DIR", show_default=False, help="Where data lives; else SAR_TUI_DATA, else your data folder."
+        "--data",
+        metavar="DIR",
+        show_default=False,
+        help="The data folder. Default: SAR_TUI_DATA, or the user's data folder.",
     ),
 ]
 Tasks = Annotated[
     list[Path] | None,
-    typer.Option("--tasks", metavar="DIR", show_default=False, help="Look for tasks here, too. May be repeated."),
+    typer.Option("--tasks", metavar="DIR", show_default=False, help="Also look for tasks here. May be repeated."),
 ]
 RecordedSession = Annotated[
     str, typer.Argument(metavar="SESSION|last", help="Its id, or the beginning of it.", show_default=False)
+]
+TaskName = Annotated[
+    str, typer.Argument(metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False)
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Pairs = Annotated[
@@ -41,7 +47,12 @@ Pairs = Annotated[
 Seed = Annotated[
     int | None,
     typer.Option(
-        "--seed", metavar="N", min=0, max=2**63 - 1, show_default=False, help="Decides all that is random; else drawn."
+        "--seed",
+        metavar="N",
+        min=0,
+        max=2**63 - 1,
+        show_default=False,
+        help="Seed of all that is random. Default: drawn.",
     ),
 ]
 Outputs = Annotated[
@@ -64,9 +75,7 @@ Speech = Annotated[
 ]
 Language = Annotated[
     str | None,
-    typer.Option(
-        "--language", metavar="CODE", show_default=False, help="Of all the participant sees and hears: en, es."
-    ),
+    typer.Option("--language", metavar="CODE", show_default=False, help="Language of the session: en, es."),
 ]
 
 
@@ -78,7 +87,7 @@ class Home(NamedTuple):
 
     @classmethod
     def of(cls, context: typer.Context, data: Path | None = None, tasks: Sequence[Path] | None = None) -> "Home":
-        """What a command was told, and before it the commands above it."""
+        """Combine a command's options with those of the commands above it."""
         above = context.find_object(cls) or cls()
         return cls(data or above.data, (*(tasks or ()), *above.tasks))
 
@@ -90,14 +99,14 @@ class Home(NamedTuple):
         return self.data or default_folder()
 
     def catalogue(self) -> "Catalogue":
-        """What is installed. Raises PluginError where a folder does not exist."""
+        """Return the installed tasks and themes. Raises PluginError if a folder does not exist."""
         from sar_tui.plugins import Catalogue
 
         return Catalogue(self.tasks)
 
     @contextmanager
     def database(self) -> "Iterator[sqlite_utils.Database]":
-        """The database, for as long as it is needed. Raises StoreError."""
+        """Open the database, and close it afterwards. Raises StoreError."""
         from sar_tui.store.database import connect
 
         database = connect(self.folder)
@@ -116,14 +125,14 @@ class Home(NamedTuple):
 
 
 def console(*, error: bool = False) -> "Console":
-    """Where to print for people. It honours NO_COLOR, and is plain where there is no terminal."""
+    """Return a console for people. It honours NO_COLOR, and is plain if there is no terminal."""
     from rich.console import Console
 
     return Console(stderr=error, highlight=False, soft_wrap=False)
 
 
 def print_json(value: object) -> None:
-    """Print for programs: one line of JSON."""
+    """Print one line of JSON."""
     import msgspec
 
     print(msgspec.json.encode(value).decode())
@@ -145,7 +154,7 @@ def read_settings(pairs: Sequence[str] | None, **options: str | None) -> dict[st
 
 @contextmanager
 def checked_settings(task: "type[Task]") -> Iterator[None]:
-    """Add where the settings of a task are listed to the message of a ParameterError. Raises Refused."""
+    """Turn a ParameterError into Refused, and add to its message where the settings of the task are listed."""
     from sar_tui.framework.declaration import ParameterError
 
     try:
@@ -155,18 +164,18 @@ def checked_settings(task: "type[Task]") -> Iterator[None]:
 
 
 def is_served() -> bool:
-    """Whether a browser shows this program's screen: `sar-tui serve` started it, or textual-serve did."""
+    """Return True if a browser shows this program's screen: `sar-tui serve` or textual-serve started it."""
     return "web_driver" in os.environ.get("TEXTUAL_DRIVER", "")
 
 
 def need_screen() -> None:
-    """Refuse to open what is only looked at where there is neither a terminal nor a browser for it."""
+    """Raise Refused if there is neither a terminal nor a browser to show a screen."""
     if not is_served():
         need_terminal()
 
 
 def need_terminal() -> None:
-    """Refuse to open the app where there is no screen and keyboard for it, or where a browser is both."""
+    """Raise Refused if there is no terminal, or a browser shows the screen."""
     if is_served():
         raise Refused("A session does not run in a browser, where nothing can be timed; run it in a terminal.")
     if not all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):

@@ -1,4 +1,4 @@
-"""How a command ends when something is wrong: one or two sentences on stderr, and an exit code."""
+"""Error handling of all commands: one or two sentences on stderr, and an exit code."""
 
 import os
 import sys
@@ -12,17 +12,16 @@ from sar_tui import INTERRUPTED
 FAILED, BAD_INPUT = 1, 2
 DEBUG = "SAR_TUI_DEBUG"
 
-_UsageError: type[Exception] = typer.BadParameter.__bases__[
-    0
-]  # typer brings its own click, or uses another, by its version
+_UsageError: type[Exception] = typer.BadParameter.__bases__[0]
+"""The usage error of the click that typer uses, its own or another, depending on its version."""
 
 
 class Refused(Exception):
-    """Bad usage or input; one or two clear sentences."""
+    """Bad usage or input. The message is one or two clear sentences."""
 
 
 class Commands(TyperGroup):
-    """The commands, with their errors told in words."""
+    """Group of commands that reports errors as sentences."""
 
     def invoke(self, ctx: Any) -> Any:
         try:
@@ -31,10 +30,10 @@ class Commands(TyperGroup):
         except (typer.Exit, typer.Abort):
             raise
         except _UsageError as error:
-            _in_plain_words(error)
+            _remove_prefix(error)
             raise
         except KeyboardInterrupt:
-            _tell("Stopped.")
+            _print("Stopped.")
             raise typer.Exit(INTERRUPTED) from None
         except BrokenPipeError:
             _close_stdout()
@@ -43,28 +42,28 @@ class Commands(TyperGroup):
             if os.environ.get(DEBUG):
                 raise
             code, sentence = explain(error)
-            _tell(sentence)
+            _print(sentence)
             raise typer.Exit(code) from None
         return result
 
 
 def explain(error: Exception) -> tuple[int, str]:
-    """The exit code and the sentences for an error; also where the program is damaged, and parts of it do not load."""
+    """Return the exit code and the message for an error, even if parts of the program cannot be loaded."""
     try:
-        return _known(error) or (FAILED, _unforeseen(error))
+        return _expected(error) or (FAILED, _unexpected(error))
     except Exception as broken:
-        return FAILED, _unforeseen(broken)
+        return FAILED, _unexpected(broken)
 
 
-def _unforeseen(error: Exception) -> str:
+def _unexpected(error: Exception) -> str:
     return (
         f"Something went wrong that should not have ({type(error).__name__}: {error}). "
         f"Run it again with {DEBUG}=1 to see where."
     )
 
 
-def _known(error: Exception) -> tuple[int, str] | None:
-    """Of what is foreseen."""
+def _expected(error: Exception) -> tuple[int, str] | None:
+    """Return the exit code and the message of an expected error, else None."""
     import sqlite3
 
     from sar_tui.framework.declaration import ParameterError
@@ -81,23 +80,23 @@ def _known(error: Exception) -> tuple[int, str] | None:
         case Failed():
             return FAILED, str(error)
         case sqlite3.Error():
-            return _known(database.explain(error))
+            return _expected(database.explain(error))
         case OSError() if error.filename:
             return FAILED, f"{error.filename} cannot be used: {error.strerror}."
     return None
 
 
-def _in_plain_words(error: Exception) -> None:
-    """Some versions of typer put the name of an exception before what is wrong with a value."""
+def _remove_prefix(error: Exception) -> None:
+    """Remove the name of an exception, which some versions of typer put before the message."""
     said = getattr(error, "message", None)
     if isinstance(said, str):
         error.message = said.removeprefix("Value error, ")  # type: ignore[attr-defined]
 
 
-def _tell(sentence: str) -> None:
+def _print(sentence: str) -> None:
     print(sentence, file=sys.stderr)
 
 
 def _close_stdout() -> None:
-    """Nobody reads it any more: let nothing be written to it when the program ends."""
+    """Redirect standard output, whose reader is gone, so that flushing it at exit does not fail."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

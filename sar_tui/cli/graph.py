@@ -1,10 +1,10 @@
-"""``sar-tui graph``: the running loop, drawn from the nodes' own declarations."""
+"""``sar-tui graph``: draw the loop from the nodes' own declarations."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, TaskName, Tasks, console, print_json
 
 if TYPE_CHECKING:
     from sar_tui.framework.graph import Graph
@@ -14,9 +14,7 @@ if TYPE_CHECKING:
 
 def graph(
     context: typer.Context,
-    task: Annotated[
-        str, typer.Argument(metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False)
-    ],
+    task: TaskName,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -36,7 +34,7 @@ def graph(
 
 
 def _loop(kind: "type[Task]", theme: "Theme") -> "Graph":
-    """The loop as the app runs it: keyboard and sensors, the framework's nodes, screen, and the recorder."""
+    """Return the loop as the app runs it: keyboard and sensors, the framework's nodes, screen, and recorder."""
     from sar_tui.app.screen_output import ScreenOutput
     from sar_tui.framework.graph import graph
     from sar_tui.framework.parameters import build

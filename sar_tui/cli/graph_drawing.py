@@ -1,4 +1,4 @@
-"""Draws a graph of nodes as text: the longest way through the loop from top to bottom, all else as its branches."""
+"""Draw a graph of nodes as text: the longest path through the loop from top to bottom, the rest as branches."""
 
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -9,21 +9,21 @@ _INDENT = "  "
 
 
 def draw(whole: Graph, width: int) -> str:
-    """The drawing, lines of at most ``width`` characters, as far as the names allow."""
-    way = spine(whole)
+    """Return the drawing, in lines of at most ``width`` characters if the names allow it."""
+    path = spine(whole)
     parts = {part.name: part for part in whole.nodes}
     inner = max(len(name) for name in parts)
     lines: list[str] = []
-    for name, below in zip(way, [*way[1:], None], strict=True):
+    for name, below in zip(path, [*path[1:], None], strict=True):
         lines += _node(parts[name], below, whole, inner, width)
-    rest = [part for part in whole.nodes if part.name not in way]
+    rest = [part for part in whole.nodes if part.name not in path]
     for part in rest:
         lines += ["", *_node(part, None, whole, inner, width)]
-    return "\n".join([*lines, "", "│ ──▶ topic: told whenever it happens    ┄┄▶ service: asked, answered at once", ""])
+    return "\n".join([*lines, "", "│ ──▶ topic: published when it happens    ┄┄▶ service: called, answers at once", ""])
 
 
 def _node(part: Part, below: str | None, whole: Graph, inner: int, width: int) -> Iterator[str]:
-    """A box, its branches, and the way down to the next."""
+    """Yield the lines of a box, its branches, and the line down to the next box."""
     out = [edge for edge in whole.edges if edge.source == part.name]
     down = [edge.name for edge in out if edge.kind == "topic" and edge.target == below]
     branches = list(_branches([edge for edge in out if edge.name not in down or edge.target != below]))
@@ -49,18 +49,18 @@ def _node(part: Part, below: str | None, whole: Graph, inner: int, width: int) -
 
 
 def _branches(edges: Sequence[Edge]) -> Iterator[tuple[str, str, list[str]]]:
-    """Who else is told or asked, and what."""
+    """Yield each other target, its arrow, and the names of the topics or services."""
     for kind, arrow in (("topic", "──▶"), ("service", "┄┄▶")):
         for target in dict.fromkeys(edge.target for edge in edges if edge.kind == kind):
             yield target, arrow, [edge.name for edge in edges if (edge.kind, edge.target) == (kind, target)]
 
 
 def _note(part: Part) -> str:
-    """What its edges do not tell."""
+    """Return a note beside a box."""
     notes = {
         "input": "  user interface: what the participant does",
         "output": "  user interface: what the participant gets",
-        "tap": "  hears every message, and puts it on the disk",
+        "tap": "  receives every message, and stores it",
         "outside": "  the program around the loop",
     }
     if part.answers:

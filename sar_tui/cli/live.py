@@ -1,4 +1,4 @@
-"""``sar-tui run`` and ``sar-tui resume``: straight into a session."""
+"""``sar-tui run`` and ``sar-tui resume``: start or resume a live session."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -14,6 +14,7 @@ from sar_tui.cli.common import (
     Pairs,
     Seed,
     Speech,
+    TaskName,
     Tasks,
     checked_settings,
     need_terminal,
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.runs.plan import Plan
 
-MayOperate = Annotated[
+AllowOperators = Annotated[
     bool, typer.Option("--operator", help="Let operators on this machine join, with `sar-tui wizard`.")
 ]
 Listen = Annotated[
@@ -35,16 +36,14 @@ Listen = Annotated[
         "--listen",
         metavar="tls/HOST:PORT",
         show_default=False,
-        help="Let those who were invited join over the network; see `sar-tui link`.",
+        help="Let invited operators join over the network; see `sar-tui link`.",
     ),
 ]
 
 
 def run(
     context: typer.Context,
-    task: Annotated[
-        str, typer.Argument(metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False)
-    ],
+    task: TaskName,
     participant: Annotated[
         list[str],
         typer.Option(
@@ -52,7 +51,7 @@ def run(
             "--participant",
             metavar="CODE",
             show_default=False,
-            help="Who: a code, never a name. Twice for a task for two: on the left, then on the right.",
+            help="The participant's code, never a name. Given twice in a task for two: left, then right.",
         ),
     ],
     settings: Pairs = None,
@@ -67,27 +66,27 @@ def run(
     ] = None,
     theme: Annotated[
         str | None,
-        typer.Option(metavar="NAME", show_default=False, help="How the agent looks and speaks; else as saved."),
+        typer.Option(metavar="NAME", show_default=False, help="How the agent looks and speaks. Default: as saved."),
     ] = None,
     outputs: Outputs = None,
     speech: Speech = None,
     language: Language = None,
     seed: Seed = None,
-    operator: MayOperate = False,
+    operator: AllowOperators = False,
     listen: Listen = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Go straight into a session.
+    """Start a session.
 
-    It starts from the participant's saved settings; --set, --imu, --theme, --outputs, --speech and --language hold for
-    this session alone.
+    It starts from the participant's saved settings; --set, --imu, --theme, --outputs, --speech and --language apply to
+    this session only.
     """
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
     if imu is not None:
-        _refuse_without_sensor(kind)
+        _check_uses_sensor(kind)
     given = read_settings(settings, imu=imu, outputs=outputs, language=language)
 
     from sar_tui.runs.plan import make_plan
@@ -101,11 +100,11 @@ def run(
             catalogue, kind, participant, given, saved=saved, theme=theme, speech=speech, seed=seed, id=new_id()
         )
     if kind.sensor_seats(plan.parameters):
-        _refuse_unknown_sensor(plan, home)
+        _check_sensor(plan, home)
     elif imu is not None:
-        raise Refused(f"The task {kind.name} uses no motion sensor as it is set: leave out --imu, or set it otherwise.")
+        raise Refused(f"The task {kind.name} uses no motion sensor with these settings: leave out --imu.")
     need_terminal()
-    with _link(home, plan.id, task, operator, listen, plan.parameters.operator_lost_ms) as link:
+    with _open_link(home, plan.id, task, operator, listen, plan.parameters.operator_lost_ms) as link:
         from sar_tui.app.app import run_app
 
         ended = run_app(home.folder, catalogue, plan=plan, link=link)
@@ -113,10 +112,10 @@ def run(
 
 
 @contextmanager
-def _link(
+def _open_link(
     home: Home, session: str, task: str, operator: bool, listen: str | None, lost_ms: int
 ) -> "Iterator[BrokerProcess | None]":
-    """The session's link, opened before the screen changes; without a word of it in the command, nothing at all."""
+    """Open the session's link before the screen changes; None unless an option asks for it."""
     if not operator and listen is None:
         yield None
         return
@@ -130,21 +129,21 @@ def _link(
         raise Refused(str(error)) from error
     with ExitStack() as stack:
         try:
-            host = stack.enter_context(open_link(home.folder, session, task, listening, lost_ms))
+            broker = stack.enter_context(open_link(home.folder, session, task, listening, lost_ms))
         except LinkError as error:
             raise Failed(str(error)) from error
-        yield host
+        yield broker
 
 
-def _refuse_without_sensor(kind: "type[Task]") -> None:
+def _check_uses_sensor(kind: "type[Task]") -> None:
     from sar_tui.framework.parameters import fields
 
     if not any(field.name == "imu" for field in fields(kind.Parameters)):
         raise Refused(f"The task {kind.name} uses no motion sensor: leave out --imu.")
 
 
-def _refuse_unknown_sensor(plan: "Plan", home: Home) -> None:
-    """A sensor that cannot be is told of before the screen changes; one that is not plugged in is waited for there."""
+def _check_sensor(plan: "Plan", home: Home) -> None:
+    """Raise before the screen changes if a sensor does not exist. The app waits for one that is not plugged in."""
     from sar_tui.framework.clock import VirtualClock
     from sar_tui.runs.sensors import open_sensors
 
@@ -156,15 +155,12 @@ def resume(
     session: Annotated[
         str, typer.Argument(metavar="[SESSION|last]", help="Its id, or the beginning of it.", show_default=False)
     ] = "last",
-    operator: MayOperate = False,
+    operator: AllowOperators = False,
     listen: Listen = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Go on with an interrupted session.
-
-    Without an argument: the latest.
-    """
+    """Resume an interrupted session, by default the latest."""
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
 
@@ -181,7 +177,7 @@ def resume(
         chosen = find_resumable(database, home.folder, session)
     need_terminal()
     lost_ms = chosen["parameters"].get("operator_lost_ms", TaskParameters().operator_lost_ms)
-    with _link(home, chosen["id"], chosen["task"], operator, listen, lost_ms) as link:
+    with _open_link(home, chosen["id"], chosen["task"], operator, listen, lost_ms) as link:
         from sar_tui.app.app import run_app
 
         ended = run_app(home.folder, catalogue, resume=chosen["id"], link=link)

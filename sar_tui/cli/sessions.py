@@ -1,4 +1,4 @@
-"""``sar-tui sessions`` and ``sar-tui show``: what was recorded."""
+"""``sar-tui sessions`` and ``sar-tui show``: list and show recorded sessions."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from sar_tui.reports.output_summary import OutputSummary
 
 Row = dict[str, Any]
-_FIGURE = (100, 14)
-"""The plot's width at most, and its height."""
+_PLOT_SIZE = (100, 14)
+"""The plot's largest width, and its height."""
 
 
 def sessions(
@@ -96,7 +96,7 @@ def show(
     if attempts:
         out.print(attempts_table(attempts, metric), end="\n\n")
         for seat in seats(attempts):
-            _print_figure(out, attempts, seat, metric)
+            _print_plot(out, attempts, seat, metric)
     out.print(summary(attempts, metric, _findings(home, found["task"])), soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
     _print_timing(out, found["machine"], trials)
@@ -115,7 +115,7 @@ def _findings(home: Home, name: str) -> "Findings":
 
 
 def print_failed_outputs(out: "Console", outputs: "Sequence[OutputSummary]") -> None:
-    """A line for each output that failed, so that a silent voice is not found in the log alone."""
+    """Print a line for each output that failed, so that the log is not the only place that reports it."""
     for summary in outputs:
         if summary.line:
             out.print(f"! {summary.line}", markup=False, soft_wrap=True)
@@ -134,53 +134,53 @@ def _print_facts(out: "Console", row: Row) -> None:
     ):
         out.print(f"{name:<12} {value}", markup=False)
     if row["operators"]:
-        there = f"{', '.join(row['operators'])}; `sar-tui report wizard {row['id']}` tells what they did"
-        out.print(f"{'Operator':<12} {there}", markup=False, soft_wrap=True)
+        operators = f"{', '.join(row['operators'])}; `sar-tui report wizard {row['id']}` shows what they did"
+        out.print(f"{'Operator':<12} {operators}", markup=False, soft_wrap=True)
     out.print()
 
 
-def _print_figure(out: "Console", attempts: Sequence[Row], seat: str, metric: "Metric") -> None:
-    """The thesis' Figure 4.4, of who sat there; of two with the same axis."""
+def _print_plot(out: "Console", attempts: Sequence[Row], seat: str, metric: "Metric") -> None:
+    """Print the plot of a seat's attempts (thesis, Figure 4.4); two seats have the same axis."""
     from rich.text import Text
 
     from sar_tui.reports.attempts_plot import attempts_figure
 
-    everybody = [row for row in attempts if not row["practice"]]
-    scored = [row for row in everybody if row["seat"] == seat]
+    counted = [row for row in attempts if not row["practice"]]
+    scored = [row for row in counted if row["seat"] == seat]
     if not scored:
         return
-    figure = attempts_figure(
+    plot = attempts_figure(
         [row["level"] for row in scored],
         [row["metric"] for row in scored],
         metric=metric.label,
         goals=[row["goal"] for row in scored],
-        width=min(out.width, _FIGURE[0]),
-        height=_FIGURE[1],
+        width=min(out.width, _PLOT_SIZE[0]),
+        height=_PLOT_SIZE[1],
         color=out.is_terminal and not out.no_color,
         outcomes=[row["outcome"] for row in scored],
-        beside=[row[name] for row in everybody for name in ("metric", "goal") if row[name] is not None],
+        beside=[row[name] for row in counted for name in ("metric", "goal") if row[name] is not None],
     )
-    out.print(Text.from_ansi(figure), soft_wrap=True, end="\n\n")
+    out.print(Text.from_ansi(plot), soft_wrap=True, end="\n\n")
 
 
 def _print_marks(out: "Console", trials: Sequence[Row]) -> None:
-    """What the therapist said of single trials."""
+    """Print the therapist's marks of single trials."""
     marks = [f"attempt {t['attempt']} {mark}" for t in trials if (mark := (t["details"] or {}).get("mark"))]
     if marks:
         out.print(f"Marked by the therapist: {', '.join(marks)}.", soft_wrap=True, end="\n\n")
 
 
 def _print_timing(out: "Console", machine: Row, trials: Sequence[Row]) -> None:
-    """How far the reaction times can be trusted."""
+    """Print how exact the reaction times are."""
     if machine["flags"]:
-        out.print(f"! Timing is blurred by {' and '.join(machine['flags'])}: the keys came through it.")
+        out.print(f"! Timing is less exact: the keys came through {' and '.join(machine['flags'])}.")
     timings = [trial["timing"] for trial in trials]
     if not timings:
         return
     flags = Counter(flag for timing in timings for flag in timing["flags"])
     flagged = sum(bool(timing["flags"]) for timing in timings)
     names = ", ".join(f"{name} {count}" for name, count in flags.most_common())
-    out.print(f"Timing: {flagged} of {len(timings)} trials carry a flag{f' ({names})' if names else ''}.")
+    out.print(f"Timing: {flagged} of {len(timings)} trials have a flag{f' ({names})' if names else ''}.")
     sources = Counter(timing["onset_source"] for timing in timings if timing["onset_source"])
     if sources:
         out.print(f"Onsets stamped at: {', '.join(f'{name} {count}' for name, count in sources.most_common())}.")

@@ -1,4 +1,4 @@
-"""``sar-tui simulate``: a whole session by a simulated participant."""
+"""``sar-tui simulate``: a whole session with a simulated participant."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,6 +17,7 @@ from sar_tui.cli.common import (
     Pairs,
     Seed,
     Speech,
+    TaskName,
     Tasks,
     checked_settings,
     console,
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 
 class User(StrEnum):
-    """Who can be simulated: the names in `simulation.person.PEOPLE`, which is not imported for ``--help``."""
+    """Names of `simulation.person.PEOPLE`, which ``--help`` does not import."""
 
     poor = "poor"
     average = "average"
@@ -38,7 +39,7 @@ class User(StrEnum):
 
 
 class OperatorName(StrEnum):
-    """Who can decide: the names in `simulation.operator.PROFILES`."""
+    """Names of `simulation.operator.PROFILES`."""
 
     careful = "careful"
     hasty = "hasty"
@@ -47,14 +48,12 @@ class OperatorName(StrEnum):
 
 def simulate(
     context: typer.Context,
-    task: Annotated[
-        str, typer.Argument(metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False)
-    ],
+    task: TaskName,
     user: Annotated[
         list[User],
         typer.Option(
-            help="Who does it: how fast, and how often wrong. Twice for a task for two: on the left, then on the "
-            "right.",
+            help="The simulated participant: how fast, and how often wrong. Given twice in a task for two: left, "
+            "then right.",
             show_default=False,
         ),
     ],
@@ -65,11 +64,11 @@ def simulate(
             "--participant",
             metavar="CODE",
             show_default=False,
-            help="The code it is kept under, else SIM; in a task for two, the other's after it.",
+            help="The participant's code, by default SIM; given twice in a task for two.",
         ),
     ] = None,
     attempts: Annotated[
-        int | None, typer.Option(metavar="N", show_default=False, help="How many attempts; else as the task says.")
+        int | None, typer.Option(metavar="N", show_default=False, help="Number of attempts. By default the task's.")
     ] = None,
     seed: Seed = None,
     settings: Pairs = None,
@@ -84,18 +83,24 @@ def simulate(
             min=0,
             max=0.9,
             show_default=False,
-            help="What practice takes off the reaction time, 0 to 0.9.",
+            help="Share of the reaction time that practice takes off, 0 to 0.9.",
         ),
     ] = None,
     fatigue: Annotated[
         float | None,
-        typer.Option(metavar="SHARE", min=0, max=1, show_default=False, help="What each attempt adds to it, 0 to 1."),
+        typer.Option(
+            metavar="SHARE",
+            min=0,
+            max=1,
+            show_default=False,
+            help="Share of the reaction time that each attempt adds, 0 to 1.",
+        ),
     ] = None,
     operator: Annotated[
         OperatorName | None,
         typer.Option(
             show_default=False,
-            help="An operator decides on what the agent proposes: careful; hasty, often wrong; absent, who comes and "
+            help="An operator decides on the agent's proposals: careful; hasty, often wrong; absent, who comes and "
             "goes. Feedback then needs an approval (operator_feedback=approve), unless --set says otherwise.",
         ),
     ] = None,
@@ -103,9 +108,9 @@ def simulate(
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Run a session with a simulated participant; two, in a task for two.
+    """Run a session with a simulated participant; with two, in a task for two.
 
-    The same nodes as in front of a person, on a clock that jumps from one event to the next, into the database.
+    It runs the same nodes as a live session, on a clock that jumps from one event to the next, into the database.
     """
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
@@ -148,7 +153,7 @@ def simulate(
     said = summary(rows, kind.metric, partial(stored_findings, kind))
     out.print(f"{said} Seed {plan.seed}. `sar-tui show {session}` shows more.", soft_wrap=True)
     if operator is not None:
-        out.print(f"`sar-tui report wizard {session}` tells what the operator did.", soft_wrap=True)
+        out.print(f"`sar-tui report wizard {session}` shows what the operator did.", soft_wrap=True)
     print_failed_outputs(out, spoke)
 
 
@@ -165,7 +170,7 @@ def _person(user: User, practice: float | None, fatigue: float | None) -> "Perso
 
 @contextmanager
 def _progress(attempts: int) -> Iterator[Callable[[int], None]]:
-    """A bar on stderr, if a person is there to see it."""
+    """Show a progress bar on stderr, if it is a terminal."""
     error = console(error=True)
     if not error.is_terminal:
         yield lambda attempt: None

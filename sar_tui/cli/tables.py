@@ -1,4 +1,4 @@
-"""Tables of attempts and of anything else, for people."""
+"""Tables on standard output."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal
@@ -20,7 +20,7 @@ _OUTCOMES = {"success": "● reached", "failure": "○ missed"}
 
 
 def table(*columns: str, right: Sequence[str] = (), whole: Sequence[str] = ()) -> Table:
-    """An empty table: a head, a line, rows. Columns in ``right`` are numbers; those in ``whole`` are never folded."""
+    """Return an empty table. Columns in ``right`` are right-aligned; those in ``whole`` are never folded."""
     made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for column in columns:
         justify: Literal["left", "right"] = "right" if column in right else "left"
@@ -29,18 +29,18 @@ def table(*columns: str, right: Sequence[str] = (), whole: Sequence[str] = ()) -
 
 
 def add(made: Table, *cells: object) -> None:
-    """Add a row; what looks like markup is text, and nothing is a dash."""
+    """Add a row. Markup is not interpreted; an empty cell is a dash."""
     made.add_row(*(Text("–" if cell in (None, "") else str(cell)) for cell in cells))
 
 
 def head(made: Table, heading: str) -> None:
-    """Begin a new part of a table, under a heading."""
+    """Add a heading to a table."""
     made.add_row()
     made.add_row(Text(heading, style="bold"))
 
 
 def attempts_table(rows: Sequence[Row], metric: "Metric") -> Table:
-    """One attempt a row; where two took part, one for each of them."""
+    """Return a table of attempts, one row for each seat."""
     result = metric.name.replace("_", " ")
     seat = ("seat",) if len(seats(rows)) > 1 else ()
     numbers = ("attempt", "level", result, "right")
@@ -60,7 +60,7 @@ def attempts_table(rows: Sequence[Row], metric: "Metric") -> Table:
 
 
 def seats(rows: Sequence[Row]) -> list[str]:
-    """Who took part, by seat."""
+    """Return the seats, sorted."""
     return sorted({row["seat"] for row in rows})
 
 

@@ -77,7 +77,7 @@ def test_a_session_is_found_by_its_id_its_beginning_or_last(call: Call, simulate
 def test_show_prints_facts_attempts_plot_and_timing(call: Call, simulated: str) -> None:
     called = call("show", "last")
     assert (called.code, called.err) == (0, "")
-    for part in (simulated, "P01", "keyboard", "positive", "╌ goal 1000", "░ level", "of 80 trials carry a flag"):
+    for part in (simulated, "P01", "keyboard", "positive", "╌ goal 1000", "░ level", "of 80 trials have a flag"):
         assert part in called.out
     assert "\x1b" not in called.out
 
@@ -87,8 +87,8 @@ def test_show_tells_what_blurs_timing(call: Call, tmp_path: Path, simulated: str
     timing = {"onset_source": "flush", "handler_delay_ms": 0.25, "flags": ["focus_lost"]}
     change(tmp_path, "UPDATE trials SET timing=? WHERE attempt=1", json.dumps(timing))
     printed = call("show", "last").out
-    assert "blurred by ssh and tmux" in printed
-    assert "20 of 80 trials carry a flag (focus_lost 20)" in printed
+    assert "less exact: the keys came through ssh and tmux" in printed
+    assert "20 of 80 trials have a flag (focus_lost 20)" in printed
     assert "flush 20" in printed
 
 
