@@ -1,4 +1,4 @@
-"""The operator: how fast a key of theirs reaches the participant's screen, and whether they disturb the timing."""
+"""Benchmark of the operator: latency from their keys to the participant's screen, and effect on reaction times."""
 
 import contextlib
 import json
@@ -25,33 +25,33 @@ from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.pty import Terminal, read_together, visible
 
 MEDIAN_MS, P99_MS = 20.0, 100.0
-"""From an operator's key to the participant's screen."""
+"""Limits from an operator's key to the participant's screen."""
 MEDIAN_ALLOWANCE_MS, IQR_RATIO = 0.05, 1.5
-"""How much an operator may add to the median error of a reaction time, and by what its spread may be larger."""
+"""Limits on what an operator adds to the median error of a reaction time, and on the ratio of its IQR."""
 BLOCKS = 5
-MOST_ATTEMPTS = 200
-_PATIENCE_S = 30.0
+MAX_ATTEMPTS = 200
+_TIMEOUT_S = 30.0
 _RESPONSE_MS = 120
 _ENTER, _PROMPT = "Press Enter to", re.compile(rb"Press: ([^\x00-\x20\x7f]+)(?=[\x00-\x20\x7f])")
 
 
 class NoAnswer(TimeoutError):
-    """One of the two programs did not do what it should."""
+    """One of the two programs did not respond as expected."""
 
 
 def measure(acts: int, trials: int, folder: Path, on_act: Callable[[], None], on_press: Callable[[], None]) -> Any:
-    """Both figures, and the checks.
+    """Measure latencies and reaction times, and check them against the limits.
 
     Args:
-        acts: how often each key is pressed, at most 200 times.
-        trials: reaction times with an operator, and as many without.
-        folder: on the disk to write to.
+        acts: number of presses of each key, at most 200.
+        trials: number of reaction times with an operator, and again without.
+        folder: to write to.
         on_act, on_press: called after each.
 
     Raises:
-        NoAnswer, Mismatch, NoPrompt: something did not go as it should.
+        NoAnswer, Mismatch, NoPrompt: a program did not respond as expected.
     """
-    latencies = _acts(min(acts, MOST_ATTEMPTS), folder / "operator", on_act)
+    latencies = _acts(min(acts, MAX_ATTEMPTS), folder / "operator", on_act)
     measured = take_turns((ALONE, OPERATED), trials, BLOCKS, folder, lambda name: on_press())
     errors = {name: [trial.error_ms for trial in done] for name, done in measured.items()}
     figures = {name: error_statistics(of_program) for name, of_program in errors.items()}
@@ -88,15 +88,15 @@ def _summary(values: list[float]) -> dict[str, float]:
 
 @contextlib.contextmanager
 def _attended(folder: Path, terminal: Terminal) -> Iterator[None]:
-    """An operator's panel mirrors the session from its first screen on, and nobody presses a key of it."""
+    """Run an unattended panel beside the session from its first screen on."""
     terminal.wait_for(_ENTER)
     log = Log(folder)
     command = [sys.executable, "-m", "benchmarks.unattended_panel", log.session(), str(folder)]
     with subprocess.Popen(command, stdin=subprocess.PIPE) as other:
         try:
-            log.wait(terminal, lambda: log.told("operator/presence"), "the operator to join")
+            log.wait(terminal, lambda: log.messages("operator/presence"), "the operator to join")
             terminal.settle()
-            terminal.press("enter")  # it was asked for while somebody else looked at the terminal
+            terminal.press("enter")  # the request was read elsewhere
             yield
         finally:
             assert other.stdin
@@ -112,9 +112,9 @@ def _operated(folder: Path, block: Block) -> list[str]:
 
 
 def _recorded(folder: Path) -> list[Row]:
-    states = [changed["state"] for changed in Log(folder).told("operator/presence")]
+    states = [changed["state"] for changed in Log(folder).messages("operator/presence")]
     if states != ["joined", "baton"]:
-        raise Mismatch(f"The operator should have been there all the time, but was: {', '.join(states)}.")
+        raise Mismatch(f"The operator should have been present all the time, but was: {', '.join(states)}.")
     return SAR_TUI.read_trials(folder)
 
 
@@ -128,7 +128,7 @@ OPERATED = msgspec.structs.replace(
 
 
 def _acts(count: int, folder: Path, on_act: Callable[[], None]) -> dict[str, list[float]]:
-    """Press each key so often; ms from the byte that was written until the bytes of what it does had been read."""
+    """Press each key ``count`` times; return the ms from writing the key until its effect was read."""
     folder.mkdir()
     settings = {
         "attempts": count,
@@ -143,7 +143,7 @@ def _acts(count: int, folder: Path, on_act: Callable[[], None]) -> dict[str, lis
         "foreperiod_min_ms": 40,
         "foreperiod_max_ms": 80,
         "operator_feedback": "approve",
-        "operator_gesture": "manual",  # so that nobody has to wait for it
+        "operator_gesture": "manual",  # no waiting for it
         "operator_time_ms": 120_000,
     }
     command = [sys.executable, "-m", "sar_tui", "run", "keyboard", "-p", "BENCH", "--data", str(folder), "--seed", "1"]
@@ -154,36 +154,36 @@ def _acts(count: int, folder: Path, on_act: Callable[[], None]) -> dict[str, lis
         participant.wait_for(_ENTER)
         with panel(Log(folder).session(), folder) as operator:
             read_together(participant, operator)
-            seats = _Seats(participant, operator, Log(folder))
+            terminals = _Terminals(participant, operator, Log(folder))
             for number in range(count):
-                seats.answer(number)
-                approve.append(seats.approve())
+                terminals.answer(number)
+                approve.append(terminals.approve())
                 on_act()
-                say.append(seats.say(f"Number{number}a, and on we go."))
+                say.append(terminals.say(f"Number{number}a, and on we go."))
                 on_act()
         participant.press("ctrl+q")
         participant.wait()
     return done
 
 
-class _Seats:
-    """Both at their terminals."""
+class _Terminals:
+    """Participant's and operator's terminals."""
 
     def __init__(self, participant: Terminal, operator: Terminal, log: "Log") -> None:
         self._participant, self._operator, self._log = participant, operator, log
-        self._offered = ""
+        self._last_proposal = ""
         self._entered_at = 0
-        log.wait(participant, lambda: log.told("operator/presence"), "the operator to join")
+        log.wait(participant, lambda: log.messages("operator/presence"), "the operator to join")
 
     def answer(self, attempt: int) -> None:
-        """Begin the next attempt, and answer its prompt."""
+        """Start the next attempt and answer its prompt."""
         terminal = self._participant
         for _ in range(2 if attempt == 0 else 1):
             self._entered_at = terminal.wait_for(_ENTER, since=self._entered_at)
             terminal.settle(silence_ms=60, seconds=1)
             self._entered_at = len(terminal.output)
             terminal.press("enter")
-        until = time.monotonic_ns() + round(_PATIENCE_S * SECOND)
+        until = time.monotonic_ns() + round(_TIMEOUT_S * SECOND)
         while not (prompt := _PROMPT.search(terminal.output, self._entered_at)):
             if not terminal.read(until):
                 raise NoAnswer("No prompt came.")
@@ -192,32 +192,34 @@ class _Seats:
         terminal.press(prompt[1].decode())
 
     def approve(self) -> float:
-        """Approve the answer once it can have been read."""
+        """Approve the feedback once it can have been read."""
         log = self._log
-        log.wait(self._participant, lambda: log.waits_after(self._offered), "a proposal that an operator can see")
-        offer = log.waits_after(self._offered)
-        assert offer
-        self._offered, words, seen = offer
+        log.wait(
+            self._participant, lambda: log.proposal_after(self._last_proposal), "a proposal that an operator can see"
+        )
+        proposal = log.proposal_after(self._last_proposal)
+        assert proposal
+        self._last_proposal, text, seen = proposal
         self._read_for(max(0, seen + TOO_SOON - time.monotonic_ns()) / MS + 20)
-        return self._timed(key_of("approve"), " ".join(words.split()[:2]))
+        return self._timed(key_of("approve"), " ".join(text.split()[:2]))
 
-    def say(self, words: str) -> float:
-        """Have the agent say something."""
+    def say(self, text: str) -> float:
+        """Make the agent say a text."""
         at = len(self._operator.output)
         self._operator.press(key_of("say"))
         self._operator.wait_for("Say:", since=at)
-        for character in words:
+        for character in text:
             self._operator.press(character)
-        self._operator.wait_for(words[-6:], since=at)
+        self._operator.wait_for(text[-6:], since=at)
         self._read_for(50)
-        return self._timed("enter", words.partition(",")[0])
+        return self._timed("enter", text.partition(",")[0])
 
-    def _timed(self, key: str, words: str) -> float:
-        """Press an operator's key, and wait until these words have come to the participant; ms."""
+    def _timed(self, key: str, text: str) -> float:
+        """Press an operator's key; return the ms until the participant's terminal shows a text."""
         since = len(self._participant.output)
         pressed = self._operator.press(key)
         try:
-            self._participant.wait_for(words, since=since, seconds=_PATIENCE_S)
+            self._participant.wait_for(text, since=since, seconds=_TIMEOUT_S)
         except TimeoutError as error:
             raise NoAnswer(f"{error} The panel shows: {visible(bytes(self._operator.output))[-300:]!r}") from None
         return (self._participant.read_at - pressed) / MS
@@ -229,35 +231,35 @@ class _Seats:
 
 
 def key_of(id: str) -> str:
-    """The key of something an operator can do, by its id in the panel's own table."""
+    """Return the key of a command of the panel, by its id."""
     first = next(each for each in KEY_COMMANDS if each.id == id).keys.split(",")[0]
-    called = key_name(first)
-    return called if len(called) == 1 else first
+    name = key_name(first)
+    return name if len(name) == 1 else first
 
 
 class Log:
-    """What a session has written down so far, read from its database."""
+    """Database of a running session."""
 
     def __init__(self, folder: Path) -> None:
         self._file = f"file:{folder / FILE}?mode=ro"
 
     def read(self, query: str, *given: object) -> list[tuple[Any, ...]]:
-        """The rows that a query finds."""
+        """Return the rows of a query."""
         with closing(sqlite3.connect(self._file, uri=True)) as database:
             return database.execute(query, given).fetchall()
 
     def session(self) -> str:
-        """The id of the only session."""
+        """Return the id of the only session."""
         ((session,),) = self.read("SELECT id FROM sessions")
         return str(session)
 
-    def told(self, topic: str) -> list[dict[str, Any]]:
-        """The messages of a topic."""
+    def messages(self, topic: str) -> list[dict[str, Any]]:
+        """Return the messages of a topic."""
         found = self.read("SELECT message FROM events WHERE topic=? ORDER BY seq", topic)
         return [json.loads(message) for (message,) in found]
 
-    def waits_after(self, id: str) -> tuple[str, str, int] | None:
-        """The last answer proposed, if it is another than this one and an operator sees it: id, words, since when."""
+    def proposal_after(self, id: str) -> tuple[str, str, int] | None:
+        """Return the last feedback proposed, unless it is this one or not yet shown: id, text, time shown (ns)."""
         query = "SELECT id, proposed, shown_ns FROM actions WHERE kind='feedback' ORDER BY proposed_ns DESC LIMIT 1"
         for found, proposed, shown in self.read(query):
             if found != id and shown:
@@ -266,8 +268,8 @@ class Log:
 
     def wait(self, terminal: Terminal, holds: Callable[[], object], what: str) -> None:
         """Read a terminal until something holds. Raises NoAnswer."""
-        until = time.monotonic() + _PATIENCE_S
+        until = time.monotonic() + _TIMEOUT_S
         while not holds():
             if time.monotonic() > until:
-                raise NoAnswer(f"Waited in vain for {what}.")
+                raise NoAnswer(f"Timed out waiting for {what}.")
             terminal.read(time.monotonic_ns() + 10 * MS)

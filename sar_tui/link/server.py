@@ -25,7 +25,7 @@ _EXPLANATIONS = (
 
 
 class ListenOptions(NamedTuple):
-    """Where a session listens: on a Unix socket for this user's ``operator``, and at a network ``end``."""
+    """Addresses to listen on: a Unix socket if ``operator``, and a network ``end``."""
 
     operator: bool
     end: Endpoint | None

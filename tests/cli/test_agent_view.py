@@ -1,4 +1,4 @@
-"""`sar-tui agent`: which session it joins, told in words where that cannot be."""
+"""Tests of `sar-tui agent`: choice of the session."""
 
 from pathlib import Path
 
@@ -18,21 +18,21 @@ def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
     monkeypatch.setattr(discovery, "live_sessions", lambda: list(sessions))
 
 
-def test_without_a_session_it_says_how_to_begin_one(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_session_it_explains_how_to_start_one(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     live(monkeypatch)
     called = call("agent")
     assert (called.code, called.out) == (2, "")
     assert "`sar-tui run keyboard -p P01 --operator`" in called.err
 
 
-def test_where_there_is_a_session_it_needs_a_screen(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_terminal_is_required(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     live(monkeypatch, ONE)
     called = call("agent")
     assert (called.code, called.out) == (2, "")
     assert "needs a real terminal" in called.err
 
 
-def test_the_only_session_is_meant_or_the_one_whose_beginning_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_choice_of_the_session(monkeypatch: pytest.MonkeyPatch) -> None:
     live(monkeypatch, ONE)
     assert session_to_join(None, None) == ONE
     live(monkeypatch, ONE, OTHER)
@@ -40,16 +40,14 @@ def test_the_only_session_is_meant_or_the_one_whose_beginning_is_told(monkeypatc
 
 
 @pytest.mark.parametrize(("session", "said"), [(None, "Several"), ("ab", "Several"), ("x", "begins with x")])
-def test_where_it_is_not_clear_which_all_are_named(
-    session: str | None, said: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ambiguous_choice_lists_the_sessions(session: str | None, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
     live(monkeypatch, ONE, OTHER)
     with pytest.raises(Refused, match=said) as refused:
         session_to_join(session, None)
     assert "abc1 (keyboard), abd2 (reaching)" in str(refused.value)
 
 
-def test_an_invitation_that_is_none_is_refused(tmp_path: Path) -> None:
+def test_invalid_invitation_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("Dear diary")
     with pytest.raises(LinkError, match="is not an invitation"):
         session_to_join(None, tmp_path / "file")

@@ -1,4 +1,4 @@
-"""``sar-tui link``: invited, listed, revoked, checked."""
+"""Tests of ``sar-tui link``."""
 
 import stat
 from pathlib import Path
@@ -16,7 +16,7 @@ from tests.program import Call, Called
 
 @pytest.fixture(autouse=True)
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where the program is called."""
+    """Working directory."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -27,7 +27,7 @@ def invited(
     return call("link", "invite", role, "--name", name, "--host", host, *more)
 
 
-def test_an_invitation_is_one_file_for_its_bearer_alone(call: Call, here: Path) -> None:
+def test_invite_creates_one_private_file(call: Call, here: Path) -> None:
     called = invited(call, "--host", "192.168.1.20:7000")
     assert called.code == 0
     path = here / "operator-anna.sar-link"
@@ -40,7 +40,7 @@ def test_an_invitation_is_one_file_for_its_bearer_alone(call: Call, here: Path) 
     assert "PRIVATE" not in called.out
 
 
-def test_an_invitation_is_told_as_json_without_its_key(call: Call, here: Path) -> None:
+def test_json_of_an_invitation_contains_no_key(call: Call, here: Path) -> None:
     called = invited(call, "--to", here / "x.sar-link", "--days", 3, "--json", role="observer")
     assert sorted(called.json) == ["endpoints", "expires", "file", "name", "role"]
     assert called.json["endpoints"] == ["lab-pc.local:7447"]
@@ -48,7 +48,7 @@ def test_an_invitation_is_told_as_json_without_its_key(call: Call, here: Path) -
 
 
 @pytest.mark.parametrize(
-    ("wrong", "words"),
+    ("wrong", "message"),
     [
         ({"role": "king"}, "Choose one of: operator, observer"),
         ({"name": "anna b"}, "cannot be a guest's name"),
@@ -56,12 +56,10 @@ def test_an_invitation_is_told_as_json_without_its_key(call: Call, here: Path) -
         ({"host": "lab-pc:0"}, "no valid port"),
     ],
 )
-def test_who_cannot_be_invited_is_told_and_nothing_is_made(
-    call: Call, here: Path, wrong: dict[str, str], words: str
-) -> None:
+def test_invalid_invitation_is_refused(call: Call, here: Path, wrong: dict[str, str], message: str) -> None:
     called = invited(call, **wrong)
     assert called.code == 2
-    assert words in called.err
+    assert message in called.err
     assert not list(here.glob("*.sar-link"))
 
 
@@ -70,7 +68,7 @@ def test_an_invitation_for_too_many_days_is_refused(call: Call) -> None:
     assert (called.code, "1 to 366 days" in called.err) == (2, True)
 
 
-def test_a_file_that_exists_is_left_and_the_name_stays_free(call: Call, here: Path) -> None:
+def test_existing_file_is_not_overwritten(call: Call, here: Path) -> None:
     (here / "operator-anna.sar-link").write_text("mine")
     assert invited(call).code == 2
     assert (here / "operator-anna.sar-link").read_text() == "mine"
@@ -78,14 +76,14 @@ def test_a_file_that_exists_is_left_and_the_name_stays_free(call: Call, here: Pa
     assert invited(call, "--to", here / "other.sar-link").code == 0
 
 
-def test_a_name_is_given_once(call: Call, here: Path) -> None:
+def test_name_is_unique(call: Call, here: Path) -> None:
     invited(call)
     called = invited(call, "--to", here / "second.sar-link")
     assert called.code == 2
     assert "link revoke anna" in called.err
 
 
-def test_who_is_invited_is_listed(call: Call) -> None:
+def test_list(call: Call) -> None:
     assert "Nobody is invited" in call("link", "list").out
     assert call("link", "list", "--json").json == {"invitations": []}
     invited(call)
@@ -99,7 +97,7 @@ def test_who_is_invited_is_listed(call: Call) -> None:
     assert len(rows[0]["fingerprint"]) == 64
 
 
-def test_an_invitation_is_taken_back(call: Call, tmp_path: Path) -> None:
+def test_revoke(call: Call, tmp_path: Path) -> None:
     invited(call)
     called = call("link", "revoke", "anna")
     assert called.code == 0
@@ -109,12 +107,12 @@ def test_an_invitation_is_taken_back(call: Call, tmp_path: Path) -> None:
     assert (again.code, "no valid invitation for anna" in again.err) == (2, True)
 
 
-def test_who_was_never_invited_cannot_be_revoked(call: Call) -> None:
+def test_revoke_without_invitations_is_refused(call: Call) -> None:
     called = call("link", "revoke", "anna")
     assert (called.code, "Nobody has been invited" in called.err) == (2, True)
 
 
-def test_an_invitation_is_checked_against_the_session_that_it_leads_to(call: Call, here: Path) -> None:
+def test_check_against_a_running_session(call: Call, here: Path) -> None:
     where = Endpoint("127.0.0.1", free_port())
     invited(call, host=str(where))
     alone = call("link", "check", "operator-anna.sar-link")
@@ -133,13 +131,13 @@ def test_an_invitation_is_checked_against_the_session_that_it_leads_to(call: Cal
     assert checked.json["endpoints"] == [{"endpoint": str(where), "error": ""}]
 
 
-def test_what_is_no_invitation_is_told(call: Call, here: Path) -> None:
+def test_check_of_another_file_is_refused(call: Call, here: Path) -> None:
     (here / "x.sar-link").write_text("hello")
     called = call("link", "check", "x.sar-link")
     assert (called.code, "is not an invitation" in called.err) == (2, True)
 
 
-def test_without_its_packages_it_says_what_to_install(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_packages_are_reported(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     called = invited(call)
     assert called.code == 2

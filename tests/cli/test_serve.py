@@ -1,4 +1,4 @@
-"""`sar-tui serve`: the address it prints, what it refuses, and how it ends. What it serves: tests/serve."""
+"""Tests of the command `sar-tui serve`; for the server itself, see tests/serve."""
 
 import json
 import signal
@@ -22,7 +22,7 @@ from tests.program import Call
 
 @contextmanager
 def serving(*arguments: object) -> "Iterator[subprocess.Popen[str]]":
-    """A real one, ended whatever happens."""
+    """Run the command, and kill it afterwards."""
     command = [sys.executable, "-m", "sar_tui", "serve", *map(str, arguments)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         try:
@@ -39,9 +39,7 @@ def line(stream: IO[str] | None) -> str:
 @pytest.mark.parametrize(
     ("number", "code", "said"), [(signal.SIGINT, 130, "Stopped.\n"), (signal.SIGTERM, 128 + signal.SIGTERM, "")]
 )
-def test_it_prints_one_address_with_a_token_and_serves_until_it_is_stopped(
-    number: signal.Signals, code: int, said: str, tmp_path: Path
-) -> None:
+def test_serves_until_a_signal(number: signal.Signals, code: int, said: str, tmp_path: Path) -> None:
     with serving("observer", "--port", 0, "--data", tmp_path) as process:
         address, _, token = line(process.stdout).strip().partition("/?token=")
         assert address.startswith("http://127.0.0.1:")
@@ -56,24 +54,24 @@ def test_it_prints_one_address_with_a_token_and_serves_until_it_is_stopped(
         assert (process.returncode, out, err) == (code, "", said)
 
 
-def test_programs_are_told_the_parts_of_the_address_and_a_kept_token_stays(tmp_path: Path) -> None:
-    told = []
+def test_json_and_stored_token(tmp_path: Path) -> None:
+    printed = []
     for _ in range(2):
         with serving("agent", "--port", 0, "--json", "--token-file", tmp_path / "token") as process:
-            told.append(json.loads(line(process.stdout)))
-    first, second = told
+            printed.append(json.loads(line(process.stdout)))
+    first, second = printed
     assert set(first) == {"view", "url", "host", "port", "token"}
     assert (first["view"], first["host"]) == ("agent", "127.0.0.1")
     assert first["url"] == f"http://127.0.0.1:{first['port']}/?token={first['token']}"
     assert first["token"] == second["token"] == (tmp_path / "token").read_text().strip()
 
 
-def test_whoever_lets_others_reach_it_is_warned(tmp_path: Path) -> None:
+def test_warning_on_other_hosts(tmp_path: Path) -> None:
     with serving("observer", "--port", 0, "--host", "0.0.0.0", "--data", tmp_path) as process:
         assert "it is not encrypted" in line(process.stderr)
 
 
-def test_a_port_that_is_taken_is_told(call: Call) -> None:
+def test_port_in_use_is_reported(call: Call) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         assert call("serve", "observer", "--port", port) == (
@@ -95,15 +93,15 @@ def test_a_port_that_is_taken_is_told(call: Call) -> None:
         (["--name", "anna"], "Only an operator has a name"),
     ],
 )
-def test_what_cannot_be_is_told_before_anything_is_served(call: Call, arguments: list[str], said: str) -> None:
+def test_invalid_options_are_refused(call: Call, arguments: list[str], said: str) -> None:
     called = call("serve", "observer", "--port", 0, *arguments)
     assert (called.code, called.out) == (2, "")
     assert said in called.err
 
 
 @pytest.mark.parametrize("missing", ["textual_serve", "aiohttp"])
-def test_without_the_extra_it_says_what_to_install(call: Call, monkeypatch: pytest.MonkeyPatch, missing: str) -> None:
-    monkeypatch.setattr(sar_tui, "serve", sar_tui.serve)  # put back what is imported anew in here
+def test_missing_extra_is_reported(call: Call, monkeypatch: pytest.MonkeyPatch, missing: str) -> None:
+    monkeypatch.setattr(sar_tui, "serve", sar_tui.serve)  # restores the attribute, as the import below sets it
     for name in [name for name in sys.modules if name.startswith("sar_tui.serve")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, missing, None)
@@ -112,7 +110,7 @@ def test_without_the_extra_it_says_what_to_install(call: Call, monkeypatch: pyte
     assert "pip install 'sar-tui[serve]'" in called.err
 
 
-def test_without_the_link_nothing_is_served(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_link_packages_are_reported(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     def missing() -> None:
         raise LinkError(NO_PACKAGES)
 
@@ -120,14 +118,14 @@ def test_without_the_link_nothing_is_served(call: Call, monkeypatch: pytest.Monk
     assert call("serve", "operator", "--port", 0) == (2, "", f"{NO_PACKAGES}\n")
 
 
-def test_an_operator_in_a_browser_can_have_a_name(call: Call, tmp_path: Path) -> None:
+def test_name_of_an_operator(call: Call, tmp_path: Path) -> None:
     assert _program("operator", "s1", None, Home(tmp_path), "anna")[-4:] == ["--name", "anna", "--", "s1"]
     called = call("serve", "operator", "--port", 0, "--name", "Anna B.")
     assert called.code == 2
     assert "is not a valid name" in called.err
 
 
-def test_what_a_browser_is_shown_is_words_of_a_list_that_cannot_be_taken_for_others(tmp_path: Path) -> None:
+def test_arguments_of_the_program_cannot_be_injected(tmp_path: Path) -> None:
     home = Home(tmp_path, (tmp_path / "tasks",))
     program = _program("observer", "--link; rm -rf /", None, home)
     assert program[1:6] == ["-P", "-m", "sar_tui", "wizard", "--observe"]

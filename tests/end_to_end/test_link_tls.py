@@ -1,4 +1,4 @@
-"""Given a session that listens on the network, when panels come, then who was invited steers and others are refused."""
+"""On the network, invited operators control a session and others are refused."""
 
 from pathlib import Path
 
@@ -34,14 +34,14 @@ def file_of(invited: Invitation, folder: Path, name: str) -> str:
 
 
 def without_certificate(invited: Invitation) -> str:
-    """A guest's settings who only looks like one."""
+    """Return a guest's settings without their certificate."""
     settings = msgspec.json.decode(network_settings(invited.where[0], invited.credentials))
     for name in ("connect_certificate_base64", "connect_private_key_base64", "enable_mtls"):
         del settings["transport"]["link"]["tls"][name]
     return msgspec.json.encode(settings).decode()
 
 
-def test_who_was_invited_comes_in_as_what_they_are_and_nobody_else_does(at: House, data: Path, tmp_path: Path) -> None:
+def test_only_invited_guests_join_and_only_in_their_role(at: House, data: Path, tmp_path: Path) -> None:
     stranger = Authority.open_or_create(tmp_path / "elsewhere").invite(Guest("anna", "operator"), [at.where], 30)
     with Room(data) as room:
         participant = room.participant("--listen", at.where.locator, **SETTINGS)
@@ -65,7 +65,7 @@ def test_who_was_invited_comes_in_as_what_they_are_and_nobody_else_does(at: Hous
             forger.put(at.keys.act("operator.anna"), b"in another's name")
             forger.put(at.keys.act("observer.eve"), b"in their own")
             room.until(lambda: len(refusals(room, "observer.eve")) == 2, "what the observer sends is refused")
-        assert room.offered(), "nothing that an observer does decides anything"
+        assert room.offered(), "an observer decides nothing"
         anna.does("approve")
         room.until(lambda: room.actions("feedback")[0]["decided_ns"], "the operator decides")
 
@@ -77,23 +77,25 @@ def test_who_was_invited_comes_in_as_what_they_are_and_nobody_else_does(at: Hous
         ):
             with pytest.raises(zenoh.ZError):
                 zenoh.open(config(settings))
-        room.until(lambda: len(set(refusals(room, "unknown"))) == 4, "who did not get in is in the log")
+        room.until(lambda: len(set(refusals(room, "unknown"))) == 4, "rejected connections are in the log")
         room.until(lambda: "not the one that made this" in other.sees(), "the stranger's panel says why")
-        told = " ".join(refusals(room, "unknown"))
+        reasons = " ".join(refusals(room, "unknown"))
         presence = {actor for actor, _ in room.presence()}
         (feedback,) = room.actions("feedback")
         seen = {word for line in participant.has_seen() for word in line.lower().split()}
 
-    assert "no certificate" in told
-    assert "expired" in told
-    assert "made by another authority" in told
-    assert "does not trust this host's certificate" in told, "another authority's guest refuses us in turn"
+    assert "no certificate" in reasons
+    assert "expired" in reasons
+    assert "made by another authority" in reasons
+    assert "does not trust this host's certificate" in reasons, "another authority's guest refuses us in turn"
     assert presence == {"operator.anna", "observer.eve"}
     assert (feedback["decision"], feedback["actor"]) == ("accepted", "operator.anna")
     assert "attempt" in seen
-    assert not seen & {"anna", "eve", "operator", "observer", "link", "listening"}, "the participant knows of nobody"
+    assert not seen & {"anna", "eve", "operator", "observer", "link", "listening"}, (
+        "the participant sees nothing of the operators"
+    )
 
 
 def refusals(room: Room, actor: str) -> list[str]:
-    """Why things were refused of somebody."""
+    """Return the reasons of refusals of a peer."""
     return [each["why"] for each in room.told("operator/refused") if each["actor"] == actor]

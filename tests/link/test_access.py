@@ -208,16 +208,16 @@ def test_guest_does_not_receive_messages_of_others(at: House, host: FakeBroker) 
 
 def test_revoked_guest_neither_sends_nor_receives(at: House, host: FakeBroker) -> None:
     received: list[str] = []
-    told: list[str] = []
+    received_by_anna: list[str] = []
     with visiting(at.gone, at.anna) as [gone, anna]:
         gone.declare_subscriber(at.keys.broadcast, lambda s: received.append(str(s.key_expr)))
-        anna.declare_subscriber(at.keys.broadcast, lambda s: told.append(str(s.key_expr)))
+        anna.declare_subscriber(at.keys.broadcast, lambda s: received_by_anna.append(str(s.key_expr)))
         gone.put(at.keys.act("operator.gone"), b"still here")
         gone.put(at.keys.ping("operator.gone"), b"still here")
 
         def reached() -> bool:
             host.session.put(at.keys.broadcast, b"to all")
-            return bool(told)
+            return bool(received_by_anna)
 
         assert eventually(reached)
         received_before_last(host, at, anna, "operator.anna")

@@ -225,7 +225,7 @@ def test_repeated_refusal_is_reported_once_a_second_with_count(bench: Bench) -> 
 def test_session_is_operated_while_an_operator_is_present(bench: Bench) -> None:
     bench.receive(PeerJoined(ANNA), PeerJoined(BEN))
     bench.records.clear()
-    bench.receive(PeerLeft(ANNA, "lost", "Nothing was heard."), PeerLeft(BEN, "left"), PeerJoined(ANNA))
+    bench.receive(PeerLeft(ANNA, "lost", "No heartbeat."), PeerLeft(BEN, "left"), PeerJoined(ANNA))
     assert bench.presence() == [
         (ANNA, "lost", True),
         (BEN, "baton", True),
@@ -266,9 +266,9 @@ def test_late_peer_gets_a_snapshot(bench: Bench) -> None:
     bench.clock.advance(50 * MS)
     (snapshot,) = bench.snapshots()
     assert (snapshot.welcome.name, snapshot.welcome.role, snapshot.welcome.session) == (ANNA, "operator", "s1")
-    told = [record.message for record in snapshot.records]
-    assert STARTED in told
-    assert [each.level for each in told if isinstance(each, m.LevelChanged)] == [3]
+    messages = [record.message for record in snapshot.records]
+    assert STARTED in messages
+    assert [each.level for each in messages if isinstance(each, m.LevelChanged)] == [3]
     assert [record.seq for record in snapshot.records] == sorted(record.seq for record in snapshot.records)
 
 
@@ -285,9 +285,9 @@ def test_snapshot_of_resumed_session_omits_former_peers() -> None:
     clock.advance(50 * MS)
     node.detach()
     (snapshot,) = (sent for sent in channel.sent if isinstance(sent, OutgoingSnapshot))
-    told = [record.message for record in snapshot.records]
-    assert STARTED in told
-    assert BEN not in [each.actor for each in told if isinstance(each, m.OperatorChanged)]
+    messages = [record.message for record in snapshot.records]
+    assert STARTED in messages
+    assert BEN not in [each.actor for each in messages if isinstance(each, m.OperatorChanged)]
 
 
 def test_messages_are_sent_in_numbered_batches(bench: Bench) -> None:

@@ -44,5 +44,5 @@ def test_when_the_sessions_machine_was_started_anew_old_pings_do_not_count() -> 
     ping(clock, watch, 1, 1)
     sent = watch.now
     watch.now += 10 * MS
-    clock.update(Pong(sent, 7, "there, anew", 0, "1"))
+    clock.update(Pong(sent, 7, "there, restarted", 0, "1"))
     assert abs(clock.now() - 7) <= 10 * MS

@@ -1,4 +1,4 @@
-"""A person at a browser: Debian's Chromium without a window, driven over its DevTools protocol."""
+"""Headless Chromium, driven over its DevTools protocol."""
 
 import asyncio
 import base64
@@ -17,7 +17,7 @@ from urllib.parse import parse_qs, urlsplit
 import aiohttp
 
 from tests.needs_browser import CHROMIUM
-from tests.serve.serve_fixtures import SECONDS, Eyes
+from tests.serve.serve_fixtures import SECONDS, TerminalScreen
 
 _FLAGS = (
     "--headless=new",
@@ -36,45 +36,45 @@ _CODES = {"Enter": 13, "Escape": 27, "ArrowDown": 40, "ArrowUp": 38, "F2": 113}
 
 
 class Chromium:
-    """A tab. What its page asks the network for, what comes for its terminal, and what it complains of is kept."""
+    """Tab that records its page's requests, errors and terminal."""
 
     def __init__(self, socket: aiohttp.ClientWebSocketResponse) -> None:
-        self.asked_for: list[str] = []
-        self.complaints: list[str] = []
-        self.eyes = Eyes()
+        self.requested: list[str] = []
+        self.errors: list[str] = []
+        self.screen = TerminalScreen()
         self._socket = socket
         self._numbers = itertools.count(1)
         self._answers: dict[int, asyncio.Future[dict[str, Any]]] = {}
         self._screen_bytes: list[bytes] = []
 
     async def listen(self) -> None:
-        """Hear what the browser tells, until it ends."""
+        """Receive messages of the browser until it ends."""
         async for message in self._socket:
-            told = message.json()
-            if waiter := self._answers.pop(told.get("id", 0), None):
-                waiter.set_result(told)
+            received = message.json()
+            if waiter := self._answers.pop(received.get("id", 0), None):
+                waiter.set_result(received)
                 continue
-            match told.get("method"), told.get("params"):
+            match received.get("method"), received.get("params"):
                 case "Network.requestWillBeSent", params:
-                    self.asked_for.append(params["request"]["url"])
+                    self.requested.append(params["request"]["url"])
                 case "Network.webSocketCreated", params:
-                    self.asked_for.append(params["url"])
-                    self._open_eyes(params["url"])
+                    self.requested.append(params["url"])
+                    self._open_screen(params["url"])
                 case "Network.webSocketFrameReceived", {"response": {"opcode": 2, "payloadData": data}}:
                     self._screen_bytes.append(base64.b64decode(data))
                 case "Log.entryAdded", params:
-                    self.complaints.append(params["entry"]["text"])
+                    self.errors.append(params["entry"]["text"])
                 case "Runtime.exceptionThrown", params:
-                    self.complaints.append(str(params["exceptionDetails"]))
+                    self.errors.append(str(params["exceptionDetails"]))
 
-    def _open_eyes(self, url: str) -> None:
-        """A terminal says how large it is in its address."""
-        asked = parse_qs(urlsplit(url).query)
-        if "width" in asked:
-            self.eyes = Eyes(int(asked["width"][0]), int(asked["height"][0]))
+    def _open_screen(self, url: str) -> None:
+        """Create the screen with the size in the terminal's URL."""
+        query = parse_qs(urlsplit(url).query)
+        if "width" in query:
+            self.screen = TerminalScreen(int(query["width"][0]), int(query["height"][0]))
 
     async def call(self, method: str, **params: Any) -> dict[str, Any]:
-        """Ask the browser for something."""
+        """Call a method of the protocol."""
         number = next(self._numbers)
         self._answers[number] = asyncio.get_running_loop().create_future()
         await self._socket.send_json({"id": number, "method": method, "params": params})
@@ -84,12 +84,12 @@ class Chromium:
         return result
 
     async def open(self, url: str, first: str = "") -> None:
-        """Go to an address; ``first`` is a script that runs before the page's own."""
+        """Open a URL; the script ``first`` runs before the page's own."""
         await self.call("Page.addScriptToEvaluateOnNewDocument", source=first)
         await self.call("Page.navigate", url=url)
 
     async def value(self, expression: str) -> Any:
-        """What a JavaScript expression says in the page."""
+        """Evaluate a JavaScript expression in the page."""
         result = await self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
         return result["result"].get("value")
 
@@ -99,24 +99,24 @@ class Chromium:
             while not await self.value(expression):
                 await asyncio.sleep(0.05)
 
-    async def see(self, words: str) -> None:
-        """Wait until words stand in the page's terminal."""
+    async def see(self, text: str) -> None:
+        """Wait until the page's terminal shows a text."""
         try:
             async with asyncio.timeout(SECONDS):
-                while words not in self.text:
+                while text not in self.text:
                     await asyncio.sleep(0.02)
         except TimeoutError:
-            raise AssertionError(f"{words!r} does not come; there stands:\n{self.text}") from None
+            raise AssertionError(f"{text!r} is not shown; the screen is:\n{self.text}") from None
 
     @property
     def text(self) -> str:
-        """What stands in the page's terminal."""
+        """Text of the page's terminal."""
         while self._screen_bytes:
-            self.eyes.feed(self._screen_bytes.pop(0))
-        return self.eyes.text
+            self.screen.feed(self._screen_bytes.pop(0))
+        return self.screen.text
 
     async def press(self, key: str) -> None:
-        """Press a key: a character, or a name of the DevTools protocol's."""
+        """Press a key: a character, or a name of the DevTools protocol."""
         name = {"key": key, "windowsVirtualKeyCode": _CODES.get(key, ord(key[0].upper()))}
         if key not in _CODES:
             name["text"] = key
@@ -126,14 +126,14 @@ class Chromium:
         await self.call("Input.dispatchKeyEvent", type="keyUp", **name)
 
     async def picture(self, path: Path) -> None:
-        """Save what is to be seen."""
+        """Save a screenshot."""
         shot = await self.call("Page.captureScreenshot", format="png")
         path.write_bytes(base64.b64decode(shot["data"]))
 
 
 @asynccontextmanager
 async def chromium() -> AsyncIterator[Chromium]:
-    """A browser with one tab, and nothing of anybody's in it. It ends with the context."""
+    """Run a browser with one tab and a fresh profile."""
     profile = tempfile.mkdtemp(prefix="sar-tui-chromium-")
     process = await asyncio.create_subprocess_exec(
         CHROMIUM,
@@ -162,7 +162,7 @@ async def chromium() -> AsyncIterator[Chromium]:
             os.killpg(process.pid, signal.SIGKILL)
         await process.wait()
         async with asyncio.timeout(SECONDS):
-            while Path(profile).exists():  # what it has started may still be writing there
+            while Path(profile).exists():  # its child processes may still write there
                 shutil.rmtree(profile, ignore_errors=True)
                 await asyncio.sleep(0.02)
 

@@ -1,4 +1,4 @@
-"""A very small app to be served: counts a key, says its words, and writes down when it comes and goes."""
+"""Small app to serve: counts a key, speaks, and writes a file when it starts and ends."""
 
 import os
 import sys

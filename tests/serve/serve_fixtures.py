@@ -1,4 +1,4 @@
-"""A server of tiny apps, on a free port of this machine; and what a browser's terminal does, without a browser."""
+"""Server of tiny apps on a free port, and a browser's terminal without a browser."""
 
 import asyncio
 import json
@@ -22,7 +22,7 @@ SECONDS = 60.0
 
 
 class Served(NamedTuple):
-    """A running server."""
+    """Running server."""
 
     port: int
     log: list[str]
@@ -36,17 +36,17 @@ class Served(NamedTuple):
 
     @property
     def cookie(self) -> dict[str, str]:
-        """The header of a browser that has shown the token."""
+        """Header of a browser that has shown the token."""
         address = Address("127.0.0.1", self.port)
         return {"Cookie": f"sar-tui-{self.port}={Guard(address, TOKEN).cookie}"}
 
     @property
     def allowed(self) -> dict[str, str]:
-        """The headers of a page of this server."""
+        """Headers of a page of this server."""
         return {**self.cookie, "Origin": self.origin}
 
     async def written(self, line: str) -> str:
-        """Wait until an app has written a line that begins so; the last such line."""
+        """Wait until an app has written a line with this beginning; return the last such line."""
         async with asyncio.timeout(SECONDS):
             while True:
                 lines = self.diary.read_text().splitlines() if self.diary.exists() else []
@@ -57,9 +57,9 @@ class Served(NamedTuple):
 
 @asynccontextmanager
 async def serving(diary: Path, kind: Kind = "observer", program: Sequence[str] = ()) -> AsyncIterator[Served]:
-    """Serve tiny apps, or another program."""
-    taken = listen("127.0.0.1", 0)
-    port = taken.getsockname()[1]
+    """Serve tiny apps or another program."""
+    listening = listen("127.0.0.1", 0)
+    port = listening.getsockname()[1]
     log: list[str] = []
     slept: list[float] = []
 
@@ -71,15 +71,15 @@ async def serving(diary: Path, kind: Kind = "observer", program: Sequence[str] =
     runner = web.AppRunner(server.app(), access_log=None, shutdown_timeout=1)
     await runner.setup()
     try:
-        await web.SockSite(runner, taken).start()
+        await web.SockSite(runner, listening).start()
         async with aiohttp.ClientSession(cookie_jar=aiohttp.DummyCookieJar()) as http:
             yield Served(port, log, slept, diary, http)
     finally:
         await runner.cleanup()
 
 
-class Eyes:
-    """What stands in a browser's terminal, by the bytes that came for it."""
+class TerminalScreen:
+    """Screen of a browser's terminal, from the bytes sent to it."""
 
     def __init__(self, columns: int = 80, rows: int = 24) -> None:
         self._screen = pyte.Screen(columns, rows)
@@ -93,13 +93,13 @@ class Eyes:
         return "\n".join(line.rstrip() for line in self._screen.display)
 
 
-async def read_until(socket: aiohttp.ClientWebSocketResponse, eyes: Eyes, words: str) -> None:
-    """Read a view until words stand on it."""
+async def read_until(socket: aiohttp.ClientWebSocketResponse, screen: TerminalScreen, text: str) -> None:
+    """Read a view until it shows a text."""
     async with asyncio.timeout(SECONDS):
-        while words not in eyes.text:
+        while text not in screen.text:
             message = await socket.receive()
-            assert message.type is aiohttp.WSMsgType.BINARY, f"{message} came while the screen was: {eyes.text}"
-            eyes.feed(message.data)
+            assert message.type is aiohttp.WSMsgType.BINARY, f"{message} came while the screen was: {screen.text}"
+            screen.feed(message.data)
 
 
 async def press(socket: aiohttp.ClientWebSocketResponse, keys: str) -> None:
@@ -107,7 +107,7 @@ async def press(socket: aiohttp.ClientWebSocketResponse, keys: str) -> None:
 
 
 async def logged(served: Served, line: str) -> None:
-    """Wait until the server has said so."""
+    """Wait until the server has logged a line."""
     async with asyncio.timeout(SECONDS):
         while line not in served.log:
             await asyncio.sleep(0.02)

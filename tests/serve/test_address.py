@@ -1,4 +1,4 @@
-"""Given where views are served, when a browser names that place or a page speaks to it, then only its own names do."""
+"""Accepted host names, origins and URLs of an address."""
 
 from ipaddress import ip_address
 from urllib.parse import urlsplit
@@ -35,12 +35,12 @@ PROXIED = Address("127.0.0.1", 8000, "https://lab.example")
         (PROXIED, "127.0.0.1:8000", True),
     ],
 )
-def test_only_names_that_nobody_else_can_give_are_ours(address: Address, host: str, allows_host: bool) -> None:
+def test_accepted_hosts(address: Address, host: str, allows_host: bool) -> None:
     assert address.allows_host(host) is allows_host
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::"])
-def test_in_the_place_of_all_networks_an_address_is_told_that_others_can_open(host: str) -> None:
+def test_url_of_a_wildcard_address_can_be_opened(host: str) -> None:
     place = Address(host, 8000)
     named = urlsplit(place.url)
     assert named.hostname
@@ -49,7 +49,7 @@ def test_in_the_place_of_all_networks_an_address_is_told_that_others_can_open(ho
 
 
 @pytest.mark.parametrize(
-    ("address", "origin", "host", "is_own"),
+    ("address", "origin", "host", "is_allowed"),
     [
         (HERE, "http://127.0.0.1:8000", "127.0.0.1:8000", True),
         (HERE, "http://localhost:8000", "127.0.0.1:8000", False),
@@ -63,11 +63,11 @@ def test_in_the_place_of_all_networks_an_address_is_told_that_others_can_open(ho
         (PROXIED, "https://evil.example", "lab.example", False),
     ],
 )
-def test_only_pages_of_ours_may_speak_to_it(address: Address, origin: str, host: str, is_own: bool) -> None:
-    assert address.allows_origin(origin, host) is is_own
+def test_accepted_origins(address: Address, origin: str, host: str, is_allowed: bool) -> None:
+    assert address.allows_origin(origin, host) is is_allowed
 
 
-def test_what_people_open_is_the_public_url_where_there_is_one() -> None:
+def test_url_is_the_public_url_if_given() -> None:
     assert (HERE.url, PROXIED.url) == ("http://127.0.0.1:8000/", "https://lab.example/")
     assert Address("::1", 8000).url == "http://[::1]:8000/"
 
@@ -76,6 +76,6 @@ def test_what_people_open_is_the_public_url_where_there_is_one() -> None:
     "url",
     ["lab.example", "ftp://lab.example", "https://", "https://lab.example/sar", "https://lab.example?x", "http:"],
 )
-def test_what_is_no_public_url_is_refused(url: str) -> None:
+def test_invalid_public_url_is_refused(url: str) -> None:
     with pytest.raises(AddressError, match="is not a valid public URL"):
         Address("127.0.0.1", 8000, url)

@@ -1,4 +1,4 @@
-"""Given a served view, when it is opened in a real browser, then it works there, and nothing leaves the machine."""
+"""A served view works in a real browser, and nothing leaves the machine."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from tests.serve.serve_fixtures import TOKEN, logged, serving
 pytestmark = needs_browser
 
 
-async def test_with_the_token_the_app_is_seen_and_takes_keys(tmp_path: Path) -> None:
+async def test_app_is_shown_and_receives_keys(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served, chromium() as browser:
         await browser.open(f"{served.origin}/?token={TOKEN}")
         await browser.see("Tiny is here")
@@ -18,15 +18,15 @@ async def test_with_the_token_the_app_is_seen_and_takes_keys(tmp_path: Path) -> 
         assert await browser.value("document.fonts.check('16px \"Roboto Mono\"')")
         await browser.press("a")
         await browser.see("Pressed 1 times")
-        assert {url.partition("://")[2].partition("/")[0] for url in browser.asked_for if "://" in url} == {
+        assert {url.partition("://")[2].partition("/")[0] for url in browser.requested if "://" in url} == {
             f"127.0.0.1:{served.port}"
         }
-        assert browser.complaints == []
+        assert browser.errors == []
         await browser.press("x")
         await browser.wait_until("getComputedStyle(document.getElementById('closed')).display === 'flex'")
 
 
-async def test_without_the_token_there_is_one_sentence(tmp_path: Path) -> None:
+async def test_page_without_token_is_one_sentence(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served, chromium() as browser:
         await browser.open(f"{served.origin}/")
         await browser.wait_until("document.body !== null && document.body.innerText.includes('token')")
@@ -49,7 +49,7 @@ Object.defineProperty(window, "speechSynthesis", {value: {
 """
 
 
-async def test_a_browser_speaks_for_the_agent_once_it_may_and_only_by_a_voice_of_its_own(tmp_path: Path) -> None:
+async def test_browser_speaks_after_the_button_and_with_local_voices_only(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary", "agent") as served, chromium() as browser:
         await browser.open(f"{served.origin}/?token={TOKEN}", VOICES)
         await browser.see("Tiny is here")
@@ -64,7 +64,7 @@ async def test_a_browser_speaks_for_the_agent_once_it_may_and_only_by_a_voice_of
         await browser.press("h")
         await browser.wait_until("window.said.length >= 3")
         assert await browser.value("window.said") == [["", ""], ["Muy bien.", "es-MX"], ["hush"]]
-        assert browser.complaints == []
+        assert browser.errors == []
         await browser.press("f")
         await browser.wait_until("document.getElementById('speak').textContent === 'This device has no voice for fr'")
         assert await browser.value("window.said.length") == 3

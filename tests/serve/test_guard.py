@@ -1,16 +1,16 @@
-"""Given wrong tokens, when they come from one address, then it is answered later and later, and others are not."""
+"""Access control: wrong tokens are refused, and delayed by client address."""
 
 from sar_tui.serve.address import Address
 from sar_tui.serve.guard import WRONG_TOKEN, AccessRequest, Guard, WrongTokenDelay
 
 
-def test_the_first_wrong_tokens_are_answered_at_once_and_later_ones_ever_later() -> None:
+def test_later_wrong_tokens_are_delayed() -> None:
     delay = WrongTokenDelay(lambda: 0.0)
     assert [delay.next_delay("10.0.0.1") for _ in range(20)] == [0] * 5 + [*range(1, 10)] + [10] * 6
     assert delay.next_delay("10.0.0.2") == 0
 
 
-def test_after_a_minute_it_is_forgotten() -> None:
+def test_delay_is_forgotten_after_a_minute() -> None:
     seconds = [0.0]
     delay = WrongTokenDelay(lambda: seconds[0])
     for _ in range(8):
@@ -19,7 +19,7 @@ def test_after_a_minute_it_is_forgotten() -> None:
     assert delay.next_delay("10.0.0.1") == 0
 
 
-def test_only_so_many_addresses_are_remembered() -> None:
+def test_number_of_remembered_addresses_is_limited() -> None:
     delay = WrongTokenDelay(lambda: 0.0)
     for _ in range(6):
         delay.next_delay("10.0.0.1")
@@ -28,7 +28,7 @@ def test_only_so_many_addresses_are_remembered() -> None:
     assert delay.next_delay("10.0.0.1") == 0
 
 
-def test_a_wrong_token_or_cookie_is_one_whatever_characters_it_has() -> None:
+def test_wrong_token_or_cookie_is_refused_whatever_its_characters() -> None:
     guard = Guard(Address("127.0.0.1", 8000), "right")
     request = AccessRequest("127.0.0.1:8000", None, None, "", False)
     for wrong in ("", "righ", "rightt", "ríght", "right\0"):

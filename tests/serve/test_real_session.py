@@ -1,4 +1,4 @@
-"""Given a session in its terminal, when a view of it is opened in a browser, then it is seen and steered from there."""
+"""A session in its terminal is watched and operated from a browser."""
 
 import asyncio
 import json
@@ -25,8 +25,8 @@ pytestmark = [needs_browser, pytest.mark.skipif(os.name != "posix", reason="pseu
 
 
 @pytest.fixture(autouse=True)
-def a_folder_for_sockets(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """With a short name, and nobody else's sessions in it."""
+def short_runtime_folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Private runtime folder with a short path."""
     with tempfile.TemporaryDirectory(prefix="sar-") as folder:
         monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
         yield
@@ -34,7 +34,7 @@ def a_folder_for_sockets(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 @asynccontextmanager
 async def serve(*arguments: str) -> AsyncIterator[str]:
-    """``sar-tui serve``; the address that it prints."""
+    """Run ``sar-tui serve``; yields the printed address."""
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-m", "sar_tui", "serve", *arguments, "--port", "0", stdout=asyncio.subprocess.PIPE
     )
@@ -66,8 +66,8 @@ async def going_on(terminal: Terminal) -> AsyncIterator[None]:
         await looking
 
 
-async def told(data: Path, topic: str, **with_values: str) -> dict[str, Any]:
-    """Wait until a message of a topic, with these values, is in the session's log; the first such."""
+async def logged_message(data: Path, topic: str, **with_values: str) -> dict[str, Any]:
+    """Wait for the first logged message of a topic with these values."""
     async with asyncio.timeout(SECONDS):
         while True:
             for (text,) in rows(data, "SELECT message FROM events WHERE topic=? ORDER BY seq", topic):
@@ -77,7 +77,7 @@ async def told(data: Path, topic: str, **with_values: str) -> dict[str, Any]:
             await asyncio.sleep(0.05)
 
 
-async def test_a_proposal_is_approved_by_a_key_in_a_browser(data: Path) -> None:
+async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
     settings = {"operator_feedback": "approve", "operator_time_ms": 60_000, "operator_timeout": "drop"}
     session = [*run_command(data, prompts_per_attempt=2, attempts=1, **settings), "--operator"]
     with Terminal(session) as terminal:
@@ -92,30 +92,30 @@ async def test_a_proposal_is_approved_by_a_key_in_a_browser(data: Path) -> None:
             terminal.press("enter")
             await asyncio.to_thread(participant.run, 2)
             async with going_on(terminal):
-                words = (await told(data, "arbiter/offered"))["proposal"]["text"]
-                await browser.see(words[:20])
-                assert words[:20].encode() not in terminal.output
-                await told(data, "arbiter/stalling")  # a key that comes with a proposal is not taken for it
+                text = (await logged_message(data, "arbiter/offered"))["proposal"]["text"]
+                await browser.see(text[:20])
+                assert text[:20].encode() not in terminal.output
+                await logged_message(data, "arbiter/stalling")  # keys pressed too soon after a proposal are ignored
                 await browser.press("Enter")
-            await asyncio.to_thread(terminal.wait_for, words[:20])
+            await asyncio.to_thread(terminal.wait_for, text[:20])
         async with going_on(terminal):
-            left = await told(data, "operator/presence", state="left")
+            left = await logged_message(data, "operator/presence", state="left")
     assert left["actor"].startswith("operator.")
     ((decision, actor, final, decided),) = rows(
         data, "SELECT decision, actor, final, decided_ns FROM actions WHERE kind='feedback'"
     )
     assert decision == "accepted"
     assert actor.startswith("operator.")
-    assert json.loads(final)["text"] == words
+    assert json.loads(final)["text"] == text
     assert decided > 0
 
 
-async def test_the_agent_alone_says_in_a_browser_what_it_says_in_the_session(data: Path) -> None:
+async def test_agent_in_a_browser_follows_the_session(data: Path) -> None:
     session = [*run_command(data, prompts_per_attempt=2, attempts=1), "--operator"]
     with Terminal(session) as terminal:
         await asyncio.to_thread(terminal.wait_for, "Press Enter to go on.")
         async with going_on(terminal):
-            greeting = str((await told(data, "arbiter/action", kind="greeting"))["text"])
+            greeting = str((await logged_message(data, "arbiter/action", kind="greeting"))["text"])
         async with serve("agent", "--data", str(data)) as address, chromium() as browser:
             async with going_on(terminal):
                 await browser.open(address)
@@ -124,6 +124,6 @@ async def test_the_agent_alone_says_in_a_browser_what_it_says_in_the_session(dat
             terminal.press("enter")
             await asyncio.to_thread(participant.run, 2)
             async with going_on(terminal):
-                feedback = str((await told(data, "arbiter/action", kind="feedback"))["text"])
+                feedback = str((await logged_message(data, "arbiter/action", kind="feedback"))["text"])
                 await browser.see(feedback[:12])
                 assert greeting[:12] not in browser.text

@@ -1,4 +1,4 @@
-"""Given a server of views, when somebody comes, then the token, their page and their number decide what they get."""
+"""Web server: access, views, speech and shutdown."""
 
 import asyncio
 import json
@@ -11,7 +11,7 @@ import aiohttp
 import pytest
 
 from sar_tui.serve.server import MAX_VIEWS
-from tests.serve.serve_fixtures import SECONDS, TOKEN, Eyes, Served, logged, press, read_until, serving
+from tests.serve.serve_fixtures import SECONDS, TOKEN, Served, TerminalScreen, logged, press, read_until, serving
 
 PATHS = ("/", "/page/page.js", "/library/js/textual.js", "/ws/one", "/voice/one", "/download/x", "/nowhere")
 UPGRADE = {
@@ -28,7 +28,7 @@ async def status(served: Served, path: str, headers: dict[str, str]) -> tuple[in
 
 
 @pytest.mark.parametrize("kind", ["operator", "observer", "agent"])
-async def test_without_the_token_nothing_is_told_but_why(tmp_path: Path, kind: str) -> None:
+async def test_without_token_everything_is_refused(tmp_path: Path, kind: str) -> None:
     async with serving(tmp_path / "diary", kind) as served:  # type: ignore[arg-type]
         for path in PATHS:
             assert await status(served, path, {}) == (
@@ -42,7 +42,7 @@ async def test_without_the_token_nothing_is_told_but_why(tmp_path: Path, kind: s
         assert not served.diary.exists()
 
 
-async def test_the_token_lets_in_once_and_does_not_stay_in_the_address(tmp_path: Path) -> None:
+async def test_token_is_exchanged_for_a_cookie(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served:
         async with served.http.get(f"{served.origin}/?token={TOKEN}", allow_redirects=False) as answer:
             assert (answer.status, answer.headers["Location"]) == (303, "/")
@@ -53,7 +53,7 @@ async def test_the_token_lets_in_once_and_does_not_stay_in_the_address(tmp_path:
         assert (await status(served, "/", {"Cookie": cookie.partition(";")[0]}))[0] == 200
 
 
-async def test_wrong_tokens_are_refused_and_then_slowed(tmp_path: Path) -> None:
+async def test_wrong_tokens_are_refused_then_delayed(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served:
         for _ in range(7):
             refused, why = await status(served, f"/?token=not-{TOKEN}", {})
@@ -63,7 +63,7 @@ async def test_wrong_tokens_are_refused_and_then_slowed(tmp_path: Path) -> None:
         assert not [line for line in served.log if TOKEN in line]
 
 
-async def test_a_foreign_name_or_page_is_refused_even_with_the_token(tmp_path: Path) -> None:
+async def test_foreign_host_or_origin_is_refused_even_with_the_token(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served:
         rebound = {"Host": f"evil.example:{served.port}"}
         assert "not a name" in (await status(served, f"/?token={TOKEN}", rebound))[1]
@@ -74,7 +74,7 @@ async def test_a_foreign_name_or_page_is_refused_even_with_the_token(tmp_path: P
         assert not served.diary.exists()
 
 
-async def test_every_answer_keeps_the_page_to_itself(tmp_path: Path) -> None:
+async def test_security_headers_are_always_set(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served:
         for path, headers in (("/", served.cookie), ("/nowhere", served.cookie), ("/", {})):
             async with served.http.get(served.origin + path, headers=headers) as answer:
@@ -85,25 +85,25 @@ async def test_every_answer_keeps_the_page_to_itself(tmp_path: Path) -> None:
                 assert answer.headers["Cache-Control"] == "no-store"
 
 
-async def test_a_view_is_a_program_that_comes_and_goes_with_its_browser(tmp_path: Path) -> None:
+async def test_program_lives_as_long_as_its_browser(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served:
-        eyes = Eyes(60, 20)
+        screen = TerminalScreen(60, 20)
         address = f"{served.origin}/ws/one?width=60&height=20"
         async with served.http.ws_connect(address, headers=served.allowed) as socket:
-            await read_until(socket, eyes, "Tiny is here")
+            await read_until(socket, screen, "Tiny is here")
             await press(socket, "aa")
-            await read_until(socket, eyes, "Pressed 2 times")
+            await read_until(socket, screen, "Pressed 2 times")
         assert await served.written("went")
         await logged(served, "127.0.0.1 left the observer's view")
         assert "127.0.0.1 opened the observer's view (1 of 8)" in served.log
 
 
-async def test_a_program_that_ends_lets_the_browser_go(tmp_path: Path) -> None:
+async def test_browser_is_disconnected_when_the_program_ends(tmp_path: Path) -> None:
     async with (
         serving(tmp_path / "diary") as served,
         served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed) as socket,
     ):
-        await read_until(socket, Eyes(), "Tiny is here")
+        await read_until(socket, TerminalScreen(), "Tiny is here")
         await press(socket, "x")
         async with asyncio.timeout(SECONDS):
             while not socket.closed:
@@ -111,19 +111,19 @@ async def test_a_program_that_ends_lets_the_browser_go(tmp_path: Path) -> None:
         assert await served.written("went")
 
 
-async def test_a_program_that_cannot_begin_says_why_in_the_browser(tmp_path: Path) -> None:
+async def test_error_of_a_program_is_shown_in_the_browser(tmp_path: Path) -> None:
     failing = [sys.executable, "-c", "raise SystemExit('There is no such session.')"]
     async with (
         serving(tmp_path / "diary", program=failing) as served,
         served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed) as socket,
     ):
-        eyes = Eyes()
-        await read_until(socket, eyes, "There is no such session.")
+        screen = TerminalScreen()
+        await read_until(socket, screen, "There is no such session.")
         assert (await socket.receive()).type in (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSED)
 
 
 @pytest.mark.parametrize("sent", ["{", "[]", '["stdin", 3]', '["run", "rm"]', '["resize", {"width": "x"}]'])
-async def test_what_cannot_be_understood_ends_the_view(tmp_path: Path, sent: str) -> None:
+async def test_invalid_message_ends_the_view(tmp_path: Path, sent: str) -> None:
     idle = [sys.executable, "-c", "import sys; sys.stdin.read()"]
     async with (
         serving(tmp_path / "diary", program=idle) as served,
@@ -134,7 +134,7 @@ async def test_what_cannot_be_understood_ends_the_view(tmp_path: Path, sent: str
         assert "refused: a browser sent an invalid message" in served.log
 
 
-async def test_no_more_than_eight_look_at_once(tmp_path: Path) -> None:
+async def test_number_of_views_is_limited(tmp_path: Path) -> None:
     idle = [sys.executable, "-c", "import sys; sys.stdin.read()"]
     async with serving(tmp_path / "diary", program=idle) as served:
         sockets = [
@@ -149,10 +149,10 @@ async def test_no_more_than_eight_look_at_once(tmp_path: Path) -> None:
         assert not another.closed
 
 
-async def test_when_the_server_ends_its_programs_have_ended(tmp_path: Path) -> None:
+async def test_programs_end_with_the_server(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served:
         socket = await served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed)
-        await read_until(socket, Eyes(), "Tiny is here")
+        await read_until(socket, TerminalScreen(), "Tiny is here")
         pid = int((await served.written("came")).split()[1])
     assert served.diary.read_text().splitlines()[-1] == "went"
     with pytest.raises(ProcessLookupError):
@@ -176,25 +176,25 @@ async def test_a_program_that_does_not_end_is_killed(tmp_path: Path, monkeypatch
         os.kill(pid, 0)
 
 
-async def test_only_what_the_agent_says_crosses_to_the_browser_that_speaks(tmp_path: Path) -> None:
+async def test_browser_receives_the_agents_speech(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary", "agent") as served:
         assert (await status(served, "/voice/one", UPGRADE | served.allowed))[0] == 409
         screen = await served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed)
-        await read_until(screen, Eyes(), "Tiny is here")
+        await read_until(screen, TerminalScreen(), "Tiny is here")
         voice = await served.http.ws_connect(f"{served.origin}/voice/one", headers=served.allowed)
         await press(screen, "ash")
         async with asyncio.timeout(SECONDS):
-            heard = [json.loads((await voice.receive()).data) for _ in range(2)]
-        assert heard == [{"say": "Muy bien.", "language": "es"}, {"hush": True}]
+            received = [json.loads((await voice.receive()).data) for _ in range(2)]
+        assert received == [{"say": "Muy bien.", "language": "es"}, {"hush": True}]
 
 
-async def test_only_the_agents_view_has_a_voice(tmp_path: Path) -> None:
+async def test_only_the_agent_view_has_a_voice(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary", "operator") as served:
         assert (await status(served, "/voice/one", UPGRADE | served.allowed))[0] == 404
 
 
-async def test_a_killed_server_takes_its_programs_along(tmp_path: Path) -> None:
-    """Given a program whose server is gone without a word, then it ends in order by itself."""
+async def test_program_ends_when_its_server_is_killed(tmp_path: Path) -> None:
+    """The program quits by itself when its input ends."""
     process = await asyncio.create_subprocess_exec(
         sys.executable,
         "-m",

@@ -1,4 +1,4 @@
-"""Given a browser, when somebody would do a timed task in it, then they are told that it cannot be."""
+"""Sessions cannot be run in a browser."""
 
 import sys
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 from sar_tui.serve.browser_view import DRIVER
 from tests.app.app_driver import known, stored
 from tests.program import Call, call
-from tests.serve.serve_fixtures import Eyes, press, read_until, serving
+from tests.serve.serve_fixtures import TerminalScreen, press, read_until, serving
 
 __all__ = ["call"]
 
@@ -16,12 +16,12 @@ REFUSED = "A session does not run in a browser, where nothing can be timed; run 
 
 
 @pytest.mark.parametrize("driver", [DRIVER, "textual.drivers.web_driver:WebDriver"])
-def test_a_session_is_refused_in_one_sentence(call: Call, monkeypatch: pytest.MonkeyPatch, driver: str) -> None:
+def test_session_is_refused(call: Call, monkeypatch: pytest.MonkeyPatch, driver: str) -> None:
     monkeypatch.setenv("TEXTUAL_DRIVER", driver)
     assert call("run", "keyboard", "-p", "P01") == (2, "", REFUSED)
 
 
-async def test_home_opens_in_a_browser_but_no_session_begins_from_it(tmp_path: Path) -> None:
+async def test_home_opens_in_a_browser_but_starts_no_session(tmp_path: Path) -> None:
     data = tmp_path / "data"
     known(data, "P01")
     program = [sys.executable, "-m", "sar_tui", "--data", str(data)]
@@ -29,8 +29,8 @@ async def test_home_opens_in_a_browser_but_no_session_begins_from_it(tmp_path: P
         serving(tmp_path / "diary", program=program) as served,
         served.http.ws_connect(f"{served.origin}/ws/one?width=100&height=30", headers=served.allowed) as socket,
     ):
-        eyes = Eyes(100, 30)
-        await read_until(socket, eyes, "P01")
+        screen = TerminalScreen(100, 30)
+        await read_until(socket, screen, "P01")
         await press(socket, "\x1b[C\x1b[C\x1b[C\r")
-        await read_until(socket, eyes, "does not run in a browser")
+        await read_until(socket, screen, "does not run in a browser")
     assert stored(data, "SELECT id FROM sessions") == []

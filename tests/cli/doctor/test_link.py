@@ -1,4 +1,4 @@
-"""Given operators' ways in, open, shut or in disorder, when the doctor looks, then each is told in a line."""
+"""Doctor's checks of the socket folder, invitations and browser."""
 
 import importlib.util
 import shutil
@@ -20,7 +20,7 @@ NOW = datetime(2026, 5, 1, tzinfo=UTC)
 
 @pytest.fixture(autouse=True)
 def runtime(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder for sockets whose name is short enough for one."""
+    """Runtime folder with a short path."""
     folder = Path(tempfile.mkdtemp(prefix="sar-"))
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(folder))
     yield folder
@@ -28,7 +28,7 @@ def runtime(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def without(monkeypatch: pytest.MonkeyPatch, *packages: str) -> None:
-    """Those are not installed."""
+    """Pretend that packages are not installed."""
     really = importlib.util.find_spec
 
     def find(name: str) -> object:
@@ -38,19 +38,19 @@ def without(monkeypatch: pytest.MonkeyPatch, *packages: str) -> None:
     monkeypatch.setattr("sar_tui.cli.doctor.link.find_spec", find)
 
 
-def test_where_a_socket_can_be_opened_it_is_told_and_nothing_is_left(runtime: Path) -> None:
+def test_usable_socket_folder(runtime: Path) -> None:
     found = operator_here()
     assert (found.name, found.state, found.advice) == ("Operator here", "ok", "")
     assert found.found == f"through {runtime}/sar-tui, private to you; no session can be joined now"
     assert list((runtime / "sar-tui").iterdir()) == []
 
 
-def test_sessions_that_can_be_joined_are_counted() -> None:
+def test_joinable_sessions_are_counted() -> None:
     with announce(JoinableSession(session="a1", task="keyboard", link="a1", pid=1)):
         assert operator_here().found.endswith("; 1 session can be joined now")
 
 
-def test_a_folder_that_is_open_to_others_needs_care(runtime: Path) -> None:
+def test_folder_accessible_to_others(runtime: Path) -> None:
     (runtime / "sar-tui").mkdir(mode=0o700)
     (runtime / "sar-tui").chmod(0o755)
     found = operator_here()
@@ -58,7 +58,7 @@ def test_a_folder_that_is_open_to_others_needs_care(runtime: Path) -> None:
     assert "is accessible to others" in found.found
 
 
-def test_a_folder_in_which_no_socket_can_be_opened_needs_care(runtime: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_folder_without_sockets(runtime: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     class Refused:
         def __init__(self, family: int) -> None: ...
 
@@ -79,7 +79,7 @@ def test_a_folder_in_which_no_socket_can_be_opened_needs_care(runtime: Path, mon
     assert "XDG_RUNTIME_DIR" in found.advice
 
 
-def test_what_is_not_installed_is_no_fault_and_its_cure_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_packages_are_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
     without(monkeypatch, "zenoh", "aiohttp")
     assert operator_here() == Finding(
         "Operator here",
@@ -92,7 +92,7 @@ def test_what_is_not_installed_is_no_fault_and_its_cure_is_told(monkeypatch: pyt
     )
 
 
-def test_a_browser_is_not_enough_without_the_link(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_browser_needs_the_link(monkeypatch: pytest.MonkeyPatch) -> None:
     without(monkeypatch, "zenoh")
     assert browser() == Finding(
         "Browser",
@@ -122,7 +122,7 @@ def test_without_an_invitation_nobody_can_join(tmp_path: Path) -> None:
         (70, "ok", "none is valid now, so nobody can join over the network"),
     ],
 )
-def test_invitations_are_told_by_how_long_they_are_good(tmp_path: Path, days: int, state: str, says: str) -> None:
+def test_expiry_of_invitations(tmp_path: Path, days: int, state: str, says: str) -> None:
     authority = Authority.open_or_create(tmp_path)
     authority.invite(Guest("anna", "operator"), [parse_endpoint("lab")], 30, NOW)
     authority.invite(Guest("eva", "observer"), [parse_endpoint("lab")], 60, NOW)
@@ -130,21 +130,21 @@ def test_invitations_are_told_by_how_long_they_are_good(tmp_path: Path, days: in
     assert (found.state, found.found) == (state, says)
 
 
-def test_who_was_revoked_is_not_among_them(tmp_path: Path) -> None:
+def test_revoked_invitation_is_not_listed(tmp_path: Path) -> None:
     authority = Authority.open_or_create(tmp_path)
     authority.invite(Guest("anna", "operator"), [parse_endpoint("lab")], 30, NOW)
     authority.revoke("anna", NOW)
     assert invitations(tmp_path, NOW).found.startswith("none is valid")
 
 
-def test_keys_that_others_can_look_at_need_care(tmp_path: Path) -> None:
+def test_keys_readable_by_others(tmp_path: Path) -> None:
     Authority.open_or_create(tmp_path)
     (tmp_path / FOLDER).chmod(0o755)
     found = invitations(tmp_path, NOW)
     assert (found.state, f"chmod 700 {tmp_path / FOLDER}" in found.advice) == ("care", True)
 
 
-def test_a_damaged_register_is_told_with_what_it_means(tmp_path: Path) -> None:
+def test_damaged_register(tmp_path: Path) -> None:
     Authority.open_or_create(tmp_path)
     (tmp_path / FOLDER / "invitations.json").write_text("{")
     found = invitations(tmp_path, NOW)
