@@ -82,7 +82,7 @@ def test_an_action_without_lasting_parts_is_over_at_once() -> None:
 def test_an_action_is_over_when_every_output_has_finished() -> None:
     queue = begun(ActionQueue(), proposal("a"))
     assert not queue.finish_part("a", "speech", "say")
-    assert not queue.finish_part("a", "speech", "say"), "told twice is no more than told once"
+    assert not queue.finish_part("a", "speech", "say"), "a second report changes nothing"
     assert not queue.finish_part("b", "robot", "say"), "another action"
     assert not queue.finish_part("a", "robot", "gesture")
     assert queue.is_acting
@@ -97,7 +97,7 @@ def test_removing_some_actions_leaves_the_rest() -> None:
     queue.add(helps)
     assert queue.remove(lambda proposal: proposal.policy == "drop") == (helps,)
     assert queue.waiting == (kept,)
-    assert queue.is_acting, "what is under way is not given up by it"
+    assert queue.is_acting, "the current action is not removed"
     assert queue.remove() == (kept,)
 
 

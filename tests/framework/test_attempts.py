@@ -261,7 +261,7 @@ def test_a_level_settled_during_an_attempt_applies_to_the_next_with_its_original
     assert (settled.previous, settled.level, settled.reason, under_way.level) == (1, 2, "success", 1)
     under_way.add(lift(5000.0))
     under_way.score(now=4000)
-    assert under_way.level == 1, "that attempt failed, and lowers the level it was settled to"
+    assert under_way.level == 1, "the failure lowers the level that was settled"
 
 
 @given(st.booleans(), st.booleans(), st.integers(0, 1))

@@ -50,7 +50,7 @@ from sar_tui.framework.topics import (
     WAITING,
 )
 
-PATIENCE = 40 * SECOND
+ACTION_TIMEOUT = 40 * SECOND
 """An action that no output reports as over is halted after this time, so that no robot blocks a session. Spoken text
 adds `PER_CHARACTER`; outputs give up sooner (`outputs.node`)."""
 PER_CHARACTER = 150 * MS
@@ -266,7 +266,7 @@ class Arbiter(Approvals):
                 self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
             self._queue.begin(action, self._parts(action))
             self.emit(ACTION, action)
-            self.set_timer("patience", self.now + PATIENCE + PER_CHARACTER * len(action.spoken))
+            self.set_timer("patience", self.now + ACTION_TIMEOUT + PER_CHARACTER * len(action.spoken))
         if not self._queue.is_acting:
             self.cancel_timer("patience")
         if (due := self._queue.next_due(self.now)) is not None:

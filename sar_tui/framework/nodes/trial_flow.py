@@ -45,7 +45,7 @@ class TrialFlow(TimedNode, ABC):
         self._repeats = 0
         self._last_key: int | None = None
         self._start_key_at: int | None = None
-        self._restless_since = 0
+        self._awaiting_quiet_since = 0
         self._notice = ""
         self._is_agent_acting = False
         self._after_agent: Callable[[], None] = self._prepare_prompt
@@ -118,7 +118,7 @@ class TrialFlow(TimedNode, ABC):
 
     def _await_quiet(self) -> None:
         """Begin the foreperiod when no key has been pressed for a moment."""
-        self._restless_since = self.now
+        self._awaiting_quiet_since = self.now
         self._wait(Phase.QUIET)
         self._set_quiet_timer()
 
@@ -161,8 +161,8 @@ class TrialFlow(TimedNode, ABC):
             self._await_quiet()
         else:
             self._set_quiet_timer()
-            if self.now - self._restless_since > HELD_NOTICE:
-                self._restless_since = self.now
+            if self.now - self._awaiting_quiet_since > HELD_NOTICE:
+                self._awaiting_quiet_since = self.now
                 self._wait(Phase.QUIET, "held")
 
     # --- the prompt, and what is done -----------------------------------------------------------------------

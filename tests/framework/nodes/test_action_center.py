@@ -55,7 +55,7 @@ def test_the_agent_greets_gives_instructions_and_says_goodbye(new_session: NewSe
     assert (instruction.kind, instruction.text, instruction.spoken) == ("instruction", "", "Press Space, and lift.")
     driver.enter()
     lift_once(driver, GOOD)
-    assert proposed(driver, "goodbye") == [], "the last answer is read first"
+    assert proposed(driver, "goodbye") == [], "the last feedback is read first"
     driver.press("enter")
     (goodbye,) = proposed(driver, "goodbye")
     assert goodbye.text in calm.phrases["goodbye"]
@@ -139,7 +139,7 @@ def test_rest_and_encouragement_are_not_both_given(new_session: NewSession) -> N
     driver.enter()
     for _ in range(4):
         lift_once(driver, GOOD)
-    assert proposed(driver, "encouragement") == [], "each was harder, and before each a rest was offered"
+    assert proposed(driver, "encouragement") == [], "each was harder, and a rest was suggested before each"
     assert len(proposed(driver, "rest")) == 4
 
 
@@ -211,7 +211,7 @@ def test_priorities_and_policies_of_the_kinds(calm: Theme) -> None:
     }
     assert {kind for kind, rule in RULES.items() if rule.policy == "interrupt"} == {"feedback"}
     helps = max(rule.priority for kind, rule in RULES.items() if rule.policy == "drop" and kind != "filler")
-    assert RULES["filler"].priority > RULES["feedback"].priority  # it is heard out
+    assert RULES["filler"].priority > RULES["feedback"].priority  # a filler is not interrupted
     assert helps < RULES["greeting"].priority < RULES["feedback"].priority
     assert min(RULES, key=lambda kind: RULES[kind].priority) in ("goodbye", "rest")
     agent = Agent(Lift, calm)

@@ -105,7 +105,7 @@ def test_the_first_foreperiod_waits_for_the_end_of_the_greeting(new_session: New
     assert (driver.waiting.what, driver.waiting.stage) == ("agent", "trial")
     driver.to_prompt()
     assert when_still(driver) == 13 * SECOND
-    assert shown_at(driver) - when_still(driver) == 900 * MS, "the keys have been quiet for long"
+    assert shown_at(driver) - when_still(driver) == 900 * MS, "no key was pressed for long"
     assert [record.message.what for record in driver.records if record.topic is WAITING][-4:] == [
         "agent",
         "quiet",

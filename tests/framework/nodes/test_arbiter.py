@@ -10,7 +10,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.node import Node, on
-from sar_tui.framework.nodes.arbiter import PATIENCE, PER_CHARACTER, Arbiter
+from sar_tui.framework.nodes.arbiter import ACTION_TIMEOUT, PER_CHARACTER, Arbiter
 from sar_tui.framework.parameters import TaskParameters, build
 from sar_tui.framework.topics import (
     ACTING,
@@ -182,7 +182,7 @@ def test_a_queued_action_waits_for_the_current_one(driver: ArbiterDriver) -> Non
     for number, (name, end) in enumerate([("a", "done"), ("b", "failed"), ("c", "aborted")], 1):
         driver.report(name, end)
         assert driver.acted == ["a", "b", "c"][: number + 1]
-    assert driver.acting == [True, False], "told when it changes, not with each action"
+    assert driver.acting == [True, False], "published on changes only, not with each action"
 
 
 def test_a_higher_priority_goes_first(driver: ArbiterDriver) -> None:
@@ -199,7 +199,7 @@ def test_an_action_is_over_when_every_output_has_done_its_part_of_it() -> None:
     driver.propose("a", gesture="wave")
     for output, part in (("speech", "say"), ("robot", "say"), ("robot", "gaze"), ("screen", "show")):
         driver.report("a", "done", output, part)  # type: ignore[arg-type]
-        assert driver.acting == [True], "its gesture goes on"
+        assert driver.acting == [True], "its gesture continues"
     driver.report("a", "done", "robot", "gesture")
     assert driver.acting == [True, False]
 
@@ -219,7 +219,7 @@ def test_an_interrupting_action_halts_one_of_equal_or_lower_priority(driver: Arb
     assert driver.halted == [("a", "interrupted")]
     assert [record.topic for record in driver.records if record.topic in (HALT, ACTION)] == [ACTION, HALT, ACTION]
     driver.report("a", "aborted")
-    assert driver.acting == [True], "b goes on"
+    assert driver.acting == [True], "b continues"
     driver.report("b")
     assert driver.acting == [True, False]
 
@@ -324,7 +324,7 @@ def test_the_stop_key_works_in_a_trial_too(driver: ArbiterDriver) -> None:
     driver.stop()
     driver.wait_for("enter", "attempt")
     assert (driver.acted, driver.dropped) == ([], [("a", "stopped")])
-    assert driver.all(HALT)[0].asked == driver.clock.now(), "without a stamp of its own it counts from its handling"
+    assert driver.all(HALT)[0].asked == driver.clock.now(), "without a time stamp it counts from its handling"
 
 
 def test_other_commands_stop_nothing(driver: ArbiterDriver) -> None:
@@ -338,20 +338,20 @@ def test_other_commands_stop_nothing(driver: ArbiterDriver) -> None:
 
 
 def test_no_session_hangs_on_an_output_that_never_answers(driver: ArbiterDriver) -> None:
-    patience = PATIENCE + PER_CHARACTER
+    patience = ACTION_TIMEOUT + PER_CHARACTER
     driver.propose("a", "b")
     driver.clock.advance(patience - 1)
     assert driver.acted == ["a"]
     driver.clock.advance(1)
     assert driver.acted == ["a", "b"]
-    assert driver.halted == [("a", "interrupted")], "and it is told to be quiet"
+    assert driver.halted == [("a", "interrupted")], "and its output is halted"
     driver.clock.advance(patience)
     assert driver.acting == [True, False]
 
 
 def test_the_time_limit_grows_with_the_text(driver: ArbiterDriver) -> None:
     driver.propose("a", spoken="a" * 800)
-    driver.clock.advance(PATIENCE + 799 * PER_CHARACTER)
+    driver.clock.advance(ACTION_TIMEOUT + 799 * PER_CHARACTER)
     assert driver.acting == [True]
 
 
@@ -381,9 +381,9 @@ def test_waiting_instructions_are_dropped_on_the_next_screen(driver: ArbiterDriv
 
 def test_each_action_has_its_own_time_limit(driver: ArbiterDriver) -> None:
     driver.propose("a", "b")
-    driver.clock.advance(PATIENCE - 1)
+    driver.clock.advance(ACTION_TIMEOUT - 1)
     driver.report("a")
-    driver.clock.advance(PATIENCE - 1)
+    driver.clock.advance(ACTION_TIMEOUT - 1)
     assert driver.acting == [True]
 
 
@@ -396,10 +396,10 @@ def test_a_new_run_starts_with_an_empty_queue_and_its_own_outputs(driver: Arbite
     driver.begin({"robot": ("gesture",)}, run=2)
     assert sorted(driver.dropped) == [("due", "late"), ("waits", "late")]
     assert driver.acting == [True, False]
-    driver.clock.advance(2 * PATIENCE)
+    driver.clock.advance(2 * ACTION_TIMEOUT)
     assert driver.acted == ["late"]
     driver.propose("b")
-    assert driver.acting == [True, False], "nobody speaks in this run"
+    assert driver.acting == [True, False], "no output speaks in this run"
     driver.propose("c", gesture="wave")
     assert driver.acting == [True, False, True]
 

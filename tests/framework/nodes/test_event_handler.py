@@ -71,7 +71,7 @@ def test_a_session_goes_from_the_instructions_through_its_attempts_to_its_end(ne
     assert (driver.waiting.stage, driver.waiting.attempt_name) == ("attempt", "attempt 2 of 2")
     driver.attempt()
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "review")
-    assert driver.all(SESSION_ENDED) == [], "the last answer is read before the goodbye"
+    assert driver.all(SESSION_ENDED) == [], "the last feedback is read before the goodbye"
     driver.press("enter")
     assert driver.waiting.what == "nothing"
     assert numbers(driver) == [(1, 1), (1, 2), (1, 3), (2, 1), (2, 2), (2, 3)]
@@ -654,7 +654,7 @@ def test_an_end_aborts_from_anywhere_and_is_final(
     done = len(driver.all(TRIAL))
     driver.operate("end")
     if done and not driver.screen.stores:
-        assert driver.all(SESSION_ENDED) == [], "the last trial is not on the disk yet"
+        assert driver.all(SESSION_ENDED) == [], "the last trial is not on disk yet"
         driver.screen.store(1, done)
     assert [end.status for end in driver.all(SESSION_ENDED)] == ["aborted"]
     assert driver.session.ended
@@ -872,7 +872,7 @@ def test_a_disk_failure_in_a_pause_is_reported_first(new_session: NewSession) ->
     driver.operate("resume")
     assert driver.waiting.reason == "storage"
     driver.disk(True)
-    assert driver.waiting.reason == "tired", "what a person said is not forgotten"
+    assert driver.waiting.reason == "tired", "the reason a person gave is not forgotten"
 
 
 def test_a_trial_is_repeated_if_the_program_was_suspended(new_session: NewSession) -> None:
@@ -931,7 +931,7 @@ def test_a_result_that_cannot_be_stored_stops_the_session(new_session: NewSessio
     assert (driver.waiting.what, driver.waiting.stage) == ("nothing", "broken")
     said = len(driver.records)
     driver.wait(60_000)
-    assert len(driver.records) == said, "nothing goes on by itself"
+    assert len(driver.records) == said, "nothing continues by itself"
     driver.press("enter")
     driver.operate("resume")
     assert driver.all(TRIAL) == []

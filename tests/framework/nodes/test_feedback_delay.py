@@ -214,7 +214,7 @@ def test_feedback_on_request_is_given_once_when_requested(new_session: NewSessio
     assert answers(driver) == []
     driver.press("tab")
     asked = driver.clock.now()
-    assert answers(driver) == [asked], "what is asked for comes at once"
+    assert answers(driver) == [asked], "requested feedback comes at once"
     assert (driver.last(ATTEMPT_ENDED).feedback, driver.last(FEEDBACK).valence) == ("positive", "positive")
     assert driver.waiting.ask == ""
     before, after = (ended.choice for ended in driver.all(ATTEMPT_ENDED))

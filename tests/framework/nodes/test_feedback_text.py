@@ -94,7 +94,7 @@ def test_the_form_both_gives_words_then_figures(attempts: list[dict[str, Any]], 
         assert set(said["qualitative"]) <= set(QUALITATIVE)
         first, *more = said["quantitative"]
         assert first in QUANTITATIVE
-        assert set(more) <= {*QUANTITATIVE, *said["qualitative"]}, "words, where a change has no share to be told"
+        assert set(more) <= {*QUANTITATIVE, *said["qualitative"]}, "words if the change has no percentage"
         assert said["both"][-len(said["quantitative"]) :] == said["quantitative"]
         assert set(said["both"]) <= {*said["qualitative"], *said["quantitative"]}
 

@@ -49,7 +49,7 @@ def test_a_mark_in_a_trial_is_stored_and_the_trial_does_not_count(new_session: N
     trial = driver.last(TRIAL)
     assert (trial.response, trial.correct, trial.value) == ("lift", False, None)
     assert trial.details == {"sway": 4.0, "grip": 50.0, "mark": "caught"}
-    assert marked(driver) == [(1, 1, "caught", False)], "it was heard at once, and needs no second telling"
+    assert marked(driver) == [(1, 1, "caught", False)], "the mark took effect at once, with no second message"
     driver.wait(300)
     driver.lift(500)
     ended = driver.last(ATTEMPT_ENDED)
@@ -140,11 +140,11 @@ def test_a_mark_after_an_attempt_corrects_its_score_and_the_level(new_session: N
     again = driver.last(ATTEMPT_ENDED)
     assert (again.attempt, again.level, again.metric, again.correct, again.outcome) == (1, 3, 400.0, 1, "failure")
     assert (again.started, again.ended, again.goal) == (before.started, before.ended, before.goal)
-    assert again.feedback == "positive", "that is what was said"
+    assert again.feedback == "positive", "the feedback that was given stands"
     assert (driver.last(LEVEL).previous, driver.last(LEVEL).level, driver.last(LEVEL).reason) == (4, 2, "mark")
     assert (driver.waiting.stage, driver.waiting.attempt, driver.waiting.level) == ("attempt", 2, 2)
     assert driver.waiting.goal == "Your goal: less than 1100 ms, with at least 80% right."
-    assert len(driver.all(ACTION)) == said, "nothing more is said of it"
+    assert len(driver.all(ACTION)) == said, "no further feedback is given"
 
 
 def test_another_mark_replaces_the_first(new_session: NewSession) -> None:

@@ -238,7 +238,7 @@ def test_a_mark_withdraws_a_pending_level_that_no_longer_follows(calm: Theme) ->
     decide(driver, "l1", "accept")
     assert (driver.waiting.stage, driver.waiting.level) == ("attempt", 1)
     driver.operate("mark", reason="caught")
-    assert [pending.proposal.id for pending in driver.last(ARBITER_STATE).pending] == ["l2"], "the mark was taken back"
+    assert [pending.proposal.id for pending in driver.last(ARBITER_STATE).pending] == ["l2"], "the mark was removed"
     decide(driver, "l2", "accept")
     assert driver.waiting.level == 2
 

@@ -224,7 +224,7 @@ def test_unsaid_feedback_can_be_requested() -> None:
     assert driver.ask_unsaid(3) == ("B",)
     driver.wait_for("response")
     driver.decide("a1", "accept")
-    assert driver.ask_unsaid(3) == ("B",), "it waits for its turn"
+    assert driver.ask_unsaid(3) == ("B",), "it is queued"
     driver.wait_for("enter", "attempt")
     assert driver.acted[-1] == "a1"
     assert driver.ask_unsaid(3) == ()

@@ -237,7 +237,7 @@ def test_a_resumed_session_waits_for_enter_then_for_its_sensor(lifting: LiftDriv
     resumed = LiftDriver(SensedLift, calm, attempts=2, history=lifting.records)
     assert stands(resumed) == ("enter", "paused", "interrupted")
     resumed.press("enter")
-    assert stands(resumed) == LOST, "of the sensor of this run nothing is known yet"
+    assert stands(resumed) == LOST, "the sensor of this run has not reported yet"
     sensor(resumed, "attached")
     assert (stands(resumed), resumed.waiting.trial) == (AT_START, 2)
     assert resumed.all(PROMPT) == []

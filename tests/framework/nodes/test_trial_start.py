@@ -87,7 +87,7 @@ def test_a_held_start_key_starts_only_one_trial(new_session: NewSession) -> None
     assert (driver.waiting.what, driver.waiting.trial, len(driver.all(PROMPT))) == ("start", 2, 1)
     driver.wait(600)
     driver.press("space")
-    assert len(driver.all(PROMPT)) == 1, "so soon after the last it is held still"
+    assert len(driver.all(PROMPT)) == 1, "so soon after the last press the key is still held"
     driver.wait(700)
     driver.press("space")
     assert len(driver.all(PROMPT)) == 2
@@ -376,7 +376,7 @@ def test_an_unmeasurable_trial_is_repeated_a_limited_number_of_times(new_session
     assert (missed.correct, missed.timing.flags) == (False, ("unmeasured", "slipped"))
     assert (driver.waiting.what, driver.waiting.trial, driver.waiting.notice) == ("start", 2, "")
     driver.lift(end="?")
-    assert len(driver.all(TRIAL)) == 1, "and each trial has as many tries"
+    assert len(driver.all(TRIAL)) == 1, "each trial has as many repetitions"
 
 
 # --- notices --------------------------------------------------------------------------------------------------
@@ -388,11 +388,11 @@ def test_a_level_is_announced_at_the_start_and_when_it_changes(new_session: NewS
     assert driver.waiting.notice == "Weight 3 after 0"
     driver.press("enter")
     driver.wait(300)
-    assert driver.waiting.notice == "", "a trial that is not repeated has nothing to tell"
+    assert driver.waiting.notice == "", "a trial that is not repeated has no notice"
     driver.lift(end="d")
     assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", "Weight 2 after 3")
     driver.operate("level", value=3)
-    assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", ""), "the level is what it was"
+    assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", ""), "the level did not change"
 
 
 def test_a_level_that_stays_is_not_announced_again(new_session: NewSession) -> None:
