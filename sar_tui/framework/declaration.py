@@ -26,7 +26,7 @@ def meta(
         title: its name on the settings form.
         unit: shown beside the field.
         help: one or two plain sentences.
-        takes: what a text may be, in words: "a code of small letters, such as en".
+        takes: what a text may be, in words: "a code in lower case, such as en".
         group: its heading on the settings form. A task's own parameters need none; a common one that a task redeclares
             keeps its heading.
         renamed: former spellings of a choice, each with its present one: ``{"thesis": "consecutive"}``. Stored

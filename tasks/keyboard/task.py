@@ -20,15 +20,18 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
     """Parameters of the keyboard task."""
 
     prompts_per_attempt: Annotated[
-        int, meta("Prompts per attempt", help="How many keys an attempt asks for.", ge=1, le=200)
+        int, meta("Prompts per attempt", help="Number of keys that an attempt asks for.", ge=1, le=200)
     ] = 20
     threshold: Annotated[
         float,
-        meta("Goal", "ms", "The mean reaction time of an attempt has to be below this; equal is not enough.",
+        meta("Goal", "ms", "The mean reaction time of an attempt must be below this; equal is not enough.",
              ge=100, le=60_000),
     ] = 1000.0  # fmt: skip
     neutral_band: Annotated[
-        float, meta("Neutral band", "ms", "This near the goal, on either side, feedback is neutral.", ge=0, le=5000)
+        float,
+        meta(
+            "Neutral band", "ms", "Feedback is neutral within this distance of the goal, on either side.", ge=0, le=5000
+        ),
     ] = 10.0
     choice_set: Annotated[
         Literal["both hands", "left hand", "right hand", "arrow keys"],
@@ -40,13 +43,15 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
     ] = "qwerty"
     levels: Annotated[
         tuple[str, ...],
-        meta("Own levels", help="Own choice sets, easiest first, a word each (fj dfjk asdfjkl). Empty: those of Keys."),
+        meta(
+            "Own levels", help="Own choice sets, easiest first, one word each (fj dfjk asdfjkl). Empty: those of Keys."
+        ),
     ] = ()
     sequence: Annotated[
-        Literal["random", "repeating"], meta("Sequence", help="Prompts at random, or the same sequence over and over.")
+        Literal["random", "repeating"], meta("Sequence", help="Random prompts, or the same sequence again and again.")
     ] = "random"
     sequence_length: Annotated[
-        int, meta("Sequence length", "prompts", "How long a repeating sequence is.", ge=2, le=100)
+        int, meta("Sequence length", "prompts", "Length of a repeating sequence.", ge=2, le=100)
     ] = 10
 
     def problems(self) -> dict[str, str]:

@@ -24,15 +24,18 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
         meta("Respond with", help="keys: a half of the keyboard each. reaches: out and back, a sensor on a hand each."),
     ] = "keys"
     prompts_per_attempt: Annotated[
-        int, meta("Prompts per attempt", help="How many prompts an attempt has, for both together.", ge=2, le=200)
+        int, meta("Prompts per attempt", help="Number of prompts in an attempt, for both together.", ge=2, le=200)
     ] = 12
     threshold: Annotated[
         float,
-        meta("Goal", "ms", "The mean reaction time of an attempt has to be below this; equal is not enough. With "
+        meta("Goal", "ms", "The mean reaction time of an attempt must be below this; equal is not enough. With "
              "reaches each level takes a tenth off it.", ge=100, le=60_000),
     ] = 1000.0  # fmt: skip
     neutral_band: Annotated[
-        float, meta("Neutral band", "ms", "This near the goal, on either side, feedback is neutral.", ge=0, le=5000)
+        float,
+        meta(
+            "Neutral band", "ms", "Feedback is neutral within this distance of the goal, on either side.", ge=0, le=5000
+        ),
     ] = 10.0
     layout: Annotated[
         Literal["qwerty", "azerty", "qwertz"],
@@ -40,23 +43,24 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     ] = "qwerty"
     window_ms: Annotated[
         int,
-        meta("Window", "ms", "Both respond within so much of each other.", ge=20, le=10_000, group="Cooperative"),
+        meta("Window", "ms", "Longest time between both responses.", ge=20, le=10_000, group="Cooperative"),
     ] = 400
     congruent_share: Annotated[
         float,
-        meta("Congruent share", help="How often the prompt comes up on the side that the agent looks to, 0 to 1.",
+        meta("Congruent share", help="Share of prompts on the side that the agent looks to, 0 to 1.",
              ge=0, le=1, group="Joint attention"),
     ] = 0.5  # fmt: skip
     cue_lead_ms: Annotated[
         int,
-        meta("Cue lead", "ms", "So long before the prompt the agent looks.", ge=50, le=5000, group="Joint attention"),
+        meta("Cue lead", "ms", "Time from the agent's cue to the prompt.", ge=50, le=5000, group="Joint attention"),
     ] = 400
     cue_by: Annotated[
         Literal["gaze", "gesture", "both"],
         meta("Cue", help="The agent looks (gaze), points (gesture), or both.", group="Joint attention"),
     ] = "gaze"
     address: Annotated[
-        Literal["seat", "code"], meta("Called by", help="The agent says who is meant: left and right, or by code.")
+        Literal["seat", "code"],
+        meta("Called by", help="The agent calls participants by seat (left, right) or by code."),
     ] = "seat"
     imu: Annotated[
         str,
@@ -64,14 +68,15 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
              min_length=1, group="Reaches"),
     ] = "phidget"  # fmt: skip
     imu_b: Annotated[
-        str, meta("Sensor on the right", help="As on the left: another one.", min_length=1, group="Reaches")
+        str, meta("Sensor on the right", help="As on the left, but another sensor.", min_length=1, group="Reaches")
     ] = "phidget"
     hand: Annotated[
         Literal["right", "left"],
         meta("Hand of who sits left", help="The hand that reaches, with the sensor on it.", group="Reaches"),
     ] = "right"
     hand_b: Annotated[
-        Literal["right", "left"], meta("Hand of who sits right", help="The same, of the other.", group="Reaches")
+        Literal["right", "left"],
+        meta("Hand of who sits right", help="The hand that reaches, with the sensor on it.", group="Reaches"),
     ] = "right"
 
     def problems(self) -> dict[str, str]:

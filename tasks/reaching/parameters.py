@@ -13,9 +13,9 @@ _FEW_CM, _MOST_CM = 1.0, 200.0
 class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
     """Parameters of the reaching task."""
 
-    attempts: Annotated[int, meta("Attempts", help="How many attempts a session has.", ge=1, le=200)] = 20
+    attempts: Annotated[int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)] = 20
     reaches_per_attempt: Annotated[
-        int, meta("Reaches per attempt", help="How many reaches an attempt asks for.", ge=1, le=50)
+        int, meta("Reaches per attempt", help="Number of reaches that an attempt asks for.", ge=1, le=50)
     ] = 1
     imu: Annotated[
         str,
@@ -28,12 +28,12 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
     )
     marker_distances_cm: Annotated[
         tuple[float, ...],
-        meta("Markers", "cm", "How far each marker is from the start, nearest first. A level is a marker."),
+        meta("Markers", "cm", "Distance of each marker from the start, nearest first. Each marker is a level."),
     ] = (15.0, 20.0, 25.0, 30.0, 35.0, 40.0)
     threshold: Annotated[
         float,
         meta("Goal", "ms",
-             "The mean reach time to the nearest marker has to be below this; farther ones are given more time.",
+             "The mean reach time to the nearest marker must be below this; farther markers get more time.",
              ge=100, le=60_000),
     ] = 1200.0  # fmt: skip
     goal_times_ms: Annotated[
@@ -41,7 +41,8 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         meta("Own goals", "ms", "A goal for each marker, nearest first. Empty: made from Goal and the distances."),
     ] = ()
     neutral_band: Annotated[
-        float, meta("Neutral band", "% of the goal", "This near the goal feedback is neutral.", ge=0, le=50)
+        float,
+        meta("Neutral band", "% of the goal", "Feedback is neutral within this distance of the goal.", ge=0, le=50),
     ] = 2.0
     feedback_on: Annotated[
         Literal["results", "performance", "both"],
@@ -53,16 +54,16 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
     ] = "single-axis"
     go_signal: Annotated[
         bool,
-        meta("Go signal", help="After the space bar a random wait, and then a signal to go. Gives reaction times."),
+        meta("Go signal", help="After Space a random wait, then a go signal. Measures reaction times."),
     ] = False
     still_ms: Annotated[
         int,
-        meta("Rest that ends a reach", "ms", "A reach followed by so much rest needs no second press.",
+        meta("Rest that ends a reach", "ms", "A reach followed by a rest this long needs no second press.",
              ge=1000, le=60_000),
     ] = 2500  # fmt: skip
     least_turn_deg: Annotated[
         float,
-        meta("Least turn", "deg", "The hand turns at least so far on the way out, and on the way back.", ge=1, le=60),
+        meta("Least turn", "deg", "Smallest turn of the hand on the way out, and on the way back.", ge=1, le=60),
     ] = 7.0
     thesis_threshold_rad_s: Annotated[
         float, meta("Fixed threshold", "rad/s", "Rotation about z that is faster than this is movement.", ge=0.01, le=5)
@@ -71,13 +72,13 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         int, meta("Fixed threshold: rest", "ms", "Movement ends where a rest this long begins.", ge=50, le=5000)
     ] = 800
     min_accuracy: Annotated[
-        float, meta("Minimum accuracy", help="The share of reaches that have to be complete, 0 to 1.", ge=0, le=1)
+        float, meta("Minimum accuracy", help="The share of reaches that must be complete, 0 to 1.", ge=0, le=1)
     ] = 0.8
     response_timeout_ms: Annotated[
-        int, meta("Reach time-out", "ms", "After this long without an end a reach is over.", ge=1000, le=600_000)
+        int, meta("Reach time-out", "ms", "A reach without an end is over after this time.", ge=1000, le=600_000)
     ] = 20_000
     max_level: Annotated[
-        int, meta("Highest level", help="The level never rises above this, nor above the last marker.", ge=1, le=100)
+        int, meta("Highest level", help="The level never rises above this or the last marker.", ge=1, le=100)
     ] = 10
 
     def problems(self) -> dict[str, str]:

@@ -157,7 +157,7 @@ async def test_a_value_is_checked_as_it_is_typed(data: Path, catalogue: Catalogu
         assert reads(driver, "attempts") == "Attempts is a whole number, 1 to 200, not 2x."
         assert driver.sees("1 to mend")
         await driver.press("backspace")
-        assert reads(driver, "attempts") == "How many attempts a session has. Default: 20."
+        assert reads(driver, "attempts") == "Number of attempts in a session. Default: 20."
         assert not driver.sees("to mend")
         assert driver.sees("not saved")
 

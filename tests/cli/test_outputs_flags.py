@@ -85,7 +85,7 @@ def test_the_options_stand_over_what_was_saved_and_keep_the_rest(
         (("--outputs", "servo:not-a-number"), "servo"),
         (("--speech", "nowhere"), "nowhere"),
         (("--speech", "file:"), "file:"),
-        (("--language", "English"), "Language takes a code of small letters, such as en, es or es-mx, not English."),
+        (("--language", "English"), "Language takes a code in lower case, such as en, es or es-mx, not English."),
     ],
 )
 @pytest.mark.parametrize("command", [RUN, SIMULATE], ids=["run", "simulate"])

@@ -137,7 +137,7 @@ def test_the_bounds_are_inclusive() -> None:
         ({"code": "ab"}, "Code takes two capitals, such as AB, not ab."),
         ({"nickname": "y" * 71}, f"Nickname takes at most 70 letters, not {'y' * 60}…."),
         ({"outputs": "a b c d e f g h i"}, "Outputs takes at most 8 words, spaced, not a b c d e f g h i."),
-        ({"language": "ES"}, "Language takes a code of small letters, such as en, es or es-mx, not ES."),
+        ({"language": "ES"}, "Language takes a code in lower case, such as en, es or es-mx, not ES."),
         ({"mirrored": "perhaps"}, "Mirrored is yes or no, not perhaps."),
         ({"repetition": 2}, "There is no parameter repetition. Did you mean repetitions?"),
         ({"qqq": 2}, "There is no parameter qqq."),

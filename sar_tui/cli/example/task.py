@@ -24,16 +24,23 @@ class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
     """
 
     prompts_per_attempt: Annotated[
-        int, meta("Turns per attempt", help="How many turns of tapping an attempt has.", ge=1, le=20)
+        int, meta("Turns per attempt", help="Number of turns of tapping in an attempt.", ge=1, le=20)
     ] = 3
     threshold: Annotated[
-        float, meta("Goal", "taps/s", "The mean rate of an attempt has to be above this.", ge=0.1, le=20)
+        float, meta("Goal", "taps/s", "The mean rate of an attempt must be above this.", ge=0.1, le=20)
     ] = 3.0
     neutral_band: Annotated[
-        float, meta("Neutral band", "taps/s", "This near the goal, on either side, feedback is neutral.", ge=0, le=5)
+        float,
+        meta(
+            "Neutral band",
+            "taps/s",
+            "Feedback is neutral within this distance of the goal, on either side.",
+            ge=0,
+            le=5,
+        ),
     ] = 0.1
     response_timeout_ms: Annotated[
-        int, meta("Tapping time", "ms", "How long a turn of tapping lasts.", ge=1000, le=60_000)
+        int, meta("Tapping time", "ms", "Duration of a turn of tapping.", ge=1000, le=60_000)
     ] = 5000
     wrong_share: Annotated[
         float, meta("Wrong taps allowed", help="The share of wrong taps a turn may have, 0 to 1.", ge=0, le=1)

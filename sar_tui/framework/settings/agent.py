@@ -10,18 +10,24 @@ class AgentSettings(Settings, frozen=True, kw_only=True):
 
     encouragement: Annotated[
         bool,
-        meta("Encouragement", help="A kind word before an attempt that is harder than those before.", group="Agent"),
+        meta(
+            "Encouragement", help="A kind word before an attempt that is harder than the earlier ones.", group="Agent"
+        ),
     ] = True
     outputs: Annotated[
         tuple[str, ...],
-        meta("Outputs", help="What the agent speaks and moves with: screen, speech, tones, servo, ros://HOST.",
-             max_length=8, group="Agent"),
-    ] = ("screen",)  # fmt: skip
+        meta(
+            "Outputs",
+            help="Where the agent appears, speaks and moves: screen, speech, tones, servo, ros://HOST.",
+            max_length=8,
+            group="Agent",
+        ),
+    ] = ("screen",)
     speech: Annotated[
         str,
         meta(
             "Speech goes to",
-            help="sound: the loudspeaker. file:FOLDER: a WAV for each utterance.",
+            help="sound: the loudspeaker. file:FOLDER: a WAV file for each utterance.",
             max_length=500,
             group="Agent",
         ),

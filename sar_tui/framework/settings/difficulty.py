@@ -24,7 +24,7 @@ class DifficultySettings(Settings, frozen=True, kw_only=True):
         int,
         meta(
             "Highest level",
-            help="The level never rises above this, nor above the last level there is.",
+            help="The level never rises above this or the last level of the task.",
             ge=1,
             le=100,
             group="Difficulty",
@@ -34,7 +34,7 @@ class DifficultySettings(Settings, frozen=True, kw_only=True):
         PolicyName,
         meta(
             "Difficulty",
-            help="consecutive: one level up or down after successes or failures in a row. fixed: stays.",
+            help="consecutive: one level up or down after successes or failures in a row. fixed: no change.",
             group="Difficulty",
             renamed={"thesis": "consecutive"},
         ),

@@ -18,8 +18,8 @@ class ScheduleSettings(Settings, frozen=True, kw_only=True):
         ScheduleName,
         meta(
             "Feedback",
-            help="every: each time, or each so many attempts. faded: less often with success. bandwidth: only away "
-            "from the goal. summary: of the last attempts. request: when the participant asks (Tab). none.",
+            help="every: after every n attempts. faded: less often with success. bandwidth: only away from "
+            "the goal. summary: on the last n attempts. request: when the participant asks (Tab). none: never.",
             group="Feedback",
         ),
     ] = "every"
@@ -30,17 +30,24 @@ class FeedbackSettings(Settings, frozen=True, kw_only=True):
 
     feedback_form: Annotated[
         Literal["qualitative", "quantitative", "both"],
-        meta("Feedback form", help="In words only, with figures, or both.", group="Feedback"),
+        meta("Feedback form", help="In words, in figures, or both.", group="Feedback"),
     ] = "both"
     feedback_compared_with: Annotated[
         Literal["last attempt", "best attempt", "session's mean", "goal"],
         meta(
             "Compared with",
-            help="What figures are held against: results at the same level, or the goal.",
+            help="Figures are compared with results at the same level, or with the goal.",
             group="Feedback",
         ),
     ] = "last attempt"
     feedback_delay_ms: Annotated[
         int,
-        meta("Feedback delay", "ms", "From the end of an attempt to its answer.", ge=0, le=60_000, group="Feedback"),
+        meta(
+            "Feedback delay",
+            "ms",
+            "Time from the end of an attempt to its feedback.",
+            ge=0,
+            le=60_000,
+            group="Feedback",
+        ),
     ] = 0

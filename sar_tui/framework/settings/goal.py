@@ -12,7 +12,7 @@ class GoalSettings(Settings, frozen=True, kw_only=True):
         float,
         meta(
             "Goal",
-            help="The result of an attempt has to be better than this; equal is not enough.",
+            help="The result of an attempt must be better than this; equal is not enough.",
             ge=0,
             le=1e6,
             group="Difficulty",
@@ -22,7 +22,7 @@ class GoalSettings(Settings, frozen=True, kw_only=True):
         float,
         meta(
             "Neutral band",
-            help="This near the goal, on either side, feedback is neutral.",
+            help="Feedback is neutral within this distance of the goal, on either side.",
             ge=0,
             le=1e6,
             group="Difficulty",
@@ -32,7 +32,7 @@ class GoalSettings(Settings, frozen=True, kw_only=True):
         float,
         meta(
             "Minimum accuracy",
-            help="The share of right responses an attempt needs to succeed, 0 to 1.",
+            help="The share of right responses that a successful attempt needs, 0 to 1.",
             ge=0,
             le=1,
             group="Difficulty",

@@ -11,20 +11,24 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
 
     operator_feedback: Annotated[
         Mode,
-        meta("Feedback mode", help="With an operator: autonomous, the agent gives it; veto, unless it is stopped in "
-             "time; approve, on a key; manual, the operator alone.", group="Operator"),
-    ] = "autonomous"  # fmt: skip
+        meta(
+            "Feedback mode",
+            help="With an operator: autonomous, the agent acts; veto, it acts unless stopped in time; "
+            "approve, it acts when a key is pressed; manual, only the operator acts.",
+            group="Operator",
+        ),
+    ] = "autonomous"
     operator_encouragement: Annotated[
         Mode,
-        meta("Encouragement mode", help="As for feedback; also reminders of rest.", group="Operator"),
+        meta("Encouragement mode", help="As for feedback; includes reminders of rest.", group="Operator"),
     ] = "autonomous"
     operator_instruction: Annotated[
         Mode,
-        meta("Instruction mode", help="As for feedback; also greeting and goodbye.", group="Operator"),
+        meta("Instruction mode", help="As for feedback; includes greeting and goodbye.", group="Operator"),
     ] = "autonomous"
     operator_gesture: Annotated[
         Mode,
-        meta("Gesture mode", help="As for feedback; autonomous: they go with their words.", group="Operator"),
+        meta("Gesture mode", help="As for feedback; autonomous: gestures go with their text.", group="Operator"),
     ] = "autonomous"
     operator_difficulty: Annotated[
         Mode,
@@ -32,26 +36,48 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
     ] = "autonomous"
     operator_time_ms: Annotated[
         int,
-        meta("Time to decide", "ms", "How long veto and approve wait. With a feedback delay, feedback waits for that.",
-             group="Operator", ge=200, le=120_000),
-    ] = 4000  # fmt: skip
+        meta(
+            "Time to decide",
+            "ms",
+            "Waiting time of veto and approve. For feedback with a delay, that delay.",
+            group="Operator",
+            ge=200,
+            le=120_000,
+        ),
+    ] = 4000
     operator_timeout: Annotated[
         Literal["act", "drop"],
-        meta("Timeout of approve", help="When nobody decides in time. act: the agent goes on as if it were alone. "
-             "drop: nothing is said.", group="Operator"),
-    ] = "act"  # fmt: skip
+        meta(
+            "Timeout of approve",
+            help="If nobody decides in time. act: the agent acts as if it were alone. drop: nothing is said.",
+            group="Operator",
+        ),
+    ] = "act"
     operator_lost: Annotated[
         Literal["autonomous", "silent"],
-        meta("Agent without operator", help="If none is there, or none is heard any more. silent: what would need one "
-             "is left out.", group="Operator"),
-    ] = "autonomous"  # fmt: skip
+        meta(
+            "Agent without operator",
+            help="If no operator is connected, or the connection is lost. silent: what needs an operator is dropped.",
+            group="Operator",
+        ),
+    ] = "autonomous"
     operator_lost_ms: Annotated[
         int,
-        meta("Time until lost", "ms", "An operator is lost whose program gave no sign of life for so long.",
-             group="Operator", ge=500, le=60_000),
-    ] = 2000  # fmt: skip
+        meta(
+            "Time until lost",
+            "ms",
+            "The operator counts as lost after this time without a sign of life from the panel.",
+            group="Operator",
+            ge=500,
+            le=60_000,
+        ),
+    ] = 2000
     filler: Annotated[
         Literal["operator", "always", "never"],
-        meta("Filler", help="A word after a second without an answer that is due. operator: while one decides; always: "
-             "also while a feedback delay passes, so that it does not tell the two apart.", group="Operator"),
-    ] = "operator"  # fmt: skip
+        meta(
+            "Filler",
+            help="Said after one second of waiting for feedback. operator: while an operator decides. always: "
+            "also during a feedback delay, so that the two cannot be told apart. never: nothing is said.",
+            group="Operator",
+        ),
+    ] = "operator"

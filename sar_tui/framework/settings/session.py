@@ -9,20 +9,29 @@ class SessionSettings(Settings, frozen=True, kw_only=True):
     """Number of attempts, rest and language."""
 
     attempts: Annotated[
-        int, meta("Attempts", help="How many attempts a session has.", ge=1, le=200, group="Session")
+        int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200, group="Session")
     ] = 20
     practice_attempts: Annotated[
         int,
-        meta("Practice attempts", help="Attempts before the first that counts; they never change the level.",
-             ge=0, le=20, group="Session"),
-    ] = 0  # fmt: skip
+        meta(
+            "Practice attempts",
+            help="Attempts before the first that counts. They do not change the level.",
+            ge=0,
+            le=20,
+            group="Session",
+        ),
+    ] = 0
     rest_every: Annotated[
         int,
-        meta("Rest reminder every", "attempts", "The agent reminds of rest; 0: never.", ge=0, le=200, group="Session"),
+        meta("Rest reminder every", "attempts", "The agent suggests a rest; 0: never.", ge=0, le=200, group="Session"),
     ] = 10
     language: Annotated[
         str,
-        meta("Language", help="Of all the participant sees and hears: en, es, or another the theme has.",
-             takes="a code of small letters, such as en, es or es-mx",
-             pattern="^[a-z]{2,3}(-[a-z]{2,4})?$", group="Session"),
-    ] = "en"  # fmt: skip
+        meta(
+            "Language",
+            help="For all that the participant sees and hears: en, es, or another that the theme has.",
+            takes="a code in lower case, such as en, es or es-mx",
+            pattern="^[a-z]{2,3}(-[a-z]{2,4})?$",
+            group="Session",
+        ),
+    ] = "en"

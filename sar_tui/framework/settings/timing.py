@@ -13,7 +13,7 @@ class TimingSettings(Settings, frozen=True, kw_only=True):
         meta(
             "Response time-out",
             "ms",
-            "After this long without a response the prompt is missed.",
+            "A prompt without a response counts as missed after this time.",
             ge=100,
             le=600_000,
             group="Timing",
@@ -21,16 +21,21 @@ class TimingSettings(Settings, frozen=True, kw_only=True):
     ] = 5000
     min_rt_ms: Annotated[
         int,
-        meta("Fastest real response", "ms",
-             "A faster response is kept, marked as an anticipation, and left out of the result.", ge=0, le=1000,
-             group="Timing"),
-    ] = 100  # fmt: skip
+        meta(
+            "Fastest real response",
+            "ms",
+            "A faster response is stored as an anticipation and left out of the result.",
+            ge=0,
+            le=1000,
+            group="Timing",
+        ),
+    ] = 100
     quiet_ms: Annotated[
         int,
         meta(
             "Quiet before a prompt",
             "ms",
-            "No key may be pressed for this long before the wait begins.",
+            "The wait begins after this time without a key press.",
             ge=0,
             le=5000,
             group="Timing",

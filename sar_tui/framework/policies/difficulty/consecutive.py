@@ -14,7 +14,7 @@ class ConsecutiveSettings(Settings, frozen=True, kw_only=True):
         int,
         meta(
             "Successes before harder",
-            help="So many successes in a row raise the level by one.",
+            help="This many successes in a row raise the level by one.",
             ge=1,
             le=20,
             group="Difficulty",
@@ -24,7 +24,7 @@ class ConsecutiveSettings(Settings, frozen=True, kw_only=True):
         int,
         meta(
             "Failures before easier",
-            help="So many failures in a row lower the level by one.",
+            help="This many failures in a row lower the level by one.",
             ge=1,
             le=20,
             group="Difficulty",

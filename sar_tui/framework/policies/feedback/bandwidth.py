@@ -12,9 +12,15 @@ class BandwidthSettings(Settings, frozen=True, kw_only=True):
 
     feedback_tolerance: Annotated[
         float,
-        meta("Bandwidth", "% of the goal", "For bandwidth: a result no farther from the goal is not answered.",
-             ge=0, le=100, group="Feedback"),
-    ] = 10.0  # fmt: skip
+        meta(
+            "Bandwidth",
+            "% of the goal",
+            "For bandwidth: no feedback on results within this distance of the goal.",
+            ge=0,
+            le=100,
+            group="Feedback",
+        ),
+    ] = 10.0
 
 
 def decide(history: History, attempt: JudgedAttempt, settings: BandwidthSettings) -> Decision:

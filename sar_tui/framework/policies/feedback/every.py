@@ -12,9 +12,15 @@ class EverySettings(Settings, frozen=True, kw_only=True):
 
     feedback_every: Annotated[
         int,
-        meta("Feedback every", "attempts", "For every and summary: the agent answers every so many attempts.",
-             ge=1, le=100, group="Feedback"),
-    ] = 1  # fmt: skip
+        meta(
+            "Feedback every",
+            "attempts",
+            "For every and summary: the number of attempts n.",
+            ge=1,
+            le=100,
+            group="Feedback",
+        ),
+    ] = 1
 
 
 def decide(history: History, attempt: JudgedAttempt, settings: EverySettings) -> Decision:

@@ -15,10 +15,15 @@ class FadedSettings(Settings, frozen=True, kw_only=True):
 
     feedback_fade: Annotated[
         int,
-        meta("Fading", "successes",
-             "For faded: so many more successes than failures make feedback rarer by one attempt.", ge=1, le=50,
-             group="Feedback"),
-    ] = 2  # fmt: skip
+        meta(
+            "Fading",
+            "successes",
+            "For faded: each time successes outnumber failures by this many more, feedback is rarer by one attempt.",
+            ge=1,
+            le=50,
+            group="Feedback",
+        ),
+    ] = 2
 
 
 def decide(history: History, attempt: JudgedAttempt, settings: FadedSettings) -> Decision:
