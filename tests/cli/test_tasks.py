@@ -63,7 +63,7 @@ def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, change:
 def test_a_task_shows_what_can_be_set(call: Call) -> None:
     called = call("tasks", "show", "keyboard")
     assert called.code == 0
-    for part in ("prompts_per_attempt", "1 to 200", "How many keys an attempt asks for.", "100 to 60000 ms"):
+    for part in ("prompts_per_attempt", "1 to 200", "Number of keys that an attempt asks for.", "100 to 60000 ms"):
         assert part in called.out
     words = called.out.split()
     own, heading, common = words.index("sequence_length"), words.index("Session"), words.index("attempts")
