@@ -15,7 +15,7 @@ from sar_tui.framework.topics import SENSOR
 from sar_tui.inputs.feed import ImuFeed
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
-from sar_tui.runs.sensors import sensing
+from sar_tui.runs.sensors import sensor_nodes
 from tests.app.app_driver import AppDriver, sit_down, stored
 
 
@@ -240,9 +240,9 @@ async def test_a_resumed_session_moves_the_simulated_hand_by_its_stored_seed(
 
     def spied(task: Task, seed: int, *feeds: ImuFeed) -> list[Node]:
         seeds.append(seed)
-        return sensing(task, seed, *feeds)
+        return sensor_nodes(task, seed, *feeds)
 
-    monkeypatch.setattr("sar_tui.runs.sensors.sensing", spied)
+    monkeypatch.setattr("sar_tui.runs.sensors.sensor_nodes", spied)
     ((session,),) = stored(data, "SELECT id FROM sessions")
     async with sit_down(data, catalogue, session) as driver:
         assert driver.sees("Welcome back")
