@@ -1,4 +1,4 @@
-"""A child process with pipes of its own, apart from the terminal: started, and ended with all that it started."""
+"""A child process with its own pipes, detached from the terminal, that is ended together with its children."""
 
 import contextlib
 import os
@@ -11,18 +11,18 @@ REAPED_S = 1.0
 
 
 def python(module: str) -> Sequence[str]:
-    """The command line of a module of ours.
+    """Return the command line of a module of this program.
 
-    ``-P``: no module of the folder that the program was started in takes the place of a library.
+    With ``-P``, no module in the current folder can replace a library.
     """
     return (sys.executable, "-P", "-m", module)
 
 
 def start(program: Sequence[str]) -> subprocess.Popen[bytes]:
-    """Start a child with unbuffered pipes in and out; a Ctrl-C in the terminal does not reach it.
+    """Start a child with unbuffered pipes; a Ctrl-C in the terminal does not reach it.
 
     Raises:
-        OSError: it cannot be started.
+        OSError: if it cannot be started.
     """
     apart = 0
     if sys.platform == "win32":
@@ -39,7 +39,7 @@ def start(program: Sequence[str]) -> subprocess.Popen[bytes]:
 
 
 def kill(process: subprocess.Popen[bytes]) -> None:
-    """End it at once, whatever it is doing, and all that it started. Harmless if it has ended."""
+    """Kill a process and everything it started, at once. Harmless if it has ended."""
     with contextlib.suppress(OSError):
         if sys.platform == "win32":
             process.kill()

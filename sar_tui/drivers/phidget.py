@@ -1,4 +1,4 @@
-"""What all Phidgets have in common: their library, who may use them, and the describe for what goes wrong."""
+"""Code that all Phidgets share: their library, USB permissions, error messages."""
 
 import ctypes
 import importlib
@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Any
 
 UDEV_RULE = 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"'
-"""What lets the user of a Linux desktop use what they plug in."""
+"""Rule that lets the user of a Linux desktop use a Phidget they plug in."""
 _VENDOR = "06c2"
 _DEVICES = Path("/sys/bus/usb/devices")
 _NODES = Path("/dev/bus/usb")
 
 
 def new_channel(kind: str) -> Any:
-    """A channel of Phidget22, such as ``Spatial`` or ``RCServo``.
+    """Make a channel of Phidget22, such as ``Spatial`` or ``RCServo``.
 
     Raises ImportError without the package, OSError without its native libraries.
     """
@@ -29,21 +29,21 @@ def new_channel(kind: str) -> Any:
     devices = importlib.import_module(f"Phidget22.Devices.{kind}")
     from Phidget22.Phidget import Phidget
 
-    Phidget.getLibraryVersion()  # Fails before there is an object, whose destructor would fail once more, aloud.
+    Phidget.getLibraryVersion()  # Fails before there is an object, whose destructor would print a second error.
     return getattr(devices, kind)()
 
 
 def plugged_in(devices: Path = _DEVICES) -> bool | None:
-    """Whether any Phidget is on a USB port; None where the system does not list what is plugged in (all but Linux)."""
+    """Return True if a Phidget is on a USB port; None if the system does not list USB devices (all but Linux)."""
     return any(_phidgets(devices)) if devices.is_dir() else None
 
 
 def usb_denied(devices: Path = _DEVICES, nodes: Path = _NODES) -> bool:
-    """Whether a Phidget is on a USB port that this user may not open. Linux only; elsewhere there are no such folders.
+    """Return True if a Phidget is on a USB port that this user may not open. Always False except on Linux.
 
     Args:
-        devices: where the system lists what is plugged in.
-        nodes: where it is opened.
+        devices: the system's folder of USB devices.
+        nodes: the folder of their device files.
     """
     for folder in _phidgets(devices):
         with suppress(OSError, ValueError):
@@ -55,13 +55,13 @@ def usb_denied(devices: Path = _DEVICES, nodes: Path = _NODES) -> bool:
 
 
 def describe(error: Exception) -> str:
-    """What an exception says, of Phidget22 or any other."""
+    """Return the message of an exception, of Phidget22 or any other."""
     said = (str(getattr(error, part, "") or "").strip() for part in ("description", "details"))
     return ": ".join(filter(None, said)) or f"{type(error).__name__}: {error}"
 
 
 def _phidgets(devices: Path) -> Iterator[Path]:
-    """The folders of the Phidgets on USB ports."""
+    """Yield the folders of the Phidgets on USB ports."""
     for vendor in devices.glob("*/idVendor"):
         with suppress(OSError):
             if vendor.read_text().strip() == _VENDOR:

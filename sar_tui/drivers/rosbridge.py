@@ -1,4 +1,4 @@
-"""A connection to a ROS system through the rosbridge protocol, made anew whenever it is lost."""
+"""A connection to a ROS system through the rosbridge protocol, with automatic reconnection."""
 
 import logging
 import re
@@ -10,26 +10,26 @@ from urllib.parse import parse_qsl, urlsplit
 from msgspec import Meta
 
 PORT = 9090
-"""Where a rosbridge server listens."""
+"""Default port of a rosbridge server."""
 NO_PACKAGE = "The Python package roslibpy is missing; install it with: pip install 'sar-tui[ros]'"
 
 TopicName = Annotated[str, Meta(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
-"""A ROS topic by its full name: ``/robot/speech``."""
+"""Full name of a ROS topic: ``/robot/speech``."""
 
 FIRST_RETRY_S = 0.5
 LONGEST_RETRY_S = 3.0
-"""roslibpy would wait up to an hour for a bridge that was away."""
+"""roslibpy would wait up to an hour between attempts."""
 PING_S = 3.0
-"""How often a bridge has to show that it lives, and how long it may take."""
+"""Interval of pings, and the time for each answer."""
 CLOSE_S = 1.0
 
 
 class AddressError(ValueError):
-    """An address cannot be understood; one or two clear sentences."""
+    """An address is invalid. The message is one or two clear sentences."""
 
 
 class Address(NamedTuple):
-    """Where a bridge is; the ``path`` and the ``options`` after it are each user's own."""
+    """Address of a bridge. Each user of it defines the ``path`` and the ``options``."""
 
     host: str
     port: int
@@ -41,9 +41,9 @@ class Address(NamedTuple):
 
 
 def parse(address: str, example: str) -> Address:
-    """Read ``ros://HOST[:PORT][/PATH][?NAME=VALUE&…]``, with or without its ``ros:``.
+    """Parse ``ros://HOST[:PORT][/PATH][?NAME=VALUE&…]``, with or without its ``ros:``.
 
-    Raises AddressError, which tells of ``example``.
+    Raises AddressError, with ``example``.
     """
     try:
         parts = urlsplit(address.strip())
@@ -53,39 +53,39 @@ def parse(address: str, example: str) -> Address:
             return Address(parts.hostname, PORT if parts.port is None else parts.port, parts.path, options)
     except ValueError:
         pass
-    raise AddressError(f'The address "{address}" cannot be understood. Say {example}.')
+    raise AddressError(f'The address "{address}" cannot be understood. Use {example}.')
 
 
 class Bridge:
-    """One connection to a rosbridge server, which may come and go.
+    """A connection to a rosbridge server that may come and go.
 
-    Opening and publishing never wait. Nothing piles up while the bridge is away: what is published then is left out.
-    Each time it is back, topics are advertised and subscribed to anew. roslibpy's asyncio transport is used, since its
-    other one can be begun only once in a program.
+    Opening and publishing never block. Messages published while there is no connection are dropped. After each
+    reconnection, topics are advertised and subscribed to again. It uses roslibpy's asyncio transport, since the other
+    one can be started only once in a program.
 
     Args:
-        address: where the server is.
-        advertised: the topics published to, and the type of each.
-        heard: the topics subscribed to: the type of each, and what is called with each message (as JSON has it).
+        address: the server.
+        advertised: the topics published to, with their types.
+        subscribed: the topics subscribed to, with their types and the callback for each message (as JSON has it).
         on_change: called when the connection is made or lost, and when there can be none (see ``problem``).
 
-    All callbacks come from the connection's own thread; after ``close``, none but one that is under way.
+    All callbacks come from the connection's own thread; after ``close``, at most one that is under way.
 
     Attributes:
-        problem: why there can be no connection at all; a sentence, empty where there can be.
+        problem: why there can be no connection at all, as a sentence; empty if there can be one.
     """
 
     def __init__(
         self,
         address: Address,
         advertised: Mapping[str, str],
-        heard: Mapping[str, tuple[str, Callable[[Any], None]]],
+        subscribed: Mapping[str, tuple[str, Callable[[Any], None]]],
         on_change: Callable[[], None],
     ) -> None:
         self.problem = ""
         self._address = address
         self._advertised = advertised
-        self._heard = heard
+        self._subscribed = subscribed
         self._on_change = on_change
         self._factory: Any = None
         self._connection: Any = None
@@ -96,7 +96,7 @@ class Bridge:
 
     @property
     def is_connected(self) -> bool:
-        """Whether the bridge is there, as far as is known."""
+        """True if the bridge is connected, as far as is known."""
         return self._connection is not None
 
     def open(self) -> None:
@@ -104,14 +104,14 @@ class Bridge:
         threading.Thread(target=self._connect, name="rosbridge", daemon=True).start()
 
     def publish(self, topic: str, message: Mapping[str, Any]) -> bool:
-        """Send a message to an advertised topic; False where the bridge is away. Any thread may do so."""
+        """Send a message to an advertised topic. Returns False without a connection. May be called from any thread."""
         connection = self._connection
         if connection is not None:
             connection.send_ros_message({"op": "publish", "topic": topic, "msg": message})
         return connection is not None
 
     def close(self) -> None:
-        """Send what was published, and let go. Takes a second at most, should the bridge hang. Harmless twice."""
+        """Send what was published, and disconnect. Waits at most a second if the bridge hangs. May be called twice."""
         with self._closing:
             self._closed = True
             if self._factory is not None:
@@ -137,10 +137,10 @@ class Bridge:
             factory = make(make.create_url(host, self._address.port))
             factory.initialDelay, factory.maxDelay = FIRST_RETRY_S, LONGEST_RETRY_S
             factory.setProtocolOptions(autoPingInterval=PING_S, autoPingTimeout=PING_S)
-            factory.on("ready", self._joined)
-            factory.on("close", self._left)
-            for topic, (_, hear) in self._heard.items():
-                factory.on(topic, self._unless_closed(hear))
+            factory.on("ready", self._on_ready)
+            factory.on("close", self._on_close)
+            for topic, (_, receive) in self._subscribed.items():
+                factory.on(topic, self._unless_closed(receive))
             with self._closing:
                 if not self._closed:
                     self._factory = factory
@@ -151,36 +151,36 @@ class Bridge:
         if not self._closed:
             self._on_change()
 
-    def _joined(self, connection: Any) -> None:
+    def _on_ready(self, connection: Any) -> None:
         self._thread = threading.get_ident()
         with self._closing:
-            if self._closed:  # An attempt that was under way when we let go.
+            if self._closed:  # an attempt that was under way on closing
                 connection.send_close()
                 return
             for topic, kind in self._advertised.items():
                 connection.send_ros_message({"op": "advertise", "topic": topic, "type": kind})
-            for topic, (kind, _) in self._heard.items():
+            for topic, (kind, _) in self._subscribed.items():
                 connection.send_ros_message({"op": "subscribe", "topic": topic, "type": kind})
             self._connection = connection
         self._on_change()
 
-    def _left(self, connection: Any) -> None:
+    def _on_close(self, connection: Any) -> None:
         if self._closed:
             self._gone.set()
-        elif connection is self._connection:  # Else it was an attempt that failed.
+        elif connection is self._connection:  # otherwise a failed attempt
             self._connection = None
             self._on_change()
 
-    def _unless_closed(self, hear: Callable[[Any], None]) -> Callable[[Any], None]:
-        def heard(message: Any) -> None:
+    def _unless_closed(self, receive: Callable[[Any], None]) -> Callable[[Any], None]:
+        def guarded(message: Any) -> None:
             if not self._closed:
-                hear(message)
+                receive(message)
 
-        return heard
+        return guarded
 
 
 def _silence(*names: str) -> None:
-    """Keep loggers off the terminal; whoever has set up logging still gets what they say."""
+    """Keep loggers off the terminal. Logging that the user has set up is unaffected."""
     for name in names:
         logger = logging.getLogger(name)
         if not logger.handlers:

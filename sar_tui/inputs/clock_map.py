@@ -1,19 +1,18 @@
 """A sensor's clock, mapped to this computer's."""
 
 DRIFT_PPM = 100
-"""How much faster than the sensor's clock the computer's may run and be followed evenly; a quartz keeps within 50."""
+"""Largest drift, in parts per million, that is followed smoothly; a quartz keeps within 50."""
 WINDOW_NS = 2_000_000_000
-"""Where it runs faster still, the map catches up so often."""
+"""Interval at which the map catches up with a faster drift."""
 
 
 class ClockMap:
-    """Tells when, on this computer's clock, a sensor measured: its own clock plus the least delay seen.
+    """Maps a sensor's clock to the host's: the sensor's time plus the smallest delay seen.
 
-    A sample comes late by what the bus and the scheduler make of it, never early. So the smallest of
-    (host - device) is the best guess of how the two clocks lie to each other, and the jitter of single samples goes.
-    The minimum leaks upwards by ``DRIFT_PPM``, so that it follows clocks that drift apart; what is left of a faster
-    drift is made up for every two seconds. What cannot be seen from
-    here stays in: the shortest time that a sample is ever under way.
+    A sample may arrive late, because of the bus and the scheduler, but never early. So the smallest (host - device) is
+    the best estimate of the offset between the clocks, and removes the jitter of single samples. The minimum leaks
+    upwards by ``DRIFT_PPM`` to follow clocks that drift apart; a faster drift is corrected every two seconds. The
+    shortest transmission time cannot be observed and remains included.
     """
 
     def __init__(self) -> None:
@@ -24,18 +23,18 @@ class ClockMap:
         self._excess = 0
 
     def restart(self) -> None:
-        """The sensor's clock begins anew. What is mapped from here on still comes after what was mapped before."""
+        """Restart after the sensor's clock began anew. Later results still follow earlier ones."""
         self._offset = None
 
     def at(self, device_ms: float, host_ns: int) -> int:
-        """When a sample was measured, in ns of the host's clock; strictly rising from call to call.
+        """Return when a sample was measured, in ns of the host's clock; strictly increasing from call to call.
 
-        Where the minimum falls, at the start or after a delay, the stamps close up at half the sensor's pace: no two
-        samples lie closer together than half of what they did on the sensor's clock.
+        When the minimum falls, at the start or after a delay, the results are at least half as far apart as the samples
+        are on the sensor's clock.
 
         Args:
-            device_ms: the sensor's clock. If it goes back, it is a clock that begins anew.
-            host_ns: when the sample came in.
+            device_ms: the sensor's clock. If it goes back, it began anew.
+            host_ns: when the sample arrived.
         """
         device = round(device_ms * 1e6)
         step = device - self._device

@@ -1,4 +1,4 @@
-"""Carries samples from a sensor's own thread to whoever drains them: stamped, checked and counted."""
+"""Transfers samples from a sensor's thread to the consumer: stamped, checked and counted."""
 
 from collections import deque
 from collections.abc import Callable
@@ -13,50 +13,50 @@ from sar_tui.inputs.imu import ImuSource, Info, Sample, Status, Vector
 from sar_tui.motion.samples import SAMPLE, Samples
 
 STALL = 500 * MS
-"""Nothing for this long from a sensor that is attached: it is stalled."""
+"""An attached sensor without samples for this long is stalled."""
 GAP_STEPS = 1.5
-"""A step of the sensor's clock beyond this many of its intervals is a gap."""
+"""A step of the sensor's clock of more than this many intervals is a gap."""
 RESTART_MS = 1000.0
 """A sensor's clock that goes back by more than this has begun anew; by less, the sample is wrong."""
 RATE_WINDOW = 2 * SECOND
 
 _TOO_LARGE = 1e30
-"""More than any sensor measures, and than 32 bits hold. NaN is not below it either."""
+"""More than any sensor measures, and more than 32 bits hold. NaN is not below it either."""
 _TOO_LATE_MS = 1e12
 
-_NOT_RISING = "The sensor's time stamps do not rise; such samples are left out."
-_NO_NUMBER = "The sensor tells of an angular rate that is not a number; such samples are left out."
-_NO_SAMPLE = "The sensor sends what is no sample: three numbers for each of its axes; such samples are left out."
-_RESTARTED = "The sensor's clock began anew; how many samples are missing is not known."
+_NOT_RISING = "The sensor's time stamps do not increase; such samples are left out."
+_NO_NUMBER = "The sensor reports an angular rate that is not a number; such samples are left out."
+_NO_SAMPLE = "The sensor sends something else than three numbers for each of its axes; such samples are left out."
+_RESTARTED = "The sensor's clock began anew; the number of missing samples is unknown."
 _BEYOND = "Faster or harder than the sensor can measure."
 
 _Row = tuple[int, int, float, Vector, Vector, Vector]
 
 
 class Drained(NamedTuple):
-    """What came since the last time: good samples, dtype SAMPLE, and what happened; each in the order of events."""
+    """Everything since the last drain: valid samples (dtype SAMPLE) and statuses, each in order."""
 
     samples: Samples
     statuses: list[Status]
 
 
 class ImuFeed:
-    """Owns a source. The source's thread only appends to a queue; all else happens in ``drain``.
+    """Owns a source. The source's thread only appends to a queue; everything else happens in ``drain``.
 
-    What is found here: a ``gap``, stamped like the first sample after it; the same as ``saturated``, where the sensor
-    told that it left those samples out because it was; samples at or beyond the sensor's range (``saturated`` too,
-    but kept), one status a drain, stamped like the first of them; an ``error`` for each run of samples left out, at
-    its beginning; ``stalled`` and ``flowing``.
+    It adds these statuses: ``gap``, stamped like the first sample after it, or ``saturated`` if the sensor reported
+    that it left the samples out for that reason; ``saturated`` for samples at or beyond the sensor's range, which are
+    kept, once per drain and stamped like the first; ``error`` for each run of discarded samples, at its beginning;
+    ``stalled`` and ``flowing``.
 
     Args:
-        source: where samples come from.
-        now: the present, in ns of the clock that the source's ``host_ns`` is taken from.
+        source: the source of samples.
+        now: returns the present, in ns of the clock of the source's ``host_ns``.
 
     Attributes:
-        is_running: whether it was started, and not stopped since.
-        received: good samples so far.
-        lost: samples that never came.
-        dropped: samples that came and were left out.
+        is_running: True from start to stop.
+        received: number of valid samples.
+        lost: number of samples that never arrived.
+        dropped: number of samples that arrived and were discarded.
     """
 
     def __init__(self, source: ImuSource, now: Callable[[], int]) -> None:
@@ -86,47 +86,47 @@ class ImuFeed:
 
     @property
     def info(self) -> Info | None:
-        """What the sensor is; None until it is attached."""
+        """Description of the sensor; None until it is attached."""
         return self.source.info
 
     @property
     def words(self) -> str:
-        """What was last told of a sensor that is not there, for the experimenter."""
+        """Last detail reported about a missing sensor, for the experimenter."""
         return self._words
 
     @property
     def is_attached(self) -> bool:
-        """Whether there is a sensor, as far as has been drained."""
+        """True if a sensor is attached, as far as has been drained."""
         return self._attached
 
     @property
     def is_stalled(self) -> bool:
-        """Whether there is one from which nothing comes."""
+        """True if the sensor is attached but sends nothing."""
         return self._stalled
 
     @property
     def rate_hz(self) -> float:
-        """Good samples a second over the last two seconds of draining; 0 where there is no telling yet."""
+        """Valid samples per second over the last two seconds; 0 if not known yet."""
         if len(self._counts) < 2:
             return 0.0
         (first, before), (last, after) = self._counts[0], self._counts[-1]
         return (after - before) * SECOND / (last - first)
 
     def start(self) -> None:
-        """Begin anew, all counts at zero."""
+        """Start the source, with all counts at zero."""
         self._begin()
         self.is_running = True
         self.source.start(self._queue.append, self._queue.append)
 
     def stop(self) -> None:
-        """Let go of the sensor. What came until now can still be drained."""
+        """Stop the source. Samples that have arrived can still be drained."""
         self.is_running = False
         self.source.stop()
 
     def drain(self) -> Drained:
-        """All that came since the last time, up to where the sensor was attached anew: that comes the next time.
+        """Return everything since the last call, up to a new attachment of the sensor; the rest comes next time.
 
-        Call every 10 ms or so, always from the same thread.
+        Call it about every 10 ms, always from the same thread.
         """
         now, queue = self._now(), self._queue
         rows: list[_Row] = []
@@ -182,7 +182,7 @@ class ImuFeed:
             statuses.append(Status(state="error", at=host_ns, detail=why))
 
     def _hole(self, at: int, step: float, statuses: list[Status]) -> None:
-        """Samples are missing between the last one and the one at ``at``, or the sensor told that it was saturated."""
+        """Report samples that are missing before ``at``, or the saturation that the sensor gave as the reason."""
         missing = round(step / self._interval_ms) - 1 if GAP_STEPS * self._interval_ms < step < inf else 0
         self.lost += max(0, missing - self._dropped_since)
         if self._told:
@@ -191,7 +191,7 @@ class ImuFeed:
             statuses.append(Status(state="gap", at=at, count=missing, duration_ms=step))
 
     def _flush(self, statuses: list[Status], at: int | None = None, missing: int = 0, step: float = 0.0) -> None:
-        """Pass on, as one, what the sensor told of being saturated since the last sample."""
+        """Report the saturations since the last sample as one status."""
         if self._told:
             first = self._told[0]
             count = missing or sum(told.count for told in self._told)
@@ -222,7 +222,7 @@ class ImuFeed:
         statuses.append(status)
 
     def _watch(self, now: int, statuses: list[Status]) -> None:
-        """Tell of a sensor that falls silent, and count."""
+        """Report a sensor that falls silent, and count samples."""
         if self._heard:
             self._last_heard = now
             if self._stalled:

@@ -1,4 +1,4 @@
-"""The contract of a motion sensor: what a source of samples is, and what it tells of itself."""
+"""The contract of a motion sensor: sources, their samples and their statuses."""
 
 from collections.abc import Callable
 from typing import Literal, NamedTuple, Protocol
@@ -7,15 +7,15 @@ import msgspec
 
 Vector = tuple[float, float, float]
 NOTHING: Vector = (float("nan"),) * 3
-"""What a sensor tells of something it does not measure."""
+"""Value of a quantity that the sensor does not measure."""
 
 
 class Sample(NamedTuple):
-    """One measurement, stamped where it came in.
+    """One measurement, stamped on arrival.
 
-    ``host_ns``: this computer's steady clock (`framework.clock.host_now`), taken in the driver's callback.
+    ``host_ns``: the host's monotonic clock (`framework.clock.host_now`), taken in the driver's callback.
     ``device_ms``: the sensor's own clock. ``acceleration`` in m/s², ``rate`` (angular) in rad/s, ``field`` (magnetic)
-    in gauss; each about the sensor's x, y and z, or ``NOTHING``.
+    in gauss; each along the sensor's x, y and z, or ``NOTHING``.
     """
 
     host_ns: int
@@ -26,7 +26,7 @@ class Sample(NamedTuple):
 
 
 class Info(msgspec.Struct, frozen=True, kw_only=True):
-    """What a sensor says of itself. ``rate_hz``: samples a second; ranges are the largest measurable, 0 if unknown."""
+    """Description of a sensor. ``rate_hz``: samples per second. Ranges are the largest values, 0 if unknown."""
 
     source: str
     model: str
@@ -39,11 +39,11 @@ class Info(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Status(msgspec.Struct, frozen=True, kw_only=True):
-    """Something happened to the sensor, at ``at`` (ns, host clock).
+    """A change of the sensor's state at ``at`` (ns, host clock).
 
-    ``state``: ``attached`` (``info`` is known now), ``detached``, ``error`` (``detail`` says what, and what to do),
-    ``gap`` (``count`` samples missing over ``duration_ms``), ``saturated`` (``count`` samples beyond its range),
-    ``stalled`` (attached, but nothing comes), ``flowing`` (it comes again), ``ended`` (a recording is over).
+    ``state``: ``attached`` (``info`` is available), ``detached``, ``error`` (``detail`` says what happened and what to
+    do), ``gap`` (``count`` samples missing over ``duration_ms``), ``saturated`` (``count`` samples beyond the range),
+    ``stalled`` (attached, but no samples), ``flowing`` (samples again), ``ended`` (the end of a recording).
     """
 
     state: Literal["attached", "detached", "error", "gap", "saturated", "stalled", "flowing", "ended"]
@@ -54,29 +54,29 @@ class Status(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class ImuSource(Protocol):
-    """A source of samples. It may call ``sink`` and ``on_status`` from a thread of its own, in the order of events.
+    """A source of samples. It may call ``sink`` and ``on_status`` from its own thread, in the order of events.
 
-    ``start`` never waits for the sensor and never raises for one that is missing: that is a status. ``start`` after
-    ``stop`` begins anew. ``zero`` asks the sensor to take its present angular rate for rest, where it can.
+    ``start`` never waits for the sensor, and never raises if it is missing: that is a status. A source can be started
+    again after ``stop``. ``zero`` asks the sensor to measure its bias at rest, if it can.
     """
 
     @property
     def info(self) -> Info | None:
-        """What the sensor is; None until it is attached."""
+        """Description of the sensor; None until it is attached."""
         ...
 
     def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
-        """Begin to deliver samples."""
+        """Start delivering samples."""
         ...
 
     def stop(self) -> None:
-        """Deliver nothing more; let go of the device. Harmless when it was not started."""
+        """Stop delivering, and release the device. Harmless if it was not started."""
         ...
 
     def zero(self) -> None:
-        """Take the present angular rate for rest."""
+        """Take the present angular rate as zero."""
         ...
 
 
 class SourceError(Exception):
-    """A source cannot be made from what was asked for; one or two clear sentences."""
+    """A source cannot be made as requested. The message is one or two clear sentences."""

@@ -1,4 +1,4 @@
-"""The keyboard as a sensor: keys, pastes and the window's focus become messages, with the terminal's stamps."""
+"""The keyboard as a sensor: keys, pastes and window focus become messages with the terminal's stamps."""
 
 from typing import TypeVar
 
@@ -15,13 +15,13 @@ _NAMED = {"return": "enter", " ": "space", "\r": "enter", "\t": "tab"}
 
 
 def key_name(key: str, character: str | None) -> str | None:
-    """How a key is called in messages: the character it types, else its name; None for no response key.
+    """Return a key's name in messages: the character it types, otherwise its name; None if it is no response key.
 
-    Escape, function keys and chords steer the program; they are never a response.
+    Escape, function keys and chords control the program; they are never a response.
 
     Args:
-        key: the terminal library's name, e.g. ``question_mark``, ``left``.
-        character: what it types, if anything.
+        key: the terminal library's name, such as ``question_mark`` or ``left``.
+        character: the character it types, if any.
     """
     if key == "escape" or key.startswith(_IGNORED) or (key[:1] == "f" and key[1:].isdigit()):
         return None
@@ -31,10 +31,10 @@ def key_name(key: str, character: str | None) -> str | None:
 
 
 class Keyboard(Node):
-    """Publishes what a person does at the keyboard. A terminal tells presses only, never releases.
+    """Publishes keyboard events. A terminal reports presses only, never releases.
 
-    A stamp is the terminal library's time in seconds, on the session's clock. What is done before the session has
-    begun is nobody's response, and is let pass.
+    A stamp is the terminal library's time in seconds, on the session's clock. Events before the start of the session
+    are ignored.
     """
 
     name = "keyboard"
@@ -45,21 +45,21 @@ class Keyboard(Node):
         self._attached = False
 
     def attach(self, bus: Bus) -> None:
-        """Join a bus; from here on there is somebody to tell."""
+        """Join a bus; events are published from here on."""
         super().attach(bus)
         self._attached = True
 
     def pressed(self, key: str, character: str | None, seconds: float, loop_lag: int = 0) -> None:
-        """A key was pressed. ``loop_lag`` in ns, as `messages.KeyPressed`."""
+        """Publish a key press. ``loop_lag`` in ns, as in `messages.KeyPressed`."""
         if name := key_name(key, character):
             self._tell(KEY, KeyPressed(key=name, at=_ns(seconds), loop_lag=loop_lag))
 
     def pasted(self, length: int, seconds: float) -> None:
-        """Text was pasted."""
+        """Publish a paste."""
         self._tell(PASTE, Pasted(length=length, at=_ns(seconds)))
 
     def focused(self, focused: bool, seconds: float) -> None:
-        """The window gained or lost the focus."""
+        """Publish a change of the window's focus."""
         self._tell(FOCUS, FocusChanged(focused=focused, at=_ns(seconds)))
 
     def _tell(self, topic: Topic[M], message: M) -> None:

@@ -1,4 +1,4 @@
-"""The PhidgetSpatial: on a USB port of this computer, or of another one on the network."""
+"""The PhidgetSpatial: on a USB port of this computer, or on another computer in the network."""
 
 import math
 import threading
@@ -17,9 +17,9 @@ G = 9.80665
 DEGREE = math.pi / 180
 """rad in a degree."""
 NO_GYROSCOPE = ("1041", "1043", "1049")
-"""Models that measure acceleration alone."""
+"""Models with an accelerometer only."""
 SERVER_PORT = 5661
-"""Where a Phidget network server listens."""
+"""Default port of a Phidget network server."""
 
 NO_PACKAGE = "The Python package Phidget22 is missing; install it with: pip install phidget22"
 NO_LIBRARY = "The sensor's driver cannot be loaded ({}); install it with: pip install phidget22 libusb-package"
@@ -29,7 +29,7 @@ NO_PERMISSION = (
 )
 
 _UNKNOWN = 1e299
-"""What a Phidget does not know it tells as 1e300."""
+"""Phidget22's value for unknown is 1e300."""
 _CLOSE_S = 2.0
 _LOOK_AGAIN_S = 1.0
 _DENIED_CODES = (1, 7)
@@ -49,7 +49,7 @@ class _Address(NamedTuple):
 
     @property
     def hint(self) -> str:
-        """What to do so that a sensor is attached."""
+        """Describe what to do so that a sensor attaches."""
         if self.host:
             return f"Waiting for a PhidgetSpatial of the Phidget network server at {self.host}, port {self.port}."
         which = "" if self.serial is None else f" with the serial number {self.serial}"
@@ -65,20 +65,20 @@ def _parsed(address: str) -> _Address:
         server = urlsplit(address)
         if server.hostname and not server.username and server.scheme in ("", "phidget"):
             return _Address(host=server.hostname, port=server.port or SERVER_PORT)
-    raise SourceError(f"There is no sensor phidget:{address}. Say phidget, phidget:SERIAL or phidget://HOST:PORT.")
+    raise SourceError(f"There is no sensor phidget:{address}. Use phidget, phidget:SERIAL or phidget://HOST:PORT.")
 
 
 class PhidgetSource:
-    """A PhidgetSpatial 3/3/3 as a source of samples: the 1044_1 it was made for, and all its kin with a gyroscope.
+    """A PhidgetSpatial 3/3/3 as a source of samples: the 1044_1, and all related models with a gyroscope.
 
-    It may be plugged in, pulled out and plugged in again at any time. It is asked for as many samples a second as it
-    can give. A sample with any axis beyond its range a Phidget leaves out, and only tells of: ``saturated``.
+    It may be plugged in and out at any time. It is set to its highest sample rate. A Phidget leaves out a sample with
+    any axis beyond its range and only reports it: ``saturated``.
 
     Args:
-        address: nothing for the first one on a USB port; a serial number; ``//HOST:PORT`` for a Phidget network
-            server, one without a password. Raises SourceError for anything else.
+        address: empty for the first sensor on a USB port; a serial number; ``//HOST:PORT`` for a Phidget network
+            server without a password. Raises SourceError for anything else.
         make: makes the channel; Phidget22's ``Spatial`` if None.
-        denied: whether a sensor is plugged in that one may not use; looked up if None.
+        denied: returns True if a sensor is plugged in that this user may not open; looked up if None.
     """
 
     def __init__(
@@ -116,13 +116,13 @@ class PhidgetSource:
                 threading.Thread(target=self._watch, args=(self._stopped,), name="phidget", daemon=True).start()
 
     def stop(self) -> None:
-        """Let go of the sensor. Takes two seconds at most, should the driver hang."""
+        """Release the sensor. Takes at most two seconds if the driver hangs."""
         self._stopped.set()
         if closing := self._close():
             closing.join(_CLOSE_S)
 
     def zero(self) -> None:
-        """Have the sensor measure its bias; it takes one to two seconds, and must lie still."""
+        """Have the sensor measure its bias, which takes one to two seconds; it must lie still."""
         if self.info is not None and self._channel is not None:
             self._guarded(self._channel.zeroGyro)()
 
@@ -219,13 +219,13 @@ class PhidgetSource:
         self._sink(Sample(host_now(), timestamp, _in(G, acceleration), _in(DEGREE, rate), _in(1.0, field)))
 
     def _guarded(self, handle: Callable[..., None]) -> Callable[..., None]:
-        """A handler whose exceptions become a status, told once: the driver would print and forget them."""
+        """Return a handler whose exceptions become a status, once: the driver would only print them."""
 
         def handler(*arguments: Any) -> None:
             try:
                 handle(*arguments)
             except Exception as error:
-                what = f"The sensor cannot be used as it should: {describe(error)}"
+                what = f"The sensor cannot be used: {describe(error)}"
                 if what != self._told:
                     self._told = what
                     self._tell("error", what)
@@ -238,9 +238,9 @@ class PhidgetSource:
         self._on_status(Status(state=state, at=host_now(), detail=detail, count=count))
 
     def _watch(self, stopped: threading.Event) -> None:
-        """Tell of a sensor that one may not use; the driver keeps silent about it.
+        """Report a sensor that this user may not open; the driver does not report it.
 
-        Twice in a row, since the system takes a moment to give a sensor to the user who plugs it in.
+        Checked twice in a row, since the system takes a moment to grant access to a sensor just plugged in.
         """
         seen = 0
         while seen < 2 and not stopped.wait(_LOOK_AGAIN_S):
@@ -259,7 +259,7 @@ def _in(unit: float, values: Any) -> Vector:
 
 
 def _limit(ask: Callable[[], Any]) -> float:
-    """The smallest limit of the three axes; 0 where the sensor cannot tell."""
+    """Return the smallest limit of the three axes; 0 if the sensor does not report it."""
     with suppress(Exception):
         limit = float(min(ask()))
         return limit if 0 < limit < _UNKNOWN else 0.0

@@ -1,4 +1,4 @@
-"""A recording as a sensor: its samples come again, at their pace or as fast as may be."""
+"""A recording as a sensor: plays its samples in real time or as fast as possible."""
 
 from collections.abc import Callable, Iterator
 from typing import Any, Literal
@@ -11,29 +11,29 @@ from sar_tui.inputs.sample_timer import Pace
 from sar_tui.motion.samples import Samples
 
 BLOCK = 1000
-"""How many samples are sent at a time where nothing holds them up."""
+"""Number of samples sent at a time when playing fast."""
 
 _vector: Callable[[Any], Any] = tuple
 
 
 def as_sent(samples: Samples) -> Iterator[Sample]:
-    """Samples as a sensor's driver hands them on, one by one."""
+    """Yield samples one by one, as a sensor's driver delivers them."""
     columns = (samples[name].tolist() for name in ("host", "device_ms", "acceleration", "rate", "field"))
     for host_ns, device_ms, acceleration, rate, field in zip(*columns, strict=True):
         yield Sample(host_ns, device_ms, _vector(acceleration), _vector(rate), _vector(field))
 
 
 class RecordedSource:
-    """Plays samples, then tells that it has ended.
+    """Plays samples, then reports that it has ended.
 
-    In real time a sample is stamped when it is played; played fast, as if it had been played in real time.
+    Samples are stamped as in real time, also when they are played fast.
 
     Args:
-        samples: what to play, dtype SAMPLE, at least two; their ``at`` sets the pace.
-        speed: as they were recorded, or as fast as may be.
-        loop: whether to begin again at the end, without end. In real time only: raises SourceError.
-        clock: whose time to play in; the host's, with a thread of its own, if None.
-        name: what to call it.
+        samples: the samples, dtype SAMPLE, at least two; their ``at`` sets the times.
+        speed: as recorded, or as fast as possible.
+        loop: True to repeat without end. In real time only: raises SourceError.
+        clock: the clock to play on; the host's, with its own thread, if None.
+        name: the name of the recording.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class RecordedSource:
         name: str = "recorded",
     ) -> None:
         if len(samples) < 2:
-            raise SourceError(f"A recording needs two samples at least to be played; this one has {len(samples)}.")
+            raise SourceError(f"A recording needs at least two samples to be played; this one has {len(samples)}.")
         if loop and speed == "fast":
             raise SourceError("A recording that is played fast cannot be repeated without end; choose one of the two.")
         self.info: Info | None = None
@@ -74,11 +74,11 @@ class RecordedSource:
         self._pace.start()
 
     def stop(self) -> None:
-        """Play no further."""
+        """Stop playing."""
         self._pace.stop()
 
     def zero(self) -> None:
-        """Nothing: what is recorded is recorded."""
+        """Do nothing: recorded samples do not change."""
 
     def _play(self, now: int) -> int | None:
         if self.info is None:

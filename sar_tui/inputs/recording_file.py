@@ -1,7 +1,7 @@
-"""A motion sensor's recordings in files: CSV, and NPZ with arrays of the same names.
+"""Recordings of motion sensors in files: CSV, and NPZ with arrays of the same names.
 
 ``t`` in s; ``wx,wy,wz`` the angular rate; ``ax,ay,az`` the acceleration and ``mx,my,mz`` the magnetic field in gauss,
-both of which may be missing.
+both optional.
 """
 
 import csv
@@ -19,31 +19,31 @@ from sar_tui.inputs.imu import SourceError
 from sar_tui.motion.samples import SAMPLE, Floats, Samples
 
 FEWEST = 20
-"""Fewer samples hold no reach."""
+"""Fewer samples cannot hold a reach."""
 LOWEST_RATE_HZ = 20.0
-"""Slower recordings miss what a hand does."""
+"""Slower recordings miss details of the movement."""
 LARGEST = 1 << 30
-"""Bytes of a file, as it is and unpacked; days of samples."""
+"""Largest file in bytes, packed and unpacked: days of samples."""
 VECTORS = {"rate": ("wx", "wy", "wz"), "acceleration": ("ax", "ay", "az"), "field": ("mx", "my", "mz")}
 NAMES = ("t", *(name for vector in VECTORS.values() for name in vector))
 
 _LATEST_S = 9e9
 _TOO_LARGE = 1e30
 FASTEST_RAD_S = 50.0
-"""Beyond what motion sensors measure (2000 deg/s are 35 rad/s)."""
+"""Beyond the range of motion sensors (2000 deg/s are 35 rad/s)."""
 _RATE = {"rad/s": 1.0, "deg/s": math.pi / 180}
 _ACCELERATION = {"m/s2": 1.0, "g": 9.80665}
 
 
 class Units(msgspec.Struct, frozen=True, kw_only=True):
-    """What a file's numbers are in."""
+    """Units of a file's numbers."""
 
     acceleration: Literal["m/s2", "g"] = "m/s2"
     rate: Literal["rad/s", "deg/s"] = "rad/s"
 
 
 class _Table(NamedTuple):
-    """The columns of a file, shape (n,) each; and what a person calls row 0, 1, …"""
+    """The columns of a file, shape (n,) each, and the numbers of its rows for error messages."""
 
     path: Path
     columns: dict[str, Floats]
@@ -58,15 +58,15 @@ SI = Units()
 
 
 def read_recording(path: Path, units: Units = SI) -> Samples:
-    """The samples of a file, dtype SAMPLE, converted to m/s² and rad/s; ``at`` and ``host`` are its ``t`` in ns.
+    """Read a file as samples, dtype SAMPLE, converted to m/s² and rad/s; ``at`` and ``host`` are its ``t`` in ns.
 
-    Raises SourceError for anything that is wrong with it: one sentence with the file, the line, and what to do.
+    Raises SourceError for any fault: one sentence with the file, the line, and what to do.
     """
     try:
         if not path.exists():
             raise SourceError(f"There is no file {path}.")
         if not path.is_file():
-            raise SourceError(f"{path} is no file: name a recording, FILE.csv or FILE.npz.")
+            raise SourceError(f"{path} is not a file: name a recording, FILE.csv or FILE.npz.")
         if path.stat().st_size > LARGEST:
             raise SourceError(f"{path} is larger than 1 GiB: cut it into several recordings.")
         data = path.read_bytes()
@@ -79,20 +79,20 @@ def read_recording(path: Path, units: Units = SI) -> Samples:
 
 
 def refuse_degrees(path: Path, samples: Samples) -> None:
-    """Refuse samples that turn faster than any sensor measures. Raises SourceError: they are in deg/s, most likely."""
+    """Raise SourceError for samples faster than any sensor measures, which are most likely in deg/s."""
     fastest = float(np.abs(samples["rate"]).max(initial=0.0))
     if fastest > FASTEST_RAD_S:
         raise SourceError(
-            f"{path} turns at up to {fastest:.0f} rad/s, faster than any hand: it must be in deg/s. Say so "
+            f"{path} turns at up to {fastest:.0f} rad/s, faster than any hand: it must be in deg/s. Set the unit "
             "(--rate deg/s, or recorded:FILE?rate=deg/s)."
         )
 
 
 def write_recording(path: Path, samples: Samples) -> None:
-    """Write samples to a file that ``read_recording`` reads, in its units: ``.csv`` or ``.npz``.
+    """Write samples to a file for ``read_recording``, in its default units: ``.csv`` or ``.npz``.
 
-    ``t`` is their ``at``; what is NaN throughout is left out; ``host`` and ``device_ms`` are not kept. Raises
-    SourceError if it cannot be written.
+    ``t`` is their ``at``. Quantities that are all NaN are left out; ``host`` and ``device_ms`` are not stored. Raises
+    SourceError if the file cannot be written.
     """
     columns: dict[str, Any] = {"t": samples["at"] / 1e9}
     for field, names in VECTORS.items():
@@ -116,7 +116,7 @@ def write_recording(path: Path, samples: Samples) -> None:
 
 
 def _seconds(at: int) -> str:
-    """ns as s, exactly."""
+    """Format ns as s, exactly."""
     whole, rest = divmod(abs(at), 10**9)
     return f"{'-' if at < 0 else ''}{whole}.{rest:09}"
 
@@ -185,7 +185,7 @@ def _npz(path: Path, data: bytes) -> _Table:
 
 
 def _array(path: Path, archive: zipfile.ZipFile, name: str) -> Floats:
-    """One column, never unpickled."""
+    """Read one column without unpickling."""
     with archive.open(f"{name}.npy") as member:
         try:
             array = np.lib.format.read_array(member, allow_pickle=False)
@@ -208,7 +208,7 @@ def _check_names(path: Path, names: list[str]) -> None:
 
 
 def _samples(table: _Table, units: Units) -> Samples:
-    """A table's samples, if there is nothing wrong with them."""
+    """Return a table's samples. Raises SourceError if one is invalid."""
     time_s = table.columns["t"]
     if (row := _first(~(np.abs(time_s) < _LATEST_S))) is not None:
         table.refuse(row, f"the time {time_s[row]:g} cannot be; t is in seconds.")

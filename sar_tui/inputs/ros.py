@@ -15,7 +15,7 @@ from sar_tui.inputs.imu import NOTHING, Info, Sample, SourceError, Status, Vecto
 
 IMU = "sensor_msgs/Imu"
 LOOKED_AT = 50
-"""From so many samples the rate is told, or from what comes within a second, which has to be five at least."""
+"""Samples from which the rate is estimated; or those of one second, at least five."""
 _FEWEST = 5
 _TOO_LARGE = 1e30
 _EXAMPLE = (
@@ -23,15 +23,15 @@ _EXAMPLE = (
     "if you know how many samples come a second, ?rate=NUMBER"
 )
 _NO_RATE = (
-    "The sensor on {} tells that it does not measure angular rate (its covariance begins with -1), so it cannot show "
+    "The sensor on {} reports that it does not measure angular rate (its covariance begins with -1), so it cannot show "
     "how a hand turns. Use one with a gyroscope."
 )
-_NO_SAMPLE = "What comes on {} is no sensor_msgs/Imu ({}); such messages are left out."
-_NOT_RISING = "The time stamps on {} do not rise, so how fast samples come is not known: say it with ?rate=NUMBER."
+_NO_SAMPLE = "The messages on {} are not sensor_msgs/Imu ({}); such messages are left out."
+_NOT_RISING = "The time stamps on {} do not increase, so the sample rate is unknown: set it with ?rate=NUMBER."
 
 
 class _Options(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What may follow the question mark. ``rate``: samples a second."""
+    """Options after the question mark. ``rate``: samples per second."""
 
     rate: Annotated[float, Meta(gt=0, le=10_000)] | None = None
 
@@ -81,10 +81,10 @@ class _Imu(msgspec.Struct, frozen=True):
 class RosImuSource:
     """A topic of ``sensor_msgs/Imu`` (rad/s, m/s²) as a source of samples.
 
-    The device's clock is the header's stamp, counted from the first sample of each connection; where a driver leaves
-    it at zero, this computer's clock stands in. The sensor is attached once its rate is known: from the stamps of the
-    first samples, none of which is lost, or at once where the address tells it. A covariance that begins with -1 says
-    that something is not measured.
+    The device's clock is the header's stamp, counted from the first sample of each connection; if a driver leaves it at
+    zero, this computer's clock is used. The sensor is attached when its rate is known: from the stamps of the first
+    samples, none of which is lost, or at once if the address gives it. A covariance that begins with -1 means that the
+    quantity is not measured.
 
     Args:
         address: ``//HOST[:PORT]/TOPIC[?rate=HZ]``, with or without ``ros:``. Raises SourceError for anything else.
@@ -99,11 +99,11 @@ class RosImuSource:
         except AddressError as error:
             raise SourceError(str(error)) from error
         except msgspec.ValidationError as error:
-            raise SourceError(f'The sensor "{address}" cannot be understood ({error}). Say {_EXAMPLE}.') from error
+            raise SourceError(f'The sensor "{address}" cannot be understood ({error}). Use {_EXAMPLE}.') from error
         self._bridge: Bridge | None = None
 
     def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
-        """Connect in the background, and deliver what comes."""
+        """Connect in the background, and deliver samples."""
         self.stop()
         self._sink, self._on_status = sink, on_status
         self._begin()
@@ -118,14 +118,14 @@ class RosImuSource:
         bridge.open()
 
     def stop(self) -> None:
-        """Deliver nothing more; let go of the connection. Takes a second at most, should the bridge hang."""
+        """Stop delivering, and disconnect. Takes at most a second if the bridge hangs."""
         bridge, self._bridge = self._bridge, None
         if bridge is not None:
             bridge.close()
         self.info = None
 
     def zero(self) -> None:
-        """Nothing: ROS has no common way to ask a sensor for it."""
+        """Do nothing: ROS has no common service for it."""
 
     def _begin(self) -> None:
         self.info = None
@@ -142,7 +142,7 @@ class RosImuSource:
         elif bridge.is_connected:
             self._tell("detached", f"Waiting for samples on {self._topic} of the ROS bridge at {self._address}.")
         else:
-            self._tell("detached", f"The ROS bridge at {self._address} is gone. Waiting until it is back.")
+            self._tell("detached", f"The connection to the ROS bridge at {self._address} was lost. Waiting for it.")
 
     def _heard(self, bridge: Bridge, message: Any) -> None:
         host_ns = host_now()
@@ -177,7 +177,7 @@ class RosImuSource:
         )
 
     def _rate_seen(self, stamped: bool) -> float | None:
-        """Samples a second among the first ones; None until enough have come."""
+        """Return samples per second among the first ones; None until there are enough."""
         first, count = self._first, len(self._first)
         if count < LOOKED_AT and (count < _FEWEST or first[-1].host_ns - first[0].host_ns < SECOND):
             return None
@@ -203,7 +203,7 @@ class RosImuSource:
         self._first.clear()
 
     def _complain(self, what: str) -> None:
-        """Tell of an error, once until samples are good again."""
+        """Report an error, once until samples are valid again."""
         if what != self._told:
             self._told = what
             self._tell("error", what)

@@ -1,4 +1,4 @@
-"""Calls a source that makes its own samples when the next of them are due."""
+"""Calls a source that makes its own samples when the next ones are due."""
 
 import threading
 from collections.abc import Callable
@@ -7,11 +7,11 @@ from sar_tui.framework.clock import SECOND, Clock, Handle, host_now
 
 
 class Pace:
-    """Runs steps at their time: as callbacks of a clock, or on a thread of its own.
+    """Calls a step at its times: by a clock's callbacks, or on a thread.
 
     Args:
-        step: does what is due at the time it is given (ns), and says when it wants to be called again; None for never.
-        clock: whose callbacks to use; if None, a thread on the host's clock.
+        step: does what is due at the given time (ns), and returns the time of its next call; None for never.
+        clock: the clock whose callbacks to use; if None, a thread on the host's clock.
     """
 
     def __init__(self, step: Callable[[int], int | None], clock: Clock | None = None) -> None:
@@ -22,7 +22,7 @@ class Pace:
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
-        """Take the first step as soon as may be."""
+        """Take the first step as soon as possible."""
         self.stop()
         self._stopped = threading.Event()
         if self._clock:
@@ -32,7 +32,7 @@ class Pace:
             self._thread.start()
 
     def stop(self) -> None:
-        """Take no more steps. Waits for one that is under way, unless that is who asks."""
+        """Take no more steps. Waits for one under way, unless called by it."""
         self._stopped.set()
         if self._due:
             self._due.cancel()

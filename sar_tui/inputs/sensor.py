@@ -1,4 +1,4 @@
-"""The motion sensor on the bus: its samples as a stream of blocks, what happens to it as messages."""
+"""The motion sensor on the bus: its samples as a stream of blocks, its statuses as messages."""
 
 import msgspec
 
@@ -12,16 +12,16 @@ from sar_tui.inputs.imu import Info, Status
 from sar_tui.motion.samples import pack
 
 DRAIN = 10 * MS
-"""How often the samples that have come are published."""
+"""Interval at which new samples are published."""
 _BEFORE_SAMPLES = ("attached", "flowing")
 
 
 class Imu(Node):
-    """Publishes what a motion sensor tells, from the beginning of the session to its end.
+    """Publishes a motion sensor's samples and statuses, from the beginning of the session to its end.
 
     Args:
-        feed: of the sensor; one that runs already (the sensor has been looked at before) is taken over as it is.
-        seat: who wears it.
+        feed: the sensor's; one that is running already, after the sensor check, is used as it is.
+        seat: the participant with the sensor.
     """
 
     name = "imu"
@@ -35,17 +35,17 @@ class Imu(Node):
         self._stopped = False
 
     def attach(self, bus: Bus) -> None:
-        """Join a bus, and begin as soon as the session has."""
+        """Join a bus, and start when the session does."""
         super().attach(bus)
         bus.clock.call_soon(self._begin)
 
     @on(SESSION_ENDED)
     def session_ended(self, _: SessionEnded) -> None:
-        """Nobody moves any more."""
+        """Stop publishing."""
         self.detach()
 
     def detach(self) -> None:
-        """Publish nothing more, and let go of the sensor."""
+        """Stop publishing, and release the sensor."""
         self._stopped = True
         if self._next:
             self._next.cancel()
@@ -85,7 +85,7 @@ class Imu(Node):
 
 
 def changed(status: Status, info: Info | None, seat: str = "A") -> SensorChanged:
-    """A status as a message; with what the sensor is, when it is attached."""
+    """Return a status as a message, with the sensor's description if it is attached."""
     facts = msgspec.structs.asdict(status)
     if status.state == "attached" and info:
         known = {field.name for field in msgspec.structs.fields(SensorChanged)}

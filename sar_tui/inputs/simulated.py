@@ -12,19 +12,19 @@ from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import SimulatedHand
 
 STEP = 10 * MS
-"""How often samples are delivered."""
+"""Interval at which samples are delivered."""
 _SATURATION = "The simulated gyroscope was turned faster than it can measure."
 
 
 class SimulatedSource:
-    """A simulated hand with a sensor on it, whose samples are delivered every 10 ms.
+    """A simulated hand with a sensor, whose samples are delivered every 10 ms.
 
-    On a virtual clock the same moves give the same samples each time. A sensor that leaves out what is beyond its
-    range, and loses nothing else, tells of it as a Phidget does.
+    On a virtual clock the same movements give the same samples each time. A sensor that leaves out samples beyond its
+    range, and loses no others, reports them as a Phidget does.
 
     Args:
-        hand: what moves, and how it is measured.
-        clock: whose time the hand lives in; the host's, with a thread of its own, if None.
+        hand: the hand and its sensor.
+        clock: the hand's clock; the host's, with its own thread, if None.
     """
 
     def __init__(self, hand: SimulatedHand, clock: Clock | None = None) -> None:
@@ -41,14 +41,14 @@ class SimulatedSource:
         self._pace.start()
 
     def stop(self) -> None:
-        """Deliver nothing more."""
+        """Stop delivering samples."""
         self._pace.stop()
 
     def zero(self) -> None:
-        """Nothing: a simulated sensor keeps the bias it was given."""
+        """Do nothing: a simulated sensor keeps its bias."""
 
     def move(self, at_ns: int, shape: ReachShape) -> None:
-        """Make a reach, its onset at ``at_ns`` of the clock the hand lives in. Any thread may ask for it."""
+        """Make a reach with its onset at ``at_ns`` of the hand's clock. May be called from any thread."""
         with self._moving:
             self.hand.move(at_ns, shape)
 

@@ -1,4 +1,4 @@
-"""Motion sensors by name: those that ship, and those of plug-ins (entry points of the group ``sar_tui.inputs``)."""
+"""Motion sensors by name: the included ones, and those of plug-ins (entry points of the group ``sar_tui.inputs``)."""
 
 from collections.abc import Callable
 from importlib.metadata import entry_points
@@ -16,12 +16,12 @@ SIMULATED_RATE_HZ = 250.0
 
 
 def source_names() -> list[str]:
-    """The names that ``open_source`` knows; what follows the colon is each one's own."""
+    """Return the names that ``open_source`` knows. Each source defines the text after the colon."""
     return sorted({*_SHIPPED, *(entry.name for entry in entry_points(group=GROUP))})
 
 
 def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuSource:
-    """A source of samples by name; it is not started. Raises SourceError, saying what is wrong with the name.
+    """Make a source of samples by name; it is not started. Raises SourceError, with the fault in the name.
 
     - ``phidget``, ``phidget:SERIAL``, ``phidget://HOST:PORT``: a PhidgetSpatial, `phidget.PhidgetSource`;
     - ``simulated``, ``simulated:PROFILE``: a simulated hand, with one of `motion.synthesis.PROFILES`;
@@ -30,8 +30,8 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
     - any other: the entry point of that name, called with the text after the colon.
 
     Args:
-        seed: what a simulated hand draws its noise from.
-        clock: whose time simulated hands and recordings live in; the host's if None.
+        seed: the seed of a simulated hand's noise.
+        clock: the clock of simulated hands and recordings; the host's if None.
     """
     kind, _, text = name.strip().partition(":")
     if kind in _SHIPPED:
@@ -46,13 +46,13 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
                 why = f"{type(error).__name__}: {error}"
                 raise SourceError(f"The sensor {kind} ({entry.value}) cannot be loaded: {why}.") from error
             if missing := [part for part in ("start", "stop", "zero", "info") if not hasattr(source, part)]:
-                raise SourceError(f"The sensor {kind} ({entry.value}) is no source: it lacks {', '.join(missing)}.")
+                raise SourceError(f"The sensor {kind} ({entry.value}) is not a source: it lacks {', '.join(missing)}.")
             return source
     raise SourceError(f'There is no sensor "{name}". There is: {", ".join(source_names())}.')
 
 
 class _Playing(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What may follow the question mark of a recording."""
+    """Options after the question mark of a recording."""
 
     acceleration: Literal["m/s2", "g"] = "m/s2"
     rate: Literal["rad/s", "deg/s"] = "rad/s"

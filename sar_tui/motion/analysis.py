@@ -1,4 +1,4 @@
-"""One reach from one stretch of samples: both detectors, all measures, ready to be kept beside the raw data."""
+"""Analysis of one reach in a stretch of samples: both detectors and all measures, for storage beside the raw data."""
 
 import msgspec
 import numpy as np
@@ -16,20 +16,20 @@ Measured = dict[str, str | int | float | bool | None]
 
 NS = 1e9
 EARLY_NS = 500_000_000
-"""A reach may have begun this much before the participant said so."""
+"""A reach may have begun this long before the participant said so."""
 HOLE_NS = 100_000_000
-"""So long without a sample is a hole."""
+"""A longer time without samples is a hole."""
 BESIDE_NS = 200_000_000
-"""A hole so near to a reach may have swallowed a part of it."""
+"""A hole this near to a reach may have swallowed a part of it."""
 SATURATED_NS = 300_000_000
-"""A hole no longer than this is what a sensor leaves that was beyond its range, where it told so."""
+"""Longest hole that is attributed to a sensor beyond its range, if it reported that."""
 _TIMES = {"reach_time_ms", "out_ms", "back_ms", "dwell_ms", "turn_after_ms"}
 FEWEST = 10
-"""From fewer samples nothing can be told."""
+"""Fewer samples are not analysed."""
 
 
 class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """How reaches are found: by which detector, on which hand, and each detector's own parameters."""
+    """How reaches are found: the detector that counts, the hand, and each detector's parameters."""
 
     detector: DetectorName = "single-axis"
     hand: Hand = "right"
@@ -44,7 +44,7 @@ class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
 class Window(msgspec.Struct, frozen=True, kw_only=True):
     """The stretch in which one reach is expected, in ns: samples in [from_ns, to_ns), the reach after started_ns.
 
-    ``flags``: what is known to be wrong with the samples (``saturated``, ``error``).
+    ``flags``: known faults of the samples (``saturated``, ``error``).
     """
 
     from_ns: int
@@ -54,10 +54,10 @@ class Window(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Finding(msgspec.Struct, frozen=True, kw_only=True):
-    """What was found, by the detector that scores. Without ``onset_ns`` there was no reach.
+    """The reach found by the detector that counts. Without ``onset_ns`` there was no reach.
 
-    ``invalid``: why nothing can be said: ``samples`` (too few came), ``gap`` (samples are missing in the reach or
-    beside it, and not for its speed), ``rate`` (too few a second); empty where something can.
+    ``invalid``: why there is no result: ``samples`` (too few), ``gap`` (samples are missing in the reach or beside it,
+    not because of its speed), ``rate`` (too few per second); otherwise empty.
     """
 
     onset_ns: int | None = None
@@ -69,15 +69,15 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) -> Finding:
-    """Find the one reach of a window, by both detectors, and measure it.
+    """Find the reach of a window by both detectors, and measure it.
 
-    Where there are several, the largest is meant, and ``several`` is flagged. What the sensor could not measure is
-    None.
+    If there are several, the largest is taken and ``several`` is flagged. Quantities that the sensor could not measure
+    are None.
 
     Args:
         samples: dtype SAMPLE, at least those of the window.
         window: where to look.
-        parameters: how.
+        parameters: the detectors' settings.
     """
     inside = samples[(samples["at"] >= window.from_ns) & (samples["at"] < window.to_ns)]
     known: Measured = {
@@ -124,7 +124,7 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
 
 
 def measures(reach: Reach) -> Measured:
-    """A reach as flat fields, times in ms. Of a sensor that was beyond its range only the times can be believed."""
+    """Return a reach as flat fields, times in ms. If the sensor was beyond its range, only the times are valid."""
     measured: Measured = {
         "reach_time_ms": round(reach.reach_time_s * 1000, 3),
         "out_ms": round(reach.out_s * 1000, 3),
@@ -155,7 +155,7 @@ def _largest(reaches: tuple[Reach, ...]) -> Reach | None:
 
 
 def _holes(stamps: npt.NDArray[np.int64], window: Window) -> list[tuple[int, int]]:
-    """Where samples are missing since the reach was started, but for what saturation left out."""
+    """Return the holes since the start of the reach, except those that saturation explains."""
     after = stamps[stamps >= window.started_ns - EARLY_NS]
     least = SATURATED_NS if "saturated" in window.flags else HOLE_NS
     return [(int(after[n]), int(after[n + 1])) for n in np.flatnonzero(np.diff(after) > least)]

@@ -1,4 +1,4 @@
-"""Where a movement begins and ends, to a few milliseconds: the flank of its speed extrapolated to zero."""
+"""Beginning and end of a movement, to a few milliseconds: the flank of its speed extrapolated to zero."""
 
 import numpy as np
 
@@ -13,28 +13,28 @@ TAIL = 0.02
 
 
 def first_peak(speed: Floats) -> int:
-    """Where a phase's first submovement is fastest: before a fall to 60 %, and at least 20 % of the phase's peak."""
+    """Return the peak of a phase's first submovement: before a fall to 60 %, and at least 20 % of the phase's peak."""
     highest = np.maximum.accumulate(speed)
     fallen = np.flatnonzero((speed < FALL * highest) & (highest >= PROMINENT * highest[-1]))
     return int(speed[: fallen[0] if len(fallen) else len(speed)].argmax())
 
 
 def onset(time_s: Floats, speed: Floats, floor: float = 0.0) -> float:
-    """When a movement began that is fastest at the end of ``speed``. For an end, give both arrays reversed.
+    """Return the onset of a movement that is fastest at the end of ``speed``. For an end, reverse both arrays.
 
-    After Botzer & Karniel (2009), Front Neurosci 3:320-329: the square root of the speed grows evenly from the onset,
+    After Botzer & Karniel (2009), Front Neurosci 3:320-329: the square root of the speed grows linearly from the onset,
     so a line through it, here between 8 and 35 % of the peak, leads back to the onset. A minimum-jerk speed is
-    peak · (4u(1 − u))² of the share u of its time, so u = (1 − √(1 − √(speed / peak))) / 2, which is even all the way;
-    the line is fitted to that. It saves the root's own 2 % of the lobe, at either end.
+    peak · (4u(1 − u))² of the share u of its time, so u = (1 − √(1 − √(speed / peak))) / 2 is linear throughout; the
+    line is fitted to that, which avoids the root's own error of 2 % of the lobe at either end.
 
-    A movement may trail off more slowly than that: it lasts as long as its speed stays above 2 % of the peak (a bound
-    of Alt Murphy, Willén & Sunnerhagen 2011, Neurorehabil Neural Repair 25:71-80) and above three times the noise.
-    One that moves fast from the first sample began there.
+    A movement may trail off more slowly: it lasts as long as its speed stays above 2 % of the peak (after Alt Murphy,
+    Willén & Sunnerhagen 2011, Neurorehabil Neural Repair 25:71-80) and above three times the noise. A movement that is
+    fast from the first sample began there.
 
     Args:
         time_s: shape (n,), rising or falling.
         speed: shape (n,), at least 0, its largest value last.
-        floor: what noise leaves at rest; the fit begins above it.
+            floor: noise at rest; the fit begins above it.
     """
     if len(speed) < 3 or speed[-1] <= 0:
         return float(time_s[0])
@@ -59,15 +59,15 @@ def onset(time_s: Floats, speed: Floats, floor: float = 0.0) -> float:
 def edges(
     time_s: Floats, speed: Floats, calm: Floats, first: int, last: int, margin: int, floor: float
 ) -> tuple[float, float]:
-    """When a phase begins and ends that lies about samples ``first`` to ``last``.
+    """Return the beginning and end of a phase around samples ``first`` to ``last``.
 
     Args:
         time_s: shape (n,), evenly spaced.
         speed: shape (n,), the phase's direction positive, smoothed lightly.
         calm: the same, smoothed more: for finding the first and the last submovement.
         first, last: a first guess, in samples.
-        margin: how far outside of it the phase may begin and end, in samples.
-        floor: what noise leaves of the speed at rest.
+            margin: how far outside of it the phase may begin and end, in samples.
+            floor: noise of the speed at rest.
     """
     rising = first + first_peak(calm[first:last])
     falling = last - 1 - first_peak(calm[first:last][::-1])

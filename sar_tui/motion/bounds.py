@@ -1,4 +1,4 @@
-"""What a detector finds: when a reach begins, turns and ends, and about which axis."""
+"""Results of a detector: when a reach begins, turns and ends, and about which axis."""
 
 from typing import Literal, NamedTuple
 
@@ -7,18 +7,18 @@ import msgspec
 from sar_tui.motion.samples import Floats
 
 Hand = Literal["left", "right"]
-"""The hand that wears the sensor, its z out of the back of it."""
+"""The hand with the sensor, whose z axis points out of the back of the hand."""
 
 OUTWARDS: dict[Hand, float] = {"right": 1.0, "left": -1.0}
-"""The sign of the rotation about z on the way out (the thesis' Figure 4.8 is of a right hand)."""
+"""Sign of the rotation about z on the way out (the thesis' Figure 4.8 shows a right hand)."""
 
 
 class Bounds(msgspec.Struct, frozen=True, kw_only=True):
     """The times of one reach, in s since the recording's origin.
 
-    ``arrival_s`` and ``departure_s``: when the hand comes to the target and leaves it; the same, or the wrong way
-    round by a little, where it does not rest there. ``axis``: unit vector in the sensor's axes; turning about it is
-    positive on the way out. ``flags``: see Reach.
+    ``arrival_s`` and ``departure_s``: when the hand arrives at the target and leaves it; equal, or slightly reversed,
+    if it does not rest there. ``axis``: unit vector in the sensor's axes; rotation about it is positive on the way out.
+    ``flags``: see Reach.
     """
 
     onset_s: float
@@ -30,10 +30,10 @@ class Bounds(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Detected(NamedTuple):
-    """What a detector made of a recording: the angular rate it went by, and the reaches in it.
+    """A detector's result for a recording: the angular rate it used, and the reaches.
 
     ``time_s``: shape (n,), evenly spaced. ``rate``: shape (n, 3), rad/s, without the bias if the detector removes it.
-    ``tremor_hz``: the tremor's frequency at rest, None for no tremor or where the detector does not look for it.
+    ``tremor_hz``: the tremor's frequency at rest; None without tremor, or if the detector does not look for it.
     """
 
     time_s: Floats

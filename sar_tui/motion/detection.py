@@ -1,4 +1,4 @@
-"""Reaches in a recording, by a detector of one's choice, measured."""
+"""Detection and measurement of the reaches in a recording."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ from sar_tui.motion.samples import Recording
 
 
 class Detector(NamedTuple):
-    """A way to find reaches. ``version`` changes whenever its results may."""
+    """A way to find reaches. ``version`` changes whenever its results may change."""
 
     version: str
     parameters: type[msgspec.Struct]
@@ -33,15 +33,15 @@ def detect(
     parameters: msgspec.Struct | None = None,
     hand: Hand = "right",
 ) -> tuple[Reach, ...]:
-    """The reaches in a recording, in the order of time.
+    """Return the reaches in a recording, in order of time.
 
     Args:
-        recording: what the sensor measured; with at least a second of rest before the reach, for the best result.
-        detector: a name in ``DETECTORS``.
+        recording: the samples; best with at least a second of rest before the reach.
+        detector: a name in ``DETECTORS``, or one of its earlier names.
         parameters: of that detector's type; its defaults if None.
-        hand: the hand that wears the sensor.
+        hand: the hand with the sensor.
 
-    Raises ValueError for an unknown detector, parameters of another one, or fewer samples a second than it needs.
+    Raises ValueError for an unknown detector, another detector's parameters, or too low a sample rate.
     """
     chosen = DETECTORS.get(current_name(detector))
     if chosen is None:

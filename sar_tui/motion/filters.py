@@ -1,4 +1,4 @@
-"""Low-pass and notch filters for angular rates: one that runs live, and those that look both ways."""
+"""Low-pass and notch filters for angular rates: a causal one, and zero-phase ones."""
 
 import math
 
@@ -12,9 +12,9 @@ LEAST_RATE_HZ = 20.0
 
 
 def usable_cutoff(cutoff_hz: float, rate_hz: float) -> float:
-    """The cutoff, or a quarter of the sample rate where that is lower.
+    """Return the cutoff, or a quarter of the sample rate if that is lower.
 
-    Raises ValueError for fewer than 20 samples a second: a fast reach would be a handful of them.
+    Raises ValueError for fewer than 20 samples per second, which give only a few samples of a fast reach.
     """
     if not rate_hz >= LEAST_RATE_HZ:
         raise ValueError(
@@ -25,15 +25,15 @@ def usable_cutoff(cutoff_hz: float, rate_hz: float) -> float:
 
 
 class Lowpass:
-    """A causal Butterworth low-pass of second order, one number at a time.
+    """A causal second-order Butterworth low-pass, one number at a time.
 
     The coefficients come from the analogue filter by the bilinear transform with its frequency pre-warped (Oppenheim &
-    Schafer, Discrete-Time Signal Processing, 7.2.2). It starts settled at its first input, so a constant bias makes no
+    Schafer, Discrete-Time Signal Processing, 7.2.2). It starts settled at its first input, so a constant bias causes no
     transient.
 
     Args:
-        cutoff_hz: where half of the power is left; below half of ``rate_hz``.
-        rate_hz: samples a second.
+        cutoff_hz: half-power frequency; below half of ``rate_hz``.
+        rate_hz: samples per second.
     """
 
     __slots__ = ("_a1", "_a2", "_b", "_s1", "_s2", "_started")
@@ -48,7 +48,7 @@ class Lowpass:
         self._started = False
 
     def __call__(self, x: float) -> float:
-        """The next output (transposed direct form II)."""
+        """Return the next output (transposed direct form II)."""
         b = self._b
         if not self._started:
             self._s1, self._s2, self._started = x * (1.0 - b), x * (b - self._a2), True
@@ -59,16 +59,16 @@ class Lowpass:
 
 
 def smooth(x: Floats, rate_hz: float, cutoff_hz: float, notch_hz: float | None = None) -> Floats:
-    """A recording without what is faster than ``cutoff_hz``, and without delay.
+    """Return a recording without frequencies above ``cutoff_hz``, and without delay.
 
-    The same as a second-order Butterworth low-pass run forwards and then backwards: gain 1 / (1 + (f / cutoff)⁴),
-    applied to the spectrum. The ends are continued by their mirror image, so that a bias makes no edge.
+    Equivalent to a second-order Butterworth low-pass run forwards and backwards: gain 1 / (1 + (f / cutoff)⁴), applied
+    to the spectrum. The ends are continued by their mirror image, so that a bias makes no edge.
 
     Args:
         x: shape (n, k), n of at least 2.
-        rate_hz: samples a second.
-        cutoff_hz: where half of the amplitude is left.
-        notch_hz: a frequency to take out as well, with a bell of ``NOTCH_HZ`` (standard deviation) about it.
+        rate_hz: samples per second.
+        cutoff_hz: half-amplitude frequency.
+        notch_hz: a frequency to remove as well, with a bell of ``NOTCH_HZ`` (standard deviation) about it.
     """
     pad = min(len(x) - 1, math.ceil(2.0 * rate_hz))
     mean = x.mean(axis=0)

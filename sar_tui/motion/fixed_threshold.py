@@ -1,4 +1,4 @@
-"""The thesis' own detector (section 4.2.2): the hand moves while it turns about z faster than a threshold."""
+"""The thesis' detector (section 4.2.2): the hand moves while it turns about z faster than a fixed threshold."""
 
 import msgspec
 import numpy as np
@@ -9,11 +9,11 @@ from sar_tui.motion.samples import Floats, Recording
 
 
 class FixedThresholdParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """The thesis' two numbers.
+    """Parameters of the detector.
 
     Args:
         threshold_rad_s: the hand moves where the rate about z exceeds this, either way.
-        still_ms: a reach is over where the rate then stays below for so long.
+        still_ms: a reach is over when the rate then stays below for this long.
     """
 
     threshold_rad_s: float = 0.1
@@ -21,9 +21,9 @@ class FixedThresholdParameters(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def find(recording: Recording, parameters: FixedThresholdParameters | None = None, hand: Hand = "right") -> Detected:
-    """Every stretch of movement is a reach; it ends where the quiet that ends it begins.
+    """Find the reaches: every stretch of movement. Each ends where the rest begins that ends it.
 
-    A reach that the recording ends before its quiet is over is flagged ``endless``, and ends with the recording.
+    A reach without that rest before the recording's end is flagged ``endless``, and ends with the recording.
     ``reversed`` and ``gap`` are as in ``single_axis.find``.
     """
     parameters = parameters or FixedThresholdParameters()
@@ -37,7 +37,7 @@ def find(recording: Recording, parameters: FixedThresholdParameters | None = Non
 
 
 def _segments(time_s: Floats, speed: Floats, parameters: FixedThresholdParameters) -> list[tuple[float, float, bool]]:
-    """Onset, end, and whether it ended, of each stretch above the threshold, shorter quiets bridged."""
+    """Return onset, end and completeness of each stretch above the threshold; shorter rests are bridged."""
     above = np.flatnonzero(speed > parameters.threshold_rad_s)
     if not len(above):
         return []
@@ -55,7 +55,7 @@ def _segments(time_s: Floats, speed: Floats, parameters: FixedThresholdParameter
 
 
 def _bounds(grid: Grid, segment: tuple[float, float, bool], threshold: float, hand: Hand) -> Bounds:
-    """A stretch as a reach. It turns where z changes sign between its extremes; one of only one sign is all out."""
+    """Return a stretch as a reach, which turns where z changes sign between its extremes, or else is all out."""
     onset_s, end_s, ended = segment
     margin = 0.51 / grid.rate_hz
     inside = (grid.time_s >= onset_s - margin) & (grid.time_s <= end_s + margin)

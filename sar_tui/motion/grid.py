@@ -1,4 +1,4 @@
-"""A recording on an even grid: what is lost or no number is bridged by straight lines, and holes are known."""
+"""A recording on an even grid: missing samples are interpolated linearly, and holes are known."""
 
 from typing import NamedTuple
 
@@ -18,12 +18,12 @@ class Grid(NamedTuple):
     holes: Floats
 
     def gap(self, from_s: float, to_s: float) -> bool:
-        """Whether a hole lies between the two times."""
+        """Return True if a hole lies between the two times."""
         return bool(((self.holes[:, 0] < to_s) & (self.holes[:, 1] > from_s)).any())
 
 
 def even(recording: Recording) -> Grid:
-    """A recording's angular rate on an even grid, at its median rate. Empty for fewer than two usable samples."""
+    """Return a recording's angular rate on an even grid, at its median rate. Empty below two usable samples."""
     usable = np.isfinite(recording.rate).all(axis=1)
     time, rate = recording.time_s[usable], recording.rate[usable]
     if len(time) < 2:

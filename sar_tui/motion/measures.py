@@ -1,4 +1,4 @@
-"""What is measured of a reach once its boundaries are known."""
+"""Measures of a reach with known boundaries."""
 
 import numpy as np
 
@@ -14,8 +14,8 @@ PEAKS_HZ = 15.0
 def measure(found: Detected, flags: tuple[str, ...] = ()) -> tuple[Reach, ...]:
     """Measure every reach that was found. ``flags`` of the recording are added to each reach's own.
 
-    Peaks and smoothness are of the rate about the reach's axis, smoothed lightly (15 Hz, zero phase: a fast reach's
-    peak loses less than 1 %). Movement units are counted without the tremor that was found at rest.
+    Peaks and smoothness use the rate about the reach's axis, smoothed lightly (15 Hz, zero phase: a fast reach's
+    peak loses less than 1 %). Movement units are counted without the tremor found at rest.
     """
     if not found.reaches:
         return ()
@@ -60,7 +60,7 @@ def _measured(found: Detected, turning: Floats, calm: Floats, bounds: Bounds, fl
 
 
 def _turn(time: Floats, turning: Floats, bounds: Bounds) -> float:
-    """The middle of the rest at the target; without one, where the rate changes sign nearest to it."""
+    """Return the middle of the rest at the target; without one, the nearest change of the rate's sign."""
     middle = (bounds.arrival_s + bounds.departure_s) / 2
     if bounds.departure_s > bounds.arrival_s or bounds.arrival_s >= bounds.end_s:
         return middle

@@ -1,4 +1,4 @@
-"""Out and back: the phases of movement about an axis, and which two of them are a reach."""
+"""Phases of movement about an axis, and the pairs of them that make a reach."""
 
 import math
 from typing import NamedTuple
@@ -15,7 +15,7 @@ UNPAIRED = 10.0
 
 
 class Phase(NamedTuple):
-    """Movement one way, from sample ``first`` to before ``last``; ``angle`` in rad, its sign the direction."""
+    """Movement in one direction, from sample ``first`` to before ``last``; ``angle`` in rad, signed."""
 
     first: int
     last: int
@@ -23,7 +23,7 @@ class Phase(NamedTuple):
 
 
 def principal_axis(rate: Floats) -> Floats:
-    """The unit vector that most of the turning is about, shape (3,); ``rate`` without bias, shape (n, 3)."""
+    """Return the main axis of rotation, a unit vector of shape (3,); ``rate`` without bias, shape (n, 3)."""
     axis: Floats = np.linalg.eigh(rate.T @ rate)[1][:, -1]
     return axis
 
@@ -38,17 +38,17 @@ def phases(
     shortest_s: float,
     pause_s: float,
 ) -> list[Phase]:
-    """The phases in a smooth angular rate about one axis.
+    """Return the phases in a smooth angular rate about one axis.
 
     Args:
         turning: shape (n,), rad/s.
-        rate_hz: samples a second.
-        begin: a movement gets above this, rad/s.
-        end: it lasts as long as it is above this, rad/s.
-        least_rad: a phase turns the hand at least so far.
-        shortest_s: a phase lasts at least so long.
-        pause_s: movements in the same direction with a shorter pause between them are one phase; what turns the
-            hand less than ``least_rad`` belongs to a neighbour only within ``ADJACENT_S``.
+        rate_hz: samples per second.
+        begin: a movement exceeds this, rad/s.
+        end: it lasts while it is above this, rad/s.
+        least_rad: smallest angle of a phase.
+        shortest_s: shortest duration of a phase.
+        pause_s: movements in the same direction with a shorter pause between them are one phase; one of less than
+            ``least_rad`` belongs to a neighbour only within ``ADJACENT_S``.
     """
     found: list[Phase] = []
     for lobe in _lobes(turning, rate_hz, begin, end):
@@ -64,7 +64,7 @@ def phases(
 
 
 def _lobes(turning: Floats, rate_hz: float, begin: float, end: float) -> list[Phase]:
-    """Stretches of movement one way, without the tiniest."""
+    """Return stretches of movement in one direction, except the smallest."""
     side = np.where(np.abs(turning) > end, np.sign(turning), 0.0)
     edges = np.flatnonzero(np.diff(side, prepend=0.0, append=0.0))
     found = []
@@ -77,13 +77,13 @@ def _lobes(turning: Floats, rate_hz: float, begin: float, end: float) -> list[Ph
 
 
 def pairs(found: list[Phase], rate_hz: float, dwell_s: float) -> list[tuple[Phase, Phase]]:
-    """Which phases belong together as out and back: opposite, alike in angle, the rest between them short.
+    """Return the pairs of phases that are out and back: opposite, of like angle, with a short rest between them.
 
-    As many reaches as there can be; among those, the ones that fit best (dynamic programming over the phases).
+    The pairing has as many reaches as possible and, among those, the best fit (dynamic programming over the phases).
 
     Args:
-        found: in the order of time.
-        rate_hz: samples a second.
+        found: in order of time.
+        rate_hz: samples per second.
         dwell_s: the longest rest at the target.
     """
     best: list[tuple[float, list[tuple[Phase, Phase]]]] = [(0.0, [])]
@@ -96,7 +96,7 @@ def pairs(found: list[Phase], rate_hz: float, dwell_s: float) -> list[tuple[Phas
 
 
 def _misfit(out: Phase, back: Phase, rate_hz: float, dwell_s: float) -> float:
-    """How badly two phases fit as a reach; infinite where they cannot be one."""
+    """Return how badly two phases fit as a reach; infinite if they cannot be one."""
     rest_s = (back.first - out.last) / rate_hz
     uneven = abs(math.log(abs(out.angle / back.angle)))
     possible = out.angle * back.angle < 0 and rest_s <= dwell_s and uneven < math.log(UNEVEN)

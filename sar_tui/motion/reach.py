@@ -1,4 +1,4 @@
-"""A reach: out to a target and back, and what is measured of it."""
+"""A reach, out to a target and back, with its measures."""
 
 import msgspec
 
@@ -6,11 +6,11 @@ import msgspec
 class Reach(msgspec.Struct, frozen=True, kw_only=True):
     """One reach. Times in s since the recording's origin, angular rates in rad/s about the reach's main axis.
 
-    ``turn_s``: where the hand changes direction (the middle of the dwell). ``dwell_s``: how long it rested at the
-    target. ``peak_extension_rad_s`` is positive and ``peak_return_rad_s`` negative for a sensor worn as in the thesis'
-    Figure 4.7. ``movement_units_*``: how many times each phase speeds up. ``sparc_*``, ``ldlj_*``: smoothness of
-    each phase, nearer 0 is smoother; None where a phase is too short. ``tremor_index``: the share of 3-12 Hz in the
-    reach's movement power, 0 to 1. ``flags``: what to beware of, e.g. ``no_rest``, ``gap``, ``saturated``, ``cut``.
+    ``turn_s``: when the hand changes direction (the middle of the dwell). ``dwell_s``: rest at the target.
+    ``peak_extension_rad_s`` is positive and ``peak_return_rad_s`` negative with the sensor placed as in the thesis'
+    Figure 4.7. ``movement_units_*``: number of accelerations of each phase. ``sparc_*``, ``ldlj_*``: smoothness of
+    each phase, nearer 0 is smoother; None if a phase is too short. ``tremor_index``: the share of 3-12 Hz in the
+    reach's movement power, 0 to 1. ``flags``: warnings such as ``no_rest``, ``gap``, ``saturated``, ``cut``.
     """
 
     onset_s: float

@@ -1,4 +1,4 @@
-"""What a sensor shows while the hand rests: its bias, its noise, the hand's tremor."""
+"""Properties of a sensor at rest: its bias, its noise, the hand's tremor."""
 
 from typing import NamedTuple
 
@@ -9,13 +9,13 @@ from sar_tui.motion.filters import smooth
 from sar_tui.motion.samples import Floats
 
 SLOW_HZ = 2.5
-"""Wilful movement shows below this, tremor above it."""
+"""Voluntary movement lies below this frequency, tremor above it."""
 
 STILL_RAD_S = 0.05
-"""A hand is still where what is below ``SLOW_HZ`` varies by less (standard deviation, all axes together), rad/s."""
+"""A hand is still where its rate below ``SLOW_HZ`` varies less (standard deviation, all axes together), rad/s."""
 
 STEADY_RAD_S = 0.06
-"""A bias does not change by more from one rest to the next, rad/s: what is further off is a slow, steady movement."""
+"""Largest change of the bias between rests, rad/s; a larger one is a slow, steady movement."""
 
 STEP_S = 0.1
 NEARBY_S = 2.0
@@ -28,8 +28,8 @@ SPECTRA = 40
 class Rest(NamedTuple):
     """The rest in a recording of n samples.
 
-    ``bias``: shape (n, 3), rad/s, from the rests nearby. ``still``: shape (n,), where the hand rests. ``whole``:
-    whether it does so for as long as it should. ``tremor_hz``: the tremor's frequency at rest, None for no tremor.
+    ``bias``: shape (n, 3), rad/s, from the rests nearby. ``still``: shape (n,), True where the hand rests. ``whole``:
+    True if it rests for as long as requested. ``tremor_hz``: the tremor's frequency at rest, None without tremor.
     """
 
     bias: Floats
@@ -39,15 +39,15 @@ class Rest(NamedTuple):
 
 
 def find_rest(rate: Floats, rate_hz: float, rest_s: float) -> Rest:
-    """Find where the hand rests for ``rest_s`` or longer, and what the sensor shows there.
+    """Find where the hand rests for ``rest_s`` or longer, and measure the sensor there.
 
-    A rest is a window in which the slow part of the rate is steady, at a level that agrees with the others. Where
-    none is so long, shorter ones are taken, down to a quarter. Where nothing is still, the bias is the mean of all:
-    that is right for a hand that has come back to where it began.
+    A rest is a window in which the slow part of the rate is steady, at a level that agrees with the others. Shorter
+    windows, down to a quarter, are used if there is none so long. If nothing is still, the bias is the mean of all
+    samples, which is right for a hand that has returned to its start.
 
     Args:
         rate: angular rate on a uniform grid, shape (n, 3), rad/s.
-        rate_hz: samples a second.
+        rate_hz: samples per second.
         rest_s: how long the hand should rest.
     """
     slow = smooth(rate, rate_hz, SLOW_HZ)
@@ -64,7 +64,7 @@ def find_rest(rate: Floats, rate_hz: float, rest_s: float) -> Rest:
 
 
 def _rest(rate: Floats, rate_hz: float, begins: npt.NDArray[np.int_], levels: Floats, size: int, whole: bool) -> Rest:
-    """The rest in windows of ``size`` samples at ``begins``, with these ``levels``."""
+    """Return the rest in windows of ``size`` samples at ``begins``, with these ``levels``."""
     still = np.zeros(len(rate), dtype=bool)
     for begin in begins:
         still[begin : begin + size] = True
@@ -74,7 +74,7 @@ def _rest(rate: Floats, rate_hz: float, begins: npt.NDArray[np.int_], levels: Fl
 
 
 def _windows(x: Floats, begins: npt.NDArray[np.int_], size: int) -> tuple[Floats, Floats]:
-    """Mean of each axis, shape (k, 3), and standard deviation of all together, shape (k,), in each window."""
+    """Return the mean of each axis, shape (k, 3), and the joint standard deviation, shape (k,), of each window."""
     centred = x - x.mean(axis=0)
     sums = np.concatenate((np.zeros((1, 3)), np.cumsum(centred, axis=0)))
     squares = np.concatenate(([0.0], np.cumsum((centred**2).sum(axis=1))))
@@ -84,7 +84,7 @@ def _windows(x: Floats, begins: npt.NDArray[np.int_], size: int) -> tuple[Floats
 
 
 def _agreeing(levels: Floats) -> npt.NDArray[np.int_]:
-    """Which of the levels, shape (k, 3), belong to one bias that changes slowly: the one that most agree with."""
+    """Return the levels, shape (k, 3), that belong to one slowly changing bias: the one most of them agree with."""
     some = levels[:: max(1, len(levels) // 200)]
     agreement = (np.linalg.norm(some[:, None] - some[None], axis=2) < STEADY_RAD_S).sum(axis=1)
     anchor = int(np.linalg.norm(levels - some[agreement.argmax()], axis=1).argmin())
@@ -99,7 +99,7 @@ def _agreeing(levels: Floats) -> npt.NDArray[np.int_]:
 
 
 def _inner(kept: npt.NDArray[np.int_], count: int) -> npt.NDArray[np.int_]:
-    """The windows that are not the first or last two of a rest, next to movement; all if no others are left."""
+    """Drop the first and last two windows of each rest, which adjoin movement, unless no others are left."""
     calm = np.zeros(count + 4, dtype=bool)
     calm[:2] = calm[-2:] = True
     calm[kept + 2] = True
@@ -108,7 +108,7 @@ def _inner(kept: npt.NDArray[np.int_], count: int) -> npt.NDArray[np.int_]:
 
 
 def _running_mean(levels: Floats, reach: int) -> Floats:
-    """The mean of each level and up to ``reach`` on either side of it."""
+    """Return the mean of each level and up to ``reach`` neighbours on either side."""
     sums = np.concatenate((np.zeros((1, 3)), np.cumsum(levels, axis=0)))
     index = np.arange(len(levels))
     first, last = np.maximum(index - reach, 0), np.minimum(index + reach + 1, len(levels))
@@ -117,7 +117,7 @@ def _running_mean(levels: Floats, reach: int) -> Floats:
 
 
 def _tremor_hz(rate: Floats, begins: npt.NDArray[np.int_], size: int, rate_hz: float) -> float | None:
-    """Where the mean spectrum of the rests has a peak of tremor: well above what is around it, and not tiny."""
+    """Return the peak of the rests' mean spectrum in the tremor band if it is clear and not tiny, else None."""
     some = begins[:: max(1, len(begins) // SPECTRA)]
     windows = rate[some[:, None] + np.arange(size)]
     bell = np.hanning(size)[:, None]

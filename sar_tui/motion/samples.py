@@ -1,4 +1,4 @@
-"""What a motion sensor measures: samples in an array, as they are sent, kept and analysed."""
+"""Samples of a motion sensor as an array, in the form in which they are sent, stored and analysed."""
 
 from typing import Any
 
@@ -21,20 +21,20 @@ SAMPLE = np.dtype(
 )
 """One sample, 60 bytes, little-endian.
 
-``at``: when it was measured, in ns of the session's clock (the device's clock mapped to it). ``host``: when it came
-to this computer, same clock. ``device_ms``: the sensor's own clock, ms. ``acceleration``: m/s². ``rate``: angular
-rate, rad/s. ``field``: magnetic field, gauss. What a sensor does not measure is NaN.
+``at``: time of measurement, in ns of the session's clock (the device's clock mapped to it). ``host``: time of arrival,
+same clock. ``device_ms``: the sensor's own clock, ms. ``acceleration``: m/s². ``rate``: angular rate, rad/s.
+``field``: magnetic field, gauss. Quantities that a sensor does not measure are NaN.
 """
 
 
 class Recording(msgspec.Struct, frozen=True):
-    """A stretch of samples, ready to be analysed.
+    """A stretch of samples for analysis.
 
     Args:
-        time_s: shape (n,), strictly rising, in s.
+        time_s: shape (n,), strictly increasing, in s.
         rate: angular rate, shape (n, 3), rad/s; x, y, z of the sensor, z out of the back of the hand.
-        acceleration: shape (n, 3), m/s²; None where there is none.
-        flags: what is known to be wrong with it: ``gap``, ``saturated``, …
+        acceleration: shape (n, 3), m/s²; None if not measured.
+        flags: known faults: ``gap``, ``saturated``, …
     """
 
     time_s: Floats
@@ -44,22 +44,22 @@ class Recording(msgspec.Struct, frozen=True):
 
     @property
     def rate_hz(self) -> float:
-        """Samples a second, from the median step; 0 for fewer than two samples."""
+        """Samples per second, from the median step; 0 for fewer than two samples."""
         return 1.0 / float(np.median(np.diff(self.time_s))) if len(self.time_s) > 1 else 0.0
 
 
 def pack(samples: Samples) -> bytes:
-    """Samples as bytes, for a message or the database."""
+    """Return samples as bytes, for a message or the database."""
     return samples.astype(SAMPLE, copy=False).tobytes()
 
 
 def unpack(data: bytes) -> Samples:
-    """The inverse of ``pack``. Raises ValueError for bytes that are no whole samples."""
+    """Return samples from bytes of ``pack``. Raises ValueError if they are not whole samples."""
     return np.frombuffer(data, dtype=SAMPLE)
 
 
 def recording(samples: Samples, origin_ns: int = 0, flags: tuple[str, ...] = ()) -> Recording:
-    """Samples as a recording, its time in s since ``origin_ns``."""
+    """Return samples as a recording, with times in s since ``origin_ns``."""
     acceleration = samples["acceleration"].astype(float)
     return Recording(
         time_s=(samples["at"] - origin_ns) / 1e9,

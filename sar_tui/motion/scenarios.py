@@ -1,4 +1,4 @@
-"""Reaches under difficulties, one at a time and all together: what a detector has to stand."""
+"""Simulated reaches under difficulties, one at a time and all together, to test detectors with."""
 
 import math
 from collections.abc import Callable
@@ -10,18 +10,18 @@ from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import TABLE_4_1, TILTED, Profile, Simulation, simulate
 
 QUIET = math.radians(0.2)
-"""The noise of a good gyroscope, rad/s; in every scenario that does not set its own."""
+"""Noise of a good gyroscope, rad/s; the default of the scenarios."""
 
 
 class Scenario(NamedTuple):
-    """A difficulty by name. ``make`` gives a recording of one reach, between two rests of 2 s, for a seed."""
+    """A named difficulty. ``make`` returns a recording of one reach, between two rests of 2 s, for a seed."""
 
     name: str
     make: Callable[[int], Simulation]
 
 
 def random_reach(generator: np.random.Generator, dwell_s: float = 0.0, twitch: bool = False) -> ReachShape:
-    """A minimum-jerk reach somewhere between two random rows of Table 4.1, in time and in peaks."""
+    """Return a minimum-jerk reach between two random rows of Table 4.1, in time and in peaks."""
     one, other = (TABLE_4_1[i] for i in generator.integers(0, len(TABLE_4_1), 2))
     mix = generator.uniform()
     time_s, out, back = (mix * a + (1 - mix) * b for a, b in zip(one[1:], other[1:], strict=True))
@@ -38,7 +38,7 @@ def random_reach(generator: np.random.Generator, dwell_s: float = 0.0, twitch: b
 
 
 def slow_reach(generator: np.random.Generator) -> ReachShape:
-    """A patient's reach: 2 to 6 s, 3 to 7 lognormal submovements, turning the hand as far as Table 4.1's do."""
+    """Return a patient's reach: 2 to 6 s, 3 to 7 lognormal submovements, with the angles of Table 4.1."""
     time_s, angle, share = generator.uniform(2, 6), generator.uniform(0.4, 1.1), generator.uniform(0.4, 0.6)
     out_s, back_s = time_s * share, time_s * (1 - share)
     return ReachShape(
@@ -79,7 +79,7 @@ def _scenario(
 
 
 def scenarios() -> tuple[Scenario, ...]:
-    """Every difficulty: noise and bias in deg/s on each axis, tremor in rad/s at 4-6 Hz, pauses at the target in s."""
+    """Return all scenarios: noise and bias in deg/s on each axis, tremor in rad/s at 4-6 Hz, pauses in s."""
     return (
         _scenario("clean"),
         *(_scenario(f"noise {noise} deg/s", noise_deg_s=noise) for noise in (1, 2, 5)),

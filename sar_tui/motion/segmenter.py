@@ -1,4 +1,4 @@
-"""Movement as it happens: whether the hand moves, how long it has been still, and whether it came back."""
+"""Online segmentation of movement: whether the hand moves, how long it has been still, whether it came back."""
 
 import math
 from collections import deque
@@ -20,7 +20,7 @@ Vector = tuple[float, float, float]
 
 
 class _Block:
-    """A tenth of a second summed up: of fast and slow rates, and whether the hand moved in it."""
+    """Sums over a tenth of a second: fast and slow rates, and whether the hand moved."""
 
     __slots__ = ("count", "fast", "moved", "slow", "squares")
 
@@ -33,14 +33,14 @@ class _Block:
 
 
 def _level(blocks: list[_Block]) -> Vector:
-    """The mean of the slow rate."""
+    """Return the mean of the slow rate."""
     count = sum(block.count for block in blocks)
     x, y, z = (sum(block.slow[axis] for block in blocks) / count for axis in range(3))
     return x, y, z
 
 
 def _spreads(blocks: list[_Block]) -> tuple[float, float]:
-    """Standard deviation of the fast and of the slow rate, all axes together."""
+    """Return the standard deviations of the fast and the slow rate, all axes together."""
     count = sum(block.count for block in blocks)
     fast = sum((sum(block.fast[axis] for block in blocks) / count) ** 2 for axis in range(3))
     slow = sum(level * level for level in _level(blocks))
@@ -51,19 +51,18 @@ def _spreads(blocks: list[_Block]) -> tuple[float, float]:
 class Segmenter:
     """Tells movement from rest, sample by sample; for ending a trial, not for timing a reach.
 
-    Whatever the blocks that samples come in, its state after a sample is the same. It lags behind the hand,
-    because of its filters: by tens of milliseconds, or up to half a second where tremor or noise take a slower one.
+    Its state after a sample does not depend on the blocks in which samples arrive. Its filters delay it by tens of
+    milliseconds, or by up to half a second if tremor or noise require a slower one.
 
     Args:
-        rate_hz: samples a second; below 20 raises ValueError.
+        rate_hz: samples per second; below 20 raises ValueError.
         parameters: as for ``single_axis.find``.
 
     Attributes:
-        moving: whether the hand moves.
-        still_for_s: for how long it has not been; 0 while it moves.
-        began_s: when the present movement, or else the last one, began; None before the first. Pauses at the target
-            are part of it.
-        returned: whether that movement has gone out and come back.
+        moving: True while the hand moves.
+        still_for_s: time since it stopped; 0 while it moves.
+        began_s: start of the present or last movement, pauses at the target included; None before the first.
+        returned: True if that movement has gone out and come back.
     """
 
     def __init__(self, rate_hz: float, parameters: SingleAxisParameters | None = None) -> None:
@@ -90,11 +89,11 @@ class Segmenter:
         self._returned_s = -math.inf
 
     def has_reached(self, since_s: float) -> bool:
-        """Whether the hand has come back since then, in a movement that began no more than 0.5 s before."""
+        """Return True if the hand has come back since then, in a movement that began at most 0.5 s before."""
         return self.returned and self._returned_s > since_s and (self.began_s or 0.0) > since_s - EARLY_S
 
     def push(self, time_s: Floats, rate: Floats) -> None:
-        """Take samples: time in s, shape (n,); angular rate in rad/s, shape (n, 3). What is no number is skipped."""
+        """Add samples: time in s, shape (n,); angular rate in rad/s, shape (n, 3). Non-finite ones are skipped."""
         for now, (x, y, z) in zip(time_s.tolist(), rate.tolist(), strict=True):
             if math.isfinite(x + y + z):
                 self._sample(now, x, y, z)
@@ -127,12 +126,12 @@ class Segmenter:
         self._turn(slow, bias, step)
 
     def _forget(self) -> None:
-        """As before the first movement."""
+        """Reset to the state before the first movement."""
         self.moving, self.began_s, self.returned = False, None, False
         self._turned, self._farthest = [0.0, 0.0, 0.0], 0.0
 
     def _begin(self, now: float) -> None:
-        """The hand moves; after a rest this is a new movement, and after one at the target if that was long."""
+        """Start moving: a new movement after a rest, or after a long rest at the target."""
         over = self.returned or self._farthest < self.parameters.least_rad
         rested_s = self.parameters.pause_s if over else self.parameters.dwell_s
         if self.began_s is None or self.still_for_s > rested_s:
@@ -141,7 +140,7 @@ class Segmenter:
         self.moving, self.still_for_s, self._stopped_s, self._moving_s = True, 0.0, None, 0.0
 
     def _stop(self, now: float) -> None:
-        """The hand rests, or has moved for so long that its bias must have changed: that is learnt at the next rest."""
+        """Stop moving; after a movement too long to be real, the bias is learnt again at the next rest."""
         self.moving, self._stopped_s = False, now
         if self._moving_s > self.parameters.longest_s:
             self._rested = False
@@ -149,7 +148,7 @@ class Segmenter:
             self._moving_s = 0.0
 
     def _turn(self, slow: Vector, bias: Vector, step: float) -> None:
-        """Follow how far the hand has turned: it is back where that is little of what it was."""
+        """Track the angle of the hand: it is back when little of the largest angle is left."""
         if self.began_s is None or self.returned or (not self.moving and self.still_for_s > BLOCK_S):
             return
         for axis in range(3):
@@ -160,7 +159,7 @@ class Segmenter:
             self.returned, self._returned_s = True, self._last_s or 0.0
 
     def _gate(self, fast: Vector, slow: Vector) -> None:
-        """Learn bias and noise where the slow part has been steady for ``rest_s``, near the bias known so far."""
+        """Learn bias and noise when the slow part has been steady for ``rest_s``, near the known bias."""
         block = self._block
         block.count += 1
         block.moved = block.moved or self.moving
@@ -177,9 +176,9 @@ class Segmenter:
             self._learn([*self._blocks][:-NEWEST])
 
     def _learn(self, blocks: list[_Block]) -> None:
-        """Take the level and the spread of a second for rest, if they can be.
+        """Use the level and the spread of a second as rest, if they can be.
 
-        At the first rest, what seemed to be movement before is forgotten: the bias was but a guess.
+        At the first rest, earlier movement is forgotten: its bias was only a guess.
         """
         level, (fast, slow) = _level(blocks), _spreads(blocks)
         if slow > STILL_RAD_S:

@@ -1,4 +1,4 @@
-"""The shape of a simulated reach: how fast the hand turns, and how far it has turned, at every moment."""
+"""Shape of a simulated reach: the angular rate and the angle of the hand at every moment."""
 
 from functools import lru_cache
 from typing import NamedTuple
@@ -14,22 +14,22 @@ TAIL = 0.02
 
 
 class ReachShape(msgspec.Struct, frozen=True, kw_only=True):
-    """A reach as it is meant, before any sensor: out to the target, a rest there, and back.
+    """An ideal reach: out to the target, a rest there, and back.
 
     Its onset is at 0 and its end at ``duration_s``. A minimum-jerk lobe is exactly still outside of them. A lognormal
-    submovement never quite begins nor ends: there, onset and end are where the speed is 2 % of its phase's peak, as Alt
+    submovement never quite begins or ends: its onset and end are where the speed is 2 % of its phase's peak, as Alt
     Murphy, Willén & Sunnerhagen (2011, Neurorehabil Neural Repair 25:71-80) bound the movements of patients.
 
     Args:
-        out_s: how long the way out takes, s.
-        back_s: how long the way back takes, s.
+        out_s: duration of the way out, s.
+        back_s: duration of the way back, s.
         dwell_s: the rest at the target, s.
         peak_out: largest angular rate on the way out, rad/s, positive.
         peak_back: largest angular rate on the way back, rad/s, negative.
-        submovements: 0 for one minimum-jerk lobe a phase; else how many lognormal submovements there are in all,
+        submovements: 0 for one minimum-jerk lobe per phase; otherwise the number of lognormal submovements in all,
             at least two.
-        twitch: whether an involuntary jerk of 80 ms comes 0.9 to 1.2 s before the onset.
-        seed: what the submovements and the twitch are drawn from.
+        twitch: True for an involuntary jerk of 80 ms, 0.9 to 1.2 s before the onset.
+        seed: the seed of the submovements and the twitch.
     """
 
     out_s: float
@@ -57,7 +57,7 @@ class Waveform(NamedTuple):
 
 
 def minimum_jerk(u: Floats) -> Floats:
-    """Speed of the smoothest movement, 1 at its peak, for the share ``u`` of its time (Flash & Hogan 1985).
+    """Return the speed of the smoothest movement, 1 at its peak, at the share ``u`` of its time (Flash & Hogan 1985).
 
     30u² − 60u³ + 30u⁴ over its largest value 30/16; 0 outside of 0 to 1.
     """
@@ -66,7 +66,7 @@ def minimum_jerk(u: Floats) -> Floats:
 
 
 def _lognormals(time: Floats, count: int, generator: np.random.Generator) -> Floats:
-    """A sum of ``count`` overlapping lognormal speed profiles (Plamondon 1995), each of median 1 and its own width."""
+    """Return a sum of ``count`` overlapping lognormal speed profiles (Plamondon 1995), each of median 1."""
     speed = np.zeros_like(time)
     begins = np.concatenate(([0.0], np.cumsum(generator.uniform(0.6, 1.0, count - 1))))
     widths = generator.uniform(0.25, 0.4, count)
@@ -79,7 +79,7 @@ def _lognormals(time: Floats, count: int, generator: np.random.Generator) -> Flo
 
 @lru_cache(maxsize=64)
 def _submovements(count: int, seed: int, phase: int) -> tuple[Floats, Floats]:
-    """A phase of ``count`` submovements: its time, from 0 to 1 between the 2 % marks, and speed, 1 at its peak."""
+    """Return a phase of submovements: time, from 0 to 1 between the 2 % marks, and speed, 1 at its peak."""
     time = np.linspace(0.0, count + 4.0, 4000)
     speed = _lognormals(time, count, np.random.default_rng([seed, phase]))
     speed /= speed.max()
@@ -89,7 +89,7 @@ def _submovements(count: int, seed: int, phase: int) -> tuple[Floats, Floats]:
 
 
 def _phase(u: Floats, count: int, seed: int, phase: int) -> Floats:
-    """Speed of one phase, 1 at its peak, for the share ``u`` of its time."""
+    """Return the speed of one phase, 1 at its peak, at the share ``u`` of its time."""
     if not count:
         return minimum_jerk(u)
     time, speed = _submovements(count, seed, phase)
@@ -97,7 +97,7 @@ def _phase(u: Floats, count: int, seed: int, phase: int) -> Floats:
 
 
 def _twitch(time: Floats, seed: int) -> Floats:
-    """An involuntary jerk of 80 ms, of 0.5 to 1.5 rad/s in either direction."""
+    """Return an involuntary jerk of 80 ms, of 0.5 to 1.5 rad/s in either direction."""
     generator = np.random.default_rng([seed, 2])
     begin = -generator.uniform(0.9, 1.2)
     peak = generator.uniform(0.5, 1.5) * generator.choice((-1.0, 1.0))
@@ -107,14 +107,14 @@ def _twitch(time: Floats, seed: int) -> Floats:
 
 @lru_cache(maxsize=64)
 def waveform(shape: ReachShape) -> Waveform:
-    """The whole of a reach, from 1.5 s before its onset to 1.5 s after its end.
+    """Return a whole reach, from 1.5 s before its onset to 1.5 s after its end.
 
-    Raises ValueError for a duration or a number of submovements that no reach can have.
+    Raises ValueError for an impossible duration or number of submovements.
     """
     if min(shape.out_s, shape.back_s) <= 0 or shape.dwell_s < 0:
-        raise ValueError("A reach takes time: out_s and back_s have to be above 0, dwell_s 0 or above.")
+        raise ValueError("A reach takes time: out_s and back_s must be above 0, dwell_s 0 or above.")
     if shape.submovements < 0 or shape.submovements == 1:
-        raise ValueError("A reach is made of two phases: submovements has to be 0, or 2 and above.")
+        raise ValueError("A reach has two phases: submovements must be 0, or 2 and above.")
     time = np.arange(-1.5, shape.duration_s + 1.5, STEP_S)
     back = shape.submovements // 2
     out_u = time / shape.out_s

@@ -1,4 +1,4 @@
-"""Reaches found in spite of a sensor's bias and noise, a hand's tremor and pauses, and however the sensor is worn."""
+"""The single-axis detector. It copes with bias, noise, tremor, pauses and any orientation of the sensor."""
 
 import math
 from collections.abc import Iterator
@@ -19,21 +19,21 @@ from sar_tui.motion.samples import Floats, Recording
 CALM_HZ = 5.0
 MARGIN_S = 1.0
 ACROSS = math.cos(math.radians(80))
-"""An axis further than 80° from z says nothing of the hand's side: what comes first is the way out."""
+"""An axis more than 80° from z does not tell the direction for the hand: the first phase is the way out."""
 
 
 class SingleAxisParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """What counts as movement, and what as a reach.
+    """Definitions of movement and of a reach.
 
     Args:
-        cutoff_hz: what is faster is not seen (a Butterworth low-pass of second order).
-        rest_s: a hand that is still for so long rests; the sensor's bias and noise are taken from there.
-        begin_rad_s: movement gets faster than this; more where the hand is not as quiet at rest.
-        end_rad_s: movement lasts as long as it is faster than this.
-        least_rad: the way out and the way back each turn the hand at least so far; a twitch does not.
-        shortest_s: and each lasts at least so long.
-        pause_s: a pause in one direction shorter than this divides no phase.
-        dwell_s: a rest at the target no longer than this divides no reach.
+        cutoff_hz: cutoff of the low-pass (second-order Butterworth).
+        rest_s: a hand that is still for this long rests, which gives the sensor's bias and noise.
+        begin_rad_s: a movement exceeds this; more if the hand is less quiet at rest.
+        end_rad_s: a movement lasts while it is faster than this.
+        least_rad: smallest angle of the way out and of the way back; a twitch is smaller.
+        shortest_s: shortest duration of each.
+        pause_s: a shorter pause in one direction does not divide a phase.
+        dwell_s: the longest rest at the target within a reach.
         longest_s: a reach that lasts longer is ended there.
     """
 
@@ -49,7 +49,7 @@ class SingleAxisParameters(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class _Motion(NamedTuple):
-    """A recording without its bias, smoothed much, to see phases in, and little, to time them by."""
+    """A recording without its bias, smoothed strongly to find phases, and lightly to time them."""
 
     grid: Grid
     slow: Floats
@@ -61,17 +61,17 @@ class _Motion(NamedTuple):
 
 
 def find(recording: Recording, parameters: SingleAxisParameters | None = None, hand: Hand = "right") -> Detected:
-    """The reaches in a recording, from the whole of it.
+    """Find the reaches in a whole recording.
 
-    Rest gives the bias, the noise and the tremor's frequency. Without them, phases of movement show in what is slower
-    than 2.5 Hz, about their principal axis; two that are opposite and alike are a reach. Its boundaries come from what
-    is slower than ``cutoff_hz``.
+    Rest gives the bias, the noise and the tremor's frequency. With these removed, phases of movement are found in the
+    rate below 2.5 Hz about their principal axis; two that are opposite and alike are a reach. Its boundaries come from
+    the rate below ``cutoff_hz``.
 
-    Flags: ``no_rest`` (nothing was still before it: its bias is a guess), ``gap`` (over 100 ms of samples are missing
-    in it), ``cut`` (the recording begins or ends in it), ``timed_out``, ``reversed`` (out is not the way that this
-    hand reaches out), ``low_rate`` (too few samples a second for ``cutoff_hz``: it was lowered).
+    Flags: ``no_rest`` (no rest before it: its bias is a guess), ``gap`` (over 100 ms of samples are missing in it),
+    ``cut`` (the recording begins or ends in it), ``timed_out``, ``reversed`` (out is not the usual way for this hand),
+    ``low_rate`` (too few samples per second for ``cutoff_hz``: it was lowered).
 
-    Raises ValueError for fewer than 20 samples a second.
+    Raises ValueError for fewer than 20 samples per second.
     """
     parameters = parameters or SingleAxisParameters()
     grid = even(recording)
@@ -101,7 +101,7 @@ def find(recording: Recording, parameters: SingleAxisParameters | None = None, h
 
 
 def _groups(moving: npt.NDArray[np.bool_], longest: float) -> Iterator[slice]:
-    """Stretches of movement that no rest longer than ``longest`` samples divides."""
+    """Yield stretches of movement that are not divided by a rest longer than ``longest`` samples."""
     index = np.flatnonzero(moving)
     for part in np.split(index, np.flatnonzero(np.diff(index) > longest) + 1):
         if len(part):
@@ -109,7 +109,7 @@ def _groups(moving: npt.NDArray[np.bool_], longest: float) -> Iterator[slice]:
 
 
 def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, hand: Hand) -> Iterator[Bounds]:
-    """The reaches in one stretch of movement, about its principal axis."""
+    """Yield the reaches in one stretch of movement, about its principal axis."""
     rate_hz = motion.grid.rate_hz
     axis = principal_axis(motion.slow[group])
     sided = abs(axis[2]) > ACROSS
@@ -148,7 +148,7 @@ def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, ha
 
 
 def _checked(bounds: Bounds, motion: _Motion, first: int, last: int, parameters: SingleAxisParameters) -> Bounds:
-    """The reach between two samples with its flags, ended if it is too long."""
+    """Return the reach between two samples with its flags, ended if it is too long."""
     grid = motion.grid
     end_s = max(bounds.onset_s, bounds.end_s)
     flags = list(bounds.flags)
@@ -173,5 +173,5 @@ def _checked(bounds: Bounds, motion: _Motion, first: int, last: int, parameters:
 
 
 def _percentile(x: Floats, share: float) -> float:
-    """A percentile; 0 of nothing."""
+    """Return a percentile; 0 for an empty array."""
     return float(np.percentile(x, share)) if len(x) else 0.0

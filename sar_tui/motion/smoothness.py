@@ -1,7 +1,7 @@
-"""How smooth a movement is, from its speed profile, and how much of it is tremor.
+"""Smoothness of a movement, from its speed profile, and its share of tremor.
 
 Each function takes one phase of a movement (out, or back), never both: the rest between them would count as jerk.
-None means that there is nothing to measure: the phase is too short, holds no movement, or a sample is not finite.
+None means that there is no result: the phase is too short, holds no movement, or a sample is not finite.
 """
 
 import math
@@ -31,7 +31,7 @@ _TREMOR_PADDING = 4
 
 
 def sparc(speed: Floats, rate_hz: float) -> float | None:
-    """Spectral arc length: minus the length of the normalised amplitude spectrum of speed; nearer 0 is smoother.
+    """Return the spectral arc length: minus the length of the speed's normalised amplitude spectrum, 0 is smoothest.
 
     After Balasubramanian, Melendez-Calderon, Roby-Brami & Burdet (2015), "On the analysis of movement smoothness",
     J NeuroEng Rehabil 12:112, with its settings: the spectrum ends at 10 Hz or where it is last at 5 % of its
@@ -42,7 +42,7 @@ def sparc(speed: Floats, rate_hz: float) -> float | None:
 
     Args:
         speed: shape (n,), not negative, any unit.
-        rate_hz: samples a second.
+            rate_hz: samples per second.
     """
     profile = _measurable(speed, rate_hz, _SHORTEST_S)
     if profile is None:
@@ -60,7 +60,7 @@ def sparc(speed: Floats, rate_hz: float) -> float | None:
 
 
 def ldlj(speed: Floats, rate_hz: float) -> float | None:
-    """Log dimensionless jerk: −ln(duration³ / peak² · ∫ jerk² dt) of a speed profile; nearer 0 is smoother.
+    """Return the log dimensionless jerk of a speed profile: −ln(duration³ / peak² · ∫ jerk² dt), 0 is smoothest.
 
     Jerk is the second derivative of speed. Same source as ``sparc``, and the same as ``log_dimensionless_jerk`` of
     monalysa at 100 Hz: the derivative is the second difference over (1 / rate)², the integral a sum over it, and the
@@ -71,7 +71,7 @@ def ldlj(speed: Floats, rate_hz: float) -> float | None:
 
     Args:
         speed: shape (n,), not negative, any unit.
-        rate_hz: samples a second.
+            rate_hz: samples per second.
     """
     profile = _measurable(speed, rate_hz, _SHORTEST_S)
     if profile is None:
@@ -83,7 +83,7 @@ def ldlj(speed: Floats, rate_hz: float) -> float | None:
 
 
 def movement_units(speed: Floats, rate_hz: float) -> int:
-    """How many times the movement speeds up: one for a smooth reach, more with every correction.
+    """Return the number of movement units: one for a smooth reach, more with every correction.
 
     A movement unit is an acceleration and the deceleration after it (von Hofsten 1991, J Mot Behav 23:280-292); fewer
     peaks of speed are a mark of recovery after stroke (Rohrer et al. 2002, J Neurosci 22:8297-8304). A rise counts
@@ -93,7 +93,7 @@ def movement_units(speed: Floats, rate_hz: float) -> int:
 
     Args:
         speed: shape (n,), not negative, any unit.
-        rate_hz: samples a second.
+            rate_hz: samples per second.
     """
     profile = _measurable(speed, rate_hz, 0.0)
     if profile is None:
@@ -107,17 +107,17 @@ def movement_units(speed: Floats, rate_hz: float) -> int:
 
 
 def tremor_index(rate: Floats, rate_hz: float) -> float | None:
-    """The share of 3-12 Hz in the power of movement up to 12 Hz, 0 to 1, all three axes together.
+    """Return the share of 3-12 Hz in the power of movement up to 12 Hz, 0 to 1, all three axes together.
 
-    Parkinsonian tremor lies at 3-8 Hz and essential tremor at 4-12 Hz (Luft et al. 2019, Sensors 19:4301), wilful
-    movement mostly below; power in the band against power below it tells persons with essential tremor from others
+    Parkinsonian tremor lies at 3-8 Hz and essential tremor at 4-12 Hz (Luft et al. 2019, Sensors 19:4301), voluntary
+    movement mostly below; power in the band against power below it separates persons with essential tremor from others
     (Ali et al. 2022, Sci Rep 12:5242, of acceleration). The mean of each axis (the gyroscope's bias) is removed, and
     a Hann window keeps a movement that was cut off from leaking into the band. A fast movement has power of its own
-    there: compare like with like. Needs a second of samples, and 24 of them a second.
+    there: compare like with like. Needs a second of samples, at 24 per second or more.
 
     Args:
         rate: angular rate, shape (n, 3), rad/s.
-        rate_hz: samples a second.
+            rate_hz: samples per second.
     """
     low, high = _TREMOR_HZ
     if rate_hz < 2 * high or len(rate) < _TREMOR_SHORTEST_S * rate_hz or not np.isfinite(rate).all():
@@ -137,7 +137,7 @@ def tremor_index(rate: Floats, rate_hz: float) -> float | None:
 
 
 def _measurable(speed: Floats, rate_hz: float, shortest_s: float) -> Floats | None:
-    """The profile with its peak scaled to 1, or None where there is nothing to measure."""
+    """Return the profile with its peak scaled to 1; None if there is nothing to measure."""
     enough = rate_hz > 0 and len(speed) >= max(_FEWEST_SAMPLES, shortest_s * rate_hz)
     if not enough or not np.isfinite(speed).all() or not np.max(speed) > 0:
         return None
@@ -145,10 +145,10 @@ def _measurable(speed: Floats, rate_hz: float, shortest_s: float) -> Floats | No
 
 
 def _resampled(profile: Floats, step_s: float, rate_hz: float) -> tuple[Floats, float]:
-    """The profile between the same end points in steps of about 1 / rate_hz, and the step.
+    """Return the profile between the same end points in steps of about 1 / rate_hz, and the step.
 
-    By a sine series over what is left of the profile without the line through its ends, cut off at half the lower of
-    the two rates: smooth between samples (straight lines would be all jerk) and free of aliases.
+    Uses a sine series of the profile minus the line through its ends, cut off at half the lower of the two rates:
+    smooth between samples (linear interpolation would be all jerk) and free of aliasing.
     """
     steps = len(profile) - 1
     wanted = max(round(steps * step_s * rate_hz), 2)

@@ -1,4 +1,4 @@
-"""The simulated hand: reaches as a motion sensor on its back measures them, good sensor or bad, calm hand or not."""
+"""The simulated hand: reaches as measured by a motion sensor on its back, with faults of sensor and hand."""
 
 import math
 from typing import NamedTuple
@@ -19,17 +19,17 @@ Vector = tuple[float, float, float]
 
 
 class Profile(msgspec.Struct, frozen=True, kw_only=True):
-    """A sensor and the hand it is worn on, as far as they are not ideal.
+    """Imperfections of a sensor and of the hand it is on.
 
     Args:
         noise_rad_s: standard deviation of the noise of each axis, rad/s.
-        bias_rad_s: what each axis shows at rest, rad/s.
-        drift_rad_s_per_s: how fast the bias of every axis grows, rad/s a second.
+        bias_rad_s: output of each axis at rest, rad/s.
+        drift_rad_s_per_s: growth of the bias of every axis, rad/s per second.
         tremor_hz: frequency of the hand's tremor, Hz.
         tremor_rad_s: its amplitude about the reach's axis, rad/s; half of that across it. At rest and in movement.
-        axis: what the reach turns about, in the sensor's axes; of any length. z is out of the back of the hand.
-        lost: the share of samples that never come, 0 to 1.
-        saturation_rad_s: a sample with any axis beyond this is not delivered at all, as with a Phidget.
+        axis: the axis of the reach in the sensor's axes; of any length. z points out of the back of the hand.
+        lost: share of samples that never arrive, 0 to 1.
+        saturation_rad_s: a sample with any axis beyond this is not delivered, as with a Phidget.
     """
 
     noise_rad_s: float = 0.0
@@ -43,7 +43,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True):
 
 
 TILTED: Vector = (0.8, math.sqrt(1 - 0.8**2 - 0.1**2), 0.1)
-"""A sensor worn askew: a tenth of the reach's rotation is about its z."""
+"""A tilted sensor: a tenth of the reach's rotation is about its z."""
 
 PROFILES: dict[str, Profile] = {
     "clean": Profile(),
@@ -64,11 +64,11 @@ PROFILES: dict[str, Profile] = {
         lost=0.01,
     ),
 }
-"""Sensors and hands to try things with, by name."""
+"""Sensors and hands for tests and demonstrations, by name."""
 
 
 def _frame(axis: Vector) -> tuple[Floats, Floats, Floats]:
-    """Unit vectors along the axis of the reach, and two across it: the forearm's, and the way the hand goes."""
+    """Return unit vectors along the axis of the reach, and two across it: the forearm's, and the hand's direction."""
     length = math.hypot(*axis)
     if length == 0:
         raise ValueError("A reach turns about an axis: it cannot be (0, 0, 0).")
@@ -80,14 +80,14 @@ def _frame(axis: Vector) -> tuple[Floats, Floats, Floats]:
 
 
 class SimulatedHand:
-    """A hand that makes the reaches it is told to, and the samples of the sensor on it.
+    """A hand that makes requested reaches, and the samples of the sensor on it.
 
-    The same calls of ``move`` give the same samples, however ``samples`` is asked for them: all at once or bit by bit.
+    The same calls of ``move`` give the same samples, in whatever pieces ``samples`` is called for them.
 
     Args:
-        profile: what is not ideal.
-        rate_hz: samples a second.
-        seed: what noise, losses and the tremor's phase are drawn from.
+        profile: imperfections of sensor and hand.
+        rate_hz: samples per second.
+        seed: the seed of noise, losses and the tremor's phase.
     """
 
     def __init__(self, profile: Profile, rate_hz: float = 250.0, seed: int = 0) -> None:
@@ -107,9 +107,9 @@ class SimulatedHand:
         self._moves.append((at_ns, shape))
 
     def samples(self, from_ns: int, to_ns: int) -> Samples:
-        """The samples with ``from_ns`` <= at < ``to_ns``, dtype SAMPLE.
+        """Return the samples with ``from_ns`` <= at < ``to_ns``, dtype SAMPLE.
 
-        The first call's ``from_ns`` is where the sensor's clock begins: samples lie on a grid from there.
+        The sensor's clock starts at the first call's ``from_ns``: samples lie on a grid from there.
         """
         start = self._start_ns = from_ns if self._start_ns is None else self._start_ns
         first = max(0, -((start - from_ns) // self._period_ns))
@@ -131,7 +131,7 @@ class SimulatedHand:
         return kept
 
     def _streams(self, first: int, last: int) -> Floats:
-        """What chance gives to each sample: six normal numbers and one uniform; drawn in blocks that never change."""
+        """Return the random numbers of each sample: six normal and one uniform, drawn in blocks that never change."""
         wanted = range(first // BLOCK, -(-last // BLOCK))
         if not wanted:
             return np.empty((0, 7))
@@ -145,7 +145,7 @@ class SimulatedHand:
         return np.column_stack((generator.standard_normal((BLOCK, 6)), generator.random(BLOCK)))
 
     def _reaches(self, at: npt.NDArray[np.int64]) -> tuple[Floats, Floats, Floats]:
-        """Angular rate, angle and angular acceleration about the reaches' axis."""
+        """Return angular rate, angle and angular acceleration about the reaches' axis."""
         rate, angle, acceleration = np.zeros((3, len(at)))
         for onset_ns, shape in self._moves:
             form = waveform(shape)
@@ -159,7 +159,7 @@ class SimulatedHand:
         return rate, angle, acceleration
 
     def _measured_rate(self, since_s: Floats, turning: Floats, noise: Floats) -> Floats:
-        """The gyroscope, shape (n, 3). The tremor's frequency wanders a little, as tremor does."""
+        """Return the gyroscope's output, shape (n, 3). The tremor's frequency wanders a little, as in reality."""
         profile, (along, forearm, _) = self.profile, self._frame
         phase = 2 * math.pi * profile.tremor_hz * since_s + 0.5 * np.sin(2 * since_s) + self._tremor_phase
         rate = np.outer(turning + profile.tremor_rad_s * np.sin(phase), along)
@@ -168,7 +168,7 @@ class SimulatedHand:
         return rate + profile.noise_rad_s * noise
 
     def _acceleration(self, turning: Floats, angle: Floats, acceleration: Floats, noise: Floats) -> Floats:
-        """The accelerometer, shape (n, 3): gravity as the hand turns in it, and the hand's own, on a forearm's end."""
+        """Return the accelerometer's output, shape (n, 3): gravity as the hand turns, and the hand's own."""
         along, forearm, way = self._frame
         up = np.array([0.0, 0.0, GRAVITY_M_S2])
         parallel = along * (along @ up)
@@ -179,7 +179,7 @@ class SimulatedHand:
 
 
 class Simulation(NamedTuple):
-    """A recording, and the truth of it: (onset, end) of each reach, in s."""
+    """A recording with its true (onset, end) of each reach, in s."""
 
     recording: Recording
     truth: tuple[tuple[float, float], ...]
@@ -193,7 +193,7 @@ def simulate(
     rest_s: float = 2.0,
     seed: int = 0,
 ) -> Simulation:
-    """Reaches one after the other, with ``rest_s`` of rest before, between and after them."""
+    """Return reaches one after the other, with ``rest_s`` of rest before, between and after them."""
     hand = SimulatedHand(profile, rate_hz, seed)
     onset_s, truth = rest_s, []
     for shape in shapes:
@@ -216,7 +216,7 @@ class TableRow(NamedTuple):
 
     @property
     def shape(self) -> ReachShape:
-        """A minimum-jerk reach of this row: each phase takes so long that the hand is back where it began."""
+        """A minimum-jerk reach of this row, with durations of its phases such that the hand returns to its start."""
         share = self.peak_return_rad_s / (self.peak_return_rad_s - self.peak_extension_rad_s)
         return ReachShape(
             out_s=self.reach_time_s * share,
@@ -236,11 +236,11 @@ TABLE_4_1 = (
     TableRow("fast far", 1.0922, 3.3147, -4.4224),
     TableRow("fast far", 1.0792, 3.9105, -4.4508),
 )
-"""The eight reaches the thesis' system was tried with."""
+"""The eight reaches of the thesis' system test."""
 
 
 def table_4_1_recording(
     rate_hz: float = 250.0, still_s: float = 2.0, profile: Profile = PROFILES["clean"], seed: int = 0
 ) -> Simulation:
-    """The eight reaches of Table 4.1 in its order, with ``still_s`` of rest before, between and after them."""
+    """Return the eight reaches of Table 4.1 in order, with ``still_s`` of rest before, between and after them."""
     return simulate([row.shape for row in TABLE_4_1], profile, rate_hz=rate_hz, rest_s=still_s, seed=seed)

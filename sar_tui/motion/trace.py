@@ -1,4 +1,4 @@
-"""A reach as a curve: how fast the hand turned about the reach's own axis, small enough to be drawn."""
+"""A reach as a curve for drawing: the angular rate about the reach's own axis, with few points."""
 
 import math
 from collections.abc import Mapping
@@ -13,9 +13,9 @@ from sar_tui.motion.rest import find_rest
 from sar_tui.motion.samples import Samples, recording
 
 MOST_POINTS = 200
-"""A curve has no more points than this."""
+"""Largest number of points of a curve."""
 BEFORE_S, AFTER_S = 0.3, 0.5
-"""How much of the rest before and after a reach is part of its curve."""
+"""Rest before and after a reach that its curve includes."""
 
 _REST_BEFORE_S, _REST_AFTER_S = 3.0, 1.0
 _SMOOTH_HZ = 15.0
@@ -23,11 +23,11 @@ _NS = 1e9
 
 
 class Trace(msgspec.Struct, frozen=True, kw_only=True):
-    """One reach, to be drawn. Times in s since the first point.
+    """One reach for drawing. Times in s since the first point.
 
     ``rate``: angular rate about the reach's axis, rad/s, without the sensor's bias, positive on the way out.
-    ``rate_hz``: points a second. The way out lasts from ``onset_s`` to ``arrival_s``, the rest at the target (dwell)
-    until ``departure_s``, the way back until ``end_s``. ``label``: what to call it.
+    ``rate_hz``: points per second. The way out lasts from ``onset_s`` to ``arrival_s``, the rest at the target (dwell)
+    until ``departure_s``, the way back until ``end_s``. ``label``: its name.
     """
 
     rate: list[float]
@@ -42,13 +42,13 @@ class Trace(msgspec.Struct, frozen=True, kw_only=True):
 def trace_of(
     samples: Samples, onset_ns: int, end_ns: int, measured: Mapping[str, object], label: str = ""
 ) -> Trace | None:
-    """The curve of a reach that was found; None where there are no samples of it.
+    """Return the curve of a reach; None without samples of it.
 
     Args:
-        samples: dtype SAMPLE; those of the reach, and the rest before it, from which the bias is taken.
-        onset_ns, end_ns: when it began and ended, as an `analysis.Finding` or a ReachPerceived tells.
+        samples: dtype SAMPLE; those of the reach, and of the rest before it, which gives the bias.
+        onset_ns, end_ns: its beginning and end, from an `analysis.Finding` or a ReachPerceived.
         measured: their details, of which ``out_ms`` and ``back_ms`` are used.
-        label: what to call it.
+        label: its name.
     """
     since_s = (samples["at"] - onset_ns) / _NS
     end_s = (end_ns - onset_ns) / _NS

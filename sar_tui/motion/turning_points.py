@@ -1,13 +1,13 @@
-"""Where a signal turns back, little wobbles apart."""
+"""Turning points of a signal, except small wobbles."""
 
 from collections.abc import Sequence
 
 
 def turning_points(values: Sequence[float], swing: float) -> list[int]:
-    """Indices of the extremes between which the signal moves by ``swing`` (more than 0) or more, high and low in turn.
+    """Return the indices of the extremes between which the signal moves by ``swing`` (above 0) or more, alternating.
 
-    Smaller movements the other way are part of the swing they interrupt. The first is where the first swing starts,
-    the last where the last one has come to; empty where nothing swings.
+    Smaller movements the other way belong to the swing that they interrupt. The first index is where the first swing
+    starts, the last where the last swing ends; empty without a swing.
     """
     found: list[int] = []
     low = high = 0

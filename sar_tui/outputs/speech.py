@@ -1,4 +1,4 @@
-"""Speech: what the agent says, aloud."""
+"""Speech output."""
 
 import re
 from collections.abc import Callable
@@ -10,7 +10,7 @@ from sar_tui.outputs.sound.mixer import Sound
 from sar_tui.outputs.sound.protocol import Voicing
 
 LONGEST = 4000
-"""Characters in an utterance; about five minutes."""
+"""Characters of the longest utterance; about five minutes."""
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 
 
@@ -18,10 +18,10 @@ class Speech(Output):
     """Speaks with the theme's voice, in its language. ``sound`` is shared with the tones.
 
     ``started`` is when the first samples of the utterance are fed to the sound card (they are heard up to 40 ms
-    later), ``done`` when the last have left its buffer; synthesis comes before ``started``. An utterance fails where
-    there is no speech engine, no voice for the language or no sound card, where the voice cannot read the text, and
-    where the engine hangs or crashes. The next one gets a new engine; after three in a row that failed by no fault of
-    the text, speech stays off.
+    later), ``done`` when the last have left its buffer; synthesis comes before ``started``. An utterance fails without
+    a speech engine, a voice for the language or a sound card, if the voice cannot read the text, and if the engine
+    hangs or crashes. The next utterance gets a new engine. After three failures in a row that are not due to the text,
+    speech stays off.
     """
 
     name = "speech"
@@ -61,5 +61,5 @@ class Speech(Output):
 
 
 def _speakable(text: str) -> str:
-    """A text without what is no text: control characters, and halves of characters."""
+    """Return a text without control characters and lone surrogates."""
     return " ".join(_CONTROL.sub(" ", text.encode("utf-8", "replace").decode()).split())

@@ -1,4 +1,4 @@
-"""Tones: short cues, made of notes."""
+"""Tone output: short cues made of notes."""
 
 from collections.abc import Callable
 
@@ -9,10 +9,10 @@ from sar_tui.outputs.sound.mixer import Sound
 
 
 class Tones(Output):
-    """Sounds the theme's tones. ``sound`` is shared with speech, and what was asked for first sounds first.
+    """Plays the theme's tones. ``sound`` is shared with speech; requests are played in order.
 
     ``started`` is when the first samples are fed to the sound card (they are heard up to 40 ms later), ``done`` when
-    the last have left its buffer. A tone is ready before it is asked for; it fails where there is no sound card.
+    the last have left its buffer. Tones are prepared in advance. A tone fails without a sound card.
     """
 
     name = "tones"

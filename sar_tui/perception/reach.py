@@ -1,4 +1,4 @@
-"""Perception of reaches: from the samples of the hand's sensor to one reach, out and back (thesis 4.2.2)."""
+"""Perception of reaches: turns the samples of the hand's sensor into one reach, out and back (thesis 4.2.2)."""
 
 from collections import deque
 from typing import Literal
@@ -24,31 +24,31 @@ from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.trace import trace_of
 
 REST = 3 * SECOND
-"""So much before a reach is kept, to know the hand at rest."""
+"""Samples kept from before a reach, to know the hand at rest."""
 TAIL = 4 * SECOND
-"""A hand that still moves so long after the key that ends a reach is waited for no longer."""
+"""Longest wait, after the key that ends a reach, for a hand that still moves."""
 SETTLED_S = 0.85
-"""A hand that has rested for so long has come to rest; or for longer, where the thesis' rule says so."""
+"""Rest after which the hand has come to rest; longer if the fixed-threshold detector needs it."""
 MARGIN_S = 0.05
 PATIENCE = 300 * MS
-"""Samples that have not come this much after the tail will not."""
-HELD = 700 * MS
-"""A key so soon after another is held, or was pressed twice: keyboards repeat first after 250 to 660 ms."""
+"""Longest wait for samples after the tail."""
+KEY_REPEAT = 700 * MS
+"""A key this soon after another is held or was pressed twice: keyboards repeat first after 250 to 660 ms."""
 UNMOVED = 1500 * MS
-"""A hand that has not moved is waited for so long: until then the key was pressed by mistake."""
+"""A key before this time, by a hand that has not moved, was pressed by mistake."""
 
 
 class ReachPerception(TimedNode):
-    """Watches the hand from the key that starts a reach to the key that ends it, and tells what it did.
+    """Watches the hand from the key that starts a reach to the key that ends it, and reports the reach.
 
-    A participant who forgets that second key is not stuck, nor is one of whom no key is asked: a reach that is over,
-    and followed by ``still_ms`` of rest, ends by itself; and nothing outlasts the time-out. A reach of somebody whose
-    turn it is not is told as soon as it is seen, and not measured.
+    A reach without that second key (forgotten, or not asked for) ends by itself when the hand is back and has rested
+    for ``still_ms``, at the latest at the time-out. A reach out of turn is reported as soon as it is seen, and not
+    measured.
 
     Args:
         analysis: how reaches are found and measured.
         still_ms: the rest after which a reach needs no key.
-        seat: whose hand it is; each of two has a node of their own.
+        seat: the participant; each of two has their own node.
     """
 
     name = "reach_perception"
@@ -79,7 +79,7 @@ class ReachPerception(TimedNode):
 
     @on(SENSOR)
     def sensor_changed(self, sensor: SensorChanged) -> None:
-        """What was measured before a sensor was attached is another story; what goes wrong in a reach is noted."""
+        """Forget samples from before a sensor was attached; note what goes wrong in a reach."""
         if sensor.seat != self._seat:
             return
         if sensor.state == "attached":
@@ -89,7 +89,7 @@ class ReachPerception(TimedNode):
             self._flags.append(sensor.state)
 
     @on(IMU)
-    def samples_came(self, block: ImuBlock) -> None:
+    def add_samples(self, block: ImuBlock) -> None:
         if block.seat != self._seat:
             return
         samples = unpack(block.samples)
@@ -99,20 +99,20 @@ class ReachPerception(TimedNode):
             self._forget_before(newest - REST)
             return
         rested, reached = self._watch(samples)
-        if not self._is_asked:
+        if not self._is_prompted:
             if reached:
-                self._tell_unasked(newest)
+                self._report_unprompted(newest)
         elif self._ended is not None:
             if newest >= self._ended and rested >= self._settled_s:
-                self._tell("key")
+                self._report("key")
             elif newest >= self._ended + TAIL:
                 self._flags.append("moving")
-                self._tell("key")
+                self._report("key")
         elif reached and rested >= self._still_s and self._began_s != self._dismissed:
-            self._tell("stillness")
+            self._report("stillness")
 
     def _forget_before(self, stamp: int) -> None:
-        """To the sample, whatever the blocks they came in: a replay joins blocks that nothing lies between."""
+        """Drop samples before a stamp, exactly: the blocks of a replay may be divided differently."""
         while self._blocks and self._blocks[0]["at"][-1] < stamp:
             self._blocks.popleft()
         if self._blocks:
@@ -120,9 +120,9 @@ class ReachPerception(TimedNode):
             self._blocks[0] = oldest[oldest["at"] >= stamp]
 
     def _watch(self, samples: Samples) -> tuple[float, bool]:
-        """How long the hand has rested, in s, and whether it has been out and back since the start.
+        """Return how long the hand has rested, in s, and True if it has been out and back since the start.
 
-        A sensor too slow for that is found out when the reach is over.
+        A sensor too slow for this is reported when the reach is over.
         """
         if self._rate_hz < LEAST_RATE_HZ:
             return 0.0, False
@@ -139,27 +139,29 @@ class ReachPerception(TimedNode):
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
-        """A reach may begin; it may have begun with the key that asked for the prompt."""
+        """Start watching for a reach. It may have begun with the key that asked for the prompt."""
         self._clear()
         self._prompt = prompt
         self._started = self.now if prompt.started is None else prompt.started
-        if self._is_asked:
+        if self._is_prompted:
             self.set_timer("timeout", self.now + prompt.timeout)
 
     @property
-    def _is_asked(self) -> bool:
-        """Whether the prompt that is up is this hand's."""
+    def _is_prompted(self) -> bool:
+        """True if the present prompt is for this hand."""
         return self._prompt is not None and self._prompt.seat in ("", self._seat)
 
     @on(PERCEIVED)
     def key_pressed(self, press: KeyPerceived) -> None:
-        """The second press of the key says that the hand is back."""
+        """End the reach: the second press says that the hand is back."""
         prompt = self._prompt
-        if prompt is None or not self._is_asked or self._ended is not None or press.repeat or press.seat != self._seat:
+        if prompt is None or not self._is_prompted or self._ended is not None:
+            return
+        if press.repeat or press.seat != self._seat:
             return
         if press.key != prompt.expected:
             return
-        if press.gap is not None and press.gap < HELD:
+        if press.gap is not None and press.gap < KEY_REPEAT:
             return
         if self._has_moved or press.at >= self._started + UNMOVED:
             self._ended = press.at
@@ -167,7 +169,7 @@ class ReachPerception(TimedNode):
 
     @property
     def _began_s(self) -> float | None:
-        """When the present or last movement began."""
+        """Start of the present or last movement."""
         return self._segmenter.began_s if self._segmenter else None
 
     @property
@@ -183,18 +185,18 @@ class ReachPerception(TimedNode):
         self._clear()
 
     def timer(self, name: str, late: int) -> None:
-        """Leave a time-out to which the program itself comes late to the event handler, which repeats the trial."""
+        """End the reach. If the program itself is late, the event handler repeats the trial instead."""
         if name == "timeout" and late > STALLED:
             return
-        self._tell("timeout" if self._ended is None else "key")
+        self._report("timeout" if self._ended is None else "key")
 
-    def _tell_unasked(self, at: int) -> None:
-        """Say that there was a reach, at ``at``."""
+    def _report_unprompted(self, at: int) -> None:
+        """Report that there was a reach, at ``at``."""
         self.emit(REACH, ReachPerceived(seat=self._seat, at=at, delay=self.now - at, closed="stillness"))
         self._clear()
 
-    def _tell(self, closed: Literal["key", "stillness", "timeout"]) -> None:
-        """Say what was seen, in all the samples that there are."""
+    def _report(self, closed: Literal["key", "stillness", "timeout"]) -> None:
+        """Report the reach found in all the samples."""
         assert self._prompt
         samples = self._samples()
         first, last = (samples["at"][[0, -1]].tolist()) if len(samples) else (self._started, self._started)

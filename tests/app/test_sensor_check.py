@@ -346,7 +346,7 @@ async def test_samples_that_are_no_numbers_are_counted_as_left_out(seated: Calla
     async with seated(Plugged(alter=spoil)) as driver:
         await driver.wait(2200)
         assert driver.sees("6 left out")
-        assert driver.sees("Trouble ! The sensor tells of an angular")
+        assert driver.sees("Trouble ! The sensor reports an angular")
 
 
 async def test_a_sensor_that_falls_silent_is_told(seated: Callable[..., Any]) -> None:

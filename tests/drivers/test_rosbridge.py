@@ -307,5 +307,5 @@ def test_an_address_is_understood(text: str, expected: Address) -> None:
     ["", "robot", "http://robot", "ros://", "ros://robot:99999", "ros://me:secret@robot", "ros://robot?a", "ros://a b"],
 )
 def test_an_address_that_is_none_is_refused_with_an_example(text: str) -> None:
-    with pytest.raises(AddressError, match="Say ros://HOST"):
+    with pytest.raises(AddressError, match="Use ros://HOST"):
         parse(text, "ros://HOST")

@@ -104,7 +104,7 @@ def test_a_stamp_that_does_not_rise_is_left_out_and_told_once_a_run(bench: Bench
     samples, statuses = bench.feed.drain()
     assert samples["device_ms"].tolist() == [0.0, 4.0, 8.0]
     assert [status.state for status in statuses] == ["attached", "error"]
-    assert "do not rise" in statuses[1].detail
+    assert "do not increase" in statuses[1].detail
     assert bench.feed.dropped == 3
     bench.send(stamp)
     assert [status.state for status in bench.told()] == ["error"]

@@ -150,7 +150,7 @@ def test_text_that_is_not_utf_8_is_told_with_its_line(csv: Callable[..., Path]) 
 
 def test_what_is_no_file_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert fault(tmp_path / "none.csv") == "There is no file FILE."
-    assert fault(tmp_path) == "FILE is no file: name a recording, FILE.csv or FILE.npz."
+    assert fault(tmp_path) == "FILE is not a file: name a recording, FILE.csv or FILE.npz."
     secret = tmp_path / "secret.csv"
     secret.write_text("t")
 

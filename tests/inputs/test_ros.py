@@ -212,7 +212,7 @@ def test_what_is_no_imu_message_is_left_out_and_told_once_in_a_row(connect: Call
     bench.send()
     wait_until(lambda: len(bench.samples) == 3)
     assert bench.states == ["detached", "detached", "attached", "error", "error"]
-    assert bench.wait_for("error").detail.startswith("What comes on /imu/data is no sensor_msgs/Imu (")
+    assert bench.wait_for("error").detail.startswith("The messages on /imu/data are not sensor_msgs/Imu (")
 
 
 @pytest.mark.parametrize("nothing", [None, math.nan, math.inf, -math.inf, 1e300])
@@ -226,7 +226,7 @@ def test_a_rate_that_is_not_a_number_is_left_out_and_told_by_the_feed(
     bench.drain_until(2)
     assert bench.feed.dropped == 1
     assert bench.wait_for("error").detail == (
-        "The sensor tells of an angular rate that is not a number; such samples are left out."
+        "The sensor reports an angular rate that is not a number; such samples are left out."
     )
     assert bench.states == ["detached", "detached", "attached", "error", "gap"]
 
@@ -235,7 +235,7 @@ def test_stamps_that_stand_still_are_told_of(connect: Callable[..., Bench]) -> N
     bench = connect()
     bench.send(LOOKED_AT, step_ns=0)
     assert bench.wait_for("error").detail == (
-        "The time stamps on /imu/data do not rise, so how fast samples come is not known: say it with ?rate=NUMBER."
+        "The time stamps on /imu/data do not increase, so the sample rate is unknown: set it with ?rate=NUMBER."
     )
     assert bench.samples == []
 
@@ -247,7 +247,7 @@ def test_when_the_bridge_goes_away_it_is_detached_and_attached_again_when_it_is_
     bench.send(LOOKED_AT)
     bench.wait_for("attached")
     bench.server.leave()
-    assert bench.wait_for("detached", 3).detail.endswith("is gone. Waiting until it is back.")
+    assert bench.wait_for("detached", 3).detail.endswith("was lost. Waiting for it.")
     assert bench.source.info is None
     bench.server.arrive()
     bench.wait_until_heard()
@@ -311,5 +311,5 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
     ],
 )
 def test_an_address_that_cannot_be_understood_is_refused_with_an_example(address: str) -> None:
-    with pytest.raises(SourceError, match="Say ros://HOST/TOPIC"):
+    with pytest.raises(SourceError, match="Use ros://HOST/TOPIC"):
         RosImuSource(address)

@@ -137,7 +137,7 @@ def test_a_plug_in_is_opened_by_its_name_with_the_text_after_the_colon() -> None
     ("name", "said"),
     [
         ("camera:first", "phidget:SERIAL"),
-        ("hollow:x", "is no source: it lacks start, stop, zero, info."),
+        ("hollow:x", "is not a source: it lacks start, stop, zero, info."),
         ("faulty:luck", "cannot be loaded: RuntimeError: no luck today."),
         ("absent", "cannot be loaded: AttributeError"),
     ],

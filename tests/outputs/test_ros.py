@@ -445,12 +445,12 @@ async def test_in_a_live_session_stamps_are_the_hosts() -> None:
 @pytest.mark.parametrize(
     ("address", "words"),
     [
-        ("", "Say ros://HOST"),
+        ("", "Use ros://HOST"),
         ("//robot/imu", "has no meaning"),
         ("//robot?speech=tts", "speech"),
         ("//robot?sing=/la", "sing"),
         ("//robot?form=xml", "form"),
-        ("//robot:0x1", "Say ros://HOST"),
+        ("//robot:0x1", "Use ros://HOST"),
     ],
 )
 def test_an_address_that_cannot_be_understood_is_refused_with_what_there_may_be(address: str, words: str) -> None:

@@ -42,9 +42,9 @@ def sound_card(program: Sequence[str] = (), backends: Sequence[str] = ()) -> Fin
 
 def _examined(name: str, program: Sequence[str], backends: Sequence[str] = ()) -> "Examined | Finding":
     """Ask the child process that would use them."""
-    from sar_tui.outputs.sound.child import PROGRAM
     from sar_tui.outputs.sound.mixer import examine
     from sar_tui.outputs.sound.protocol import SoundError
+    from sar_tui.outputs.sound.voice_process import PROGRAM
 
     try:
         return examine(program or PROGRAM, backends, _PATIENCE_S)

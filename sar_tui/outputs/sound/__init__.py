@@ -1,1 +1,1 @@
-"""All that is heard, by one path: `path` is what the outputs use, `voice` the child process that speaks and sounds."""
+"""Speech and tones on one path: outputs use `mixer`; `voice` is the child process that speaks and plays."""

@@ -1,8 +1,8 @@
-"""The speech engine: pyttsx3, which makes a text into samples. Used by the child process alone, for it may hang.
+"""The speech engine, pyttsx3, which turns text into samples. Only the voice process uses it, as it may hang.
 
-Only its ``save_to_file`` is used. What its ``say`` plays cannot be interrupted, and it does not tell when there is no
-sound card. Two of its habits are allowed for (2.99): with espeak, ``runAndWait`` may return long before the file is
-written; and a rate that is set just before it is lost now and then, as it cancels whatever espeak is busy with.
+Only its ``save_to_file`` is used: its ``say`` cannot be interrupted and does not report a missing sound card. Two
+faults of version 2.99 are worked around: with espeak, ``runAndWait`` may return long before the file is written; and
+a rate set just before it is sometimes lost, as it cancels whatever espeak is doing.
 """
 
 import contextlib
@@ -21,16 +21,16 @@ from sar_tui.outputs.sound.samples import at_volume, is_whole, peak, read, secon
 from sar_tui.outputs.sound.voices import choose, found_voice
 
 _SILENT = 0.005
-"""Speech whose loudest sample is below this (of 1) cannot be heard."""
+"""Speech with no sample above this (of 1) is inaudible."""
 _SHORTEST_S = 0.1
 _SHORTEST_A_LETTER_S = 0.008
-"""A third of what a letter takes at the fastest rate a theme may set."""
+"""A third of the time for a letter at the fastest rate that a theme may set."""
 _LOOK_S = 0.002
 _SET_S = 0.25
-"""How long to wait for the engine to have taken on a voice and a rate."""
+"""Time for the engine to apply a voice and a rate."""
 _SETTLED_S = 0.02
 _TOLD_S = 0.05
-"""How long to wait for the engine to tell that it has finished, once its file is whole; Windows' may tell never."""
+"""Time for the engine to report its end once the file is whole; on Windows it may never report."""
 
 _NO_PACKAGE = "Speech needs the Python package pyttsx3: pip install pyttsx3."
 _NO_ENGINE = {
@@ -47,7 +47,7 @@ _NO_SOUND = "The speech engine gave no sound for this text."
 
 
 class Engine:
-    """Speaks into samples. Must be used by the main thread: macOS and Windows ask for it."""
+    """Turns text into samples. Must be used by the main thread: macOS and Windows require it."""
 
     def __init__(self) -> None:
         self._engine: Any = None
@@ -58,21 +58,21 @@ class Engine:
         self._problem = ""
 
     def voices(self) -> tuple[FoundVoice, ...]:
-        """All voices.
+        """Return all voices.
 
         Raises:
-            SoundError: there is no engine; it says how to get one.
+            SoundError: if there is no engine; it says how to install one.
         """
         if self._engine is None:
             self._engine = self._start()
         return self._voices
 
     def speak(self, text: str, voicing: Voicing) -> "array[int]":
-        """The samples of a text that is spoken.
+        """Return the samples of a spoken text.
 
         Raises:
-            SoundError: there is no engine, or none of its voices speaks the language, or it gave nothing usable.
-            Unreadable: the text is none that a voice of this language can read.
+            SoundError: if there is no engine, no voice for the language, or no usable result.
+            Unreadable: if a voice of this language cannot read the text.
         """
         voice = self.voice(voicing)
         if why := why_unreadable(text, voicing.language):
@@ -85,10 +85,10 @@ class Engine:
         return at_volume(samples, voicing.volume)
 
     def voice(self, voicing: Voicing) -> FoundVoice:
-        """The voice that speaks so.
+        """Return the voice to use.
 
         Raises:
-            SoundError: there is no engine, or none of its voices speaks the language.
+            SoundError: if there is no engine, or no voice for the language.
         """
         voice = choose(self.voices(), voicing.language, voicing.name, self._default)
         if voice is None:
@@ -97,10 +97,10 @@ class Engine:
         return voice
 
     def _set(self, voice: str, rate: int) -> None:
-        """Take on a voice and a rate, and wait until that is so."""
+        """Set a voice and a rate, and wait until they are applied."""
         if self._set_to == (voice, rate):
             return
-        self._engine.proxy.setBusy(False)  # so that they are set at once, and not in the loop
+        self._engine.proxy.setBusy(False)  # applied at once, not in the loop
         self._engine.setProperty("voice", voice)
         self._engine.setProperty("rate", rate)
         until = time.monotonic() + _SET_S
@@ -110,11 +110,11 @@ class Engine:
         self._set_to = (voice, rate)
 
     def _synthesise(self, text: str) -> "array[int]":
-        """What the engine makes of a text. It may take for ever: who waits for it ends this process."""
+        """Return the engine's samples of a text. May hang; the supervisor then kills this process."""
         self._finished.clear()
         self._problem = ""
         with _private_file() as path:
-            self._engine.proxy.setBusy(True)  # so that all is done in the loop, which then surely ends
+            self._engine.proxy.setBusy(True)  # everything is done in the loop, which then surely ends
             self._engine.save_to_file(text, path)
             self._engine.runAndWait()
             while not is_whole(path):
@@ -146,7 +146,7 @@ class Engine:
 
 @contextlib.contextmanager
 def _private_file() -> Iterator[str]:
-    """A file for the engine to write to: in memory where there is such a thing, so that nothing is ever left behind."""
+    """A file for the engine to write to, in memory where possible, so that nothing is left behind."""
     if sys.platform == "linux":
         handle = os.memfd_create("utterance")
         try:

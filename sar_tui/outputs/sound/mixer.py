@@ -1,4 +1,4 @@
-"""The one path of all that is heard: speech and tones go through it in their order, to the sound card or to files."""
+"""The common path of speech and tones, in order, to the sound card or to files."""
 
 import itertools
 import os
@@ -12,22 +12,22 @@ from sar_tui.framework.clock import Clock, VirtualClock
 from sar_tui.framework.messages import PartState
 from sar_tui.framework.theme import Note
 from sar_tui.outputs.output import Report
-from sar_tui.outputs.sound.child import PROGRAM, Child
 from sar_tui.outputs.sound.protocol import Examine, Examined, Reply, Say, Setup, SoundError, Tone, Voicing, Warm
-from sar_tui.outputs.sound.supervisor import PATIENCE_S, Ask, Kind, News, Supervisor
-from sar_tui.outputs.sound.turns import Turns
+from sar_tui.outputs.sound.supervisor import PATIENCE_S, Kind, PartEvent, SoundJob, Supervisor
+from sar_tui.outputs.sound.virtual_playback import VirtualPlayback
+from sar_tui.outputs.sound.voice_process import PROGRAM, VoiceProcess
 
 CARD = "sound"
-"""Where sound goes if nothing else is said: the system's default sound card."""
+"""The default: the system's sound card."""
 _FILE = "file:"
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 
 
 def check_sound(where: str) -> None:
-    """Whether sound can go there: ``sound``, or ``file:FOLDER`` for WAV files in a folder, which need not exist yet.
+    """Check a place for sound: ``sound``, or ``file:FOLDER`` for WAV files in a folder, which need not exist yet.
 
     Raises:
-        SoundError: it cannot, and why. Whether there is a sound card is not looked at.
+        SoundError: if it cannot be used. Does not check for a sound card.
     """
     folder = _folder(where)
     if folder is None:
@@ -40,18 +40,18 @@ def check_sound(where: str) -> None:
     if not is_folder:
         raise SoundError(f"{place} is a file: name a folder for the sound files.")
     if not os.access(place, os.W_OK | os.X_OK):
-        raise SoundError(f"{place} may not be written to: name another folder for the sound files.")
+        raise SoundError(f"{place} is not writable: name another folder for the sound files.")
 
 
 def examine(program: Sequence[str] = PROGRAM, backends: Sequence[str] = (), patience_s: float = PATIENCE_S) -> Examined:
-    """What there is to speak and to sound with, found out by a child process of its own.
+    """Find out, in a separate process, what voices and sound system there are.
 
     Raises:
-        SoundError: the child gave no answer in time.
+        SoundError: if the process does not answer in time.
     """
     heard: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
     try:
-        child = Child(Setup(backends=tuple(backends)), lambda _, reply: heard.put(reply), program)
+        child = VoiceProcess(Setup(backends=tuple(backends)), lambda _, reply: heard.put(reply), program)
     except OSError as error:
         raise SoundError(f"The voice cannot be started ({error.strerror or error}).") from error
     try:
@@ -62,26 +62,26 @@ def examine(program: Sequence[str] = PROGRAM, backends: Sequence[str] = (), pati
     finally:
         child.kill()
     if not isinstance(reply, Examined):
-        raise SoundError("The voice stopped working as it was asked what it can do.")
+        raise SoundError("The voice stopped working when it was asked what it can do.")
     return reply
 
 
 class Sound:
-    """What the outputs that are heard share; it is there from when the first joins until the last leaves.
+    """Shared by the outputs that can be heard, from the first that joins until the last leaves.
 
-    On a clock that jumps nothing is heard: each part is made at once, and lasts as long on that clock as it would
-    sound. On any other, times are the child's: as the first samples are fed to the sound card, and as the last have
-    left its buffer.
+    On a virtual clock nothing is played: each part is synthesised at once, and takes as long on that clock as it would
+    sound. Otherwise the times are those of the voice process: when the first samples are fed to the sound card, and
+    when the last have left its buffer.
 
     Args:
         where: ``sound``, or ``file:FOLDER``; see `check_sound`.
-        backends: the sound systems to try, by miniaudio's names (``NULL`` plays in real time to no one); all that
-            have loudspeakers if empty.
-        program: the child's command line.
-        patience_s: how long a part may take to begin.
+        backends: the sound systems to try, by miniaudio's names (``NULL`` plays in real time without sound); all real
+            ones if empty.
+        program: the command line of the voice process.
+        patience_s: time for a part to start.
 
     Raises:
-        SoundError: ``where`` is neither.
+        SoundError: if ``where`` is invalid.
     """
 
     def __init__(
@@ -96,90 +96,90 @@ class Sound:
         self._backends, self._program, self._patience_s = tuple(backends), program, patience_s
         self._jobs = itertools.count(1)
         self._lock = threading.RLock()
-        self._listeners: dict[Kind, Callable[[Report], object]] = {}
+        self._reporters: dict[Kind, Callable[[Report], object]] = {}
         self._clock: Clock
-        self._keeper: Supervisor | None = None
-        self._turns: Turns | None = None
-        self._news: queue.SimpleQueue[News] = queue.SimpleQueue()
+        self._supervisor: Supervisor | None = None
+        self._playback: VirtualPlayback | None = None
+        self._events: queue.SimpleQueue[PartEvent] = queue.SimpleQueue()
 
-    def join(self, kind: Kind, clock: Clock, tell: Callable[[Report], object]) -> None:
-        """Take part, with the parts of one kind. ``tell`` hears of them, from any thread, until it leaves."""
+    def join(self, kind: Kind, clock: Clock, report: Callable[[Report], object]) -> None:
+        """Join with the parts of one kind. ``report`` receives their reports, from any thread, until ``leave``."""
         with self._lock:
-            self._listeners[kind] = tell
-        if self._keeper is None:
+            self._reporters[kind] = report
+        if self._supervisor is None:
             is_virtual = isinstance(clock, VirtualClock)
             self._clock = clock
-            self._turns = Turns(clock, self._tell) if isinstance(clock, VirtualClock) else None
+            self._playback = VirtualPlayback(clock, self._report) if isinstance(clock, VirtualClock) else None
             setup = Setup(str(self._folder or ""), self._backends, in_real_time=not is_virtual)
-            told = self._news.put if is_virtual else self._told
-            self._keeper = Supervisor(setup, told, self._program, self._patience_s)
+            on_event = self._events.put if is_virtual else self._on_event
+            self._supervisor = Supervisor(setup, on_event, self._program, self._patience_s)
 
     def leave(self, kind: Kind) -> None:
-        """Be still, and tell no more. As the last leaves, the child process and the threads end. Harmless twice."""
+        """Stop, and end the reports. After the last has left, the process and the threads end. May be called twice."""
         with self._lock:
-            self._listeners.pop(kind, None)
+            self._reporters.pop(kind, None)
         self.stop(kind)
-        if self._keeper and not self._listeners:
-            self._keeper.close()
-            self._keeper = self._turns = None
+        if self._supervisor and not self._reporters:
+            self._supervisor.close()
+            self._supervisor = self._playback = None
 
     def get_ready(self, kind: Kind, voicing: Voicing | None = None, tones: Sequence[tuple[Note, ...]] = ()) -> None:
-        """Load what is to come, so that it begins at once."""
-        if self._keeper:
-            self._keeper.warm(kind, Warm(voicing, tuple(tones)))
+        """Prepare for coming parts, so that they start at once."""
+        if self._supervisor:
+            self._supervisor.warm(kind, Warm(voicing, tuple(tones)))
 
     def say(self, action: str, text: str, voicing: Voicing, problem: str = "") -> None:
-        """Speak, after all that was asked for before; or, where there is a ``problem``, fail with it then."""
-        self._ask(Ask("say", action, Say(next(self._jobs), _stem(action, "say"), text, voicing), problem))
+        """Speak after everything requested before. With a ``problem``, fail with it at that time."""
+        self._add(SoundJob("say", action, Say(next(self._jobs), _stem(action, "say"), text, voicing), problem))
 
     def tone(self, action: str, notes: tuple[Note, ...], problem: str = "") -> None:
-        """Sound a tone, after all that was asked for before; or, where there is a ``problem``, fail with it then."""
-        self._ask(Ask("tone", action, Tone(next(self._jobs), _stem(action, "tone"), notes), problem))
+        """Play a tone after everything requested before. With a ``problem``, fail with it at that time."""
+        self._add(SoundJob("tone", action, Tone(next(self._jobs), _stem(action, "tone"), notes), problem))
 
     def stop(self, kind: Kind, action: str = "") -> None:
-        """Be still: the parts of a kind, of one action or of all."""
-        if self._turns:
-            self._turns.stop(kind, action)
-        elif self._keeper:
-            self._keeper.stop(kind, action)
+        """Stop the parts of a kind: those of one action, or all."""
+        if self._playback:
+            self._playback.stop(kind, action)
+        elif self._supervisor:
+            self._supervisor.stop(kind, action)
 
-    def _ask(self, ask: Ask) -> None:
-        if self._keeper is None:
+    def _add(self, job: SoundJob) -> None:
+        if self._supervisor is None:
             return
-        self._keeper.ask(ask)
-        if self._turns:
-            self._take_turn(self._turns)
+        self._supervisor.add(job)
+        if self._playback:
+            self._play(self._playback)
 
-    def _take_turn(self, turns: Turns) -> None:
-        """Wait until the sound is made, for no time of this clock; then let its time pass on this clock."""
+    def _play(self, playback: VirtualPlayback) -> None:
+        """Wait for the result, which takes no time on the virtual clock; then let its duration pass on that clock."""
         seconds = 0.0
-        while (news := self._news.get()).state == "started":
-            seconds = news.seconds
-        if news.state == "done":
-            turns.add(news.ask, seconds)
+        while (event := self._events.get()).state == "started":
+            seconds = event.seconds
+        if event.state == "done":
+            playback.add(event.job, seconds)
         else:
-            self._tell(news.ask, news.state, news.detail)
+            self._report(event.job, event.state, event.detail)
 
-    def _told(self, news: News) -> None:
-        self._tell(news.ask, news.state, news.detail, news.at)
+    def _on_event(self, event: PartEvent) -> None:
+        self._report(event.job, event.state, event.detail, event.at)
 
-    def _tell(self, ask: Ask, state: PartState, detail: str = "", at: int | None = None) -> None:
+    def _report(self, job: SoundJob, state: PartState, detail: str = "", at: int | None = None) -> None:
         with self._lock:
-            if tell := self._listeners.get(ask.kind):
-                tell(Report(ask.action, ask.kind, state, self._clock.now() if at is None else at, detail))
+            if report := self._reporters.get(job.kind):
+                report(Report(job.action, job.kind, state, self._clock.now() if at is None else at, detail))
 
 
 def _folder(where: str) -> Path | None:
-    """The folder that sound files go to; None for the sound card."""
+    """Return the folder for sound files; None for the sound card."""
     if where == CARD:
         return None
     name = where.removeprefix(_FILE)
     if name == where or not name.strip():
-        raise SoundError(f"Sound cannot go to {where!r}: say {CARD}, or {_FILE}FOLDER for WAV files in a folder.")
+        raise SoundError(f"Sound cannot go to {where!r}: use {CARD}, or {_FILE}FOLDER for WAV files in a folder.")
     try:
         return Path(name).expanduser().resolve()
     except (OSError, RuntimeError, ValueError) as error:
-        raise SoundError(f"{name!r} is no folder for sound files: {error}.") from error
+        raise SoundError(f"{name!r} is not a folder for sound files: {error}.") from error
 
 
 def _stem(action: str, what: str) -> str:

@@ -1,4 +1,4 @@
-"""Where samples go: the sound card, files in a folder, or nowhere. Used by the child process alone."""
+"""Destinations of samples: the sound card, files in a folder, or none. Only the voice process uses them."""
 
 import os
 import threading
@@ -16,9 +16,9 @@ from sar_tui.outputs.sound.samples import RATE, seconds
 _PERIOD_MS = 10
 _PERIODS = 4
 BUFFER_S = _PERIODS * _PERIOD_MS / 1000
-"""How long a sample waits in the sound card's buffer before it is heard."""
+"""Time that a sample spends in the sound card's buffer."""
 _STALLED_S = 2.0
-"""A sound card that has taken nothing for this long no longer works."""
+"""A sound card that has taken no samples for this long has failed."""
 
 _NO_PACKAGE = "Sound needs the Python package miniaudio: pip install miniaudio."
 _NO_CARD = (
@@ -27,11 +27,11 @@ _NO_CARD = (
 _STALLED = "The sound card has stopped taking sound: connect the loudspeakers again, or choose others."
 
 Began = Callable[[int, float], object]
-"""Called as the first samples are fed, with the time (ns, `host_now`) and how long they will last (s)."""
+"""Called when the first samples are fed, with the time (ns, `host_now`) and the duration (s)."""
 
 
-class Turn:
-    """A job under way, which another thread may halt."""
+class Playback:
+    """A job under way that another thread may halt."""
 
     def __init__(self) -> None:
         self.is_halted = False
@@ -42,30 +42,30 @@ class Turn:
         self.wake.set()
 
 
-class Place(Protocol):
-    """Where samples go."""
+class Destination(Protocol):
+    """A destination of samples."""
 
-    def play(self, name: str, samples: "array[int]", turn: Turn, began: Began) -> None:
-        """Sound them, and return when the last has been heard, or as soon as the turn is halted.
+    def play(self, name: str, samples: "array[int]", playback: Playback, began: Began) -> None:
+        """Play samples. Returns when the last has been played, or as soon as the playback is halted.
 
         Raises:
-            SoundError: they cannot be sounded.
+            SoundError: if they cannot be played.
         """
         ...
 
 
-class Card:
-    """The system's default sound card. It is opened once, and again after it failed, but runs only while it sounds."""
+class SoundCard:
+    """The system's default sound card. Opened once, and again after a failure; it runs only while it plays."""
 
     def __init__(self, backends: tuple[str, ...] = ()) -> None:
         self._backends = backends
         self._device: Any = None
 
     def open(self) -> str:
-        """Open it, if it is not yet, and tell the name of its sound system.
+        """Open it if necessary, and return the name of its sound system.
 
         Raises:
-            SoundError: there is none; it says what to do.
+            SoundError: if there is none; it says what to do.
         """
         if self._device is None:
             try:
@@ -82,39 +82,39 @@ class Card:
                 raise SoundError(_NO_CARD.format(error.args[0])) from error
         return str(self._device.backend)
 
-    def play(self, name: str, samples: "array[int]", turn: Turn, began: Began) -> None:
+    def play(self, name: str, samples: "array[int]", playback: Playback, began: Began) -> None:
         try:
             self.open()
-            self._play(samples, turn, began)
+            self._play(samples, playback, began)
         except SoundError:
             self._close()
             raise
 
-    def _play(self, samples: "array[int]", turn: Turn, began: Began) -> None:
+    def _play(self, samples: "array[int]", playback: Playback, began: Began) -> None:
         import miniaudio
 
-        feed = _Feed(samples, turn)
+        feed = _Feed(samples, playback)
         try:
             self._device.start(feed.samples)
-            self._watch(feed, turn, began)
+            self._watch(feed, playback, began)
             self._device.stop()
         except miniaudio.MiniaudioError as error:
             raise SoundError(_NO_CARD.format(error.args[0])) from error
 
-    def _watch(self, feed: "_Feed", turn: Turn, began: Began) -> None:
-        """Wait until all is heard, or the turn is halted."""
+    def _watch(self, feed: "_Feed", playback: Playback, began: Began) -> None:
+        """Wait until everything is played, or the playback is halted."""
         if not feed.begun.wait(_STALLED_S):
             raise SoundError(_STALLED)
         began(feed.at, seconds(feed.all))
         reached = -1
-        while not (feed.is_over or turn.is_halted):
-            if not turn.wake.wait(_STALLED_S) and feed.reached == reached:
+        while not (feed.is_over or playback.is_halted):
+            if not playback.wake.wait(_STALLED_S) and feed.reached == reached:
                 raise SoundError(_STALLED)
             reached = feed.reached
-        if not turn.is_halted:
-            turn.wake.clear()
-            if not turn.is_halted:
-                turn.wake.wait(BUFFER_S)
+        if not playback.is_halted:
+            playback.wake.clear()
+            if not playback.is_halted:
+                playback.wake.wait(BUFFER_S)
 
     def _close(self) -> None:
         device, self._device = self._device, None
@@ -123,11 +123,11 @@ class Card:
 
 
 class _Feed:
-    """Hands samples to the sound card, on the card's own thread; none any more once the turn is halted."""
+    """Feeds samples to the sound card, on the card's own thread, until the playback is halted."""
 
-    def __init__(self, samples: "array[int]", turn: Turn) -> None:
+    def __init__(self, samples: "array[int]", playback: Playback) -> None:
         self.all = samples
-        self.turn = turn
+        self.playback = playback
         self.at = 0
         self.reached = 0
         self.is_over = False
@@ -140,20 +140,20 @@ class _Feed:
         frames = yield nothing
         self.at = host_now()
         self.begun.set()
-        while self.reached < len(self.all) and not self.turn.is_halted:
+        while self.reached < len(self.all) and not self.playback.is_halted:
             chunk = self.all[self.reached : self.reached + frames]
             self.reached += frames
             frames = yield chunk
         self.is_over = True
-        self.turn.wake.set()
+        self.playback.wake.set()
         while True:
             yield nothing
 
 
 class Folder:
-    """WAV files in a folder, numbered in their order; nothing that is there is overwritten.
+    """WAV files in a folder, numbered in order. Existing files are never overwritten.
 
-    In real time, a file takes as long as its sound would.
+    In real time, a file takes as long as its sound.
     """
 
     def __init__(self, folder: str, in_real_time: bool) -> None:
@@ -161,7 +161,7 @@ class Folder:
         self._in_real_time = in_real_time
         self._number: int | None = None
 
-    def play(self, name: str, samples: "array[int]", turn: Turn, began: Began) -> None:
+    def play(self, name: str, samples: "array[int]", playback: Playback, began: Began) -> None:
         try:
             self._write(name, samples)
         except OSError as error:
@@ -170,7 +170,7 @@ class Folder:
             ) from error
         began(host_now(), seconds(samples))
         if self._in_real_time:
-            turn.wake.wait(seconds(samples))
+            playback.wake.wait(seconds(samples))
 
     def _write(self, name: str, samples: "array[int]") -> None:
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -186,7 +186,7 @@ class Folder:
             raise
 
     def _next(self, name: str) -> tuple[Path, int]:
-        """Make the next file. Another session may write to the same folder: what it has taken is passed over."""
+        """Make the next file. Numbers that another session has used in the folder are skipped."""
         if self._number is None:
             starts = (each.name.partition("-")[0] for each in self._folder.iterdir())
             self._number = max((int(start) for start in starts if start.isdecimal()), default=0)
@@ -197,8 +197,8 @@ class Folder:
                 return path, os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
 
 
-class Nowhere:
-    """No sound at all: only how long it would last. For sessions whose clock jumps."""
+class NoSound:
+    """No sound, only its duration. For sessions on a virtual clock."""
 
-    def play(self, name: str, samples: "array[int]", turn: Turn, began: Began) -> None:
+    def play(self, name: str, samples: "array[int]", playback: Playback, began: Began) -> None:
         began(host_now(), seconds(samples))

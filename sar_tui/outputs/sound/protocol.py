@@ -1,4 +1,4 @@
-"""What the program and its voice, the child process that sounds, tell each other: one JSON line a message."""
+"""Messages between the program and the voice process: one JSON line each."""
 
 from typing import Literal
 
@@ -8,11 +8,11 @@ from sar_tui.framework.theme import Note
 
 
 class SoundError(ValueError):
-    """Something cannot be sounded; one or two sentences for a person."""
+    """Something cannot be played. The message is one or two sentences for a person."""
 
 
 class Unreadable(SoundError):
-    """It is the text that cannot be spoken, and not the engine that is at fault."""
+    """The text cannot be spoken; the engine is not at fault."""
 
 
 class _Line(msgspec.Struct, frozen=True, tag_field="is", tag=str.lower):
@@ -20,10 +20,10 @@ class _Line(msgspec.Struct, frozen=True, tag_field="is", tag=str.lower):
 
 
 class Setup(_Line, frozen=True):
-    """The first message. Sounds go to ``folder`` as WAV files, or where that is empty to the sound card.
+    """The first message. Sounds go to ``folder`` as WAV files, or to the sound card if that is empty.
 
-    ``backends``: the sound systems to try, by miniaudio's names; all real ones if empty. Where ``in_real_time`` is
-    false, nothing is heard, and each sound ends as it begins: the program lets its own clock pass.
+    ``backends``: the sound systems to try, by miniaudio's names; all real ones if empty. If ``in_real_time`` is
+    false, nothing is played and each sound ends when it starts: the program lets its own clock run.
     """
 
     folder: str = ""
@@ -32,7 +32,7 @@ class Setup(_Line, frozen=True):
 
 
 class Voicing(msgspec.Struct, frozen=True):
-    """How to speak: a language like ``en``, the id of a voice or a part of its name, words a minute, 0 to 1."""
+    """How to speak: a language such as ``en``, a voice's id or part of its name, words per minute, volume 0 to 1."""
 
     language: str
     name: str = ""
@@ -41,7 +41,7 @@ class Voicing(msgspec.Struct, frozen=True):
 
 
 class Warm(_Line, frozen=True):
-    """Get ready for what is to come, so that it begins at once."""
+    """Prepare for coming jobs, so that they start at once."""
 
     voicing: Voicing | None = None
     tones: tuple[tuple[Note, ...], ...] = ()
@@ -57,7 +57,7 @@ class Say(_Line, frozen=True):
 
 
 class Tone(_Line, frozen=True):
-    """Sound a tone."""
+    """Play a tone."""
 
     job: int
     name: str
@@ -65,17 +65,17 @@ class Tone(_Line, frozen=True):
 
 
 class Stop(_Line, frozen=True):
-    """Be still, if that job is still under way."""
+    """Stop this job if it is still under way."""
 
     job: int
 
 
 class Examine(_Line, frozen=True):
-    """Tell what there is to speak and to sound with."""
+    """Report the voices and the sound system."""
 
 
 class Started(_Line, frozen=True):
-    """The first samples have been fed to the sound card at ``at`` (ns, `host_now`); they last for ``seconds``."""
+    """The first samples were fed to the sound card at ``at`` (ns, `host_now`); they last ``seconds``."""
 
     job: int
     at: int
@@ -83,7 +83,7 @@ class Started(_Line, frozen=True):
 
 
 class Ended(_Line, frozen=True):
-    """A job is over since ``at``. ``detail`` says why it failed; ``at_fault`` is false where only the text was."""
+    """A job ended at ``at``. ``detail``: why it failed; ``at_fault``: false if only its text was the reason."""
 
     job: int
     state: Literal["done", "aborted", "failed"]
@@ -93,19 +93,19 @@ class Ended(_Line, frozen=True):
 
 
 class FoundVoice(msgspec.Struct, frozen=True):
-    """A voice of the speech engine; its languages in lower case, like ``en-us``."""
+    """A voice of the speech engine. Its languages are in lower case, such as ``en-us``."""
 
     id: str
     name: str = ""
     languages: tuple[str, ...] = ()
 
     def speaks(self, language: str) -> bool:
-        """Whether it speaks a language, in whatever region."""
+        """Return True if the voice speaks a language, in any region."""
         return any(each == language or each.startswith(f"{language}-") for each in self.languages)
 
 
 class Examined(_Line, frozen=True):
-    """What there is: voices and a sound system, or why there are none."""
+    """The voices and the sound system, or why there are none."""
 
     voices: tuple[FoundVoice, ...] = ()
     no_voices: str = ""
@@ -120,16 +120,16 @@ _requests: msgspec.json.Decoder[Request] = msgspec.json.Decoder(Request)
 _replies: msgspec.json.Decoder[Reply] = msgspec.json.Decoder(Reply)
 
 
-def line(message: Request | Reply) -> bytes:
-    """A message as a line."""
+def encode(message: Request | Reply) -> bytes:
+    """Encode a message as a line."""
     return msgspec.json.encode(message) + b"\n"
 
 
-def request(line: bytes) -> Request:
-    """What a line asks for. Raises `msgspec.DecodeError` for one that is none."""
+def decode_request(line: bytes) -> Request:
+    """Decode a request. Raises `msgspec.DecodeError`."""
     return _requests.decode(line)
 
 
-def reply(line: bytes) -> Reply:
-    """What a line answers. Raises `msgspec.DecodeError` for one that is none."""
+def decode_reply(line: bytes) -> Reply:
+    """Decode a reply. Raises `msgspec.DecodeError`."""
     return _replies.decode(line)

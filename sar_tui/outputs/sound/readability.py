@@ -1,4 +1,4 @@
-"""Whether a voice can read a text aloud: an engine does not refuse what it cannot read, but spells out its code."""
+"""Tells texts that a voice cannot read: an engine spells out the codes of characters it does not know."""
 
 import unicodedata
 
@@ -14,13 +14,13 @@ _SCRIPTS = {
     "ko": ("HANGUL", "CJK"),
     "zh": ("CJK",),
 }
-"""What a language is written in, by the first word of its letters' Unicode names. Others are not judged."""
+"""Scripts of a language, by the first word of its letters' Unicode names. Other languages are not checked."""
 
 
 def why_unreadable(text: str, language: str) -> str:
-    """Why a voice of that language cannot read a text, in a sentence; empty where it can.
+    """Return why a voice of a language cannot read a text, as a sentence; empty if it can.
 
-    It cannot if there is neither letter nor digit, or if more letters than not are of a script it is not written in.
+    It cannot if the text has neither letters nor digits, or if most letters are of a script of other languages.
     """
     if not any(character.isalnum() for character in text):
         return "The voice cannot read this text: it has neither letters nor digits."

@@ -1,4 +1,4 @@
-"""Sound as samples: tones made, sound files read, loudness set. Everything is 16 bit, one channel, at one rate."""
+"""Sound as samples: makes tones, reads sound files, sets volume. Always 16 bit, one channel, one sample rate."""
 
 import math
 import struct
@@ -13,21 +13,21 @@ from sar_tui.framework.theme import Note
 from sar_tui.outputs.sound.protocol import SoundError
 
 RATE = 22_050
-"""Samples a second: what espeak makes, and more than twice the highest tone."""
+"""Samples per second: espeak's rate, and more than twice the highest tone."""
 FULL = 32_767
-"""The loudest that a sample can be."""
+"""Largest sample value."""
 TONE_LEVEL = 0.25
-"""How loud a tone is: a cue, about as loud as speech, that startles nobody."""
+"""Volume of a tone: about as loud as speech, so that it startles nobody."""
 RAMP_S = 0.008
-"""How long a note swells and fades, so that it does not click."""
+"""Time in which a note swells and fades, to avoid clicks."""
 _MOST_CHUNKS, _MOST_CHANNELS, _FASTEST = 64, 8, 192_000
-"""More than any speech engine's file has."""
+"""Limits above those of any speech engine's file."""
 _UNKNOWN = "The speech engine gave sound of a kind that is not known ({})."
 
 
 @lru_cache(maxsize=64)
 def tone(notes: tuple[Note, ...]) -> "array[int]":
-    """The notes of a tone, one after another: sines that swell and fade as a raised cosine."""
+    """Return the notes of a tone in sequence, as sines that swell and fade as a raised cosine."""
     samples = array("h")
     for note in notes:
         count = round(RATE * note.ms / 1000)
@@ -41,23 +41,23 @@ def tone(notes: tuple[Note, ...]) -> "array[int]":
 
 
 def seconds(samples: Sequence[int]) -> float:
-    """How long samples last."""
+    """Return the duration of samples."""
     return len(samples) / RATE
 
 
 def peak(samples: Sequence[int]) -> float:
-    """The loudest sample, from 0 to 1."""
+    """Return the largest absolute value, from 0 to 1."""
     highest, lowest = max(samples, default=0), min(samples, default=0)
     return max(highest, -lowest) / FULL
 
 
 def at_volume(samples: "array[int]", volume: float) -> "array[int]":
-    """Samples made softer: ``volume`` from 0 to 1."""
+    """Return samples at a volume from 0 to 1."""
     return samples if volume >= 1 else array("h", [int(sample * volume) for sample in samples])
 
 
 class _Raw(NamedTuple):
-    """What a sound file holds, in this machine's byte order."""
+    """Contents of a sound file, in this machine's byte order."""
 
     frames: bytes
     width: int
@@ -66,7 +66,7 @@ class _Raw(NamedTuple):
 
 
 def is_whole(path: str) -> bool:
-    """Whether a sound file is as long as it says it is; it is not while it is being written."""
+    """Return True if a sound file has the length in its header: it is shorter while it is being written."""
     try:
         with open(path, "rb") as file:
             kind, size = file.read(4), file.read(4)
@@ -78,10 +78,10 @@ def is_whole(path: str) -> bool:
 
 
 def read(path: str) -> "array[int]":
-    """The samples of a WAV file, or of an AIFF file, which is what macOS speaks into.
+    """Return the samples of a WAV file, or of an AIFF file, the format of macOS.
 
     Raises:
-        SoundError: it is neither, or its samples are of a kind that is not known.
+        SoundError: if it is neither, or its samples are of an unknown kind.
     """
     try:
         with open(path, "rb") as file:
@@ -104,7 +104,7 @@ def _read_wav(path: str) -> _Raw:
 
 
 def _read_aiff(path: str) -> _Raw:
-    """An AIFF or AIFF-C file of plain 16 bit samples (Apple's Audio Interchange File Format, 1.3 and C draft)."""
+    """Read an AIFF or AIFF-C file of plain 16 bit samples (Apple's Audio Interchange File Format, 1.3 and C draft)."""
     with open(path, "rb") as file:
         data = file.read()
     chunks: dict[bytes, bytes] = {}
@@ -125,7 +125,7 @@ def _read_aiff(path: str) -> _Raw:
 
 
 def _words(frames: bytes) -> "array[int]":
-    """Frames as samples, without half a sample at the end."""
+    """Return frames as samples; an incomplete sample at the end is dropped."""
     return array("h", frames[: len(frames) - len(frames) % 2])
 
 
@@ -136,7 +136,7 @@ def _swapped(frames: bytes) -> bytes:
 
 
 def _converted(raw: _Raw) -> "array[int]":
-    """Samples of another rate, width or number of channels, as ours."""
+    """Convert samples of another rate, width or number of channels."""
     import miniaudio
 
     kinds = {

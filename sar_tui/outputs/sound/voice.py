@@ -1,7 +1,7 @@
-"""The voice: the program of the child process that speaks and sounds, and that may hang or be killed at any time.
+"""The voice process, which speaks and plays. It may hang or be killed at any time.
 
-It reads requests from its standard input and writes replies to what was its standard output (see `protocol`).
-It ends with the program that started it, whatever it is doing: when its input ends, and on Linux by the kernel too.
+It reads requests from its standard input and writes replies to its original standard output (see `protocol`). It
+ends with the program that started it, whatever it is doing: when its input ends, and on Linux also by the kernel.
 """
 
 import contextlib
@@ -19,7 +19,7 @@ import msgspec
 
 from sar_tui.framework.clock import host_now
 from sar_tui.outputs.sound.engine import Engine
-from sar_tui.outputs.sound.player import Card, Folder, Nowhere, Place, Turn
+from sar_tui.outputs.sound.player import Destination, Folder, NoSound, Playback, SoundCard
 from sar_tui.outputs.sound.protocol import (
     Ended,
     Examine,
@@ -34,8 +34,8 @@ from sar_tui.outputs.sound.protocol import (
     Tone,
     Unreadable,
     Warm,
-    line,
-    request,
+    decode_request,
+    encode,
 )
 from sar_tui.outputs.sound.samples import tone
 
@@ -43,24 +43,24 @@ _PR_SET_PDEATHSIG = 1
 
 
 class Voice:
-    """Does one job after another, on the main thread."""
+    """Does one job after another on the main thread."""
 
     def __init__(self, setup: Setup, replies: BinaryIO) -> None:
         self._replies = replies
         self._engine = Engine()
-        self._card = Card(setup.backends)
-        self._place: Place = self._card
+        self._card = SoundCard(setup.backends)
+        self._destination: Destination = self._card
         if setup.folder:
-            self._place = Folder(setup.folder, setup.in_real_time)
+            self._destination = Folder(setup.folder, setup.in_real_time)
         elif not setup.in_real_time:
-            self._place = Nowhere()
+            self._destination = NoSound()
 
-    def do(self, asked: Request, turn: Turn) -> None:
+    def do(self, asked: Request, playback: Playback) -> None:
         match asked:
             case Say(job, name, text, voicing):
-                self._sound(job, name, lambda: self._engine.speak(text, voicing), turn)
+                self._sound(job, name, lambda: self._engine.speak(text, voicing), playback)
             case Tone(job, name, notes):
-                self._sound(job, name, lambda: tone(notes), turn)
+                self._sound(job, name, lambda: tone(notes), playback)
             case Warm():
                 self._warm(asked)
             case Examine():
@@ -68,23 +68,25 @@ class Voice:
             case _:
                 pass
 
-    def _sound(self, job: int, name: str, make: Callable[[], "array[int]"], turn: Turn) -> None:
+    def _sound(self, job: int, name: str, make: Callable[[], "array[int]"], playback: Playback) -> None:
         try:
             samples = make()
-            if not turn.is_halted:
-                self._place.play(name, samples, turn, lambda at, seconds: self._send(Started(job, at, seconds)))
+            if not playback.is_halted:
+                self._destination.play(
+                    name, samples, playback, lambda at, seconds: self._send(Started(job, at, seconds))
+                )
         except SoundError as error:
             at_fault = not isinstance(error, Unreadable)
             self._send(Ended(job, "failed", host_now(), str(error), at_fault))
         else:
-            self._send(Ended(job, "aborted" if turn.is_halted else "done", host_now()))
+            self._send(Ended(job, "aborted" if playback.is_halted else "done", host_now()))
 
     def _warm(self, asked: Warm) -> None:
-        """Whatever is wrong is told by the jobs to come."""
+        """Prepare; problems are reported by the jobs to come."""
         for notes in asked.tones:
             tone(notes)
         with contextlib.suppress(SoundError):
-            if self._place is self._card:
+            if self._destination is self._card:
                 self._card.open()
         with contextlib.suppress(SoundError):
             if asked.voicing:
@@ -101,43 +103,43 @@ class Voice:
             return msgspec.structs.replace(found, no_card=str(error))
 
     def _send(self, reply: Reply) -> None:
-        self._replies.write(line(reply))
+        self._replies.write(encode(reply))
 
 
 def main() -> NoReturn:
-    """Do what standard input asks for, until it ends."""
+    """Do the requests from standard input until it ends."""
     requests, replies = _own_channels()
     _end_with_parent()
-    first = request(requests.readline())
+    first = decode_request(requests.readline())
     if not isinstance(first, Setup):
         raise SystemExit(2)
-    jobs: queue.SimpleQueue[tuple[Request, Turn]] = queue.SimpleQueue()
+    jobs: queue.SimpleQueue[tuple[Request, Playback]] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(requests, jobs), name="requests", daemon=True).start()
     voice = Voice(first, replies)
     while True:
         voice.do(*jobs.get())
 
 
-def _listen(requests: BinaryIO, jobs: "queue.SimpleQueue[tuple[Request, Turn]]") -> None:
-    """Hand on requests, but for those to stop, which count at once; and end the process when there are no more."""
-    latest, turn = 0, Turn()
+def _listen(requests: BinaryIO, jobs: "queue.SimpleQueue[tuple[Request, Playback]]") -> None:
+    """Queue requests, except stops, which take effect at once. Ends the process after the last request."""
+    latest, playback = 0, Playback()
     try:
         for each in requests:
-            match request(each):
+            match decode_request(each):
                 case Stop(job):
                     if job == latest:
-                        turn.halt()
+                        playback.halt()
                 case Say(job) | Tone(job) as asked:
-                    latest, turn = job, Turn()
-                    jobs.put((asked, turn))
+                    latest, playback = job, Playback()
+                    jobs.put((asked, playback))
                 case asked:
-                    jobs.put((asked, Turn()))
+                    jobs.put((asked, Playback()))
     finally:
         os._exit(0)
 
 
 def _own_channels() -> tuple[BinaryIO, BinaryIO]:
-    """Standard input and output, for us alone: libraries that print or read find nothing there."""
+    """Take over standard input and output; libraries that print or read get the null device."""
     requests = os.fdopen(os.dup(0), "rb")
     replies = os.fdopen(os.dup(1), "wb", buffering=0)
     nothing = os.open(os.devnull, os.O_RDWR)
@@ -148,7 +150,7 @@ def _own_channels() -> tuple[BinaryIO, BinaryIO]:
 
 
 def _end_with_parent() -> None:
-    """Have the kernel kill us when the program goes, for a thread of ours may not get its turn (Linux only)."""
+    """Have the kernel kill this process when its parent ends, as our own thread may not get to run (Linux only)."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 

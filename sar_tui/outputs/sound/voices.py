@@ -1,4 +1,4 @@
-"""Which of the speech engine's voices speaks a language; and what the engines tell of their voices, put in order."""
+"""Choice among the speech engine's voices, and clean descriptions of them."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -7,11 +7,11 @@ from sar_tui.outputs.sound.protocol import FoundVoice
 
 _TAG = re.compile(r"[a-z]{2,3}(-[a-z0-9]{1,8})*")
 _REGIONS = {"en": ("us", "gb")}
-"""The regions to prefer, where a language has voices of many."""
+"""Preferred regions of languages that have voices of many."""
 
 
 def found_voice(identifier: object, name: object, languages: object) -> FoundVoice:
-    """A voice as pyttsx3 tells of it: languages may be missing, None, bytes with a leading count, or ``en_US``."""
+    """Clean up pyttsx3's description: languages may be missing, None, bytes with a leading count, or ``en_US``."""
     told = languages if isinstance(languages, list | tuple) else (languages,)
     tags = [tag for each in told if (tag := _tag(each))]
     if not tags and (tag := _tag(_text(identifier).rpartition("/")[2])):
@@ -20,10 +20,10 @@ def found_voice(identifier: object, name: object, languages: object) -> FoundVoi
 
 
 def choose(voices: Sequence[FoundVoice], language: str, name: str, default: str) -> FoundVoice | None:
-    """The voice to speak with; None where no voice speaks the language.
+    """Choose a voice; None if no voice speaks the language.
 
-    First the one that is named, by its id or a part of its name. Else, of those that speak the language: the engine's
-    own ``default``, by id; then one of no special region; then one of the region that most would expect.
+    A voice named by its id or a part of its name comes first. Otherwise, of those that speak the language: the
+    engine's ``default``, by id; then one without a region; then one of the most expected region.
     """
     if name:
         wanted = name.casefold()
@@ -48,6 +48,6 @@ def _text(value: object) -> str:
 
 
 def _tag(value: object) -> str:
-    """A language in lower case with hyphens; empty where it is none."""
+    """Return a language in lower case with hyphens; empty if it is none."""
     tag = "".join(each for each in _text(value) if each.isprintable()).strip().lower().replace("_", "-")
     return tag if _TAG.fullmatch(tag) else ""

@@ -129,7 +129,7 @@ def test_a_controller_without_limits_or_failsafe_is_used_all_the_same() -> None:
 
 def test_a_serial_number_says_which_controller() -> None:
     assert ServoBench("620001").channels[0].facts["DeviceSerialNumber"] == 620_001
-    with pytest.raises(OutputError, match="no serial number"):
+    with pytest.raises(OutputError, match="is not a serial number"):
         Servo("mine")
 
 

@@ -159,7 +159,7 @@ def test_after_three_failures_in_a_row_speech_stays_off_and_says_why(calm: Theme
             ear.speech.say(f"a{index}", "Well done.")
         ear.tones.tone("go", "go")
         reason = ear.wait("a2").detail
-        off = f"Speech is off for the rest of this session, for it failed three times in a row: {reason}"
+        off = f"Speech is off for the rest of this session because it failed three times in a row: {reason}"
         assert reason.startswith("The speech engine gave no sound that can be read")
         assert [ear.wait(action).detail for action in ("a3", "a4")] == [off, off]
         assert ear.wait("go").state == "done"
@@ -258,12 +258,12 @@ def test_sound_may_go_to_the_card_or_to_a_folder_that_may_not_exist_yet(tmp_path
 @pytest.mark.parametrize(
     ("where", "says"),
     [
-        ("loud", "Sound cannot go to 'loud': say sound, or file:FOLDER"),
+        ("loud", "Sound cannot go to 'loud': use sound, or file:FOLDER"),
         ("file:", "Sound cannot go to 'file:'"),
         ("", "Sound cannot go to ''"),
         ("file:{}/taken", "is a file: name a folder"),
         ("file:{}/taken/below", "is a file: name a folder"),
-        ("file:a\0b", "is no folder for sound files"),
+        ("file:a\0b", "is not a folder for sound files"),
         (f"file:/{'x' * 300}", "cannot be a folder for sound files"),
     ],
 )
@@ -275,7 +275,7 @@ def test_where_sound_cannot_go_is_told_in_words(tmp_path: Path, where: str, says
 
 def test_a_folder_that_may_not_be_written_to_is_told_in_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "access", lambda path, mode: False)
-    with pytest.raises(SoundError, match="may not be written to"):
+    with pytest.raises(SoundError, match="is not writable"):
         check_sound(f"file:{tmp_path}")
 
 

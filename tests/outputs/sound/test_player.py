@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.framework.theme import Note
-from sar_tui.outputs.sound.player import Card, Folder, Nowhere, Place, Turn
+from sar_tui.outputs.sound.player import Destination, Folder, NoSound, Playback, SoundCard
 from sar_tui.outputs.sound.protocol import SoundError
 from sar_tui.outputs.sound.samples import seconds, tone
 from tests.outputs.voice_fixtures import DEADLINE_S, NOBODY
@@ -22,7 +22,7 @@ BEEP = tone((Note(880, 200),))
 class Began:
     """Remembers that something began, and may halt it then."""
 
-    def __init__(self, halts: Turn | None = None) -> None:
+    def __init__(self, halts: Playback | None = None) -> None:
         self.told: list[tuple[int, float]] = []
         self._halts = halts
 
@@ -36,19 +36,19 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
-@pytest.mark.parametrize("place", [Card(NOBODY), Nowhere()], ids=["card", "nowhere"])
-def test_it_tells_once_when_it_begins_and_for_how_long(place: Place) -> None:
+@pytest.mark.parametrize("destination", [SoundCard(NOBODY), NoSound()], ids=["card", "nowhere"])
+def test_it_tells_once_when_it_begins_and_for_how_long(destination: Destination) -> None:
     began = Began()
-    place.play("a", BEEP, Turn(), began)
+    destination.play("a", BEEP, Playback(), began)
     ((at, lasts),) = began.told
     assert at > 0
     assert lasts == pytest.approx(0.2, abs=0.001)
 
 
 def test_a_card_plays_again_and_again() -> None:
-    card, began = Card(NOBODY), Began()
+    card, began = SoundCard(NOBODY), Began()
     for _ in range(3):
-        card.play("a", BEEP, Turn(), began)
+        card.play("a", BEEP, Playback(), began)
     starts = [at / 1e9 for at, _ in began.told]
     assert all(later - sooner > seconds(BEEP) - 0.05 for sooner, later in itertools.pairwise(starts))
 
@@ -56,7 +56,7 @@ def test_a_card_plays_again_and_again() -> None:
 @pytest.mark.parametrize("in_real_time", [True, False])
 def test_a_file_holds_the_samples_and_is_private(tmp_path: Path, in_real_time: bool) -> None:
     folder = tmp_path / "new" / "sounds"
-    Folder(str(folder), in_real_time).play("a1-say", BEEP, Turn(), Began())
+    Folder(str(folder), in_real_time).play("a1-say", BEEP, Playback(), Began())
     (path,) = folder.iterdir()
     assert path.name == "001-a1-say.wav"
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
@@ -68,9 +68,9 @@ def test_a_file_holds_the_samples_and_is_private(tmp_path: Path, in_real_time: b
 def test_files_are_numbered_after_what_is_there_and_nothing_is_overwritten(tmp_path: Path) -> None:
     for name in ("007-a1-say.wav", "notes.txt", "x-y.wav"):
         (tmp_path / name).write_text("mine")
-    for place in (Folder(str(tmp_path), False), Folder(str(tmp_path), False)):
+    for destination in (Folder(str(tmp_path), False), Folder(str(tmp_path), False)):
         for _ in range(2):
-            place.play("a1-say", BEEP, Turn(), Began())
+            destination.play("a1-say", BEEP, Playback(), Began())
     found = contents(tmp_path)
     assert [name for name in found if found[name] != b"mine"] == [f"{n:03d}-a1-say.wav" for n in (8, 9, 10, 11)]
     assert found["007-a1-say.wav"] == b"mine"
@@ -78,8 +78,8 @@ def test_files_are_numbered_after_what_is_there_and_nothing_is_overwritten(tmp_p
 
 def test_two_that_write_to_one_folder_at_the_same_time_take_the_next_number_each(tmp_path: Path) -> None:
     mine, yours = Folder(str(tmp_path), False), Folder(str(tmp_path), False)
-    for place in (mine, yours, yours, mine, mine):
-        place.play("a1-say", BEEP, Turn(), Began())
+    for destination in (mine, yours, yours, mine, mine):
+        destination.play("a1-say", BEEP, Playback(), Began())
     assert list(contents(tmp_path)) == [f"{n:03d}-a1-say.wav" for n in (1, 2, 3, 4, 5)]
 
 
@@ -89,7 +89,7 @@ def test_a_file_that_another_has_made_since_it_looked_is_passed_over(
     (tmp_path / "001-a1-say.wav").write_text("yours")
     with monkeypatch.context() as before:
         before.setattr(Path, "iterdir", lambda path: iter(()))
-        Folder(str(tmp_path), False).play("a1-say", BEEP, Turn(), Began())
+        Folder(str(tmp_path), False).play("a1-say", BEEP, Playback(), Began())
     assert list(contents(tmp_path)) == ["001-a1-say.wav", "002-a1-say.wav"]
     assert contents(tmp_path)["001-a1-say.wav"] == b"yours"
 
@@ -100,9 +100,9 @@ def test_a_folder_is_looked_through_once(tmp_path: Path, monkeypatch: pytest.Mon
     look = Path.iterdir
     with monkeypatch.context() as watched:
         watched.setattr(Path, "iterdir", lambda path: (looked.append(path), look(path))[1])
-        place = Folder(str(tmp_path), False)
+        destination = Folder(str(tmp_path), False)
         for _ in range(3):
-            place.play("a1-say", BEEP, Turn(), Began())
+            destination.play("a1-say", BEEP, Playback(), Began())
     assert looked == [tmp_path]
     assert list(contents(tmp_path))[-1] == "010-a1-say.wav"
 
@@ -111,38 +111,38 @@ def test_a_folder_is_looked_through_once(tmp_path: Path, monkeypatch: pytest.Mon
 def test_a_folder_that_is_a_file_is_told_in_words(tmp_path: Path, name: str) -> None:
     (tmp_path / "there").write_text("a file")
     with pytest.raises(SoundError, match=r"cannot take sound files \(.+\): choose another folder"):
-        Folder(str(tmp_path / name), True).play("a", BEEP, Turn(), Began())
+        Folder(str(tmp_path / name), True).play("a", BEEP, Playback(), Began())
 
 
 @pytest.mark.parametrize("made", ["card", "folder"])
 def test_a_halt_cuts_it_short(tmp_path: Path, made: str) -> None:
-    place: Place = Card(NOBODY) if made == "card" else Folder(str(tmp_path), True)
-    turn = Turn()
+    destination: Destination = SoundCard(NOBODY) if made == "card" else Folder(str(tmp_path), True)
+    playback = Playback()
     forever = tone((Note(880, 1000),)) * 60
-    playing = threading.Thread(target=place.play, args=("a", forever, turn, Began(halts=turn)))
+    playing = threading.Thread(target=destination.play, args=("a", forever, playback, Began(halts=playback)))
     playing.start()
     playing.join(DEADLINE_S)
     assert not playing.is_alive()
 
 
 def test_no_sound_card_is_told_in_words_each_time() -> None:
-    card = Card(("WASAPI", "SNDIO"))
+    card = SoundCard(("WASAPI", "SNDIO"))
     for _ in range(2):
         with pytest.raises(SoundError, match="There is no sound card that can be used"):
-            card.play("a", BEEP, Turn(), Began())
+            card.play("a", BEEP, Playback(), Began())
 
 
 def test_a_card_that_stops_taking_sound_is_told_in_words_and_opened_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     import miniaudio
 
     monkeypatch.setattr("sar_tui.outputs.sound.player._STALLED_S", 0.05)
-    card = Card(NOBODY)
+    card = SoundCard(NOBODY)
     with monkeypatch.context() as unplugged:
         unplugged.setattr(miniaudio.PlaybackDevice, "start", lambda self, feed: None)
         with pytest.raises(SoundError, match="The sound card has stopped taking sound"):
-            card.play("a", BEEP, Turn(), Began())
+            card.play("a", BEEP, Playback(), Began())
     began = Began()
-    card.play("a", BEEP, Turn(), began)
+    card.play("a", BEEP, Playback(), began)
     assert len(began.told) == 1
 
 
@@ -154,10 +154,10 @@ def test_a_card_that_refuses_to_start_is_told_in_words(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(miniaudio.PlaybackDevice, "start", refuse)
     with pytest.raises(SoundError, match="failed to start audio device"):
-        Card(NOBODY).play("a", BEEP, Turn(), Began())
+        SoundCard(NOBODY).play("a", BEEP, Playback(), Began())
 
 
 def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "miniaudio", None)
     with pytest.raises(SoundError, match="pip install miniaudio"):
-        Card().open()
+        SoundCard().open()

@@ -1,4 +1,4 @@
-"""Given news that nobody can take, when a part is over, then the voice goes on all the same."""
+"""Given event that nobody can take, when a part is over, then the voice goes on all the same."""
 
 import asyncio
 import threading
@@ -8,29 +8,29 @@ import pytest
 from sar_tui.framework.clock import LiveClock
 from sar_tui.framework.theme import Note
 from sar_tui.outputs.sound.protocol import Setup, Tone
-from sar_tui.outputs.sound.supervisor import Ask, News, Supervisor
+from sar_tui.outputs.sound.supervisor import PartEvent, SoundJob, Supervisor
 from tests.outputs.voice_fixtures import DEADLINE_S, NOBODY
 
 BEEP = (Note(880, 20),)
 
 
 def test_the_next_is_sounded_though_the_news_of_the_last_was_refused() -> None:
-    told: list[News] = []
+    told: list[PartEvent] = []
     over = threading.Event()
 
-    def refuse(news: News) -> None:
-        told.append(news)
-        if news.ask.action == "a2" and news.state == "done":
+    def refuse(event: PartEvent) -> None:
+        told.append(event)
+        if event.job.action == "a2" and event.state == "done":
             over.set()
         raise RuntimeError("the loop has gone")
 
-    keeper = Supervisor(Setup(backends=NOBODY), refuse)
-    keeper.ask(Ask("tone", "a1", Tone(1, "a1", BEEP)))
-    keeper.ask(Ask("tone", "a2", Tone(2, "a2", BEEP)))
+    supervisor = Supervisor(Setup(backends=NOBODY), refuse)
+    supervisor.add(SoundJob("tone", "a1", Tone(1, "a1", BEEP)))
+    supervisor.add(SoundJob("tone", "a2", Tone(2, "a2", BEEP)))
     heard_of_the_second = over.wait(DEADLINE_S)
-    keeper.close()
+    supervisor.close()
     assert heard_of_the_second
-    assert [(news.ask.action, news.state) for news in told] == [
+    assert [(event.job.action, event.state) for event in told] == [
         (action, state) for action in ("a1", "a2") for state in ("started", "done")
     ]
 

@@ -11,8 +11,8 @@ import pytest
 
 from sar_tui.framework.clock import host_now
 from sar_tui.framework.theme import Note
-from sar_tui.outputs.sound.child import Child
-from sar_tui.outputs.sound.protocol import Ended, Reply, Say, Setup, Started, Stop, Tone, Voicing, Warm, line
+from sar_tui.outputs.sound.protocol import Ended, Reply, Say, Setup, Started, Stop, Tone, Voicing, Warm, encode
+from sar_tui.outputs.sound.voice_process import VoiceProcess
 from tests.needs_speech import needs_speech
 from tests.outputs.voice_fixtures import DEADLINE_S, ENGINE, NOBODY, is_alive, pids, program_with, real_program, until
 
@@ -35,10 +35,10 @@ def speak(engine):
 """
 PARENT = """
 import sys, time
-from sar_tui.outputs.sound.child import Child
+from sar_tui.outputs.sound.voice_process import VoiceProcess
 from sar_tui.outputs.sound.protocol import *
 
-child = Child(Setup(backends=("NULL",)), lambda child, reply: print(reply, flush=True), sys.argv[1:])
+child = VoiceProcess(Setup(backends=("NULL",)), lambda child, reply: print(reply, flush=True), sys.argv[1:])
 child.send(Say(1, "a1", "One word after the other. " * 40, Voicing("en")))
 time.sleep(30)
 """
@@ -51,7 +51,7 @@ class Talk:
 
     def __init__(self, setup: Setup, program: list[str]) -> None:
         self._replies: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
-        self.child = Child(setup, lambda _, reply: self._replies.put(reply), program)
+        self.child = VoiceProcess(setup, lambda _, reply: self._replies.put(reply), program)
 
     def next(self) -> Reply | None:
         return self._replies.get(timeout=DEADLINE_S)
@@ -106,7 +106,7 @@ def test_getting_ready_does_not_disturb_what_is_under_way() -> None:
 def test_it_ends_by_itself_when_nobody_asks_any_more() -> None:
     done = subprocess.run(
         [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice"],
-        input=line(Setup(backends=NOBODY)) + line(Tone(1, "a1", (Note(880, 1000),) * 60)),
+        input=encode(Setup(backends=NOBODY)) + encode(Tone(1, "a1", (Note(880, 1000),) * 60)),
         capture_output=True,
         timeout=DEADLINE_S,
         check=False,
@@ -115,7 +115,7 @@ def test_it_ends_by_itself_when_nobody_asks_any_more() -> None:
     assert done.stderr == b""
 
 
-@pytest.mark.parametrize("rubbish", [b"", b"\n", b"rubbish\n", line(Stop(1))])
+@pytest.mark.parametrize("rubbish", [b"", b"\n", b"rubbish\n", encode(Stop(1))])
 def test_a_first_line_that_is_no_setup_ends_it(rubbish: bytes) -> None:
     done = subprocess.run(
         [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice"],
