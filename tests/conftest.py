@@ -12,7 +12,7 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.person import PEOPLE
-from sar_tui.validation.simulated import Laboratory, Simulated
+from sar_tui.validation.simulated import SessionRunner, Simulated
 from tests.caches import _caches
 from tests.examples import load_profile
 from tests.program import call, simulated
@@ -81,15 +81,15 @@ def _simulated() -> dict[object, Simulated]:
 @pytest.fixture
 def simulated_once(_simulated: dict[object, Simulated], monkeypatch: pytest.MonkeyPatch) -> None:
     """Let validations share their sessions: the same user, seed and parameters are simulated once."""
-    run = Laboratory.run
+    run = SessionRunner.run
 
-    def recall(laboratory: Laboratory, user: str, seed: int, **parameters: object) -> Simulated:
+    def recall(runner: SessionRunner, user: str, seed: int, **parameters: object) -> Simulated:
         key = (repr(PEOPLE[user]), seed, repr(sorted(parameters.items())))
         if key not in _simulated:
-            _simulated[key] = run(laboratory, user, seed, **parameters)
+            _simulated[key] = run(runner, user, seed, **parameters)
         return _simulated[key]
 
-    monkeypatch.setattr(Laboratory, "run", recall)
+    monkeypatch.setattr(SessionRunner, "run", recall)
 
 
 @pytest.fixture

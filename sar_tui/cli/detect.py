@@ -1,4 +1,4 @@
-"""``sar-tui detect``: the reaches in a recording of a motion sensor."""
+"""``sar-tui detect``: finds reaches or repetitions in a recording of a motion sensor."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from enum import StrEnum
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from sar_tui.motion.samples import Recording
 
 _MOST_MISSING = 10
-"""A recording with more time in its holes than so many times what was measured is no recording of reaches."""
+"""A recording whose holes last longer than this many times the rest of it is refused."""
 
 _FLAGS = {
     "no_rest": "the hand was not still before it, so the sensor's bias is a guess",
@@ -44,7 +44,7 @@ def explain_flags(flags: Iterable[str]) -> Iterator[str]:
 
 
 def read_detector(text: str) -> DetectorName:
-    """Return the name of a detector; also for one of the names that earlier versions used. Raises BadParameter."""
+    """Return the name of a detector, given that or an earlier one. Raises BadParameter."""
     for name in STORED_NAMES:
         if name == current_name(text):
             return name
@@ -53,7 +53,7 @@ def read_detector(text: str) -> DetectorName:
 
 
 def detector_option(help: str, *, show_default: bool = True) -> Any:
-    """Return a ``--detector`` option. Like an enumeration's, but it accepts the earlier names, too."""
+    """Return a ``--detector`` option. Like an enumeration's, but it accepts earlier names, too."""
     return typer.Option(
         metavar=f"[{'|'.join(STORED_NAMES)}]",
         parser=read_detector,
@@ -64,21 +64,21 @@ def detector_option(help: str, *, show_default: bool = True) -> Any:
 
 
 class Hand(StrEnum):
-    """The hand that wears the sensor."""
+    """The hand with the sensor."""
 
     right = "right"
     left = "left"
 
 
 class Rate(StrEnum):
-    """Units of the angular rate, as `inputs.recording_file.Units` has them."""
+    """Units of the angular rate in `inputs.recording_file.Units`."""
 
     radians = "rad/s"
     degrees = "deg/s"
 
 
 class Acceleration(StrEnum):
-    """Units of the acceleration, as `inputs.recording_file.Units` has them."""
+    """Units of the acceleration in `inputs.recording_file.Units`."""
 
     metres = "m/s2"
     g = "g"
@@ -137,7 +137,7 @@ def _refuse_mostly_missing(file: Path, recording: "Recording") -> None:
     if lasts_s > (_MOST_MISSING + 1) * measured_s:
         raise Refused(
             f"{file} lasts {lasts_s:.4g} s, but holds samples for {measured_s:.4g} s of it: "
-            "see that t is in seconds, or cut it where samples are missing."
+            "check that t is in seconds, or cut it where samples are missing."
         )
 
 

@@ -1,4 +1,4 @@
-"""``sar-tui reanalyse``: the reaches of a recorded session, found again in the samples that were kept."""
+"""``sar-tui reanalyse``: finds the reaches of a recorded session again in its stored samples."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
@@ -20,10 +20,10 @@ Row = dict[str, Any]
 _WINDOW = ("window_from_ns", "window_started_ns", "window_to_ns", "detector", "detector_parameters", "hand")
 
 
-class _Measured(NamedTuple):
-    """The samples of a session, and when they came: told by the numbers of the events around them.
+class _StoredSamples(NamedTuple):
+    """The samples of a session, in order with its events by their sequence numbers.
 
-    ``blocks``: the event that each came before, and its samples. ``attached``: the events of a sensor that was
+    ``blocks``: the event that each block came before, and its samples. ``attached``: the events at which a sensor was
     attached. ``ended``: the event that ended each attempt's trial.
     """
 
@@ -32,8 +32,8 @@ class _Measured(NamedTuple):
     ended: dict[tuple[int, int], int]
 
     @classmethod
-    def of(cls, database: "sqlite_utils.Database", session: str) -> "_Measured":
-        """Read them. Raises StoreError where samples are damaged."""
+    def of(cls, database: "sqlite_utils.Database", session: str) -> "_StoredSamples":
+        """Read them. Raises StoreError if samples are damaged."""
         from sar_tui.framework.messages import ImuBlock
         from sar_tui.framework.topics import SENSOR, TRIAL
         from sar_tui.motion.samples import unpack
@@ -49,9 +49,9 @@ class _Measured(NamedTuple):
         return cls(blocks, attached, {(message["attempt"], message["trial"]): seq for seq, message in trials})
 
     def before(self, row: Row, window: "Window") -> "Samples":
-        """What the perception of a trial had of its window: of the sensor attached last, until the trial ended.
+        """Return the samples of a window that perception had: from the last attachment until the trial ended.
 
-        Older samples may have been let go before the reach began, so the newest are taken, as many as there were.
+        Older samples may have been dropped before the reach began, so the newest are taken, up to their stored number.
         """
         import numpy as np
 
@@ -79,7 +79,7 @@ def _events(database: "sqlite_utils.Database", session: str, topic: str) -> Iter
 
 
 class _Trial(NamedTuple):
-    """A trial as it was recorded, and what is to be done with it."""
+    """A recorded trial, and how to analyse it."""
 
     row: Row
     window: "Window"
@@ -97,31 +97,31 @@ def reanalyse(
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Find the reaches of a session again, in its recorded samples.
+    """Find the reaches of a session again, in its stored samples.
 
-    Nothing that was recorded is changed.
+    The record is not changed.
     """
     from sar_tui.store import sessions as store
 
     with Home.of(context, data, tasks).session(session) as (database, found):
-        kept = [row for row in store.rows(database, "trials", found["id"]) if _has_window(row)]
+        stored_trials = [row for row in store.rows(database, "trials", found["id"]) if _has_window(row)]
         if any(row["seat"] != "A" for row in store.rows(database, "trials", found["id"])):
             raise Refused(
-                f"The session {found['id']} ({found['task']}) is of two people. Reaches of two cannot be found again: "
-                "the samples are kept, but not from which of them each reach was found."
+                f"The session {found['id']} ({found['task']}) has two participants. Their reaches cannot be found "
+                "again: the samples are stored, but not which sensor each reach came from."
             )
-        if not kept:
+        if not stored_trials:
             raise Refused(
-                f"The session {found['id']} ({found['task']}) holds no reach that could be found again: "
-                "no trial of it kept samples of a motion sensor."
+                f"The session {found['id']} ({found['task']}) has no reach that can be found again: "
+                "none of its trials has samples of a motion sensor."
             )
-        measured = _Measured.of(database, found["id"])
-    rows = [_again(measured, _trial(row, detector)) for row in kept]
+        measured = _StoredSamples.of(database, found["id"])
+    rows = [_again(measured, _trial(row, detector)) for row in stored_trials]
     if as_json:
         names = dict.fromkeys(current_name(row["details"]["detector"]) for row in rows)
         print_json({"session": found["id"], "detector": ", ".join(names), "trials": rows})
     else:
-        _print(rows, [row["details"] for row in kept])
+        _print(rows, [row["details"] for row in stored_trials])
 
 
 def _has_window(row: Row) -> bool:
@@ -129,7 +129,7 @@ def _has_window(row: Row) -> bool:
 
 
 def _trial(row: Row, detector: DetectorName | None) -> _Trial:
-    """How a trial is analysed: as it was, or by the detector that is asked for. Raises Refused."""
+    """Return how to analyse a trial: as recorded, or by the given detector. Raises Refused."""
     import msgspec
 
     from sar_tui.motion.analysis import AnalysisParameters, Window
@@ -143,8 +143,8 @@ def _trial(row: Row, detector: DetectorName | None) -> _Trial:
         parameters = msgspec.convert(asked, AnalysisParameters)
     except msgspec.MsgspecError as error:
         raise Refused(
-            f"Attempt {row['attempt']}, trial {row['trial']} was found by the detector {name} in a way that this "
-            f"version of sar-tui does not know ({error}). Name one with --detector."
+            f"Attempt {row['attempt']}, trial {row['trial']} was found by the detector {name} with parameters that "
+            f"this version of sar-tui does not know ({error}). Choose a detector with --detector."
         ) from error
     known = tuple(flag for flag in row["timing"]["flags"] if flag in ("saturated", "error"))
     window = Window(
@@ -156,8 +156,8 @@ def _trial(row: Row, detector: DetectorName | None) -> _Trial:
     return _Trial(row, window, parameters)
 
 
-def _again(measured: _Measured, trial: _Trial) -> Row:
-    """The reach of a trial, as it is found now."""
+def _again(measured: _StoredSamples, trial: _Trial) -> Row:
+    """Return the reach of a trial as found now."""
     from sar_tui.motion.analysis import analyse
 
     row, window, parameters = trial
@@ -209,8 +209,8 @@ def _print(rows: Sequence[Row], recorded: Sequence[Row]) -> None:
     for row in rows:
         if row["missing_samples"]:
             out.print(
-                f"Attempt {row['attempt']}, trial {row['trial']}: {row['missing_samples']} of the samples that it was "
-                "found in were never stored.",
+                f"Attempt {row['attempt']}, trial {row['trial']}: {row['missing_samples']} of its samples "
+                "were never stored.",
                 soft_wrap=True,
             )
     out.print(_sentence(rows, recorded), markup=False, soft_wrap=True)
@@ -219,10 +219,10 @@ def _print(rows: Sequence[Row], recorded: Sequence[Row]) -> None:
 def _sentence(rows: Sequence[Row], recorded: Sequence[Row]) -> str:
     equal = sum(row["equal"] for row in rows)
     then, now = _versions(recorded), _versions(row["details"] for row in rows)
-    gone = sum(row["recorded_ms"] is not None and row["reach_time_ms"] is None for row in rows)
+    missing = sum(row["recorded_ms"] is not None and row["reach_time_ms"] is None for row in rows)
     return (
         f"{equal} of {len(rows)} {'trial is' if len(rows) == 1 else 'trials are'} exactly as recorded"
-        f"{f', and in {gone} there is no reach now' if gone else ''}. "
+        f"{f', and in {missing} there is no reach now' if missing else ''}. "
         f"Recorded: {then} detector. Now: {now} detector."
     )
 

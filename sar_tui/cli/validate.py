@@ -1,4 +1,4 @@
-"""``sar-tui validate``: the thesis' validation, and our own claims."""
+"""``sar-tui validate``: checks the thesis' claims and our own."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from sar_tui.validation.report import Report
 
 _PAGE = 120
-"""Characters in a line of what is kept."""
+"""Line length of stored text."""
 Progress = Callable[[str, int, int], None]
 
 
@@ -34,19 +34,19 @@ def validate(
     to: Annotated[
         Path | None,
         typer.Option(
-            metavar="DIR", show_default=False, help="Keep all rows (NAME.csv) and what is printed (NAME.txt)."
+            metavar="DIR", show_default=False, help="Store all rows (NAME.csv) and the printed text (NAME.txt) here."
         ),
     ] = None,
     reaches: Annotated[
-        int, typer.Option(metavar="N", min=1, max=100_000, help="How many reaches each difficulty is tried with.")
+        int, typer.Option(metavar="N", min=1, max=100_000, help="Number of reaches for each difficulty.")
     ] = 200,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Try out what the thesis claims, and what we do.
+    """Check the thesis' claims and our own, by simulation.
 
-    Ends with 1 if a claim does not hold.
+    Exits with 1 if a claim does not hold.
     """
     from sar_tui.validation.registry import VALIDATIONS
     from sar_tui.validation.report import Conditions
@@ -54,13 +54,13 @@ def validate(
     catalogue = Home.of(context, data, tasks).catalogue()
     names = _names(only, list(VALIDATIONS))
     if to is not None:
-        _make_room(to, names)
+        _prepare_folder(to, names)
     reports = {}
     with _progress() as progress:
         for name in names:
             reports[name] = VALIDATIONS[name].run(Conditions(catalogue, reaches, progress))
             if to is not None:
-                _keep(to, name, VALIDATIONS[name].title, reports[name])
+                _store(to, name, VALIDATIONS[name].title, reports[name])
     if as_json:
         print_json({name: report.rows for name, report in reports.items()})
     else:
@@ -70,12 +70,12 @@ def validate(
     if against:
         if as_json:
             for claim in against:
-                console(error=True).print(_told(claim.sentence, claim.against), markup=False, soft_wrap=True)
+                console(error=True).print(_verdict(claim.sentence, claim.against), markup=False, soft_wrap=True)
         raise typer.Exit(FAILED)
 
 
 def _names(only: str | None, known: Sequence[str]) -> list[str]:
-    """The validations that were asked for, in their own order. Raises Refused."""
+    """Return the requested validations, in their own order. Raises Refused."""
     if only is None:
         return list(known)
     asked = [name.strip() for name in only.split(",") if name.strip()]
@@ -83,20 +83,20 @@ def _names(only: str | None, known: Sequence[str]) -> list[str]:
         if name not in known:
             raise Refused(f"There is no validation {name}. There is: {', '.join(known)}.")
     if not asked:
-        raise Refused(f"Say which validation: --only {','.join(known)}.")
+        raise Refused(f"Name a validation: --only {','.join(known)}.")
     return [name for name in known if name in asked]
 
 
-def _make_room(folder: Path, names: Sequence[str]) -> None:
-    """A folder that holds none of the files to be written. Raises Refused."""
+def _prepare_folder(folder: Path, names: Sequence[str]) -> None:
+    """Make the folder. Raises Refused if it holds one of the files to be written."""
     for file in (f"{name}.{kind}" for name in names for kind in ("csv", "txt")):
         if (folder / file).exists():
-            raise Refused(f"{folder} holds a {file} already, and nothing is written over. Name another folder.")
+            raise Refused(f"{folder} already holds a {file}, which is not overwritten. Name another folder.")
     folder.mkdir(parents=True, exist_ok=True)
 
 
-def _keep(folder: Path, name: str, title: str, report: "Report") -> None:
-    """Write a validation's rows, and what is printed of it."""
+def _store(folder: Path, name: str, title: str, report: "Report") -> None:
+    """Write a validation's rows and its printed text."""
     import csv
 
     from rich.console import Console
@@ -126,17 +126,17 @@ def _print(out: "Console", title: str, report: "Report") -> None:
         out.print(made)
         out.print()
     for claim in report.claims:
-        out.print(_told(claim.sentence, claim.against), markup=False, soft_wrap=True)
+        out.print(_verdict(claim.sentence, claim.against), markup=False, soft_wrap=True)
     out.print()
 
 
-def _told(sentence: str, against: str) -> str:
+def _verdict(sentence: str, against: str) -> str:
     return f"✗ {sentence} But {against}." if against else f"✓ {sentence}"
 
 
 @contextmanager
 def _progress() -> Iterator[Progress]:
-    """A bar on stderr, if a person is there to see it."""
+    """Show a progress bar on stderr if it is a terminal."""
     error = console(error=True)
     if not error.is_terminal:
         yield lambda what, done, of: None

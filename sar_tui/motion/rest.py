@@ -57,8 +57,8 @@ def find_rest(rate: Floats, rate_hz: float, rest_s: float) -> Rest:
         mean, spread = _windows(slow, begins, size)
         steady = np.flatnonzero(spread < np.clip(2.0 * spread.min(initial=STILL_RAD_S), STILL_RAD_S / 4, STILL_RAD_S))
         if len(steady):
-            kept = _inner(steady[_agreeing(mean[steady])], len(begins))
-            return _rest(rate, rate_hz, begins[kept], mean[kept], size, share == 1.0)
+            chosen = _inner(steady[_agreeing(mean[steady])], len(begins))
+            return _rest(rate, rate_hz, begins[chosen], mean[chosen], size, share == 1.0)
     nowhere = np.zeros(len(rate), dtype=bool)
     return Rest(np.tile(rate.mean(axis=0), (len(rate), 1)), nowhere, False, None)
 
@@ -88,23 +88,23 @@ def _agreeing(levels: Floats) -> npt.NDArray[np.int_]:
     some = levels[:: max(1, len(levels) // 200)]
     agreement = (np.linalg.norm(some[:, None] - some[None], axis=2) < STEADY_RAD_S).sum(axis=1)
     anchor = int(np.linalg.norm(levels - some[agreement.argmax()], axis=1).argmin())
-    kept = [anchor]
+    chosen = [anchor]
     for order in (range(anchor + 1, len(levels)), range(anchor - 1, -1, -1)):
         near = levels[anchor]
         for index in order:
             if np.linalg.norm(levels[index] - near) < STEADY_RAD_S:
-                kept.append(index)
+                chosen.append(index)
                 near = 0.8 * near + 0.2 * levels[index]
-    return np.array(sorted(kept))
+    return np.array(sorted(chosen))
 
 
-def _inner(kept: npt.NDArray[np.int_], count: int) -> npt.NDArray[np.int_]:
+def _inner(chosen: npt.NDArray[np.int_], count: int) -> npt.NDArray[np.int_]:
     """Drop the first and last two windows of each rest, which adjoin movement, unless no others are left."""
     calm = np.zeros(count + 4, dtype=bool)
     calm[:2] = calm[-2:] = True
-    calm[kept + 2] = True
-    inner = kept[calm[kept] & calm[kept + 1] & calm[kept + 3] & calm[kept + 4]]
-    return inner if len(inner) else kept
+    calm[chosen + 2] = True
+    inner = chosen[calm[chosen] & calm[chosen + 1] & calm[chosen + 3] & calm[chosen + 4]]
+    return inner if len(inner) else chosen
 
 
 def _running_mean(levels: Floats, reach: int) -> Floats:

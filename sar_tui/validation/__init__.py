@@ -1,1 +1,1 @@
-"""What the thesis claims, and what we do, tried out: each file one claim's experiment, listed in ``registry``."""
+"""Checks of the thesis' claims and our own by simulation: one experiment per file, listed in ``registry``."""

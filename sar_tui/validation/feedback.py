@@ -1,4 +1,4 @@
-"""The thesis' augmented feedback (4.4.2): its Figures 4.11 to 4.14, from simulated users over twenty attempts."""
+"""The thesis' augmented feedback (4.4.2): Figures 4.11 to 4.14, from simulated users over twenty attempts."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -7,23 +7,23 @@ from functools import partial
 from sar_tui.framework.phrase_keys import holds_number
 from sar_tui.validation.feedback_drawing import draw
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
-from sar_tui.validation.simulated import SEEDS, Laboratory, Simulated, laboratory
+from sar_tui.validation.simulated import SEEDS, SessionRunner, Simulated, session_runner
 
 VALENCES = ("positive", "neutral", "negative")
 BAND_MS, LEAST_ACCURACY = 10.0, 0.8
-"""About the goal is neutral; with fewer right responses there is nothing to praise."""
+"""Results this near to the goal are neutral; with fewer correct responses than this there is no praise."""
 EVERY = 3
-"""The thesis' other frequency."""
+"""The thesis' other feedback frequency."""
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
 def poor(conditions: Conditions) -> Report:
-    """Figure 4.11. A row an attempt of a poor user."""
+    """Figure 4.11. One row per attempt of a poor user."""
     return _of_users(conditions, "figure-4.11", ("poor",))
 
 
 def competent(conditions: Conditions) -> Report:
-    """Figure 4.12. A row an attempt of a competent user, and of a poor one to compare with."""
+    """Figure 4.12. One row per attempt of a competent user, and of a poor one for comparison."""
     report = _of_users(conditions, "figure-4.12", ("competent", "poor"))
     fewer = [
         f"seed {seed}: {theirs} against {poors}"
@@ -43,13 +43,13 @@ def competent(conditions: Conditions) -> Report:
 
 
 def examples(conditions: Conditions) -> Report:
-    """Figure 4.13. A row an answer that was given, in words and in figures."""
+    """Figure 4.13. One row per feedback, in words and in figures."""
     rows = []
-    with laboratory(conditions.catalogue) as place:
+    with session_runner(conditions.catalogue) as runner:
         for number, form in enumerate(("qualitative", "quantitative")):
             conditions.progress("figure-4.13", number, 2)
             for seed in SEEDS[:3]:
-                rows += _said(form, seed, place.run("average", seed, feedback_form=form))
+                rows += _said(form, seed, runner.run("average", seed, feedback_form=form))
     words = [row["text"] for row in rows if row["form"] == "qualitative" and holds_number(row["text"])]
     figures = [row["text"] for row in rows if row["form"] == "quantitative" and not _NUMBER.search(row["text"])]
     untrue = [row["text"] for row in rows if row["form"] == "quantitative" and not _is_true(row)]
@@ -65,23 +65,23 @@ def examples(conditions: Conditions) -> Report:
 
 
 def frequency(conditions: Conditions) -> Report:
-    """Figure 4.14. A row an attempt of a competent user: with feedback after each, and after every three."""
+    """Figure 4.14. One row per attempt of a competent user, with feedback after each, and after every three."""
     rows: list[Row] = []
     unsaid: list[str] = []
-    with laboratory(conditions.catalogue) as place:
+    with session_runner(conditions.catalogue) as runner:
         for number, seed in enumerate(SEEDS):
             conditions.progress("figure-4.14", number, len(SEEDS))
             for every in (1, EVERY):
-                done = place.run("competent", seed, feedback_every=every)
+                done = runner.run("competent", seed, feedback_every=every)
                 found = [{"every": every, **row} for row in _attempts(done, "competent", seed)]
                 marked = {row["attempt"] for row in found if row["feedback"] != "none"}
                 if set(done.answers) != marked:
                     unsaid.append(f"seed {seed}, every {every}")
                 rows += found
     claims = [
-        _stands_on(rows, 1, "With feedback after every attempt, it stands on each."),
-        _stands_on(rows, EVERY, "With every three, it stands on the attempts 3, 6, 9 … and nowhere else."),
-        Claim("What the agent said stands in the log on those attempts, and on no others.", "; ".join(unsaid)),
+        _stands_on(rows, 1, "With feedback after every attempt, each attempt has it."),
+        _stands_on(rows, EVERY, "With feedback after every three, the attempts 3, 6, 9 … have it, and no others."),
+        Claim("The log holds what the agent said on those attempts, and on no others.", "; ".join(unsaid)),
     ]
     drawings = [
         draw(_only(rows, seed=SEEDS[0], every=every), f"Competent user, seed {SEEDS[0]}: feedback {how}")
@@ -95,10 +95,10 @@ def frequency(conditions: Conditions) -> Report:
 
 def _of_users(conditions: Conditions, name: str, users: Sequence[str]) -> Report:
     rows: list[Row] = []
-    with laboratory(conditions.catalogue) as place:
+    with session_runner(conditions.catalogue) as runner:
         for number, seed in enumerate(SEEDS):
             conditions.progress(name, number, len(SEEDS))
-            rows += _of_seed(place, users, seed)
+            rows += _of_seed(runner, users, seed)
     wrong = [f"{row['user']}, seed {row['seed']}, attempt {row['attempt']}" for row in rows if not _fits(row)]
     claim = Claim(
         f"Feedback is positive under the goal, negative over it, and neutral within {BAND_MS:g} ms of it.",
@@ -109,8 +109,8 @@ def _of_users(conditions: Conditions, name: str, users: Sequence[str]) -> Report
     return Report(rows, [_COUNTS], [claim], [drawn], seen)
 
 
-def _of_seed(place: Laboratory, users: Sequence[str], seed: int) -> list[Row]:
-    return [row for user in users for row in _attempts(place.run(user, seed), user, seed)]
+def _of_seed(runner: SessionRunner, users: Sequence[str], seed: int) -> list[Row]:
+    return [row for user in users for row in _attempts(runner.run(user, seed), user, seed)]
 
 
 def _attempts(done: Simulated, user: str, seed: int) -> list[Row]:
@@ -139,12 +139,12 @@ def _counted(rows: Sequence[Row], user: str, seed: int) -> Row:
 
 
 def _by_seed(rows: Sequence[Row], valence: str) -> list[tuple[int, int, int]]:
-    """Seed, and how often a competent and a poor user got such feedback."""
+    """Seed, and how often a competent and a poor user got this feedback."""
     return [(seed, _counted(rows, "competent", seed)[valence], _counted(rows, "poor", seed)[valence]) for seed in SEEDS]
 
 
 def _fits(row: Row) -> bool:
-    """Whether an attempt got the feedback that the thesis describes, and too few right responses no praise."""
+    """Return True if the feedback is as the thesis describes, without praise for too few correct responses."""
     if row["reaction_time_ms"] is None or row["accuracy"] < LEAST_ACCURACY:
         return bool(row["feedback"] == "negative")
     over = row["reaction_time_ms"] - row["goal_ms"]
@@ -190,7 +190,7 @@ def _said(form: str, seed: int, done: Simulated) -> list[Row]:
 
 
 def _is_true(row: Row) -> bool:
-    """Whether each figure that was said belongs to the attempt."""
+    """Return True if each figure in a text belongs to the attempt."""
     result, last = row["reaction_time_ms"], row["last_at_level_ms"]
     difference = None if result is None or last is None else abs(round(result) - round(last))
     measured = [f"{value:.0f}" for value in (result, difference, row["goal_ms"]) if value is not None]
@@ -198,7 +198,7 @@ def _is_true(row: Row) -> bool:
 
 
 def _one_of_each(rows: Iterable[Row]) -> list[Row]:
-    """The first answer of each form, valence and degree; the best first."""
+    """Return the first feedback of each form, valence and degree; the best first."""
     found: dict[tuple[str, str, str], Row] = {}
     for row in rows:
         found.setdefault((row["form"], row["feedback"], row["degree"]), row)
@@ -218,7 +218,7 @@ def _graded(row: Row) -> str:
 
 
 def _compared(row: Row) -> str | None:
-    """The result in ms, and the last at that level, if there is one."""
+    """Return the result in ms, and the last one at that level, if there is one."""
     result, last = row["reaction_time_ms"], row["last_at_level_ms"]
     if result is None:
         return None

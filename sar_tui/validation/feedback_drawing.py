@@ -1,4 +1,4 @@
-"""The thesis' Figures 4.11, 4.12 and 4.14 in text: the results of a session's attempts, and how each was answered."""
+"""The thesis' Figures 4.11, 4.12 and 4.14 as text: the results of a session's attempts, with their feedback."""
 
 from collections.abc import Sequence
 from itertools import groupby
@@ -7,18 +7,18 @@ from typing import Any
 from sar_tui.validation.report import Row
 
 MARKS = {"positive": "▲", "neutral": "■", "negative": "▼", "none": "·"}
-"""What stands for the feedback on an attempt."""
+"""Marks for the feedback on an attempt."""
 GOAL = "╌"
 _STEP_MS = 200
 _WIDTH, _HEIGHT = 78, 16
 
 
 def draw(rows: Sequence[Row], title: str) -> str:
-    """Reaction times over attempts, a mark for the feedback on each, and the goal as a line.
+    """Draw reaction times over attempts, with a mark for the feedback on each, and the goal as a line.
 
     Args:
-        rows: one an attempt, in order: ``reaction_time_ms`` (None where there was none), ``goal_ms``, ``feedback``.
-        title: what stands above it.
+        rows: one per attempt, in order: ``reaction_time_ms`` (None without one), ``goal_ms``, ``feedback``.
+        title: text above the drawing.
     """
     import plotext
 

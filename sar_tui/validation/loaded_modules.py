@@ -1,14 +1,14 @@
-"""The modules that a task's session loads: ``python -m sar_tui.validation.loaded_modules TASK [FOLDER…]``.
+"""Lists the modules that a task's session loads: ``python -m sar_tui.validation.loaded_modules TASK [FOLDER…]``.
 
-Loaded is what a live session loads, but for the app; then a simulated participant does two attempts, so that what is
-only loaded on the way is seen too. What the simulation itself loads is left out. Prints JSON.
+It loads what a live session loads, except the app; then a simulated participant does two attempts, to find modules
+that are loaded later. Modules of the simulation itself are left out. Prints JSON.
 """
 
 import sys
 from pathlib import Path
 
 LONGEST_S = 3600
-"""Two attempts that are not over after so long will never be."""
+"""Time after which the two attempts will never end."""
 
 
 def main(name: str, folders: list[str]) -> None:

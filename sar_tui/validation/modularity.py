@@ -1,8 +1,8 @@
-"""How much of the code that a task's session runs is shared (the thesis' fourth requirement: 70 to 80 %).
+"""The share of common code in what a task's session runs (the thesis' fourth requirement: 70 to 80 %).
 
-Counted are the lines of code of the modules that a session of the task loads: those of the framework, of the inputs
-and outputs and of movement science, against those in the task's own folder. The app, the database and the simulated
-participant are left out: they are all shared, and would only flatter the figure.
+It counts the lines of code of the modules that a session of the task loads: those of the framework, inputs, outputs
+and movement science, against those in the task's own folder. The app, the database and the simulated participant
+are left out: all tasks share them, and they would only raise the figure.
 """
 
 import subprocess
@@ -21,7 +21,7 @@ LEAST = 0.75
 
 
 class Loaded(msgspec.Struct, frozen=True):
-    """What the session of a task loads: its modules and their files; the task's own package and folder."""
+    """The modules that the session of a task loads, with their files; the task's own package and folder."""
 
     modules: dict[str, str]
     package: str
@@ -29,18 +29,18 @@ class Loaded(msgspec.Struct, frozen=True):
 
 
 class Code(NamedTuple):
-    """Lines of code of a task's session, by module: those of the shared rooms, and the task's own."""
+    """Lines of code of a task's session, by module: shared ones, and the task's own."""
 
     shared: dict[str, int]
     own: dict[str, int]
 
 
 class NotLoaded(Exception):
-    """The session of a task cannot be run; why."""
+    """The session of a task cannot be run. The message says why."""
 
 
 def run(conditions: Conditions) -> Report:
-    """A row a task that is installed."""
+    """Return one row per installed task."""
     names = conditions.catalogue.task_names()
     codes: dict[str, Code] = {}
     broken = []
@@ -57,7 +57,7 @@ def run(conditions: Conditions) -> Report:
 
 
 def load(name: str, catalogue: Catalogue) -> Loaded:
-    """Run a session of a task in a process of its own, and see what it loads. Raises NotLoaded."""
+    """Run a session of a task in another process, and list what it loads. Raises NotLoaded."""
     command = [sys.executable, "-m", "sar_tui.validation.loaded_modules", name, *map(str, catalogue.extra_tasks)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
@@ -67,7 +67,7 @@ def load(name: str, catalogue: Catalogue) -> Loaded:
 
 
 def code(loaded: Loaded) -> Code:
-    """Count the lines of what was loaded. All that lies in a task's folder is its own, loaded or not."""
+    """Count the lines of what was loaded. Everything in a task's folder is its own, loaded or not."""
     own = {
         name: Path(file)
         for name, file in loaded.modules.items()

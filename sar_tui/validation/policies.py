@@ -1,10 +1,10 @@
-"""The schedules of feedback: a simulated session under each, and whether the log says when, what and why."""
+"""Feedback schedules: a simulated session under each, and checks that the log says when, what and why."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
-from sar_tui.validation.simulated import SEEDS, Simulated, laboratory
+from sar_tui.validation.simulated import SEEDS, Simulated, session_runner
 
 USER = "competent"
 EVERY, FADE, BANDWIDTH_PERCENT, SUMMARY = 2, 2, 10.0, 5
@@ -14,7 +14,7 @@ _NEAR_MS = 1.0
 
 
 class Schedule(NamedTuple):
-    """How a schedule is set, and what it promises: on which attempts it answers."""
+    """Settings of a schedule, its promise, and the attempts that it answers."""
 
     settings: dict[str, object]
     promise: str
@@ -22,14 +22,14 @@ class Schedule(NamedTuple):
 
 
 def run(conditions: Conditions) -> Report:
-    """A row an attempt under each schedule; the same user, the same seed."""
+    """Return one row per attempt under each schedule, with the same user and seed."""
     rows: list[Row] = []
     claims: list[Claim] = []
-    with laboratory(conditions.catalogue) as place:
+    with session_runner(conditions.catalogue) as runner:
         for number, (name, schedule) in enumerate(SCHEDULES.items()):
             conditions.progress(f"policies: {name}", number, len(SCHEDULES))
             settings = {"feedback_schedule": name, "feedback_delay_ms": DELAY_MS, **schedule.settings}
-            done = place.run(USER, SEEDS[0], **settings)
+            done = runner.run(USER, SEEDS[0], **settings)
             found = _rows(name, done)
             wrong = sorted(set(schedule.answers(found)) ^ {row["attempt"] for row in found if row["feedback"]})
             claims.append(Claim(schedule.promise, f"attempts {_listed(wrong)} are otherwise" if wrong else ""))
@@ -59,7 +59,7 @@ def run(conditions: Conditions) -> Report:
     return Report(rows, [_COLUMNS], claims, seen=[_summed_up(rows, name) for name in SCHEDULES])
 
 
-# --- what each schedule promises, worked out from what the participant did --------------------------------------
+# --- the promises of the schedules, computed from the participant's results -------------------------------------
 
 
 def _each(every: int) -> Callable[[Sequence[Row]], list[int]]:
@@ -67,7 +67,7 @@ def _each(every: int) -> Callable[[Sequence[Row]], list[int]]:
 
 
 def _faded(rows: Sequence[Row]) -> list[int]:
-    """Rarer by one attempt with each so many successes more than failures at the last answer, unless fewer are left."""
+    """Every attempt longer between answers per so many successes more than failures, unless fewer attempts are left."""
     answered, ahead, at_last, last = [], 0, 0, 0
     for row in rows:
         ahead = max(0, ahead + (1 if row["outcome"] == "success" else -1))
@@ -147,7 +147,7 @@ def _rows(schedule: str, done: Simulated) -> list[Row]:
 
 
 CHOICE = ("due", "why", "since", "interval", "tolerance", "attempts", "content", "form", "compared_with", "degree")
-"""What is told of `messages.FeedbackChoice`, by the same names."""
+"""Return the fields of a `messages.FeedbackChoice`, by the same names."""
 
 
 def _claim(rows: Sequence[Row], sentence: str, holds: Callable[[Row], bool]) -> Claim:

@@ -1,4 +1,4 @@
-"""Seeded reaches under each difficulty of ``motion.scenarios``, found by both detectors."""
+"""Seeded reaches under each difficulty of ``motion.scenarios``, detected by both detectors."""
 
 from collections.abc import Callable
 from functools import partial
@@ -17,15 +17,15 @@ LEAST_PERCENT = 99.0
 MEDIAN_MS = 50.0
 
 
-class Tried(NamedTuple):
-    """How one detector did with one recording of one reach. ``error_ms``: its duration's, if it found just the one."""
+class DetectorResult(NamedTuple):
+    """A detector's result for a recording of one reach. ``error_ms``: the duration's, if just that reach was found."""
 
     endless: bool
     error_ms: float | None
 
 
 def run(conditions: Conditions) -> Report:
-    """A row a difficulty."""
+    """Return one row per difficulty."""
     every = scenarios()
     rows = []
     for number, scenario in enumerate(every):
@@ -35,17 +35,17 @@ def run(conditions: Conditions) -> Report:
 
 
 def _row(scenario: Scenario, reaches: int) -> Row:
-    tried: dict[DetectorName, list[Tried]] = {name: [] for name in STORED_NAMES}
+    results_of: dict[DetectorName, list[DetectorResult]] = {name: [] for name in STORED_NAMES}
     for seed in range(reaches):
         made = scenario.make(seed)
         ((onset, end),) = made.truth
-        for detector, results in tried.items():
+        for detector, results in results_of.items():
             found = detect(made.recording, detector)
             endless = any(NEVER_ENDED & set(reach.flags) for reach in found)
             right = len(found) == 1 and not endless
-            results.append(Tried(endless, (found[0].reach_time_s - (end - onset)) * 1000 if right else None))
+            results.append(DetectorResult(endless, (found[0].reach_time_s - (end - onset)) * 1000 if right else None))
     row: Row = {"scenario": scenario.name, "reaches": reaches}
-    for detector, results in tried.items():
+    for detector, results in results_of.items():
         name = STORED_NAMES[detector]
         errors = [result.error_ms for result in results if result.error_ms is not None]
         quartiles = np.percentile(errors, (25, 50, 75)).tolist() if errors else None

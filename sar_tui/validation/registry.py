@@ -8,7 +8,7 @@ from sar_tui.validation.report import Conditions, Report
 
 
 class Validation(NamedTuple):
-    """A title, and what does it."""
+    """A title and the function that runs it."""
 
     title: str
     run: Callable[[Conditions], Report]

@@ -1,4 +1,4 @@
-"""What a validation comes to: figures, and claims that hold or do not."""
+"""Results of a validation: figures, and claims that hold or do not."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -10,7 +10,7 @@ Row = dict[str, Any]
 
 
 class Claim(NamedTuple):
-    """A sentence that holds or not; ``against`` says by what it does not."""
+    """A sentence that holds or not; ``against`` gives the exceptions."""
 
     sentence: str
     against: str = ""
@@ -21,7 +21,7 @@ class Claim(NamedTuple):
 
 
 class Column(NamedTuple):
-    """A column for people: its head, and what it shows of a row. None is nothing."""
+    """A column of a printed table: its head, and the text for a row (None for empty)."""
 
     head: str
     show: Callable[[Row], str | None]
@@ -29,9 +29,9 @@ class Column(NamedTuple):
 
 
 class Report(NamedTuple):
-    """Figures as rows of named values, the tables in which people see them, and the claims about them.
+    """Figures as rows of named values, the printed tables, and the claims about them.
 
-    ``drawings``: what people see before the tables, as text; ``seen``: the rows of the tables, where those are fewer.
+    ``drawings``: text printed before the tables; ``seen``: the rows of the tables, if not all.
     """
 
     rows: Sequence[Row]
@@ -42,12 +42,12 @@ class Report(NamedTuple):
 
 
 class Conditions(NamedTuple):
-    """What a validation is done with.
+    """Conditions of a validation.
 
     Args:
-        catalogue: the tasks that are installed.
-        reaches: how many reaches each scenario is tried with.
-        progress: is told what is under way, how much of it is done, and of how much.
+        catalogue: the installed tasks.
+        reaches: number of reaches for each scenario.
+        progress: called with the current step, the number of steps done, and their total.
     """
 
     catalogue: "Catalogue"

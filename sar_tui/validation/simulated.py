@@ -1,4 +1,4 @@
-"""Sessions of simulated participants, as the database keeps them: what validations of the agent look at."""
+"""Sessions of simulated participants in a temporary database, for validations of the agent."""
 
 import tempfile
 from collections.abc import Iterator
@@ -19,11 +19,11 @@ from sar_tui.validation.report import Row
 
 TASK, THEME = "keyboard", "calm"
 SEEDS = range(1, 11)
-"""How often a claim about people is tried."""
+"""Seeds with which a claim about people is tested."""
 
 
 class Simulated(NamedTuple):
-    """One session: its attempts, what the agent did by kind, and when the participant asked how it went (ns)."""
+    """A session: its attempts, the agent's actions by kind, and when the participant requested feedback (ns)."""
 
     task: Task
     attempts: list[Row]
@@ -32,16 +32,16 @@ class Simulated(NamedTuple):
 
     @property
     def answers(self) -> dict[int, Row]:
-        """What was said of an attempt, by its number."""
+        """Return what was said about each attempt, by its number."""
         return {row["final"]["attempt"]: row for row in self.actions if row["kind"] == "feedback" and row["final"]}
 
 
-class Laboratory:
-    """Runs sessions into a database of its own.
+class SessionRunner:
+    """Runs sessions into its own database.
 
     Args:
-        catalogue: where the task and the theme are found.
-        folder: where the database is.
+        catalogue: the tasks and themes.
+        folder: the folder of the database.
     """
 
     def __init__(self, catalogue: Catalogue, folder: Path) -> None:
@@ -50,12 +50,12 @@ class Laboratory:
         self._kind = catalogue.task(TASK)
 
     def run(self, user: str, seed: int, **parameters: object) -> Simulated:
-        """A session of twenty attempts.
+        """Run a session of twenty attempts.
 
         Args:
             user: one of `simulation.person.PEOPLE`.
-            seed: of all that is random.
-            parameters: of the task, where they differ from the defaults.
+            seed: the seed of everything random.
+            parameters: the task's parameters that differ from the defaults.
         """
         values = {"attempts": 20, **parameters}
         plan = make_plan(self._catalogue, self._kind, ["SIM"], values, theme=THEME, seed=seed, mode="simulated")
@@ -75,7 +75,7 @@ class Laboratory:
 
 
 @contextmanager
-def laboratory(catalogue: Catalogue) -> Iterator[Laboratory]:
-    """A place to run sessions in; what they leave behind is gone afterwards."""
+def session_runner(catalogue: Catalogue) -> Iterator[SessionRunner]:
+    """Provide a runner with a temporary database."""
     with tempfile.TemporaryDirectory(prefix="sar-tui-validate-") as folder:
-        yield Laboratory(catalogue, Path(folder))
+        yield SessionRunner(catalogue, Path(folder))

@@ -1,4 +1,4 @@
-"""Lines of source code: not blank, no comment, no documentation."""
+"""Counts lines of source code, without blank lines, comments and documentation."""
 
 import ast
 import io
@@ -12,13 +12,13 @@ _NO_CODE = {
 
 
 def source_lines(path: Path) -> int:
-    """How many lines of a file hold code."""
+    """Return the number of lines of code in a file."""
     with tokenize.open(path) as file:
         return count(file.read())
 
 
 def count(source: str) -> int:
-    """How many lines hold code. Strings that stand by themselves are documentation, wherever they stand."""
+    """Return the number of lines of code. String expressions count as documentation."""
     lines: set[int] = set()
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type not in _NO_CODE:

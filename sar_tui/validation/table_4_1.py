@@ -1,4 +1,4 @@
-"""The thesis' Table 4.1: its eight reaches are simulated, and measured by both detectors."""
+"""The thesis' Table 4.1: its eight reaches, simulated and measured by both detectors."""
 
 from sar_tui.motion.detection import detect
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
@@ -7,7 +7,7 @@ from sar_tui.motion.synthesis import TABLE_4_1, Simulation, TableRow, table_4_1_
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
 RATE_HZ = 250.0
-"""What the thesis' PhidgetSpatial gives."""
+"""Sample rate of the thesis' PhidgetSpatial."""
 TIME_MS: dict[DetectorName, float] = {"fixed-threshold": 130.0, "single-axis": 40.0}
 """Largest error of a reach time. The fixed threshold cuts off the slow beginning and end of every reach."""
 PEAK_PERCENT = 3.0
@@ -15,7 +15,7 @@ PEAKS = ("peak_extension", "peak_return")
 
 
 def run(_: Conditions) -> Report:
-    """A row a reach: what the table says of it, and what each detector finds."""
+    """Return one row per reach: the table's values, and each detector's."""
     simulation = table_4_1_recording(RATE_HZ)
     found = {name: detect(simulation.recording, name) for name in TIME_MS}
     matched = {name: _matched(simulation, reaches) for name, reaches in found.items()}
@@ -31,7 +31,7 @@ def run(_: Conditions) -> Report:
 
 
 def _matched(simulation: Simulation, reaches: tuple[Reach, ...]) -> list[Reach | None]:
-    """For each reach that was made, the first that was found where it was."""
+    """Return, for each simulated reach, the first one found at its time."""
     return [
         next((reach for reach in reaches if reach.onset_s < end and reach.end_s > onset), None)
         for onset, end in simulation.truth

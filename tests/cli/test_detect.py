@@ -195,7 +195,7 @@ def test_npz_files_are_read_too(call: Call, tmp_path: Path, recorded: list[Row])
         ("t,wx,wy,wz\n" + "".join(f"{n},0,0,0\n" for n in range(30)), "1 samples a second"),
         (
             "t,wx,wy,wz\n" + "".join(f"{n / 100 + (n > 20) * 1e8},0,0,0\n" for n in range(40)),
-            "see that t is in seconds, or cut it where samples are missing.",
+            "check that t is in seconds, or cut it where samples are missing.",
         ),
     ],
     ids=["empty", "header", "column", "semicolons", "short line", "word", "nan", "back", "slow", "hole"],

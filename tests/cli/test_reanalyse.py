@@ -97,7 +97,7 @@ def test_samples_that_were_never_stored_are_told(call: Call, tmp_path: Path, rea
     change(tmp_path, "DELETE FROM imu_chunks")
     called = call("reanalyse", reached)
     assert called.code == 0
-    assert "Attempt 1, trial 1: 1941 of the samples that it was found in were never stored." in called.out
+    assert "Attempt 1, trial 1: 1941 of its samples were never stored." in called.out
     assert "0 of 3 trials are exactly as recorded, and in 3 there is no reach now." in called.out
     first, *_ = call("reanalyse", reached, "--json").json["trials"]
     assert (first["reach_time_ms"], first["difference_ms"]) == (None, None)
@@ -128,15 +128,15 @@ def test_reaches_of_two_are_refused_and_it_is_told_why(call: Call) -> None:
     called = call("reanalyse", session)
     assert (called.code, called.out) == (2, "")
     assert called.err == (
-        f"The session {session} (pairs) is of two people. Reaches of two cannot be found again: "
-        "the samples are kept, but not from which of them each reach was found.\n"
+        f"The session {session} (pairs) has two participants. Their reaches cannot be found again: "
+        "the samples are stored, but not which sensor each reach came from.\n"
     )
 
 
 def test_a_session_without_reaches_is_bad_input(call: Call, simulated: str) -> None:
     called = call("reanalyse", simulated)
     assert called.code == 2
-    assert called.err.startswith(f"The session {simulated} (keyboard) holds no reach that could be found again")
+    assert called.err.startswith(f"The session {simulated} (keyboard) has no reach that can be found again")
 
 
 def test_a_detector_that_is_not_known_any_more_is_bad_input(call: Call, tmp_path: Path, reached: str) -> None:

@@ -75,7 +75,7 @@ def test_the_thesis_feedback_is_drawn_counted_and_judged(call: Call) -> None:
     called = call("validate", "--only", "figure-4.14")
     assert (called.code, called.err) == (0, "")
     assert called.out.count("reaction time (ms)") == 2
-    assert "✓ With every three, it stands on the attempts 3, 6, 9 … and nowhere else." in called.out
+    assert "✓ With feedback after every three, the attempts 3, 6, 9 … have it, and no others." in called.out
     rows = call("validate", "--only", "figure-4.14", "--json").json["figure-4.14"]
     assert {(row["every"], row["attempt"]) for row in rows if row["feedback"] == "none"} == {
         (3, attempt) for attempt in range(1, 21) if attempt % 3
@@ -101,7 +101,7 @@ def test_several_can_be_asked_for_in_any_order(call: Call) -> None:
     [
         ("figure-9.9", "There is no validation figure-9.9. There is: "),
         ("table-4.1,x", "no validation x."),
-        (",", "Say"),
+        (",", "Name a validation"),
     ],
 )
 def test_an_unknown_name_lists_what_there_is(call: Call, only: str, says: str) -> None:
@@ -163,7 +163,7 @@ def test_nothing_is_written_over(call: Call, tmp_path: Path) -> None:
     (tmp_path / "table-4.1.csv").write_text("mine")
     called = call("validate", "--only", "table-4.1", "--to", tmp_path)
     assert (called.code, called.out) == (2, "")
-    assert "holds a table-4.1.csv already" in called.err
+    assert "already holds a table-4.1.csv" in called.err
     assert (tmp_path / "table-4.1.csv").read_text() == "mine"
     assert not (tmp_path / "table-4.1.txt").exists()
 

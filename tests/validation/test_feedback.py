@@ -10,7 +10,7 @@ from sar_tui.simulation.person import PEOPLE
 from sar_tui.validation import feedback
 from sar_tui.validation.feedback_drawing import draw
 from sar_tui.validation.report import Claim, Conditions, Report
-from sar_tui.validation.simulated import Laboratory, Simulated
+from sar_tui.validation.simulated import SessionRunner, Simulated
 
 pytestmark = pytest.mark.usefixtures("simulated_once")
 Change = Callable[[Simulated], Simulated]
@@ -26,10 +26,10 @@ def conditions(catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) -> Conditi
 @pytest.fixture
 def sessions_become(simulated_once: None, monkeypatch: pytest.MonkeyPatch) -> Callable[[Change], None]:
     """Have every session changed before it is looked at."""
-    run = Laboratory.run
+    run = SessionRunner.run
 
     def become(change: Change) -> None:
-        monkeypatch.setattr(Laboratory, "run", lambda *given, **settings: change(run(*given, **settings)))
+        monkeypatch.setattr(SessionRunner, "run", lambda *given, **settings: change(run(*given, **settings)))
 
     return become
 
@@ -157,8 +157,8 @@ def test_feedback_elsewhere_fails_the_claim(conditions: Conditions, sessions_bec
 
 
 def test_a_setting_that_has_no_effect_fails_the_claim(conditions: Conditions, monkeypatch: pytest.MonkeyPatch) -> None:
-    run = Laboratory.run
-    monkeypatch.setattr(Laboratory, "run", lambda place, user, seed, **settings: run(place, user, seed))
+    run = SessionRunner.run
+    monkeypatch.setattr(SessionRunner, "run", lambda place, user, seed, **settings: run(place, user, seed))
     (claim,) = failed(feedback.frequency(conditions))
     assert "3, 6, 9" in claim.sentence
     assert claim.against.startswith("seed 1, attempt 1; seed 1, attempt 2; seed 1, attempt 4; ")

@@ -9,7 +9,7 @@ import pytest
 from sar_tui.plugins import Catalogue
 from sar_tui.validation import policies
 from sar_tui.validation.report import Conditions, Report, Row
-from sar_tui.validation.simulated import Laboratory, Simulated
+from sar_tui.validation.simulated import SessionRunner, Simulated
 
 
 @pytest.fixture(scope="module")
@@ -121,8 +121,8 @@ def test_a_log_that_says_otherwise_fails_the_claim(
     sentence: str,
     against: str,
 ) -> None:
-    run = Laboratory.run
-    monkeypatch.setattr(Laboratory, "run", lambda *given, **settings: change(run(*given, **settings)))
+    run = SessionRunner.run
+    monkeypatch.setattr(SessionRunner, "run", lambda *given, **settings: change(run(*given, **settings)))
     monkeypatch.setattr(policies, "SCHEDULES", {schedule: policies.SCHEDULES[schedule]})
     claims = {claim.sentence: claim.against for claim in policies.run(Conditions(catalogue)).claims}
     (found,) = (its for said, its in claims.items() if said.startswith(sentence))
@@ -130,14 +130,14 @@ def test_a_log_that_says_otherwise_fails_the_claim(
 
 
 def test_an_attempt_without_a_reason_fails_the_claim(catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) -> None:
-    run = Laboratory.run
+    run = SessionRunner.run
 
     def forgetful(*given: Any, **settings: Any) -> Simulated:
         done = run(*given, **settings)
         first, *others = done.attempts
         return done._replace(attempts=[first | {"choice": first["choice"] | {"why": " "}}, *others])
 
-    monkeypatch.setattr(Laboratory, "run", forgetful)
+    monkeypatch.setattr(SessionRunner, "run", forgetful)
     monkeypatch.setattr(policies, "SCHEDULES", {"none": policies.SCHEDULES["none"]})
     claims = policies.run(Conditions(catalogue)).claims
     (reason,) = (claim for claim in claims if claim.sentence.startswith("The log gives a reason"))
