@@ -1,4 +1,4 @@
-"""Measure everything, print it, and keep it in ``benchmarks/results/``. Exits with 1 if a check fails."""
+"""Run the benchmarks, print the results, and store them in ``benchmarks/results/``. Exit with 1 if a check fails."""
 
 import argparse
 import json
@@ -20,13 +20,13 @@ RESULTS = Path(__file__).parent / "results"
 
 
 def main() -> int:
-    """Run the benchmarks; returns the exit code."""
+    """Run the benchmarks, and return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
-        "parts", nargs="*", metavar="PART", help=f"measure these alone, and keep nothing: {', '.join(PARTS)}"
+        "parts", nargs="*", metavar="PART", help=f"measure only these, and store nothing: {', '.join(PARTS)}"
     )
-    parser.add_argument("--quick", action="store_true", help="fewer of everything; nothing is kept")
-    parser.add_argument("--trials", type=int, help="reaction times for each program")
+    parser.add_argument("--quick", action="store_true", help="fewer of everything; store nothing")
+    parser.add_argument("--trials", type=int, help="number of reaction times for each program")
     given = parser.parse_args()
     if unknown := set(given.parts) - set(PARTS):
         parser.error(f"there is no part {', '.join(sorted(unknown))}; there is: {', '.join(PARTS)}")
@@ -38,7 +38,7 @@ def main() -> int:
     root.mkdir(exist_ok=True)
     now = datetime.now(UTC)
     results: dict[str, Any] = {"measured_at": now.isoformat(), "machine": report.machine()}
-    # The bar is drawn only when told to: a thread that draws it would disturb what is measured.
+    # The bar is redrawn by hand: a drawing thread would disturb the measurement.
     with (
         tempfile.TemporaryDirectory(dir=root) as folder,
         Progress(console=console, transient=True, auto_refresh=False) as bar,
@@ -70,12 +70,12 @@ def main() -> int:
     for title, rows in report.tables(results).items():
         console.print(report.drawn(title, rows))
     if not given.quick and not given.parts:
-        console.print(f"Kept in benchmarks/results/{_keep(results, now)}.")
+        console.print(f"Stored in benchmarks/results/{_keep(results, now)}.")
     return 0 if all(report.checks(results).values()) else 1
 
 
 def _keep(results: report.Results, now: datetime) -> str:
-    """Write the figures and the page; returns the file's name."""
+    """Write the results and the page, and return the file's name."""
     own = results["machine"]
     named = re.sub(r"[^a-z0-9]+", "-", f"{own['system']} {own['architecture']} {own['cores']} cores".lower())
     name = f"{now:%Y-%m-%d}-{named}.json"

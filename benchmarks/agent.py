@@ -1,4 +1,4 @@
-"""The agent beside the task: how fast one key makes it still, and whether it disturbs the timing of prompts."""
+"""The agent: time from the stop key to stillness, and effect on the timing of prompts."""
 
 import json
 import sqlite3
@@ -21,7 +21,7 @@ from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answ
 
 WORST_STOP_MS = 100.0
 MEDIAN_ALLOWANCE_MS, IQR_RATIO = 0.2, 1.5
-"""How much the agent may add to the median error of a reaction time, and by what its spread may be larger."""
+"""Limits for the agent's effect on reaction-time errors: added to the median, and ratio of the IQRs."""
 BLOCKS = 5
 PER_ATTEMPT = 10
 MOST_ATTEMPTS = 200
@@ -32,24 +32,24 @@ _OVER = ("done", "aborted", "failed")
 
 
 class NotStopped(RuntimeError):
-    """The agent could not be stopped as it should."""
+    """The agent did not stop as it should."""
 
 
 class Stop(NamedTuple):
-    """One press of the stop key: ms from the key to each output's own word that it is still, and to each witness."""
+    """One press of the stop key: ms from the key to each report of stillness, and to each record that shows it."""
 
-    told: dict[str, float]
-    witnessed: dict[str, float]
+    reported: dict[str, float]
+    observed: dict[str, float]
 
     @property
     def worst(self) -> float:
-        return max(*self.told.values(), *self.witnessed.values())
+        return max(*self.reported.values(), *self.observed.values())
 
 
 def measure(
     stops: int, trials: int, folder: Path, on_stop: Callable[[], None], on_press: Callable[[], None]
 ) -> dict[str, Any]:
-    """Both figures, and the checks.
+    """Measure both, and check them.
 
     Args:
         stops: how often the stop key is pressed.
@@ -66,7 +66,7 @@ def measure(
     figures = {name: error_statistics(of_program) for name, of_program in errors.items()}
     return {
         "stops": {name: _summary(values) for name, values in _by_name(stopped).items()},
-        "stops_ms": [stop.told | stop.witnessed for stop in stopped],
+        "stops_ms": [stop.reported | stop.observed for stop in stopped],
         "programs": {name: msgspec.structs.asdict(of_program) for name, of_program in figures.items()},
         "errors_ms": {name: [round(error, 4) for error in of_program] for name, of_program in errors.items()},
         "checks": {
@@ -161,13 +161,13 @@ def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:
 
 
 def _stop(terminal: Terminal, log: "_Log", folder: Path) -> Stop:
-    """Press the key; wait for the outputs' word, and for the witnesses."""
+    """Press the key, and wait for the outputs' reports and for the records."""
     pressed = terminal.write(_F2)
     terminal.settle(silence_ms=300, seconds=3)
     painted = terminal.read_at
-    told = log.wait_for_stops(terminal, pressed)
+    reported = log.wait_for_stops(terminal, pressed)
     return Stop(
-        {output: (at - pressed) / 1e6 for output, at in told.items()},
+        {output: (at - pressed) / 1e6 for output, at in reported.items()},
         {
             "the player stopped": (_first(folder / PLAYER, pressed, -1) - pressed) / 1e6,
             "the motor was let go": (_first(folder / MOTOR, pressed, 0) - pressed) / 1e6,
@@ -177,7 +177,7 @@ def _stop(terminal: Terminal, log: "_Log", folder: Path) -> Stop:
 
 
 def _first(file: Path, since: int, column: int) -> int:
-    """The first moment after ``since`` that a witness wrote down. Raises NotStopped."""
+    """Return the first time after ``since`` in a record. Raises NotStopped."""
     deadline = time.monotonic() + _PATIENCE_S
     while time.monotonic() < deadline:
         lines = file.read_text().splitlines() if file.exists() else []
@@ -228,16 +228,16 @@ class _Log:
         while time.monotonic() < deadline:
             terminal.read(time.monotonic_ns() + 10_000_000)
             stops = self.read("SELECT message FROM events WHERE topic='output/stopped'")
-            told = {stop["output"]: stop for stop in stops if stop["asked"] >= since}
-            if set(told) == outputs:
-                if details := [stop["detail"] for stop in told.values() if stop.get("detail")]:
+            reports = {stop["output"]: stop for stop in stops if stop["asked"] >= since}
+            if set(reports) == outputs:
+                if details := [stop["detail"] for stop in reports.values() if stop.get("detail")]:
                     raise NotStopped(details[0])
-                return {output: stop["at"] for output, stop in told.items()}
-        raise NotStopped("Not every output told that it is still.")
+                return {output: stop["at"] for output, stop in reports.items()}
+        raise NotStopped("Not every output reported that it is still.")
 
 
 def _by_name(stops: Sequence[Stop]) -> dict[str, list[float]]:
-    found = [{f"{output} says so": ms for output, ms in stop.told.items()} | stop.witnessed for stop in stops]
+    found = [{f"{output} says so": ms for output, ms in stop.reported.items()} | stop.observed for stop in stops]
     return {name: [stop[name] for stop in found] for name in found[0]}
 
 

@@ -1,11 +1,11 @@
-"""The least that a Textual app can show: one word. What starting Textual itself takes."""
+"""A minimal Textual app that shows one word, to measure the start of Textual itself."""
 
 from textual.app import App, ComposeResult
 from textual.widgets import Static
 
 
 class Empty(App[None]):
-    """One word."""
+    """Shows one word."""
 
     def compose(self) -> ComposeResult:
         yield Static("Ready")

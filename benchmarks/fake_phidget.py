@@ -1,4 +1,4 @@
-"""Phidget22's own ``Spatial`` with no device behind it: its callbacks are called by hand, as the driver would."""
+"""Phidget22's own ``Spatial`` without a device: its callbacks are called by hand, as the driver would."""
 
 import ctypes
 from collections.abc import Sequence
@@ -6,16 +6,16 @@ from typing import Any
 
 _Axes = ctypes.c_double * 3
 SATURATED = 4105
-"""Phidget22's code for a sample that was left out because an axis was beyond its range."""
+"""Phidget22's error code for a sample that was dropped because an axis was saturated."""
 
 
 class FakeSpatial:
-    """A real channel, but for what it would have to ask a device.
+    """A real channel whose queries to the device are answered by constants.
 
     Args:
-        spatial: a ``Phidget22.Devices.Spatial.Spatial``; its questions to the device are answered from here on.
-        interval_ms: between two samples.
-        model: its SKU.
+        spatial: a ``Phidget22.Devices.Spatial.Spatial``.
+        interval_ms: time between two samples.
+        model: the device's SKU.
     """
 
     def __init__(self, spatial: Any, interval_ms: int = 4, model: str = "1044_1B") -> None:
@@ -37,11 +37,11 @@ class FakeSpatial:
         spatial.setDataInterval = lambda _: None
 
     def attach(self) -> None:
-        """The device is plugged in."""
+        """Plug the device in."""
         self.spatial._onAttach(None, None)
 
     def detach(self) -> None:
-        """It is pulled out."""
+        """Unplug the device."""
         self.spatial._onDetach(None, None)
 
     def send(
@@ -51,10 +51,10 @@ class FakeSpatial:
         acceleration_g: Sequence[float] = (0.0, 0.0, 1.0),
         field_gauss: Sequence[float] = (0.1, 0.2, 0.3),
     ) -> None:
-        """It measured the sample of this number since it was plugged in."""
+        """Send the sample with this number since the device was attached."""
         axes = (_Axes(*values) for values in (acceleration_g, rate_deg_s, field_gauss))
         self.spatial._onSpatialData(None, None, *axes, float(index * self.interval_ms))
 
     def saturate(self) -> None:
-        """A sample was beyond its range, and is left out."""
+        """Report a sample that was dropped because of saturation."""
         self.spatial._onError(None, None, SATURATED, b"Gyroscope Saturation Detected.")

@@ -1,4 +1,4 @@
-"""A reaction task as one would first write it in Textual: onset at ``update()``, response in the key handler."""
+"""A naive reaction task in Textual: onset stamped at ``update()``, response in the key handler."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""From start to first paint: sar-tui's home screen against the emptiest of Textual apps."""
+"""Time from start to first paint: sar-tui's home screen compared with a minimal Textual app."""
 
 import sys
 import tempfile
@@ -13,10 +13,10 @@ _PATIENCE = 20_000_000_000
 
 
 def first_paint(command: list[str]) -> float:
-    """Seconds from starting a program to the first thing that can be seen of it.
+    """Return the seconds from the start of a program to its first visible output.
 
     Raises:
-        TimeoutError: nothing can be seen.
+        TimeoutError: there is none.
     """
     with Terminal(command) as terminal:
         while not visible(bytes(terminal.output)):
@@ -30,7 +30,7 @@ def first_paint(command: list[str]) -> float:
 
 
 def measure(starts: int, folder: Path, on_start: Callable[[], None]) -> dict[str, Any]:
-    """Medians of both, in turns, after one start of each that is not counted."""
+    """Measure the medians of both, in turns, after one uncounted start of each."""
     with tempfile.TemporaryDirectory(dir=folder) as own:
         commands = {
             "empty Textual": [sys.executable, "-m", "benchmarks.empty"],

@@ -1,7 +1,7 @@
-"""The voice, as the program starts it, with a witness of its player: when it was given its last sample, and stopped.
+"""The program's voice with a player that records when it got its last sample, and when it stopped.
 
-Used as ``python -m benchmarks.recorded_player FILE`` in place of ``sar_tui.outputs.sound.voice``: each time the player
-stops, a line with both (ns) is added to the file.
+Run ``python -m benchmarks.recorded_player FILE`` in place of ``sar_tui.outputs.sound.voice``. Each time the player
+stops, a line with both times (ns) is added to the file.
 """
 
 import sys
@@ -15,8 +15,8 @@ from sar_tui.framework.clock import host_now
 from sar_tui.outputs.sound import voice
 
 
-class Witnessed(miniaudio.PlaybackDevice):  # type: ignore[misc]  # miniaudio has no types
-    """A playback device that keeps the time of the last samples it was given."""
+class RecordedDevice(miniaudio.PlaybackDevice):  # type: ignore[misc]  # miniaudio has no types
+    """A playback device that records the time of its last samples."""
 
     file: Path
     last = 0
@@ -42,9 +42,9 @@ class Witnessed(miniaudio.PlaybackDevice):  # type: ignore[misc]  # miniaudio ha
 
 
 def main() -> None:
-    """Speak and sound, watched."""
-    Witnessed.file = Path(sys.argv[1])
-    miniaudio.PlaybackDevice = Witnessed
+    """Run the voice with the recorded player."""
+    RecordedDevice.file = Path(sys.argv[1])
+    miniaudio.PlaybackDevice = RecordedDevice
     voice.main()
 
 

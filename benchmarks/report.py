@@ -1,4 +1,4 @@
-"""What was measured, as tables for the terminal and for a page, and where it was measured."""
+"""Results as tables in the terminal and on a page, and the machine they were measured on."""
 
 import os
 import platform
@@ -28,7 +28,7 @@ _FIGURES = {
 
 
 def machine() -> dict[str, Any]:
-    """What it was measured on; nothing that names the machine or its owner."""
+    """Describe the machine, without anything that identifies it or its owner."""
     return {
         "system": platform.system(),
         "architecture": platform.machine(),
@@ -41,7 +41,7 @@ def machine() -> dict[str, Any]:
 
 
 def _processor() -> str:
-    """The processor's model, where the system tells it."""
+    """Return the processor's model, if the system reports it."""
     listing = Path("/proc/cpuinfo")
     lines = listing.read_text().splitlines() if listing.exists() else []
     models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
@@ -49,7 +49,7 @@ def _processor() -> str:
 
 
 def checks(results: Results) -> dict[str, bool]:
-    """What was checked of what was measured, and whether it holds."""
+    """Return all checks by name; True if one passed."""
     found: dict[str, bool] = {}
     for name in ("response", "sensor", "agent", "operator"):
         found |= results.get(name, {}).get("checks", {})
@@ -57,7 +57,7 @@ def checks(results: Results) -> dict[str, bool]:
 
 
 def tables(results: Results) -> dict[str, Rows]:
-    """Each table by its title; the first row is its head. Of what was not measured there is none."""
+    """Return the tables of all parts that were measured, by title; the first row is the head."""
     found: dict[str, Rows] = {}
     for name, tabled in _TABLES.items():
         if name in results:
@@ -152,7 +152,7 @@ def _number(value: float) -> str:
 
 
 def drawn(title: str, rows: Rows) -> Table:
-    """A table for the terminal."""
+    """Return a table for the terminal."""
     table = Table(
         title=title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, title_justify="left", title_style="bold"
     )
@@ -164,7 +164,7 @@ def drawn(title: str, rows: Rows) -> Table:
 
 
 def page(results: Results) -> str:
-    """The page of the latest results, in Markdown."""
+    """Return the page of the latest results, in Markdown."""
     own, quality = results["machine"], results["response"]["quality"]
     lines = [
         "# The latest benchmark",

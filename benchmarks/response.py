@@ -1,4 +1,4 @@
-"""The closed loop: recorded reaction times against the truth, for a bare loop, a naive Textual app, and sar-tui."""
+"""Recorded reaction times compared with the true ones, for a bare loop, a naive Textual app, and sar-tui."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -19,11 +19,11 @@ MAX_IQR_RATIO = 1.5
 
 
 def measure(trials: int, folder: Path, on_press: Callable[[str], None]) -> dict[str, Any]:
-    """Figures by program, sar-tui's own account of its timing, the checks, and every error.
+    """Return statistics by program, sar-tui's own timing quality, the checks, and every error.
 
     Args:
-        trials: for each program.
-        folder: on the disk to write to.
+        trials: number of trials of each program.
+        folder: a folder on the disk to write to.
         on_press: called with a program's name after each press.
     """
     measured = take_turns(PROGRAMS, trials, BLOCKS, folder, on_press)
@@ -38,7 +38,7 @@ def measure(trials: int, folder: Path, on_press: Callable[[str], None]) -> dict[
 
 
 def _quality(trials: list[Trial]) -> dict[str, Any]:
-    """What sar-tui says of its own trials: where onsets were stamped, how late handlers and loop were, flags."""
+    """Sum up the timing quality that sar-tui stored: onset sources, delays of handlers and loop, flags."""
     kept = [trial.timing for trial in trials]
     late = {
         f"{name}_median": error_statistics([timing[name] for timing in kept]).median_ms

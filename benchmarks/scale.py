@@ -1,4 +1,4 @@
-"""Simulated trials a second, each on the disk before the next; beside what the disk itself takes for a commit."""
+"""Simulated trials a second, each on the disk before the next, compared with bare commits."""
 
 import sqlite3
 import tempfile
@@ -15,7 +15,7 @@ from sar_tui.simulation.person import PEOPLE
 
 
 def measure(attempts: int, folder: Path, on_attempt: Callable[[], None]) -> dict[str, Any]:
-    """Trials a second of a simulated session, and how many bare commits a trial takes."""
+    """Measure the trials a second of a simulated session, and the ratio of a trial to a bare commit."""
     catalogue = Catalogue()
     plan = make_plan(catalogue, "keyboard", ["BENCH"], {"attempts": attempts}, seed=1, mode="simulated")
     with tempfile.TemporaryDirectory(dir=folder) as own:
@@ -34,7 +34,7 @@ def measure(attempts: int, folder: Path, on_attempt: Callable[[], None]) -> dict
 
 
 def _commit(folder: Path, commits: int) -> float:
-    """Seconds that SQLite takes for one synced commit of one row, with the settings sar-tui has."""
+    """Return the seconds that SQLite takes for one synced commit of one row, with sar-tui's settings."""
     with closing(sqlite3.connect(folder / "commits.db", isolation_level=None)) as database:
         database.execute("PRAGMA journal_mode=WAL")
         database.execute("PRAGMA synchronous=FULL")

@@ -1,4 +1,4 @@
-"""A sensor's stream through the whole program: samples lost, and what each costs, with the session on the screen."""
+"""A sensor's stream through the whole program: lost samples and CPU time, with the session on the screen."""
 
 import json
 import sqlite3
@@ -16,12 +16,12 @@ from sar_tui.store.database import FILE
 from sar_tui.timing.pty import Terminal
 
 RUNS = ((250, 60.0), (1000, 300.0))
-"""Samples a second, and for how many seconds."""
+"""Samples a second, and seconds, of each run."""
 PATIENCE_S = 60.0
 
 
 def measure(quick: bool, folder: Path, on_second: Callable[[], None]) -> dict[str, Any]:
-    """Each rate's figures, and the checks: every sample that was sent is in the database, in order."""
+    """Measure each rate, and check that every sample that was sent is in the database, in order."""
     runs = [
         _run(rate_hz, 5.0 if quick else seconds, folder / f"sensor-{rate_hz}", on_second) for rate_hz, seconds in RUNS
     ]
@@ -30,7 +30,7 @@ def measure(quick: bool, folder: Path, on_second: Callable[[], None]) -> dict[st
 
 
 def total_seconds(quick: bool) -> int:
-    """How often ``on_second`` is called."""
+    """Return the number of calls of ``on_second``."""
     return sum(5 if quick else round(seconds) for _, seconds in RUNS)
 
 

@@ -1,7 +1,7 @@
-"""sar-tui's reaching task with a sensor that is driven: Phidget22's own channel, called back from a thread.
+"""sar-tui's reaching task with a fake sensor: Phidget22's own channel, called back from a thread.
 
-Used as ``python -m benchmarks.sensor_app RATE_HZ SECONDS DATA_FOLDER RESULT_FILE`` in a terminal. The seconds begin
-when an attempt has.
+Run ``python -m benchmarks.sensor_app RATE_HZ SECONDS DATA_FOLDER RESULT_FILE`` in a terminal. The seconds count
+from the start of an attempt.
 """
 
 import json
@@ -24,7 +24,7 @@ from sar_tui.store.database import FILE
 
 
 def pace(rate_hz: int, seconds: float, do: Callable[[int], object], first: int = 0) -> float:
-    """Do something so many times a second, numbered from ``first``; returns the CPU seconds this thread took."""
+    """Call ``do`` at a rate, with numbers from ``first``, and return the CPU seconds of this thread."""
     cpu, start = time.thread_time(), time.perf_counter()
     for index in range(round(seconds * rate_hz)):
         due = start + index / rate_hz
@@ -35,23 +35,23 @@ def pace(rate_hz: int, seconds: float, do: Callable[[int], object], first: int =
 
 
 def _has_begun(folder: Path) -> bool:
-    """Whether an attempt is under way: from then on every sample counts."""
+    """Return True if an attempt has started: from then on every sample counts."""
     asked = "SELECT count(*) FROM events WHERE topic='event_handler/attempt_started'"
     with suppress(sqlite3.Error), closing(sqlite3.connect(f"file:{folder / FILE}?mode=ro", uri=True)) as database:
         return bool(database.execute(asked).fetchone()[0])
     return False
 
 
-def _drive(driven: FakeSpatial, rate_hz: int, seconds: float, folder: Path) -> dict[str, float]:
-    """Attach; send samples until an attempt is under way, and then for so long; detach. Returns what it took."""
+def _drive(fake: FakeSpatial, rate_hz: int, seconds: float, folder: Path) -> dict[str, float]:
+    """Attach, send samples until an attempt has started and then for ``seconds``, detach, and return the CPU shares."""
 
     def send(index: int) -> None:
-        driven.send(index, (0.0, 0.0, 90 * math.sin(index / rate_hz)))
+        fake.send(index, (0.0, 0.0, 90 * math.sin(index / rate_hz)))
 
     time.sleep(1)
     pacing_s = min(5.0, seconds)
     pacing = pace(rate_hz, pacing_s, math.sin) / pacing_s
-    driven.attach()
+    fake.attach()
     sent = 0
     while not _has_begun(folder):
         pace(rate_hz, 0.2, send, sent)
@@ -60,20 +60,20 @@ def _drive(driven: FakeSpatial, rate_hz: int, seconds: float, folder: Path) -> d
     pace(rate_hz, seconds, send, sent)
     cpu = time.process_time() - before
     sent += round(seconds * rate_hz)
-    driven.detach()
+    fake.detach()
     return {"last_ms": (sent - 1) * 1000.0 / rate_hz, "cpu_share": cpu / seconds, "pacing_share": pacing}
 
 
 def main() -> int:
-    """Run the app; drive the sensor beside it."""
+    """Run the app, and drive the sensor from a thread."""
     rate_hz, seconds, folder, result = int(sys.argv[1]), float(sys.argv[2]), Path(sys.argv[3]), Path(sys.argv[4])
-    driven = FakeSpatial(new_channel(), 1000 // rate_hz)
+    fake = FakeSpatial(new_channel(), 1000 // rate_hz)
     sources._SHIPPED["phidget"] = lambda text, seed, clock: PhidgetSource(
-        make=lambda: driven.spatial, denied=lambda: False
+        make=lambda: fake.spatial, denied=lambda: False
     )
 
     def work() -> None:
-        found = json.dumps(_drive(driven, rate_hz, seconds, folder))
+        found = json.dumps(_drive(fake, rate_hz, seconds, folder))
         result.with_suffix(".part").write_text(found)
         result.with_suffix(".part").replace(result)
 

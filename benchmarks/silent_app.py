@@ -1,6 +1,6 @@
-"""sar-tui where nobody hears it: its voice plays to no loudspeaker, its servo is a stand-in that notes what it is told.
+"""sar-tui without loudspeaker and servo: it plays to a null device, and a fake servo records its commands.
 
-Used as ``python -m benchmarks.silent_app FOLDER COMMAND…``: the program itself, with witnesses' files in the folder.
+Run ``python -m benchmarks.silent_app FOLDER COMMAND…``. The records of player and servo are files in the folder.
 """
 
 import sys

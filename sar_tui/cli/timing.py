@@ -1,7 +1,7 @@
-"""``sar-tui timing``: is this machine fit for an experiment?
+"""``sar-tui timing``: check whether this machine is fit for an experiment.
 
-Measured are sar-tui itself and a bare loop, in turns, each in a pseudo-terminal with a scripted participant in front
-of it (``simulation.closed_loop``). The verdict is the worst that any of these says:
+It measures sar-tui and a bare loop in turns, each in a pseudo-terminal with a scripted participant
+(``timing.closed_loop``). The verdict is the worst of these columns:
 
 =============  ============  =========  =======  ========================  ==================
 verdict        robust SD     |median|   p99      terminal                  clock
@@ -11,8 +11,8 @@ fit with care  3 ms or less  3 ms       20 ms    in a multiplexer          steps
 not fit        more          more       more     over SSH                  coarser
 =============  ============  =========  =======  ========================  ==================
 
-1 ms is well below what a keyboard's own scanning adds (11-73 ms, Bridges et al. 2020). The terminal that is measured in
-is not the one that is sat at, so an SSH line or a multiplexer is judged by its name: its delay is in no figure.
+1 ms is far below the delay of a keyboard's scanning (11-73 ms, Bridges et al. 2020). The measurement runs in a terminal
+of its own, so it does not include the delay of SSH or of a multiplexer: the verdict takes their presence into account.
 """
 
 import json
@@ -45,19 +45,19 @@ _LIMITS = (
 )
 _COARSE_CLOCK = 1e-4
 _BUSY = 0.5
-"""So much of each core in use, by the load average, is told as a cause."""
+"""Load average for each core from which a busy machine is reported as a cause."""
 
 
 class Circumstances(msgspec.Struct, frozen=True):
-    """What is known to blur timing here.
+    """Circumstances that can make timing less exact.
 
     Args:
-        ssh: the person sits at another machine.
-        multiplexer: tmux or the like, if in one.
-        load: the load average over a minute, before measuring; None where there is none.
-        cores: of the processor.
-        clock_step: the resolution of the clock, in s.
-        stamped_at_flush: the share of prompts whose onset was stamped as the frame was flushed.
+        ssh: True if the program runs over SSH.
+        multiplexer: name of the terminal multiplexer, if there is one.
+        load: load average over the minute before the measurement, if the system has one.
+        cores: number of processor cores.
+        clock_step: resolution of the clock in s.
+        stamped_at_flush: share of prompts whose onset was stamped when the frame was flushed.
     """
 
     ssh: bool = False
@@ -69,7 +69,7 @@ class Circumstances(msgspec.Struct, frozen=True):
 
 
 def run(folder: Path, trials: int, as_json: bool) -> int:
-    """Measure, print, and keep the figures in ``folder/timing.json`` for later sessions; returns the exit code."""
+    """Measure, print, store the figures in ``folder/timing.json`` for later sessions, and return the exit code."""
     if sys.platform == "win32":
         print("Timing cannot be measured on Windows: it has no pseudo-terminals. Use Linux or macOS.", file=sys.stderr)
         return FAILED
@@ -105,7 +105,7 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
         **_figures(own),
         "verdict": verdict,
     }
-    _keep(folder / FILE, figures)
+    _write(folder / FILE, figures)
     if as_json:
         print_json({"timing": {**figures, "reasons": reasons, "bare": _figures(bare)}})
     else:
@@ -114,7 +114,7 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
 
 
 def judge(own: ErrorStatistics, bare: ErrorStatistics, here: Circumstances) -> tuple[str, list[str]]:
-    """The verdict, and why: first what was found, then what may be the cause."""
+    """Return the verdict and its reasons: first the findings, then possible causes."""
     worst, reasons = 0, []
     for name, fit, care, words in _LIMITS:
         value = getattr(own, name)
@@ -128,10 +128,12 @@ def judge(own: ErrorStatistics, bare: ErrorStatistics, here: Circumstances) -> t
         reasons.append("Some prompts could not be stamped as they reached the terminal; the next best was used.")
     if here.multiplexer:
         worst = max(worst, 1)
-        reasons.append(f"You are in {here.multiplexer}, whose own delay is in no figure. Run sessions outside of it.")
+        reasons.append(f"You are in {here.multiplexer}, whose delay is not in these figures. Run sessions outside it.")
     if here.ssh:
         worst = 2
-        reasons.append("You are connected by SSH: the network's delay is in no figure. Run sessions where you sit.")
+        reasons.append(
+            "You are connected by SSH: its delay is not in these figures. Run sessions on the machine itself."
+        )
     if here.clock_step > _COARSE_CLOCK:
         worst = 2
         reasons.append(f"This machine's clock moves in steps of {here.clock_step * 1e3:.1f} ms.")
@@ -146,20 +148,22 @@ def _causes(own: ErrorStatistics, bare: ErrorStatistics, here: Circumstances) ->
             "Close other programs and measure again."
         )
     if any(abs(getattr(bare, name)) > fit for name, fit, *_ in _LIMITS):
-        causes.append("A bare loop is no better: it is the machine, not the program. Is it virtual, or saving power?")
+        causes.append("A bare loop is no better, so the cause is the machine: is it virtual, or saving power?")
     else:
-        causes.append("A bare loop does better on this machine. Measure again; if it stays so, please report it.")
+        causes.append(
+            "A bare loop does better on this machine. Measure again; if the result is the same, please report it."
+        )
     return causes
 
 
 def _figures(of: ErrorStatistics) -> dict[str, float | int]:
-    """Those of a spread's figures that are kept and printed, to the microsecond."""
+    """Return the figures that are stored and printed, to the microsecond."""
     names = ("median_ms", "sd_ms", "robust_sd_ms", "p99_ms")
     return {"trials": of.n} | {name: round(getattr(of, name), 3) for name in names}
 
 
-def _keep(path: Path, figures: Mapping[str, object]) -> None:
-    """Write at once or not at all, for nobody else to read."""
+def _write(path: Path, figures: Mapping[str, object]) -> None:
+    """Write a file atomically, readable only by the user."""
     handle, name = tempfile.mkstemp(prefix=".timing-", dir=path.parent)  # mkstemp makes it 0600
     with os.fdopen(handle, "w") as file:
         json.dump(figures, file, indent=2)
@@ -187,7 +191,7 @@ def _print(own: ErrorStatistics, bare: ErrorStatistics, verdict: str, reasons: l
 
 @contextmanager
 def _progress(presses: int) -> Iterator[Callable[[str], None]]:
-    """A bar on stderr, if a person is there to see it."""
+    """Show a progress bar on stderr, if it is a terminal."""
     error = console(error=True)
     if not error.is_terminal:
         yield lambda name: None

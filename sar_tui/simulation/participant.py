@@ -1,4 +1,4 @@
-"""A simulated participant: an output that sees prompts and an input that presses keys, on the bus like any other."""
+"""Simulated participants: nodes that receive prompts and publish key presses, like an output and an input."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,14 +13,14 @@ from sar_tui.framework.trial_types import Act, Cue, Stimulus
 from sar_tui.simulation.person import Person
 
 SHOWING = 4 * MS
-"""From a prompt's publication to its being seen."""
+"""Time from a prompt's publication to its onset."""
 READING = 1200 * MS
-"""From a screen that waits for Enter to the Enter."""
+"""Time from a request for a key to its press."""
 _SEEN: tuple[PartState, ...] = ("queued", "started", "done")
 
 
 def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A") -> list[Act]:
-    """What a person at a seat does for a prompt: nothing, where they miss it or it is another's."""
+    """Return what a person at a seat does for a prompt: nothing if they miss it or it is for the other seat."""
     streams = RandomStreams(seed, "person" if seat == "A" else f"person {seat}", prompt.attempt, prompt.trial)
     if prompt.seat not in ("", seat) or person.misses_it(streams):
         return []
@@ -37,11 +37,13 @@ def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A")
 
 
 class SimulatedParticipant(Node):
-    """Sits down, presses Enter when asked to, and answers each prompt as its person would.
+    """Presses Enter when asked to, and answers each prompt as its person would.
 
     Args:
-        person, task, seed: who does what, and how it comes out.
-        move: moves the hand: (when in ns, movement), for a task that asks for movements.
+        person: the model of the participant.
+        task: the task that is done.
+        seed: decides everything random.
+        move: moves the hand, given a time in ns and a movement; for tasks that ask for movements.
     """
 
     name = "participant"
@@ -57,7 +59,7 @@ class SimulatedParticipant(Node):
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Press what the screen asks for while it is up, not when it has gone; ask how it went, if one wants to know.
+        """Press the key that the screen asks for while it still asks; or ask for feedback, if the person wants it.
 
         Once that is answered, the screen asks for Enter again.
         """
@@ -89,7 +91,7 @@ class SimulatedParticipant(Node):
 
     @on(ACTION)
     def answered(self, action: Action) -> None:
-        """Words appear at once."""
+        """Report that the text of an action is shown at once."""
         for state in _SEEN:
             self.emit(REPORT, OutputReport(action=action.id, output="screen", part="show", state=state, at=self.now))
 
@@ -98,12 +100,14 @@ class SimulatedParticipant(Node):
 
 
 class SimulatedPartner(Node):
-    """The other of two: answers what is theirs to answer at the same keyboard, and leaves the rest to the first.
+    """Answers the prompts of one seat at the same keyboard, and leaves all other keys to the participant at seat A.
 
     Args:
-        person, task, seed: who does what, and how it comes out.
-        seat: where they sit.
-        move: moves their hand: (when in ns, movement), for a task that asks for movements.
+        person: the model of the participant.
+        task: the task that is done.
+        seed: decides everything random.
+        seat: the partner's seat.
+        move: moves the hand, given a time in ns and a movement; for tasks that ask for movements.
     """
 
     name = "partner"
@@ -139,12 +143,14 @@ class SimulatedPartner(Node):
 
 
 class SimulatedMover(Node):
-    """Moves a simulated hand as its person would, while somebody else presses the keys: to try a task without a sensor.
+    """Moves a simulated hand as its person would, while somebody else presses the keys, to try a task without a sensor.
 
     Args:
-        person, task, seed: who does what, and how it comes out.
-        move: moves the hand: (when in ns, movement).
-        seat: whose hand it is.
+        person: the model of the participant.
+        task: the task that is done.
+        seed: decides everything random.
+        move: moves the hand, given a time in ns and a movement.
+        seat: the seat of the hand.
     """
 
     name = "mover"

@@ -1,4 +1,4 @@
-"""How a person reacts: times, errors, practice, fatigue. Pure, and seeded by what is asked."""
+"""Models of persons: reaction times, errors, practice and fatigue, drawn from seeded random streams."""
 
 import math
 
@@ -10,28 +10,28 @@ from sar_tui.simulation.ex_gaussian import ex_gaussian
 
 
 class Person(msgspec.Struct, frozen=True):
-    """A model of someone at a choice-reaction task.
+    """A model of a person at a choice-reaction task.
 
     Reaction times are ex-Gaussian (Luce 1986; Heathcote, Popiel & Mewhort 1991): a normal part and an
     exponential tail of mean ``tau_ms``. Their mean grows with the information in a choice among n stimuli,
     log2 n bits (Hick 1952; Hyman 1953), shrinks with practice towards an asymptote, and grows with fatigue.
 
     Args:
-        name: what it is called: ``poor``, ``average``, ``competent``.
-        base_ms: mean reaction time with no choice to make.
-        per_bit_ms: what each bit of choice adds to it.
+        name: ``poor``, ``average``, ``competent``.
+        base_ms: mean reaction time without a choice.
+        per_bit_ms: added to it for each bit of choice.
         sigma_ms: standard deviation of the normal part.
         tau_ms: mean of the exponential tail, part of the mean.
-        errors: the share of prompts answered wrongly.
-        misses: the share of prompts not answered.
-        practice: the share of the reaction time that practice takes off in the end.
-        practice_attempts: after so many attempts, 63 % of that.
-        fatigue: the share of the reaction time that each attempt adds.
-        pace: how long movements take, as a share of what they take a healthy adult.
-        pace_sd: how much that varies from one to the next: the standard deviation of its logarithm.
-        unsteadiness: 0 for a hand that goes straight, 1 for one that halts and dwells.
-        hand: how the hand trembles, and how its sensor sits: one of `motion.synthesis.PROFILES`.
-        asks: the share of attempts after which they ask how it went, where feedback is given on request.
+        errors: share of prompts that are answered wrongly.
+        misses: share of prompts that are not answered.
+        practice: share of the reaction time that practice takes off in the end.
+        practice_attempts: number of attempts after which practice has taken off 63 % of that.
+        fatigue: share of the reaction time that each attempt adds.
+        pace: duration of movements as a share of a healthy adult's.
+        pace_sd: standard deviation of the logarithm of ``pace`` from movement to movement.
+        unsteadiness: 0 for a hand that moves straight, 1 for one that halts and dwells.
+        hand: tremor and sensor placement: one of `motion.synthesis.PROFILES`.
+        asks: share of attempts after which they ask for feedback, if it is given on request.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Person(msgspec.Struct, frozen=True):
     asks: float = 0.35
 
     def perform(self, choices: int, attempt: int, streams: RandomStreams) -> Performance:
-        """How one prompt among ``choices`` is done in an attempt (1, 2, …)."""
+        """Draw how one prompt among ``choices`` is done in an attempt (1, 2, …)."""
         varied = math.exp(streams.generator("pace", self.name).gauss(0, self.pace_sd))
         return Performance(
             reaction_ms=self.reaction_ms(choices, attempt, streams),
@@ -61,29 +61,29 @@ class Person(msgspec.Struct, frozen=True):
         )
 
     def mean_ms(self, choices: int, attempt: int) -> float:
-        """The mean reaction time among ``choices`` stimuli in an attempt (1, 2, …)."""
+        """Return the mean reaction time among ``choices`` stimuli in an attempt (1, 2, …)."""
         return (self.base_ms + self.per_bit_ms * math.log2(max(1, choices))) * self._slowed(attempt)
 
     def _slowed(self, attempt: int) -> float:
-        """What practice and fatigue make of a time."""
+        """Return the factor by which practice and fatigue change a time."""
         learnt = self.practice * (1 - math.exp(-(attempt - 1) / self.practice_attempts))
         return 1 - learnt + self.fatigue * (attempt - 1)
 
     def reaction_ms(self, choices: int, attempt: int, streams: RandomStreams) -> float:
-        """One reaction time; never below 120 ms, the fastest a choice can be."""
+        """Draw a reaction time of at least 120 ms, the fastest possible choice."""
         generator = streams.generator("reaction", self.name)
         return max(120.0, ex_gaussian(generator, self.mean_ms(choices, attempt), self.sigma_ms, self.tau_ms))
 
     def misses_it(self, streams: RandomStreams) -> bool:
-        """Whether this prompt is not answered."""
+        """Return True if this prompt is not answered."""
         return streams.uniform("miss", self.name) < self.misses
 
     def slips(self, streams: RandomStreams) -> bool:
-        """Whether this prompt is answered wrongly."""
+        """Return True if this prompt is answered wrongly."""
         return streams.uniform("slip", self.name) < self.errors
 
     def wants_to_know(self, streams: RandomStreams) -> bool:
-        """Whether they ask how an attempt went."""
+        """Return True if they ask for feedback on an attempt."""
         return streams.uniform("ask", self.name) < self.asks
 
 
@@ -131,4 +131,4 @@ PEOPLE = {
         ),
     )
 }
-"""The thesis' poor and competent users, and its typical average one."""
+"""The poor, average and competent users of the thesis."""
