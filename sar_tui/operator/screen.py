@@ -55,15 +55,15 @@ class PanelScreen(PanelLayout):
 
     def action_approve(self) -> None:
         if approval := self.chosen:
-            self._after(self.commands.decide(approval, "accept", self._at))
+            self._show_result(self.commands.decide(approval, "accept", self._at))
 
     def action_veto(self) -> None:
         if approval := self.chosen:
-            self._after(self.commands.decide(approval, "veto", self._at))
+            self._show_result(self.commands.decide(approval, "veto", self._at))
 
     def action_valence(self, valence: Valence) -> None:
         if (approval := self.chosen) and takes_valence(approval):
-            self._after(self.commands.change_valence(approval, valence, self._at))
+            self._show_result(self.commands.change_valence(approval, valence, self._at))
 
     def action_select(self, step: int) -> None:
         waiting = self.commands.pending
@@ -93,30 +93,30 @@ class PanelScreen(PanelLayout):
     # --- the session ---------------------------------------------------------------------------------------------
 
     def action_stop(self) -> None:
-        self._after(self.commands.command("Stopped", "stop", self._at))
+        self._show_result(self.commands.command("Stopped", "stop", self._at))
 
     def action_pause(self) -> None:
         if self.commands.may_resume(self._at):
             self.question = ""
-            self._after(self.commands.pause(self._at))
+            self._show_result(self.commands.pause(self._at))
         else:
             self.ask_for(CONFIRM_SECONDS, "resume")
 
     def action_skip(self) -> None:
-        self._after(self.commands.prompt_command("Skipped the prompt", "skip", self._at))
+        self._show_result(self.commands.prompt_command("Skipped the prompt", "skip", self._at))
 
     def action_repeat(self) -> None:
-        self._after(self.commands.prompt_command("Repeated the prompt", "repeat", self._at))
+        self._show_result(self.commands.prompt_command("Repeated the prompt", "repeat", self._at))
 
     def action_level(self, step: int) -> None:
-        self._after(self.commands.level(step, self._at))
+        self._show_result(self.commands.level(step, self._at))
 
     def action_hold(self) -> None:
-        self._after(self.commands.hold(self._at))
+        self._show_result(self.commands.hold(self._at))
 
     def action_end(self) -> None:
         if self._confirm("end"):
-            self._after(self.commands.command("Ended the session", "end", self._at))
+            self._show_result(self.commands.command("Ended the session", "end", self._at))
 
     def action_close(self) -> None:
         if self.is_over or self._confirm("close"):
@@ -133,7 +133,7 @@ class PanelScreen(PanelLayout):
     def action_pick(self, index: int) -> None:
         items = self.find_page()[0].items
         if index < len(items):
-            self._after(self.commands.pick(items[index], self._at))
+            self._show_result(self.commands.pick(items[index], self._at))
 
     def action_page(self, step: int) -> None:
         pages = palette.pages(self.commands.state, self.phrase_book, self.seat)
@@ -163,7 +163,7 @@ class PanelScreen(PanelLayout):
 
     def action_event(self, index: int) -> None:
         if index < len(self.file.events):
-            self._after(self.commands.event(self.file.events[index], self._at))
+            self._show_result(self.commands.event(self.file.events[index], self._at))
 
     def action_take_control(self) -> None:
         if self.commands.peer and self.commands.state.is_connected:
@@ -186,8 +186,8 @@ class PanelScreen(PanelLayout):
             self.page = ("", "")
         self.draw()
 
-    def _after(self, is_sent: bool) -> None:
-        """Draw what a key has done: the act, or the log line that says why there is none."""
+    def _show_result(self, _: bool) -> None:
+        """Draw the act of a key, or the log line that says why none was sent."""
         self.is_stale = True
         self.draw()
 
