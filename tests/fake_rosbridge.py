@@ -17,7 +17,7 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
 DEADLINE_S = 60.0
-"""How long to wait for another thread before a test fails."""
+"""Time to wait for another thread before a test fails."""
 REPORT = "/sar_tui/report"
 PARTS = {"speech": "say", "gesture": "gesture", "gaze": "gaze"}
 KNOWN_TYPES = ("std_msgs/String", "sensor_msgs/Imu")
@@ -78,16 +78,16 @@ class RosBridge:
         self._do(self._shut())
 
     def freeze(self) -> None:
-        """Hang, as a computer does whose cable was pulled: connections stand, and nothing comes."""
+        """Hang as if the cable was pulled: connections stay open without data."""
         self._thawed.clear()
         self._loop.call_soon_threadsafe(self._thawed.wait)
 
     def thaw(self) -> None:
-        """Go on."""
+        """Continue after hanging."""
         self._thawed.set()
 
     def close(self) -> None:
-        """Be gone for good."""
+        """Stop for good."""
         self.thaw()
         self.leave()
         self._loop.call_soon_threadsafe(self._loop.stop)
@@ -95,29 +95,29 @@ class RosBridge:
         self._loop.close()
 
     def publish(self, topic: str, message: Any) -> None:
-        """Send a message to all who subscribed."""
+        """Send a message to all subscribers."""
         self._do(self._publish(topic, message))
 
     def send(self, text: str) -> None:
-        """Send anything to everyone."""
+        """Send raw data to all connections."""
         self._do(self._send(text))
 
     def data(self, topic: str) -> list[str]:
-        """What came for a topic of ``std_msgs/String``."""
+        """Return the messages received on a topic of ``std_msgs/String``."""
         return [
             said["msg"]["data"] for said in list(self.received) if said["op"] == "publish" and said["topic"] == topic
         ]
 
     def ops(self, op: str) -> list[str]:
-        """The topics for which an operation was asked."""
+        """Return the topics of the requests for an operation."""
         return [said["topic"] for said in list(self.received) if said["op"] == op]
 
     def has_clients(self) -> bool:
-        """Whether anybody is connected just now."""
+        """True if there is a connection."""
         return bool(self._clients)
 
     def has_subscriber(self, topic: str) -> bool:
-        """Whether anybody hears a topic just now."""
+        """Return True if a topic has a subscriber."""
         return any(topic in subscribed for _, subscribed in list(self._clients.values()))
 
     def _do(self, work: Any) -> None:
@@ -167,7 +167,7 @@ class RosBridge:
                 await client.send(json.dumps({"op": "status", "level": "error", "msg": words}))
 
     async def _robot(self, what: str, data: str) -> None:
-        """What a robot with a speech, a gesture, a gaze and a stop topic does, and reports of it."""
+        """Act as a robot with a speech, a gesture, a gaze and a stop topic, and report."""
         under_way = []
         if what == "stop":
             under_way, self._under_way = self._under_way, []
@@ -220,7 +220,7 @@ class RosBridge:
 
 @contextmanager
 def ros_bridge(manner: Manner = "obliging", lasts_s: float = 0.0) -> Iterator[RosBridge]:
-    """A server that listens, until the end of the block."""
+    """Run a server until the end of the block."""
     bridge = RosBridge(manner, lasts_s)
     bridge.arrive()
     try:

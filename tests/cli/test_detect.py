@@ -1,4 +1,4 @@
-"""``sar-tui detect``: the reaches in a file, for people and programs; and every bad file in a sentence."""
+"""``sar-tui detect``: reaches and repetitions in a file, for people and programs; errors in one sentence."""
 
 import csv
 import math
@@ -27,14 +27,14 @@ Write = Callable[..., Path]
 
 @pytest.fixture(scope="module")
 def recorded() -> list[Row]:
-    """The rows of the recording that ships."""
+    """Return the rows of the included recording."""
     with SAMPLE.open(newline="") as file:
         return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
 
 
 @pytest.fixture
 def write(tmp_path: Path) -> Write:
-    """Writes rows to a file, and says where."""
+    """Write rows to a file and return its path."""
 
     def write(rows: list[Row], name: str = "some.csv") -> Path:
         path = tmp_path / name

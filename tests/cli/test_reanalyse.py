@@ -1,4 +1,4 @@
-"""``sar-tui reanalyse``: the reaches of a session, found again in the samples that it kept."""
+"""``sar-tui reanalyse``: the reaches of a session, found again in its stored samples."""
 
 import json
 import sqlite3

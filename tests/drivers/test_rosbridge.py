@@ -1,4 +1,4 @@
-"""Given a rosbridge server that comes and goes, when there is a connection to it, then it is kept, quietly."""
+"""Connections to a rosbridge server that comes and goes."""
 
 import logging
 import socket
@@ -18,7 +18,7 @@ STRING = "std_msgs/String"
 
 
 class Caller:
-    """A program that publishes to one topic and hears another."""
+    """A program that publishes to one topic and subscribes to another."""
 
     def __init__(self, port: int) -> None:
         self.heard: list[Any] = []
@@ -43,14 +43,14 @@ class Caller:
 
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Connections are tried again soon, so that a test need not wait."""
+    """Shorten the wait between connection attempts."""
     monkeypatch.setattr(rosbridge, "FIRST_RETRY_S", 0.02)
     monkeypatch.setattr(rosbridge, "LONGEST_RETRY_S", 0.05)
 
 
 @pytest.fixture
 def call(impatient: None) -> Iterator[Callable[[int], Caller]]:
-    """Opens connections, and closes them at the end."""
+    """Open connections, and close them at the end."""
     callers: list[Caller] = []
 
     def call(port: int) -> Caller:

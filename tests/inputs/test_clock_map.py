@@ -1,4 +1,4 @@
-"""Given a sensor's clock and samples that come late, when they are mapped, then their stamps are right and rise."""
+"""Mapping of a sensor's clock: stamps are accurate and increase, although samples arrive late."""
 
 from itertools import pairwise
 

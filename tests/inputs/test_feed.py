@@ -1,4 +1,4 @@
-"""Given a source of samples, when its feed is drained, then good samples come out, and all that went wrong is told."""
+"""The feed of a sensor: valid samples pass, faults are reported."""
 
 import math
 from collections.abc import Callable
@@ -19,7 +19,7 @@ STILL: Vector = (0.0, 0.0, 0.0)
 
 
 class ByHand:
-    """A source that sends what it is told to."""
+    """A source that a test controls."""
 
     def __init__(self) -> None:
         self.info: Info | None = None
@@ -37,7 +37,7 @@ class ByHand:
 
 
 class Bench:
-    """A feed, its source and its clock; the sensor's clock stands at 0 when the host's does."""
+    """A feed, its source and its clock; the sensor's clock is 0 when the host's is."""
 
     def __init__(self, info: Info = INFO) -> None:
         self.clock = VirtualClock()

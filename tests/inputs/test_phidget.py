@@ -1,4 +1,4 @@
-"""Given a Phidget that is plugged in, refused, pulled out or faulty, when it is a source, then it is told in words."""
+"""A Phidget as a source: plugged in, refused, pulled out or faulty."""
 
 import ctypes
 import math
@@ -16,11 +16,11 @@ from sar_tui.inputs.imu import Sample, SourceError, Status
 from sar_tui.inputs.phidget import NO_PERMISSION, PhidgetSource
 
 WAIT_S = 60.0
-"""How long to wait for another thread before a test fails."""
+"""Time to wait for another thread before a test fails."""
 
 
 class PhidgetError(Exception):
-    """As Phidget22's own: a code and two texts."""
+    """Like Phidget22's exception: a code and two texts."""
 
     def __init__(self, code: int, description: str, details: str = "") -> None:
         super().__init__(code)
@@ -28,7 +28,7 @@ class PhidgetError(Exception):
 
 
 class FakeSpatial:
-    """A channel with the methods of Phidget22's ``Spatial``, and a hand to plug things in."""
+    """A channel with the methods of Phidget22's ``Spatial``, which can be plugged in and out."""
 
     def __init__(self) -> None:
         self.handlers: dict[str, Any] = {}
@@ -77,7 +77,7 @@ class FakeSpatial:
 
 
 class Bench:
-    """A source on a fake channel, and what it tells."""
+    """A source on a fake channel, and its reports."""
 
     def __init__(self, address: str = "", denied: Callable[[], bool] = lambda: False) -> None:
         self.channels: list[FakeSpatial] = []

@@ -1,4 +1,4 @@
-"""Given Phidget22's own channel, when its callback is called from another thread, then every sample arrives."""
+"""Phidget22's own channel: every sample arrives from its callback's thread."""
 
 import math
 import queue
@@ -14,7 +14,7 @@ from sar_tui.inputs.feed import Drained, ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
 
 WAIT_S = 60.0
-"""How long to wait for another thread before a test fails."""
+"""Time to wait for another thread before a test fails."""
 
 
 @pytest.mark.parametrize("interval_ms", [4, 1])

@@ -1,4 +1,4 @@
-"""Given a recording, when it is played, then its samples come again, at their pace or at once, and then it ends."""
+"""Recordings as sensors: played in real time or fast, then ended."""
 
 import queue
 import threading
@@ -15,7 +15,7 @@ from sar_tui.inputs.recorded import BLOCK, RecordedSource
 from sar_tui.motion.samples import SAMPLE, Samples
 
 WAIT_S = 60.0
-"""How long to wait for another thread before a test fails."""
+"""Time to wait for another thread before a test fails."""
 
 
 def samples(count: int, step_ms: int = 4) -> Samples:
@@ -28,7 +28,7 @@ def samples(count: int, step_ms: int = 4) -> Samples:
 
 
 def play(source: RecordedSource) -> list[Any]:
-    """All that a source sends from a thread of its own, until it ends."""
+    """Return everything that a source sends from its own thread until it ends."""
     come: queue.Queue[Any] = queue.Queue()
     source.start(come.put, come.put)
     told: list[Any] = [come.get(timeout=WAIT_S)]

@@ -1,4 +1,4 @@
-"""Given a recording in a file, when it is read, then its samples come in our units, or its fault is named."""
+"""Recordings in files: samples in SI units, or a clear error."""
 
 import io
 import math
@@ -36,7 +36,7 @@ def some_samples(count: int = 50) -> Samples:
 
 @pytest.fixture
 def csv(tmp_path: Path) -> Callable[..., Path]:
-    """Writes lines to a file."""
+    """Write lines to a file."""
 
     def write(*lines: str, end: str = "\n", encoding: str = "utf-8") -> Path:
         path = tmp_path / "walk.csv"
@@ -48,7 +48,7 @@ def csv(tmp_path: Path) -> Callable[..., Path]:
 
 @pytest.fixture
 def npz(tmp_path: Path) -> Callable[..., Path]:
-    """Writes arrays to a file: good ones, but for those that are given; None leaves one out."""
+    """Write arrays to a file: valid ones, except those given; None leaves one out."""
 
     def write(**changed: Any) -> Path:
         good: dict[str, Any] = {name: np.linspace(0, 1, 40) for name in ("t", "wx", "wy", "wz")}
@@ -60,7 +60,7 @@ def npz(tmp_path: Path) -> Callable[..., Path]:
 
 
 def fault(path: Path, units: Units = recording_file.SI) -> str:
-    """What is said of a file that cannot be read."""
+    """Return the error message for a file that cannot be read."""
     with pytest.raises(SourceError) as caught:
         read_recording(path, units)
     said = str(caught.value)

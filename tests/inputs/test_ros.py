@@ -1,4 +1,4 @@
-"""Given a topic of sensor_msgs/Imu behind a rosbridge server, when it is a source, then its samples come, checked."""
+"""A topic of sensor_msgs/Imu behind a rosbridge server as a source."""
 
 import math
 import sys
@@ -15,7 +15,7 @@ from sar_tui.inputs.ros import LOOKED_AT, RosImuSource
 from tests.fake_rosbridge import RosBridge, ros_bridge, wait_until
 
 BORN_NS = 1_760_000_000 * SECOND
-"""What a ROS clock shows: the time of day."""
+"""A stamp of a ROS clock, which shows the time of day."""
 TOPIC = "/imu/data"
 
 
@@ -27,7 +27,7 @@ def imu(
     ros: int = 2,
     **others: Any,
 ) -> dict[str, Any]:
-    """A sensor_msgs/Imu, as rosbridge has it, stamped ``ns``."""
+    """Return a sensor_msgs/Imu in rosbridge's form, stamped ``ns``."""
     seconds, nanoseconds = divmod(ns, SECOND)
     names = ("sec", "nanosec") if ros == 2 else ("secs", "nsecs")
     message: dict[str, Any] = {
@@ -43,7 +43,7 @@ def imu(
 
 
 class Bench:
-    """A source, and what it tells."""
+    """A source, and its reports."""
 
     def __init__(self, server: RosBridge, options: str = "") -> None:
         self.server = server
@@ -68,7 +68,7 @@ class Bench:
             self.sent_ns += step_ns
 
     def drain_until(self, received: int) -> None:
-        """Let the feed look at what came, until it has found so many samples good."""
+        """Drain the feed until it has received this many valid samples."""
 
         def drained() -> bool:
             self.statuses += self.feed.drain().statuses
@@ -93,7 +93,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def connect() -> Iterator[Callable[..., Bench]]:
-    """Makes sources that have subscribed, and stops them at the end."""
+    """Make sources that have subscribed, and stop them at the end."""
     benches: list[Bench] = []
     with ros_bridge() as server:
 

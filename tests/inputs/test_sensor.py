@@ -1,4 +1,4 @@
-"""Given a motion sensor's feed, when it is on the bus, then its samples and what befalls it come in their order."""
+"""The motion sensor on the bus: samples and statuses in order."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ from tests.inputs.test_feed import INFO, ByHand
 
 
 class Bench:
-    """A sensor that sends what it is told to, and a bus that listens."""
+    """A sensor that a test controls, and a bus with a listener."""
 
     def __init__(self, *, looked_at: bool = False) -> None:
         self.clock = VirtualClock(1000 * MS)
@@ -32,7 +32,7 @@ class Bench:
         self.node = Imu(self.feed)
 
     def begin(self) -> None:
-        """The session begins."""
+        """Begin the session."""
         self.node.attach(self.bus)
         self.wait(0)
 
@@ -52,7 +52,7 @@ class Bench:
 
     @property
     def heard(self) -> list[str | list[float]]:
-        """In their order: what was told of the sensor, and the sensor's own stamps of each block."""
+        """Return the statuses and the sensor's stamps of each block, in order."""
         return [
             unpack(message.samples)["device_ms"].tolist() if isinstance(message, ImuBlock) else message.state
             for record in self.records

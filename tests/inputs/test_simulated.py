@@ -1,4 +1,4 @@
-"""Given a simulated hand, when it is a sensor, then its samples come every 10 ms, the same each time."""
+"""The simulated hand as a sensor: samples every 10 ms, the same each time."""
 
 import threading
 
@@ -18,7 +18,7 @@ REACH = ReachShape(out_s=0.6, back_s=0.6, peak_out=4.0, peak_back=-4.0)
 
 
 def session(profile: str, seconds: int = 3) -> tuple[Samples, list[Status], SimulatedHand]:
-    """What a feed makes of a reach after one second, drained every 10 ms."""
+    """Return the samples of a reach after one second, drained every 10 ms."""
     clock = VirtualClock(9 * SECOND)
     hand = SimulatedHand(PROFILES[profile], 250.0, seed=3)
     source = SimulatedSource(hand, clock)

@@ -1,4 +1,4 @@
-"""Given the name of a sensor, when it is opened, then there is a source, or it is told what there is."""
+"""Sensors by name: a source, or an error that lists the names."""
 
 import subprocess
 import sys
@@ -21,7 +21,7 @@ from sar_tui.motion.synthesis import PROFILES
 
 
 def makes_a_phidget(text: str) -> PhidgetSource:
-    """As a plug-in's entry point."""
+    """Like a plug-in's entry point."""
     return PhidgetSource(text)
 
 

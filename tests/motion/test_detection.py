@@ -1,4 +1,4 @@
-"""Given a recording and the name of a detector, when reaches are asked for, then they come measured."""
+"""Detection and measurement of reaches, by each detector."""
 
 import math
 from typing import Literal

@@ -1,4 +1,4 @@
-"""Given the thesis' rule, when it is put to a recording, then it finds what the thesis found, and fails as it must."""
+"""The thesis' detector: it finds what the thesis found, and has the known faults."""
 
 import math
 
@@ -15,7 +15,7 @@ REACH = ReachShape(out_s=0.6, back_s=0.5, peak_out=2.0, peak_back=-2.4)
 
 
 def turning(*stretches: tuple[float, float]) -> Recording:
-    """Stretches of (duration in s, rate about z in rad/s), at 100 Hz."""
+    """Return a recording of stretches (duration in s, rate about z in rad/s), at 100 Hz."""
     z = np.concatenate([np.full(round(seconds * 100), float(rate)) for seconds, rate in stretches])
     return Recording(np.arange(len(z)) / 100, np.column_stack((z * 0, z * 0, z)))
 

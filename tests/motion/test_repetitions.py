@@ -1,4 +1,4 @@
-"""Repetitions of rhythmic exercise: made ones, and those of ten persons with a watch on each wrist in turn."""
+"""Repetitions of exercises: simulated ones, and those of ten persons with a watch on each wrist in turn."""
 
 import importlib.util
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ SEEDS = range(3 if QUICK else 10)
 
 
 def swinging(cycles: Floats, rate_hz: float, axis: tuple[float, float, float] = (0.2, -0.4, 0.9)) -> Floats:
-    """The angular rate of a limb that goes out by a radian and back with every whole number of ``cycles``."""
+    """Return the angular rate of a limb that moves out by a radian and back in each whole number of ``cycles``."""
     angle = (1 - np.cos(2 * np.pi * cycles)) / 2
     return np.outer(np.gradient(angle) * rate_hz, axis)
 
@@ -127,7 +127,7 @@ class Set(NamedTuple):
 
 @cache
 def watch_sets() -> list[Set]:
-    """The regular sets of seglearn's ``load_watch``: ax, ay, az, wx, wy, wz at 50 Hz, 20 repetitions each.
+    """Return the regular sets of seglearn's ``load_watch``: ax, ay, az, wx, wy, wz at 50 Hz, 20 repetitions each.
 
     Read from its file, as importing the package needs others that reading does not.
     """
@@ -141,7 +141,7 @@ def watch_sets() -> list[Set]:
 
 
 def cuts(seed: int) -> Iterator[tuple[Set, int]]:
-    """A stretch of every set, and the 5 to 20 repetitions it should hold.
+    """Yield a stretch of every set, and its 5 to 20 repetitions.
 
     The sets come cut to the exercise, 20 repetitions each by protocol; where each one starts is not known. So a cut
     takes k twentieths of the set's time. The error of this truth: the tempo is not even, and some recordings hold
@@ -157,7 +157,7 @@ def cuts(seed: int) -> Iterator[tuple[Set, int]]:
 
 @cache
 def misses() -> dict[str, Floats]:
-    """How far the count is off in every cut: of all sets, of each exercise, of each half of the persons."""
+    """Return the errors of the count in every cut: of all sets, of each exercise, of each half of the persons."""
     found: dict[str, list[int]] = {}
     for seed in SEEDS:
         for part, count in cuts(seed):

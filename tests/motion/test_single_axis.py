@@ -1,4 +1,4 @@
-"""Given any sensor and any hand, when it reaches, then the reach is found, once, and timed."""
+"""The single-axis detector: it finds and times a reach of any hand with any sensor."""
 
 import math
 from itertools import pairwise
@@ -226,7 +226,7 @@ def test_looking_both_ways_delays_nothing_and_a_notch_takes_out_a_tremor() -> No
 
 
 def states(recording: Recording, cuts: list[int]) -> list[tuple[bool, float, float | None, bool]]:
-    """What a segmenter says at the end of each block."""
+    """Return a segmenter's state at the end of each block."""
     segmenter, told = Segmenter(250.0), []
     edges = [0, *cuts, len(recording.time_s)]
     for first, last in pairwise(edges):
@@ -247,7 +247,7 @@ def test_live_states_do_not_depend_on_the_blocks_that_samples_come_in(cuts: list
 
 
 def watched(made: Simulation) -> tuple[list[float], Segmenter]:
-    """When the hand had come back and been still for 0.8 s, by a segmenter that is asked every 20 ms."""
+    """Return when the hand was back and still for 0.8 s, by a segmenter that is asked every 20 ms."""
     segmenter, over = Segmenter(250.0), []
     for first in range(0, len(made.recording.time_s), 5):
         block = slice(first, first + 5)

@@ -1,4 +1,4 @@
-"""Smoothness and tremor: against known values, against monalysa, and where there is nothing to measure."""
+"""Smoothness and tremor: known values, agreement with monalysa, and nothing to measure."""
 
 import math
 
@@ -13,7 +13,7 @@ from sar_tui.motion.smoothness import ldlj, movement_units, sparc, tremor_index
 
 
 def minimum_jerk(duration_s: float, rate_hz: float) -> Floats:
-    """The speed of Flash & Hogan (1985) over a unit of way, without its last sample (which is 0)."""
+    """Return the speed of Flash & Hogan (1985) over a unit distance, without its last sample (which is 0)."""
     share = np.arange(0, duration_s, 1 / rate_hz) / duration_s
     return 30 * share**2 * (1 - share) ** 2 / duration_s
 

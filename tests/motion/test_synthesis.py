@@ -1,4 +1,4 @@
-"""Given a hand that is told to reach, when its sensor is read, then the samples are what such a hand would measure."""
+"""The simulated hand: its samples are those of a real sensor on such a hand."""
 
 import itertools
 import math

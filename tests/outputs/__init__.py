@@ -1,4 +1,4 @@
-"""Tests of outputs; one that fails in a check that all of them share tells as much as any other."""
+"""Tests of outputs. Assertions in their shared checks are rewritten, too."""
 
 import pytest
 

@@ -18,10 +18,10 @@ from sar_tui.outputs.output import Output, Report
 from sar_tui.outputs.report_validation import valid_report
 
 WAIT_S = 60.0
-"""How long to wait for another thread or process before a check fails."""
+"""Time to wait for another thread or process before a check fails."""
 OVER = ("done", "aborted", "failed")
 _LIVES = ([], ["started"], ["aborted"], ["failed"], *(["started", end] for end in OVER))
-"""All that may be reported of a part: what never began is never done."""
+"""Valid sequences of reports of a part: without ``started`` there is no ``done``."""
 
 THEME = Theme(
     name="bench",
@@ -38,7 +38,7 @@ THEME = Theme(
     },
     tones={"go": (Note(880, 300),), "success": (Note(660, 150), Note(880, 150)), "end": (Note(520, 300),)},
 )
-"""The theme an output wears first."""
+"""The first theme of an output."""
 OTHER_THEME = msgspec.structs.replace(
     THEME,
     name="other",
@@ -66,7 +66,7 @@ TEXTS = (
     "\ud800",
     "a" * 2000,
 )
-"""What somebody may have an output say or show."""
+"""Texts that an output may have to say or show."""
 
 
 class Rig:
@@ -92,29 +92,29 @@ class Rig:
             self.reports.append(report)
 
     def ask(self, part: ActionPart, action: str, what: str | None = None) -> None:
-        """Have it do something, which does not matter where ``what`` is left open."""
+        """Request a part; any text or name will do if ``what`` is None."""
         self.asked.append((action, part))
         what = _WHAT[part] if what is None else what
         getattr(self.output, part)(action, what, *(["happy"] if part == "show" else []))
 
     def ask_much(self, part: ActionPart, action: str) -> None:
-        """Have it do something that takes long enough to be stopped."""
+        """Request a part that takes long enough to be stopped."""
         self.ask(part, action, "One word after the other. " * 20 if part == "say" else None)
 
     def states(self, action: str, part: ActionPart) -> list[str]:
-        """What it reported of a part, in order."""
+        """Return the reported states of a part, in order."""
         return [report.state for report in list(self.reports) if (report.action, report.part) == (action, part)]
 
     def ended(self, action: str, part: ActionPart) -> bool:
-        """Whether a part is over, as often as it was asked for."""
+        """Return True if a part is over, as often as it was requested."""
         return sum(state in OVER for state in self.states(action, part)) >= self.asked.count((action, part))
 
     def detail(self, action: str, part: ActionPart) -> str:
-        """What it said of how a part ended."""
+        """Return the detail with which a part ended."""
         return next(r.detail for r in self.reports if (r.action, r.part) == (action, part) and r.state in OVER)
 
     def wait(self, until: Callable[[], bool]) -> None:
-        """Let time pass until something is so; fails if it does not come to be."""
+        """Let time pass until a condition holds; fail if it does not."""
         if isinstance(self.clock, VirtualClock):
             while not until():
                 assert self.clock.step(), f"nothing is due any more; reported: {self.reports}"
@@ -129,12 +129,12 @@ class Rig:
         self.wait(lambda: all(self.ended(action, part) for action in actions))
 
     def wait_for_start(self, part: ActionPart, action: str) -> None:
-        """Let time pass until this can be heard or seen."""
+        """Let time pass until a part has started."""
         self.wait(lambda: "started" in self.states(action, part))
         assert not self.ended(action, part)
 
     def check_reports(self) -> None:
-        """Each part began before it ended, ended once, and was asked for; time went forwards."""
+        """Check that each part was requested, started before it ended, and ended once; times increase."""
         assert {(report.action, report.part) for report in self.reports} <= set(self.asked)
         for action, part in self.asked:
             assert self.states(action, part) in _LIVES, (action, part)

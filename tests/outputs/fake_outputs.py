@@ -1,4 +1,4 @@
-"""Small outputs for tests: one that does as it is told to, and one that takes a while and then is done."""
+"""Small outputs for tests: one that a test controls, and one that takes a while and is done."""
 
 from collections.abc import Callable
 
@@ -11,7 +11,7 @@ EVERYTHING: frozenset[ActionPart] = frozenset({"say", "show", "gesture", "gaze",
 
 
 class Puppet(Output):
-    """Notes what it is asked for, and reports only what a test has it tell.
+    """Records requests, and reports only what a test has it report.
 
     Args:
         name, can: as those of any output.
@@ -58,7 +58,7 @@ class Puppet(Output):
 
 
 class Speaker(Output):
-    """Says anything in as long as it is told to take, one utterance after the other, and is still at once."""
+    """Takes a set time for each utterance, one after the other, and stops at once."""
 
     name = "speech"
     can = frozenset({"say"})

@@ -1,4 +1,4 @@
-"""A robot behind a rosbridge server of this computer, to try the output with: `ros_rig`, `robot_bench`."""
+"""A robot behind a local rosbridge server: `ros_rig`, `robot_bench`."""
 
 import time
 from collections import deque
@@ -45,7 +45,7 @@ class RosRig(Rig):
 def robot_bench(
     manner: Manner = "obliging", lasts_s: float = 0.05, options: str = ""
 ) -> Iterator[tuple[RosRig, RosBridge]]:
-    """A robot that is connected and ready."""
+    """Provide a robot that is connected and ready."""
     with ros_bridge(manner, lasts_s) as robot:
         rig = RosRig(Ros(f"//{robot.host}{options}"), BenchClock(), ("say", "gesture", "gaze"))
         try:
@@ -57,7 +57,7 @@ def robot_bench(
 
 
 def is_ready(rig: RosRig) -> bool:
-    """Let the moment pass that a new publisher is given, once the connection has been told of."""
+    """Wait until messages are sent after a connection was made."""
     before = rig.clock.now()
     rig.clock.step(before + SETTLE)
     return rig.clock.now() > before
@@ -65,6 +65,6 @@ def is_ready(rig: RosRig) -> bool:
 
 @contextmanager
 def ros_rig() -> Iterator[Rig]:
-    """A robot that does whatever it is asked for, as the contract wants it."""
+    """Provide a robot that does whatever is requested, for the contract."""
     with robot_bench() as (rig, _):
         yield rig

@@ -1,4 +1,4 @@
-"""The agent on a screen that only remembers what was drawn on it, to put it under the contract: `screen_rig`."""
+"""The agent on a screen that only records drawings, for the contract: `screen_rig`."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -40,7 +40,7 @@ class PanelLayout:
 
 
 class _Announced(DrawnAgent):
-    """Announces each action by itself, as the screen's node does before it hands one over."""
+    """Announces each action itself, as the screen's node does."""
 
     def show(self, action: str, text: str, face: str) -> None:
         self.action = Action(id=action, kind="feedback", text=text, face=face, decision="accepted", actor="agent")

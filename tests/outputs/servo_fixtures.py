@@ -1,4 +1,4 @@
-"""A servo controller that is not there: the methods of Phidget22's ``RCServo``, and a hand for its plug."""
+"""A fake servo controller: the methods of Phidget22's ``RCServo``, which can be plugged in and out."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,7 +10,7 @@ from tests.outputs.contract import Rig
 
 
 class PhidgetError(Exception):
-    """As Phidget22's own: a code and two texts."""
+    """Like Phidget22's exception: a code and two texts."""
 
     def __init__(self, code: int, description: str, details: str = "") -> None:
         super().__init__(code)
@@ -22,7 +22,7 @@ NOT_ATTACHED = PhidgetError(52, "Device not Attached")
 
 
 class FakeServo:
-    """A channel and its motor. ``calls``: what it was told, in order, with the time (ns of ``clock``)."""
+    """A channel and its motor. ``calls``: the calls in order, with their times (ns of ``clock``)."""
 
     def __init__(self, clock: Clock) -> None:
         self.clock = clock
@@ -80,12 +80,12 @@ class FakeServo:
         self.handlers["Error"](self, code, description)
 
     def told(self, name: str) -> list[Any]:
-        """The arguments of all calls of a name."""
+        """Return the arguments of all calls of a method."""
         return [arguments[0] if arguments else None for _, called, arguments in self.calls if called == name]
 
     @property
     def targets(self) -> list[tuple[float, float]]:
-        """Each target that was sent while the motor was engaged: ms, degrees; with the one it was engaged at."""
+        """Return each target sent while the motor was engaged, in ms and degrees, with the first."""
         found, engaged, target = [], False, 90.0
         for at, name, arguments in self.calls:
             if name == "setEngaged":
@@ -98,7 +98,7 @@ class FakeServo:
 
 
 class ServoBench:
-    """A servo output on fake channels, by a clock that stands still until told."""
+    """A servo output on fake channels, on a clock that a test advances."""
 
     def __init__(self, address: str = "", plug: bool = True, denied: bool = False, clock: Clock | None = None) -> None:
         self.time = clock or VirtualClock()
@@ -123,7 +123,7 @@ class ServoBench:
 
 @contextmanager
 def servo_rig(clock: Clock | None = None) -> Iterator[Rig]:
-    """A robot with a right arm that is plugged in."""
+    """Provide a robot with a right arm that is plugged in."""
     bench = ServoBench(clock=clock)
     try:
         yield bench.rig

@@ -1,4 +1,4 @@
-"""Given an output on the bus, when it raises, stays silent or says too much, then each part is told of once."""
+"""The node of an output: each part is reported once as over, whatever the output does."""
 
 import threading
 from types import SimpleNamespace
@@ -23,7 +23,7 @@ LASTING: tuple[ActionPart, ...] = ("say", "gesture", "gaze", "tone")
 
 
 class Told(m.Message, frozen=True, kw_only=True):
-    """A message of the loop that is to be published."""
+    """A message to publish on the loop."""
 
     message: Any
 
@@ -50,7 +50,7 @@ class Loop(Node):
 
 
 class Stage:
-    """An output on a bus, and all that is reported of it."""
+    """An output on a bus, and its reports."""
 
     def __init__(self, output: Output, cues: tuple[str, ...] = (), theme: Theme = BARE) -> None:
         self.clock = VirtualClock(SECOND)
@@ -91,7 +91,7 @@ class Stage:
 
 
 def asked(stage: Stage) -> list[tuple[str, ...]]:
-    """What a puppet was asked for, but for its theme."""
+    """Return a puppet's requests, except themes."""
     assert isinstance(stage.node.output, Puppet)
     return [what for what in stage.node.output.asked if what[0] != "apply_theme"]
 

@@ -1,4 +1,4 @@
-"""Given names of outputs, when a session is set up, then they are there, or one sentence says why not."""
+"""Outputs by name: nodes for a session, or a clear error."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -30,7 +30,7 @@ PlugIn = Callable[..., None]
 
 @pytest.fixture
 def plug_in(monkeypatch: pytest.MonkeyPatch) -> PlugIn:
-    """Install an output, by what makes it."""
+    """Install an output with its factory."""
     entries: list[Any] = []
 
     def install(name: str, make: Any) -> None:
@@ -41,7 +41,7 @@ def plug_in(monkeypatch: pytest.MonkeyPatch) -> PlugIn:
 
 
 def made(*addresses: str, speech: str = "sound") -> list[tuple[str, tuple[str, ...]]]:
-    """The outputs of some addresses: their names, and what they say they can."""
+    """Return the names and parts of the outputs of some addresses."""
     return [(node.name, tuple(sorted(node._can))) for node in open_outputs(addresses, speech, BARE)]
 
 

@@ -1,4 +1,4 @@
-"""Given a robot behind a rosbridge server, when it is an output, then what it does and fails to do is told."""
+"""A robot behind a rosbridge server as an output."""
 
 import asyncio
 import json
@@ -329,7 +329,7 @@ def test_while_the_bridge_is_away_parts_fail_at_once_and_when_it_is_back_all_wor
 
 
 def _fails(rig: Rig) -> bool:
-    """Whether the loss is known: what is asked for fails."""
+    """Return True once the loss is known: requests fail."""
     rig.ask("gaze", f"try {len(rig.asked)}", "left")
     return bool(rig.reports) and rig.reports[-1].state == "failed"
 

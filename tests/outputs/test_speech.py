@@ -1,4 +1,4 @@
-"""Given speech by the real engine, when it is asked to say something, then it is heard, written or clocked."""
+"""Speech by the real engine: played, written to files, and timed on a virtual clock."""
 
 import wave
 from array import array

@@ -1,4 +1,4 @@
-"""Given tones, when one is asked for, then it sounds, after what was asked for before it."""
+"""Tones: they play in order with everything requested before."""
 
 import wave
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Someone who listens to what the voice does, and programs that stand in for it."""
+"""Listeners to the voice process, and programs that replace it."""
 
 import asyncio
 import subprocess
@@ -83,7 +83,7 @@ def program_with(engine: str) -> list[str]:
 
 
 def until(holds: Callable[[], object]) -> None:
-    """Wait for something that other threads or processes bring about."""
+    """Wait for another thread or process."""
     end = time.monotonic() + DEADLINE_S
     while not holds():
         assert time.monotonic() < end, "it did not come about"
@@ -95,13 +95,13 @@ def pids(file: Path) -> list[int]:
 
 
 def is_alive(pid: int) -> bool:
-    """Whether a process is there, and more than an entry that its parent has not read yet."""
+    """Return True if a process exists and is not a zombie."""
     state = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False).stdout
     return bool(state.strip()) and not state.startswith("Z")
 
 
 class Ear:
-    """Speech and tones, open, and all that they report."""
+    """Speech and tones, open, with their reports."""
 
     def __init__(self, sound: Sound, theme: Theme, clock: Clock) -> None:
         self.reports: list[Report] = []

@@ -1,4 +1,4 @@
-"""The thesis' Figures 4.11 to 4.14: what comes out of them, and that each claim can fail."""
+"""The thesis' Figures 4.11 to 4.14: their results, and a failure of each claim."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a task's session loads, and whose it is."""
+"""Modules that a task's session loads: shared, or its own."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Each schedule of feedback: when it answers, what and why; and that each claim about it can fail."""
+"""Feedback schedules: when each answers, what and why, and a failure of each claim."""
 
 from collections.abc import Callable
 from itertools import pairwise

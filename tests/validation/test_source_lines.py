@@ -1,4 +1,4 @@
-"""Lines of code: what counts as one."""
+"""Counting lines of code."""
 
 import textwrap
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Given what follows ``servo:``, when it is read, then the wiring is as written, or told to be none."""
+"""Addresses of servo outputs: the wiring, or a clear error."""
 
 import pytest
 from hypothesis import given

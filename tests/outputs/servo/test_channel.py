@@ -1,4 +1,4 @@
-"""Given Phidget22's own ``RCServo``, when its callbacks come from another thread, then it does as the fake one does."""
+"""Phidget22's own ``RCServo``: it behaves like the fake one, with callbacks from another thread."""
 
 import asyncio
 import threading

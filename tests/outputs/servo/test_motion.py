@@ -1,4 +1,4 @@
-"""Given a gesture and a limit to speed, when a servo follows it step by step, then it keeps to it and comes to rest."""
+"""Motion through a gesture: within the speed limit, and at rest in the end."""
 
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,4 +1,4 @@
-"""Given motors that are there, missing, pulled out or faulty, when gestures are asked for, then it moves with care."""
+"""Gestures by servo motors that are present, missing, pulled out or faulty."""
 
 import asyncio
 import sys
@@ -37,7 +37,7 @@ def live_clock() -> Iterator[LiveClock]:
 
 
 def make(bench: ServoBench, gesture: str = "wave", action: str = "a") -> str:
-    """Have it made to its end; how it ended."""
+    """Perform a gesture to its end; return its last state."""
     bench.rig.ask("gesture", action, gesture)
     bench.rig.wait_for("gesture", action)
     return bench.rig.states(action, "gesture")[-1]

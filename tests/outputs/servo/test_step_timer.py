@@ -1,4 +1,4 @@
-"""Given steps to take, when the pace is woken or finished, then they come at once, or no more."""
+"""The step timer: steps at once when woken, none when finished."""
 
 from sar_tui.framework.clock import MS, VirtualClock
 from sar_tui.outputs.servo.step_timer import StepTimer

@@ -1,4 +1,4 @@
-"""Given the speech engine, real or otherwise, when it is to speak, then it does, or says why not."""
+"""The speech engine, real and fake: samples, or a clear error."""
 
 import sys
 from pathlib import Path
@@ -23,7 +23,7 @@ TEXTS = {
 
 @pytest.fixture(scope="module")
 def engine() -> Engine:
-    """The real one: espeak-ng on Linux."""
+    """The real engine: espeak-ng on Linux."""
     return Engine()
 
 

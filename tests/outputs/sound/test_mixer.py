@@ -1,4 +1,4 @@
-"""Given a voice that may fail in every way, when something is asked of it, then each part ends, and the next works."""
+"""A voice that fails in every way: each part ends, and the next one works."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""Given samples, when they are played to a card or a folder, then it takes their time, and a halt cuts it short."""
+"""Playback to a card or a folder: it takes the samples' time, and can be halted."""
 
 import itertools
 import stat
@@ -20,7 +20,7 @@ BEEP = tone((Note(880, 200),))
 
 
 class Began:
-    """Remembers that something began, and may halt it then."""
+    """Records the start of a sound, and may halt it then."""
 
     def __init__(self, halts: Playback | None = None) -> None:
         self.told: list[tuple[int, float]] = []

@@ -1,4 +1,4 @@
-"""Given a text, when a voice of some language is to read it, then it is told whether it can."""
+"""Texts that a voice of a language can and cannot read."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Given notes or a sound file, when samples are made of them, then they are what a person should hear."""
+"""Samples made from notes and sound files."""
 
 import contextlib
 import itertools

@@ -1,4 +1,4 @@
-"""Given event that nobody can take, when a part is over, then the voice goes on all the same."""
+"""The supervisor goes on if its callback raises."""
 
 import asyncio
 import threading

@@ -1,4 +1,4 @@
-"""Given the voice as a process of its own, when libraries are noisy or the program goes, then nobody is troubled."""
+"""The voice process, with noisy libraries and a program that ends."""
 
 import os
 import queue
@@ -42,7 +42,7 @@ child = VoiceProcess(Setup(backends=("NULL",)), lambda child, reply: print(reply
 child.send(Say(1, "a1", "One word after the other. " * 40, Voicing("en")))
 time.sleep(30)
 """
-"""A program with a voice. It ends by itself, and the voice with it, should nobody be left to kill it."""
+"""A program with a voice. It ends by itself, and the voice with it, if the test cannot end it."""
 HELLO = Voicing("en")
 
 

@@ -1,4 +1,4 @@
-"""Given an engine's voices, when one is to be chosen, then it is the one that is named, or speaks the language."""
+"""Choice of a voice: by name, or by language."""
 
 import pytest
 
