@@ -118,13 +118,14 @@ class ScriptedParticipant:
             enter_at = min(self.terminal.read_at + SILENCE, self._asked_at + INSISTENCE)
             if time.monotonic_ns() >= enter_at:
                 self.terminal.press("enter")
-                self._forget_enter()
+                self.forget_enter()
                 return True
         if self.terminal.read(min(enter_at, until)):
             self._find_prompt()
         return False
 
-    def _forget_enter(self) -> None:
+    def forget_enter(self) -> None:
+        """Ignore requests for Enter so far, as another has answered them."""
         self._enter_from, self._asked_at = len(self.terminal.output), None
 
     def _find_prompt(self) -> None:
@@ -155,5 +156,5 @@ class ScriptedParticipant:
         self._due = None
         self._guarded_until = response + self._guard
         self._prompts_from = len(self.terminal.output)
-        self._forget_enter()
+        self.forget_enter()
         return True

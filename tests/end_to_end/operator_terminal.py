@@ -148,8 +148,9 @@ class Participant:
     def answer(self, prompts: int) -> None:
         """Answer so many prompts more, and press Enter where that is asked for before one."""
         self.terminal.settle(silence_ms=50)
-        if b"Enter" in self.terminal.output:
-            self.terminal.press("enter")  # what asked for it may have been read while somebody looked elsewhere
+        if "Press Enter" in self._eyes.text():  # the request may have been read while another terminal was watched
+            self.terminal.press("enter")
+            self.script.forget_enter()
         self.script.run(len(self.script.presses) + prompts)
 
     def sees(self, text: str) -> bool:
