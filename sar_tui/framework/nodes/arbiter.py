@@ -83,7 +83,7 @@ class Arbiter(Approvals):
         super().__init__(parameters, theme)
         self._announced: list[m.OutputOpened] = []
         self._outputs: list[m.OutputOpened] = []
-        self._is_closed = False
+        self._is_held_back = False
         self._acting = m.AgentActing(acting=False)
         self._state: m.ArbiterState | None = None
         self._has_operators = False
@@ -104,21 +104,21 @@ class Arbiter(Approvals):
 
     @on(SESSION)
     def session_started(self, _: m.SessionStarted) -> None:
-        """Begin a run: end what was under way in the last one, and drop what waited, except a change of level."""
+        """Begin a run: drop what was under way or waited; decide a pending level without an operator."""
         self._outputs, self._announced = self._announced, []
         self.cancel_timers()
         self._queue.abandon()
         self._do_without_operator(is_level)
         self._drop("late")
         self._rules = replace(self._rules, operated=False)
-        self._is_closed = False
+        self._is_held_back = False
         self._publish_state()
 
     @on(WAITING)
     def waiting(self, waiting: m.Waiting) -> None:
         """Hold back actions in trials and pauses; stop the instructions when the participant has left them."""
         in_trial = waiting.what in ("foreperiod", "storage", "response") and waiting.stage == "trial"
-        self._is_closed = in_trial or (waiting.stage == "paused" and waiting.reason != "interrupted")
+        self._is_held_back = in_trial or (waiting.stage == "paused" and waiting.reason != "interrupted")
         if waiting.stage == "trial":
             self._drop("late", lambda one: one.policy == "drop")
         current = self._queue.current
@@ -126,7 +126,7 @@ class Arbiter(Approvals):
             self._drop("late", lambda one: one.kind == "instruction")
             if current and current.kind == "instruction":
                 self.emit(HALT, Halt(action=current.id, reason="left", asked=self.now))
-        if waiting.stage == "paused" and self._is_closed and current:
+        if waiting.stage == "paused" and self._is_held_back and current:
             self.emit(HALT, Halt(action=current.id, reason="left", asked=self.now))
         self._begin_next()
 
@@ -152,7 +152,7 @@ class Arbiter(Approvals):
         self._drop("late", lambda one: ended.status == "aborted" or one.id not in feedback)
         self._publish_state()
 
-    # --- what the agent proposes -------------------------------------------------------------------------------
+    # --- proposals ---------------------------------------------------------------------------------------------
 
     @on(PROPOSED)
     def proposed(self, proposal: Proposal) -> None:
@@ -177,7 +177,7 @@ class Arbiter(Approvals):
             self._awaited = (*filter(self._is_awaited, self._awaited), proposal.id)
             self.set_timer("filler", self.now + FILLER_AFTER)
 
-    # --- what operators do ---------------------------------------------------------------------------------------
+    # --- operators -----------------------------------------------------------------------------------------------
 
     @on(PRESENCE)
     def operator_changed(self, changed: m.OperatorChanged) -> None:
@@ -236,7 +236,7 @@ class Arbiter(Approvals):
             self.emit(DECIDED, queued)
         self._queue.add(queued)
 
-    # --- whose turn it is --------------------------------------------------------------------------------------
+    # --- turns -------------------------------------------------------------------------------------------------
 
     @on(REPORT)
     def reported(self, report: m.OutputReport) -> None:
@@ -261,7 +261,7 @@ class Arbiter(Approvals):
     def _begin_next(self) -> None:
         """Begin the actions whose turn it is."""
         held = _AFTER_FEEDBACK if self._pending.is_awaited else ()
-        while not self._is_closed and (action := self._queue.next(self.now, held)):
+        while not self._is_held_back and (action := self._queue.next(self.now, held)):
             if current := self._queue.current:
                 self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
             self._queue.begin(action, self._parts(action))

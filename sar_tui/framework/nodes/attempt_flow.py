@@ -42,7 +42,7 @@ class AttemptFlow(TrialFlow):
         """True if an attempt has begun and not ended."""
         return (self._paused_from if self._phase is Phase.PAUSED else self._phase) in IN_TRIAL
 
-    # --- from the first trial to the feedback ---------------------------------------------------------------
+    # --- trials, score, feedback ----------------------------------------------------------------------------
 
     def _begin_attempt(self) -> None:
         self.emit(ATTEMPT_STARTED, self._attempts.begin(self.now))
@@ -84,7 +84,7 @@ class AttemptFlow(TrialFlow):
             self._give_feedback(requested, self.task.seats)
             self._wait(self._phase)
 
-    # --- until the feedback is given ------------------------------------------------------------------------
+    # --- waiting for feedback -------------------------------------------------------------------------------
 
     def _await_feedback(self) -> None:
         """Wait for delayed feedback: the next attempt does not begin before it."""

@@ -70,7 +70,7 @@ class TrialFlow(TimedNode, ABC):
     def _mark_open_trial(self, mark: Mark | None) -> None:
         """Mark the open trial, or remove its mark."""
 
-    # --- towards the prompt ----------------------------------------------------------------------------------
+    # --- before the prompt -----------------------------------------------------------------------------------
 
     def _begin_trial(self, notice: str = "") -> None:
         """Wait for the participant to start the trial, if the task has a start key; else prepare its prompt."""
@@ -165,7 +165,7 @@ class TrialFlow(TimedNode, ABC):
                 self._awaiting_quiet_since = self.now
                 self._wait(Phase.QUIET, "held")
 
-    # --- the prompt, and what is done -----------------------------------------------------------------------
+    # --- prompt and response --------------------------------------------------------------------------------
 
     def _show(self) -> None:
         if not self._focused:
@@ -249,7 +249,7 @@ class TrialFlow(TimedNode, ABC):
         elif result is not None:
             self._finish(result)
 
-    # --- over -------------------------------------------------------------------------------------------------
+    # --- the end of a trial -----------------------------------------------------------------------------------
 
     def _try_again(self, again: Again) -> None:
         self._repeats += 1
