@@ -13,18 +13,18 @@ class Blockers:
     """State of the disk and of the sensors that the task needs.
 
     Args:
-        sensors_of: the seats that need a sensor. A sensor is missing until it is attached.
+        sensor_seats: the seats that need a sensor. A sensor is missing until it is attached.
     """
 
-    def __init__(self, sensors_of: tuple[str, ...]) -> None:
-        self._sensors_of = sensors_of
-        self.disk_refuses = False
-        self._lost = dict.fromkeys(sensors_of, "")
+    def __init__(self, sensor_seats: tuple[str, ...]) -> None:
+        self._sensor_seats = sensor_seats
+        self.has_disk_failed = False
+        self._lost = dict.fromkeys(sensor_seats, "")
         self._disk_error = ""
         self._errors: dict[str, SensorChanged] = {}
 
     @property
-    def sensor_lost(self) -> bool:
+    def is_sensor_lost(self) -> bool:
         """True if a sensor that is needed sends no data."""
         return bool(self._lost)
 
@@ -35,17 +35,17 @@ class Blockers:
 
     def reset(self) -> None:
         """Forget what was reported: a run of the program begins."""
-        self.disk_refuses = False
-        self._lost = dict.fromkeys(self._sensors_of, "")
+        self.has_disk_failed = False
+        self._lost = dict.fromkeys(self._sensor_seats, "")
 
     def update_storage(self, storage: StorageChanged) -> None:
         """Take in a report of the disk."""
-        self.disk_refuses = not storage.working
+        self.has_disk_failed = not storage.working
         self._disk_error = storage.reason
 
     def update_sensor(self, sensor: SensorChanged) -> bool:
         """Take in a report of a sensor; False if it does not matter to the session, such as a lost sample."""
-        if sensor.seat not in self._sensors_of:
+        if sensor.seat not in self._sensor_seats:
             return False
         if sensor.state in _BACK:
             self._lost.pop(sensor.seat, None)

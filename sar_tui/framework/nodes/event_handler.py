@@ -107,10 +107,10 @@ class EventHandler(AttemptFlow):
             return
         match act.command:
             case "pause":
-                if not self._blockers.disk_refuses:
+                if not self._blockers.has_disk_failed:
                     self._pause(act.reason)
             case "resume":
-                if self._phase is Phase.PAUSED and not self._blockers.disk_refuses:
+                if self._phase is Phase.PAUSED and not self._blockers.has_disk_failed:
                     self._resume()
             case "end":
                 self._void("ended")
@@ -133,7 +133,7 @@ class EventHandler(AttemptFlow):
         self._blockers.update_storage(storage)
         if self._phase in (Phase.CLOSING, Phase.PAUSED):
             self._wait(self._phase)
-        elif self._blockers.disk_refuses and self._phase not in OVER:
+        elif self._blockers.has_disk_failed and self._phase not in OVER:
             self._pause("restored")
 
     @on(SENSOR)
@@ -141,13 +141,13 @@ class EventHandler(AttemptFlow):
         """Pause the session when a sensor sends no data, and resume it when it does again."""
         if self._phase in OVER or not self._blockers.update_sensor(sensor):
             return
-        lost = self._blockers.sensor_lost
+        lost = self._blockers.is_sensor_lost
         waits_for_sensor = self._phase is Phase.PAUSED and self._pause_reason == "sensor"
         if lost and self._phase is not Phase.PAUSED and self._needs_sensor(self._phase):
             self._pause("sensor")
         elif lost and waits_for_sensor:
             self._wait(Phase.PAUSED)
-        elif waits_for_sensor and self._blockers.disk_refuses:
+        elif waits_for_sensor and self._blockers.has_disk_failed:
             self._pause("restored")
         elif waits_for_sensor:
             self._resume()
@@ -166,7 +166,7 @@ class EventHandler(AttemptFlow):
         self._wait(Phase.PAUSED)
 
     def _resume(self) -> None:
-        if self._blockers.sensor_lost and self._needs_sensor(self._paused_from):
+        if self._blockers.is_sensor_lost and self._needs_sensor(self._paused_from):
             self._pause("sensor")
         elif self._is_under_way:
             self._last_key = self.now
@@ -201,7 +201,7 @@ class EventHandler(AttemptFlow):
         match self._phase, percept.key:
             case Phase.INSTRUCTIONS, "enter":
                 self._wait(Phase.READY)
-                if self._blockers.sensor_lost:
+                if self._blockers.is_sensor_lost:
                     self._pause("sensor")
             case Phase.READY, "enter" if not percept.repeat:
                 self._begin_attempt()
@@ -217,7 +217,7 @@ class EventHandler(AttemptFlow):
     @property
     def _reason(self) -> str:
         """Reason of the pause: a disk failure takes precedence over what a person gave."""
-        if self._blockers.disk_refuses and self._phase in (Phase.PAUSED, Phase.CLOSING):
+        if self._blockers.has_disk_failed and self._phase in (Phase.PAUSED, Phase.CLOSING):
             return "storage"
         return self._pause_reason if self._phase is Phase.PAUSED else ""
 

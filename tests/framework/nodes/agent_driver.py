@@ -80,10 +80,10 @@ class Judge(Node):
                 ended=0,
             ),
         )
-        told = Feedback(
+        message = Feedback(
             **facts, valence=verdict.valence, reason=verdict.reason, remark=done.remark, reached=done.reached
         )
-        self.emit(FEEDBACK, told)
+        self.emit(FEEDBACK, message)
 
 
 class Agent:
@@ -114,11 +114,11 @@ class Agent:
         self.bus.publish(SESSION, SessionStarted(run=1, task=task.name, theme=theme.name, seed=seed, best=best or {}))
         self.bus.subscribe(PROPOSED, self.said.append)
 
-    def feedback_on(self, metric: float | None, level: int = 1, **told: Any) -> str:
+    def feedback_on(self, metric: float | None, level: int = 1, **fields: Any) -> str:
         """Publish an attempt and return the feedback text. Keyword arguments: fields of `Done`, and qualities."""
         self.count += 1
-        known = {name: told.pop(name) for name in list(told) if name in Done.__struct_fields__}
-        self.bus.publish(DONE, Done(attempt=self.count, level=level, metric=metric, qualities=told, **known))
+        known = {name: fields.pop(name) for name in list(fields) if name in Done.__struct_fields__}
+        self.bus.publish(DONE, Done(attempt=self.count, level=level, metric=metric, qualities=fields, **known))
         return self.said[-1].text
 
 

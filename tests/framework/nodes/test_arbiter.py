@@ -88,8 +88,8 @@ class ArbiterDriver:
         self.bus.publish(EVENT, Event(proposals=tuple(made)))
 
     def report(self, action: str, state: Any = "done", output: str = "speech", part: m.ActionPart = "say") -> None:
-        told = m.OutputReport(action=action, output=output, part=part, state=state, at=self.clock.now())
-        self.bus.publish(REPORT, told)
+        report = m.OutputReport(action=action, output=output, part=part, state=state, at=self.clock.now())
+        self.bus.publish(REPORT, report)
 
     def stop(self, at: int = 0) -> None:
         self.bus.publish(OPERATOR, m.Operator(command="stop", at=at))

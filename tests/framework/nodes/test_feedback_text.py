@@ -47,9 +47,9 @@ LIFTS = st.fixed_dictionaries(
 SESSIONS = st.lists(LIFTS, min_size=1, max_size=12)
 
 
-def lift(**told: object) -> dict[str, Any]:
+def lift(**fields: object) -> dict[str, Any]:
     """Return an attempt that reached its goal."""
-    return {"metric": 900.0, "level": 1, "correct": 20, **told}
+    return {"metric": 900.0, "level": 1, "correct": 20, **fields}
 
 
 # --- the form -------------------------------------------------------------------------------------------------
@@ -82,7 +82,9 @@ def test_qualitative_feedback_has_no_number_and_quantitative_always_one(
         assert all(text and "{" not in text for text in said.values())
 
 
-@example([lift(sway=0.0), lift(sway=40.0)], "last attempt", "both").via("nothing before, of which no share can be told")
+@example([lift(sway=0.0), lift(sway=40.0)], "last attempt", "both").via(
+    "no previous value to compute a percentage from"
+)
 @given(SESSIONS, st.sampled_from(REFERENCES), st.sampled_from(CONTENTS))
 def test_the_form_both_gives_words_then_figures(attempts: list[dict[str, Any]], reference: str, about: str) -> None:
     theme = spelling(VOICES[0])
@@ -117,7 +119,7 @@ def figures(
 RESULTS = st.lists(st.tuples(st.floats(1, 3000), st.integers(1, 2)), min_size=1, max_size=12)
 
 
-def _told_apart(metric: Metric, value: float, against: float) -> float:
+def _difference(metric: Metric, value: float, against: float) -> float:
     """Return the difference of two results as they are shown."""
     return abs(round(value, metric.decimals) - round(against, metric.decimals))
 
@@ -133,8 +135,8 @@ def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
     goals = {1: 1000.0, 2: 1100.0}
     before: dict[int, list[float]] = {1: [], 2: []}
     levels = [0, *(level for _, level in attempts)]
-    told = figures(task, attempts, reference, best)
-    for (value, level), last, (situation, slots) in zip(attempts, levels, told, strict=False):
+    found = figures(task, attempts, reference, best)
+    for (value, level), last, (situation, slots) in zip(attempts, levels, found, strict=False):
         words["last attempt"] = "last time" if level == last else "last time at this level"
         known = before[level]
         with_earlier = [*known, *([best[str(level)]] if str(level) in best else [])]
@@ -147,7 +149,7 @@ def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
         if against is None:
             assert situation.endswith("_first")
             assert (slots["value"], slots["goal"]) == (metric.show(value), metric.show(goals[level]))
-        elif metric.show(apart := _told_apart(metric, value, against)) == metric.show(0.0):
+        elif metric.show(apart := _difference(metric, value, against)) == metric.show(0.0):
             assert situation.endswith("_same")
             assert slots["reference"] == words[reference]
         else:
@@ -187,8 +189,8 @@ def test_attempts_without_a_result_are_skipped_in_comparisons() -> None:
 
 def test_figures_are_written_as_the_language_writes_them() -> None:
     theme = spelling(CATALOGUE.theme("calm", "es"))
-    (told,) = spelled(Agent(Reps, theme).feedback_on(1234.5))
-    assert told.slots["value"] == "1234,5 reps"
+    (found,) = spelled(Agent(Reps, theme).feedback_on(1234.5))
+    assert found.slots["value"] == "1234,5 reps"
 
 
 # --- where there is nothing to compare ------------------------------------------------------------------------
@@ -200,9 +202,9 @@ def test_an_attempt_without_a_result_reports_the_correct_trials(
 ) -> None:
     agent = Agent(Lift, spelling(VOICES[0]), "both", about="both")
     agent.feedback_on(800, sway=1.0)
-    words, told = spelled(agent.feedback_on(metric, correct=correct, sway=9.0))
+    words, found = spelled(agent.feedback_on(metric, correct=correct, sway=9.0))
     assert words == (situation, {})
-    assert told == (f"{situation}_figures", {"correct": str(correct), "trials": "20"})
+    assert found == (f"{situation}_figures", {"correct": str(correct), "trials": "20"})
 
 
 @pytest.mark.parametrize(("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")])
@@ -229,9 +231,9 @@ def test_a_remark_on_an_attempt_that_has_a_result_is_left_out() -> None:
 def test_a_summary_reports_goals_reached_and_means(metric: float, valence: str) -> None:
     agent = Agent(Lift, spelling(VOICES[0]), "both", about="both")
     agent.feedback_on(400, sway=3.0)
-    words, told = spelled(agent.feedback_on(metric, sums_up=5, reached=3, sway=9.0))
+    words, found = spelled(agent.feedback_on(metric, sums_up=5, reached=3, sway=9.0))
     assert words.situation == f"summary_{valence}"
-    assert told == (
+    assert found == (
         "summary_figures",
         {"reached": "3", "attempts": "5", "value": f"{metric:.0f} ms", "goal": "1000 ms"},
     )
@@ -239,9 +241,9 @@ def test_a_summary_reports_goals_reached_and_means(metric: float, valence: str) 
 
 def test_a_summary_without_times_gives_counts_only() -> None:
     agent = Agent(Lift, spelling(VOICES[0]), "both")
-    words, told = spelled(agent.feedback_on(None, sums_up=5, reached=0))
+    words, found = spelled(agent.feedback_on(None, sums_up=5, reached=0))
     assert words.situation == "summary_negative"
-    assert told == ("summary_empty_figures", {"reached": "0", "attempts": "5"})
+    assert found == ("summary_empty_figures", {"reached": "0", "attempts": "5"})
 
 
 # --- knowledge of performance: how it was done ----------------------------------------------------------------
@@ -285,10 +287,10 @@ def test_performance_feedback_reports_the_largest_improvement_or_else_decline(
 ) -> None:
     agent = watcher()
     agent.feedback_on(900, sway=10.0, grip=50.0)
-    told = how(agent, sway=sway, grip=grip)
-    assert told.situation == situation
-    assert told.slots["reference"] == "last time"
-    assert told.slots.get("change", told.slots.get("aim")) in ({words} if words else {STEADY, FIRM})
+    found = how(agent, sway=sway, grip=grip)
+    assert found.situation == situation
+    assert found.slots["reference"] == "last time"
+    assert found.slots.get("change", found.slots.get("aim")) in ({words} if words else {STEADY, FIRM})
 
 
 @pytest.mark.parametrize(
@@ -298,9 +300,9 @@ def test_performance_feedback_reports_the_largest_improvement_or_else_decline(
 def test_quantitative_performance_feedback_is_in_percent(sway: float, grip: float, percent: str) -> None:
     agent = watcher("quantitative")
     agent.feedback_on(900, sway=10.0, grip=50.0)
-    told = how(agent, sway=sway, grip=grip)
-    assert told.situation.endswith("_figures")
-    assert told.slots["percent"] == percent
+    found = how(agent, sway=sway, grip=grip)
+    assert found.situation.endswith("_figures")
+    assert found.slots["percent"] == percent
 
 
 @pytest.mark.parametrize(

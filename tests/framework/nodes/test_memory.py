@@ -64,13 +64,13 @@ def test_a_recall_returns_scored_attempts_oldest_first(bus: Bus) -> None:
     end(bus, 1, practice=True)
     for attempt in (2, 3, 4):
         end(bus, attempt)
-    assert [told.attempt for told in recall(bus).attempts] == [2, 3, 4]
+    assert [attempt.attempt for attempt in recall(bus).attempts] == [2, 3, 4]
 
 
 def test_a_recall_of_a_level_returns_that_level_only(bus: Bus) -> None:
     for attempt, level in ((1, 1), (2, 2), (3, 1)):
         end(bus, attempt, level)
-    assert [told.attempt for told in recall(bus, 1).attempts] == [1, 3]
+    assert [attempt.attempt for attempt in recall(bus, 1).attempts] == [1, 3]
     assert recall(bus, 4).attempts == ()
 
 
@@ -78,13 +78,13 @@ def test_an_attempt_scored_again_keeps_its_place(bus: Bus) -> None:
     end(bus, 1, metric=600.0)
     end(bus, 2)
     end(bus, 1, metric=900.0)
-    assert [(told.attempt, told.metric) for told in recall(bus).attempts] == [(1, 900.0), (2, 600.0)]
+    assert [(attempt.attempt, attempt.metric) for attempt in recall(bus).attempts] == [(1, 900.0), (2, 600.0)]
 
 
 def test_each_seat_has_its_own_attempts(bus: Bus) -> None:
     end(bus, 1)
     end(bus, 1, seat="B")
-    assert [told.seat for told in recall(bus, seat="B").attempts] == ["B"]
+    assert [attempt.seat for attempt in recall(bus, seat="B").attempts] == ["B"]
 
 
 @pytest.mark.parametrize(("level", "best"), [(1, 500.0), (2, None), (3, 700.0), (None, None)])

@@ -51,8 +51,8 @@ def operated(theme: Theme, **settings: Any) -> LoopDriver:
 
 
 def decide(driver: LoopDriver, action: str, verdict: Any, **how: Any) -> None:
-    told = m.Decision(action=action, verdict=verdict, actor="operator.ana", at=driver.clock.now(), **how)
-    driver.session.bus.publish(DECISION, told)
+    decision = m.Decision(action=action, verdict=verdict, actor="operator.ana", at=driver.clock.now(), **how)
+    driver.session.bus.publish(DECISION, decision)
 
 
 def feedback(driver: LoopDriver) -> list[m.Action]:

@@ -42,8 +42,8 @@ class OperatedDriver(ArbiterDriver):
         self.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state=state, operated=operated))
 
     def decide(self, action: str, verdict: Any, **how: Any) -> None:
-        told = m.Decision(action=action, verdict=verdict, actor="operator.ana", at=self.clock.now(), **how)
-        self.bus.publish(DECISION, told)
+        decision = m.Decision(action=action, verdict=verdict, actor="operator.ana", at=self.clock.now(), **how)
+        self.bus.publish(DECISION, decision)
 
     def ask_for_level(self, previous: int, level: int, *, is_last: bool = False) -> bool:
         change = m.LevelChanged(previous=previous, level=level, reason="success")
@@ -66,13 +66,13 @@ class OperatedDriver(ArbiterDriver):
 
     @property
     def state(self) -> m.ArbiterState:
-        told: m.ArbiterState = self.all(ARBITER_STATE)[-1]
-        return told
+        found: m.ArbiterState = self.all(ARBITER_STATE)[-1]
+        return found
 
     @property
     def awaits_operator(self) -> bool:
-        told = self.all(ACTING)
-        return bool(told and told[-1].awaits_operator)
+        found = self.all(ACTING)
+        return bool(found and found[-1].awaits_operator)
 
 
 # --- the four modes -----------------------------------------------------------------------------------------------
@@ -274,7 +274,10 @@ def test_an_edited_action_is_published_when_decided_and_when_begun() -> None:
     driver.decide("a1", "edit", text="Else.")
     driver.decide("a1", "edit", text="Other.")
     assert driver.said == []
-    assert [(told.text, told.decision) for told in driver.all(DECIDED)] == [("Else.", "edited"), ("Other.", "edited")]
+    assert [(one.text, one.decision) for one in driver.all(DECIDED)] == [
+        ("Else.", "edited"),
+        ("Other.", "edited"),
+    ]
 
 
 def test_a_waiting_filler_is_dropped_by_the_decision() -> None:
@@ -444,10 +447,10 @@ def test_the_complete_state_is_published_for_operators() -> None:
 def test_the_state_is_published_only_when_it_changes() -> None:
     driver = OperatedDriver(operator_feedback="manual")
     driver.propose("a1")
-    told = len(driver.all(ARBITER_STATE))
+    found = len(driver.all(ARBITER_STATE))
     for _ in range(3):
         driver.wait_for("enter", "attempt")
-    assert len(driver.all(ARBITER_STATE)) == told
+    assert len(driver.all(ARBITER_STATE)) == found
 
 
 def test_without_an_operator_no_state_is_published() -> None:
