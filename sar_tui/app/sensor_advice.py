@@ -1,4 +1,4 @@
-"""What the sensor check says, and what to do: of the sensor, of how it lies on the hand, of a test reach."""
+"""Texts of the sensor check: about the sensor, its placing on the hand and a test reach, with what to do."""
 
 import math
 from typing import Literal, NamedTuple
@@ -14,12 +14,12 @@ Mark = Literal["right", "wait", "wrong"]
 MARKS: dict[Mark, str] = {"right": "✓", "wait": "…", "wrong": "!"}
 
 LOOKING = 3 * SECOND
-"""A sensor that has not been found by then is said to be missing."""
+"""A sensor that has not been found by then is reported as missing."""
 ENOUGH = 0.9
-"""The share of the samples that a sensor should send a second, and does."""
+"""Smallest good share of the nominal sample rate."""
 FEW_LOST = 0.01
 LARGE_BIAS_RAD_S = 0.05
-"""Half of what the thesis' rule takes for movement."""
+"""Half of the threshold of the fixed-threshold detector."""
 
 _ENGLISH = Language()
 _G = 9.81
@@ -37,7 +37,7 @@ FLAGS = {
     "low_rate": "The sensor sends few samples a second: its times are less exact.",
     "several": "There was more than one reach: this is the largest.",
 }
-"""What to beware of in a test reach, and what to do."""
+"""Problems of a test reach, and what to do, by flag."""
 
 NO_REACH = "No reach out and back was seen. Is the sensor on the hand that reaches?"
 INVALID = {
@@ -48,7 +48,7 @@ INVALID = {
 
 
 class Fact(NamedTuple):
-    """One line of what is known: whether it is as it should be, what it is about, and what it is."""
+    """One line of the check: whether it is right, its title, and its text."""
 
     mark: Mark
     title: str
@@ -56,7 +56,7 @@ class Fact(NamedTuple):
 
 
 def facts(watch: SensorWatch, tr: Language = _ENGLISH) -> list[Fact]:
-    """What is known of the sensor, the most important first. Without a sensor that is all there is."""
+    """Return the facts about the sensor, the most important first; without a sensor, only that."""
     found = [_sensor(watch, tr)]
     if watch.attached and not watch.stalled:
         found += [_samples(watch, tr), _rest(watch, tr), _placing(watch, tr)]
@@ -66,7 +66,7 @@ def facts(watch: SensorWatch, tr: Language = _ENGLISH) -> list[Fact]:
 
 
 def worst(known: list[Fact]) -> Mark:
-    """What all of it comes to: wrong before waiting, waiting before right."""
+    """Return the worst mark: wrong before waiting, waiting before right."""
     marks = {fact.mark for fact in known}
     return "wrong" if "wrong" in marks else "wait" if "wait" in marks else "right"
 
@@ -82,11 +82,11 @@ def _sensor(watch: SensorWatch, tr: Language) -> Fact:
     if watch.state == "none" and watch.waited < LOOKING:
         return Fact("wait", title, tr("Looking for it …"))
     why = {
-        "none": f"{tr('No sensor found.')} {watch.told or tr('Plug it in; it is found by itself.')}",
+        "none": f"{tr('No sensor found.')} {watch.detail or tr('Plug it in; it is found by itself.')}",
         "attached": tr("It is attached, but sends nothing. Unplug it, and plug it in again."),
-        "unplugged": f"{tr('It was unplugged.')} {watch.told or tr('Plug it in again.')}",
-        "failed": watch.told,
-        "ended": f"{watch.told or tr('The recording is over.')} {tr('A session plays it from its beginning.')}",
+        "unplugged": f"{tr('It was unplugged.')} {watch.detail or tr('Plug it in again.')}",
+        "failed": watch.detail,
+        "ended": f"{watch.detail or tr('The recording is over.')} {tr('A session plays it from its beginning.')}",
     }
     return Fact("wrong", title, why[watch.state])
 
@@ -128,7 +128,7 @@ def _placing(watch: SensorWatch, tr: Language) -> Fact:
 
 
 def placing(up: Vector | None, tr: Language = _ENGLISH) -> Fact:
-    """Whether z points up, as it should while the hand lies flat, palm down; from the acceleration at rest, m/s²."""
+    """Return whether z points up, as it should while the hand lies flat; from the acceleration at rest, m/s²."""
     title = tr("Placing")
     if up is None:
         return Fact("wait", title, tr("cannot be seen: it measures no acceleration"))
@@ -145,8 +145,8 @@ def placing(up: Vector | None, tr: Language = _ENGLISH) -> Fact:
     return Fact("wrong", title, f"{lean}. {tr('Lay the hand flat, palm down: z should point up.')}")
 
 
-def words_of(test: ReachTest, hand: Hand, tr: Language = _ENGLISH) -> list[tuple[Mark, str]]:
-    """What a test reach asks for, or what came of it: the numbers first, then what to beware of."""
+def reach_test_text(test: ReachTest, hand: Hand, tr: Language = _ENGLISH) -> list[tuple[Mark, str]]:
+    """Return what a test reach asks for, or its result: the numbers first, then the problems."""
     match test.step:
         case "rest":
             return [("wait", tr("Rest the hand at the start, and keep it still …"))]
@@ -154,11 +154,11 @@ def words_of(test: ReachTest, hand: Hand, tr: Language = _ENGLISH) -> list[tuple
             return [("wait", tr("Now reach out, come back, and rest."))]
         case "lost":
             return [("wrong", tr("There is no sensor to test. Plug it in, then press T."))]
-    return result_words(test.finding, hand, tr) if test.finding else []
+    return finding_text(test.finding, hand, tr) if test.finding else []
 
 
-def result_words(found: Finding, hand: Hand, tr: Language = _ENGLISH) -> list[tuple[Mark, str]]:
-    """A reach that was looked for: its numbers, and what is wrong with it, one sentence each."""
+def finding_text(found: Finding, hand: Hand, tr: Language = _ENGLISH) -> list[tuple[Mark, str]]:
+    """Return the numbers of a finding, and its problems in a sentence each."""
     if found.onset_ns is None:
         return [("wrong", tr(INVALID.get(found.invalid, NO_REACH)))]
     said: list[tuple[Mark, str]] = [("wrong", _flag(flag, hand, tr)) for flag in found.flags]
@@ -172,7 +172,7 @@ def _flag(flag: str, hand: Hand, tr: Language) -> str:
 
 
 def _numbers(found: Finding, tr: Language) -> str:
-    """Reach time, its phases, and the peaks."""
+    """Return reach time, phases and peaks in a sentence."""
     fastest, returning = found.details.get("peak_extension_rad_s"), found.details.get("peak_return_rad_s")
     peaks = tr("peaks not known")
     if isinstance(fastest, float) and isinstance(returning, float):
@@ -193,5 +193,5 @@ def _second(found: Finding, name: str) -> str:
 
 
 def signed(value: float, digits: int) -> str:
-    """A number with its sign, and never −0."""
+    """Return a number with its sign, never −0."""
     return f"{round(value, digits) + 0.0:+.{digits}f}".replace("-", "−")

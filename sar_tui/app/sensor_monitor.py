@@ -1,4 +1,4 @@
-"""What can be seen of a motion sensor before a session: is it there, does it lie still, does it see a reach."""
+"""State of a motion sensor before a session: is it attached, does it rest, does it measure a reach."""
 
 import math
 from collections import deque
@@ -18,18 +18,18 @@ from sar_tui.motion.synthesis import TABLE_4_1
 from sar_tui.motion.trace import Trace, trace_of
 
 SETTLED_S = 1.0
-"""A hand that has not moved for so long rests."""
+"""A hand that has not moved for this long is at rest."""
 OVER_S = 2.5
-"""A hand that has moved, and rested for so long since, makes no more of that reach."""
+"""A hand that has moved and then rested for this long has finished the reach."""
 REST = 3 * SECOND
-"""So much before a reach is kept, to know the hand at rest."""
+"""Time before a reach that is stored, to know the hand at rest."""
 REST_PATIENCE = 8 * SECOND
-"""A test reach waits no longer than this for rest; then it goes on without."""
+"""Longest wait of a test reach for rest; then it continues without."""
 REACH_PATIENCE = 15 * SECOND
-"""A test reach is over after this, whatever was seen."""
+"""A test reach ends after this time in any case."""
 State = Literal["none", "attached", "unplugged", "failed", "ended"]
 RECENT = 5 * SECOND
-"""Trouble is told for so long."""
+"""Time for which trouble is shown."""
 
 _SIMULATED_REACTION = 700 * MS
 _SIMULATED_REACH = TABLE_4_1[2].shape
@@ -37,10 +37,10 @@ _LATEST_S, _UP_S, _BIAS_S = 0.1, 0.5, 1.0
 
 
 class ReachTest:
-    """A reach to try the sensor with: first rest, then out and back, then what was found.
+    """A reach to test the sensor with: first rest, then out and back, then the result.
 
     ``step``: ``rest`` (waits until the hand rests), ``reach`` (waits until it has been out and back, and rests),
-    ``done`` (``finding`` is there, and ``trace``, if there was a reach), ``lost`` (the sensor is gone).
+    ``done`` (there is a ``finding``, and a ``trace`` if there was a reach), ``lost`` (the sensor is gone).
     """
 
     def __init__(self, now: int) -> None:
@@ -52,26 +52,26 @@ class ReachTest:
 
     @property
     def is_running(self) -> bool:
-        """Whether it waits for the hand."""
+        """True while it waits for the hand."""
         return self.step in ("rest", "reach")
 
 
 class SensorWatch:
-    """Drains a feed that was started, and knows what a person wants to know of its sensor. It times nothing.
+    """Drains a started feed, and follows the state of its sensor. It has no timer.
 
     Args:
         feed: of the sensor.
-        now: the present, in ns of the feed's clock.
+        now: the time, in ns of the feed's clock.
         hand: the hand that wears the sensor.
 
     Attributes:
-        state: ``none`` (no sensor yet), ``attached``, ``unplugged``, ``failed`` (the source told why there is none),
+        state: ``none`` (no sensor yet), ``attached``, ``unplugged``, ``failed`` (``detail`` says why),
             ``ended`` (a recording is over).
-        since: when that began.
-        told: what the source said of it.
-        stalled: whether nothing comes from a sensor that is attached.
-        too_slow: whether it gives too few samples a second to see a reach.
-        saturated: how many samples were beyond its range; ``unmeasured``: those of them that never came.
+        since: the time that state began.
+        detail: message of the source about it.
+        stalled: True if an attached sensor sends nothing.
+        too_slow: True if it sends too few samples a second to measure a reach.
+        saturated: number of samples beyond its range; ``unmeasured``: those of them that were not sent.
         test: the test reach, once there was one.
     """
 
@@ -80,7 +80,7 @@ class SensorWatch:
         self.hand: Hand = hand
         self.state: State = "none"
         self.since = now()
-        self.told = ""
+        self.detail = ""
         self.stalled = self.too_slow = False
         self.saturated = self.unmeasured = 0
         self.test: ReachTest | None = None
@@ -90,10 +90,10 @@ class SensorWatch:
         self._segmenter: Segmenter | None = None
 
     def look(self) -> None:
-        """Take in what has come since the last look."""
+        """Take the samples and reports that arrived since the last look."""
         samples, statuses = self.feed.drain()
         for status in statuses:
-            self._hear(status)
+            self._on_status(status)
         if len(samples) and self.attached:
             self._blocks.append(samples)
             if self._segmenter:
@@ -102,42 +102,42 @@ class SensorWatch:
         if self.test and self.test.is_running:
             self._go_on(self.test)
 
-    # --- what is known ------------------------------------------------------------------------------------
+    # --- state ------------------------------------------------------------------------------------
 
     @property
     def attached(self) -> bool:
-        """Whether there is a sensor."""
+        """True if there is a sensor."""
         return self.state == "attached"
 
     @property
     def waited(self) -> int:
-        """For how long it has been in its state, in ns."""
+        """Time in the present state, in ns."""
         return self._now() - self.since
 
     @property
     def trouble(self) -> str:
-        """What the attached sensor told of lately that is wrong; empty for nothing."""
+        """Recent trouble that the attached sensor reported; empty for none."""
         at, words = self._trouble or (0, "")
         return words if self._now() - at < RECENT else ""
 
     @property
     def still_s(self) -> float | None:
-        """For how long the hand has rested, in s, 0 while it moves; None where that cannot be seen."""
+        """Time the hand has rested, in s, 0 while it moves; None if that is not known."""
         return self._segmenter.still_for_s if self._segmenter and self._measures else None
 
     @property
     def rate(self) -> Vector | None:
-        """How the hand turns just now, rad/s; None where nothing is measured."""
+        """Present angular rate of the hand, rad/s; None if nothing is measured."""
         return self._mean("rate", _LATEST_S)
 
     @property
     def bias(self) -> Vector | None:
-        """What the sensor shows while the hand rests, rad/s; None while it does not."""
+        """Bias: the rate measured while the hand rests, rad/s; None while it moves."""
         return self._mean("rate", _BIAS_S) if (self.still_s or 0.0) >= SETTLED_S else None
 
     @property
     def up(self) -> Vector | None:
-        """The acceleration of late, m/s²: at rest it points up. None where it is not measured."""
+        """Recent acceleration, m/s², which points up at rest; None if it is not measured."""
         return self._mean("acceleration", _UP_S)
 
     @property
@@ -152,7 +152,7 @@ class SensorWatch:
         return (x, y, z) if math.isfinite(x + y + z) else None
 
     def _samples(self, latest: int) -> Samples:
-        """Those of the last so many ns."""
+        """Return the samples of the last ``latest`` ns."""
         newest = int(self._blocks[-1]["at"][-1])
         blocks = []
         for block in reversed(self._blocks):
@@ -163,7 +163,7 @@ class SensorWatch:
         return samples[samples["at"] > newest - latest]
 
     def _forget(self) -> None:
-        """Keep the last seconds, and all of a test reach."""
+        """Forget all samples except those of the last seconds and of a test reach."""
         oldest = int(self._blocks[-1]["at"][-1]) - REST if self._blocks else 0
         if self.test and self.test.step == "reach":
             oldest = self.test.since - REST
@@ -172,7 +172,7 @@ class SensorWatch:
 
     # --- the sensor ---------------------------------------------------------------------------------------
 
-    def _hear(self, status: Status) -> None:
+    def _on_status(self, status: Status) -> None:
         match status.state:
             case "attached":
                 self._enter("attached", "")
@@ -194,11 +194,11 @@ class SensorWatch:
             case "error":
                 self._enter("failed", status.detail)
 
-    def _enter(self, state: State, told: str) -> None:
-        """What was measured before is another story."""
+    def _enter(self, state: State, detail: str) -> None:
+        """Enter a state, and forget what was measured before."""
         if state != self.state:
             self.since = self._now()
-        self.state, self.told = state, told
+        self.state, self.detail = state, detail
         self.stalled = self.too_slow = False
         self._trouble = self._segmenter = None
         self._blocks.clear()
@@ -219,11 +219,11 @@ class SensorWatch:
     # --- the test reach -----------------------------------------------------------------------------------
 
     def zero(self) -> None:
-        """Ask the sensor to take its present rate for rest."""
+        """Ask the sensor to take its present rate as zero."""
         self.feed.source.zero()
 
     def begin_test(self) -> None:
-        """Begin a test reach, anew if there is one. Harmless without a sensor: it is lost at once."""
+        """Begin a test reach, or begin it again. Without a sensor it is ``lost`` at once."""
         self.test = ReachTest(self._now())
         if not self.attached:
             self.test.step = "lost"
@@ -239,17 +239,17 @@ class SensorWatch:
             self._close(test)
 
     def _is_over(self, segmenter: Segmenter, since_s: float) -> bool:
-        """Whether the hand has been out and back, or did something else, and rests."""
+        """True if the hand has been out and back, or moved otherwise, and rests."""
         if segmenter.has_reached(since_s):
             return segmenter.still_for_s >= SETTLED_S
         return (segmenter.began_s or 0.0) > since_s and segmenter.still_for_s >= OVER_S
 
     def waited_in(self, test: ReachTest) -> int:
-        """How long a test reach has been in its step, in ns."""
+        """Return the time a test reach has been in its step, in ns."""
         return self._now() - test.since
 
     def _move_simulated(self, at: int) -> None:
-        """A simulated hand makes the reach by itself."""
+        """Let a simulated hand make the reach."""
         if move := getattr(self.feed.source, "move", None):
             move(at, _SIMULATED_REACH)
 

@@ -53,7 +53,7 @@ class ThemeWatch:
             return
         self._wear(theme)
         if theme.repairs:
-            self._tell(_to_mend(theme.repairs))
+            self._tell(_repairs_notice(theme.repairs))
 
     def _stamps(self) -> Stamps:
         """Which files there are, when they were changed, and how long they are."""
@@ -64,8 +64,8 @@ class ThemeWatch:
         return tuple((path, status.st_mtime_ns, status.st_size) for path, status in found)
 
 
-def _to_mend(repairs: tuple[str, ...]) -> str:
+def _repairs_notice(repairs: tuple[str, ...]) -> str:
     """What is wrong with a theme that could be read; the first of it in its own words."""
     count = "One thing" if len(repairs) == 1 else f"{len(repairs)} things"
     more = f" And {len(repairs) - _TOLD} more: see sar-tui themes check." if len(repairs) > _TOLD else ""
-    return f"Theme edited. {count} to mend: {' '.join(repairs[:_TOLD])}{more}"
+    return f"Theme edited. {count} to fix: {' '.join(repairs[:_TOLD])}{more}"

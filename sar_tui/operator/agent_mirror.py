@@ -38,7 +38,7 @@ class AgentMirror:
             return
         if state.theme is not self._theme:
             self._theme = state.theme
-            self.widget.wear(state.theme)
+            self.widget.apply_theme(state.theme)
             self.widget.display = True
         agent, before = state.agent, self._shown
         self._shown = agent

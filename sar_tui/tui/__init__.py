@@ -1,1 +1,1 @@
-"""What every Textual app of ours shares."""
+"""The parts that all Textual apps of sar-tui share."""

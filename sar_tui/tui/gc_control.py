@@ -1,4 +1,4 @@
-"""A quiet machine while a response is awaited: no garbage collection, fast thread switches, and a watch on lag."""
+"""Control of the garbage collector while a response is awaited, and measurement of the event loop's lag."""
 
 import asyncio
 import gc
@@ -7,12 +7,12 @@ import sys
 from sar_tui.framework.clock import MS, host_now
 
 SWITCH_INTERVAL = 0.0005
-"""Seconds a thread may hold the interpreter while another wants it: the input thread must get to its stamp."""
+"""Seconds a thread may hold the interpreter while another waits: the input thread must get to its time stamp."""
 _PERIOD = 0.02
 
 
 class GcControl:
-    """Steers the garbage collector around an attempt, and measures how late the event loop runs within a trial."""
+    """Turns the garbage collector off in trials, and measures how late the event loop runs in them."""
 
     def __init__(self) -> None:
         self._handle: asyncio.TimerHandle | None = None
@@ -20,26 +20,26 @@ class GcControl:
         self._due = 0
 
     def begin_attempt(self) -> None:
-        """Clear up, and leave all that lives now out of later collections."""
+        """Collect, and exclude all present objects from later collections."""
         sys.setswitchinterval(SWITCH_INTERVAL)
         gc.collect()
         gc.freeze()
 
     def end_attempt(self) -> None:
-        """Clear up after the attempt, where it disturbs nobody."""
+        """Collect after the attempt."""
         self.end_trial()
         gc.unfreeze()
         gc.collect()
 
     def begin_trial(self) -> None:
-        """No collection from here on; watch the loop."""
+        """Turn the collector off, and begin to measure the lag."""
         gc.disable()
         self._worst = 0
         if self._handle is None:
             self._watch()
 
     def end_trial(self) -> None:
-        """The response is in, or will not come."""
+        """Turn the collector on, and stop measuring."""
         gc.enable()
         if self._handle:
             self._handle.cancel()
@@ -47,7 +47,7 @@ class GcControl:
 
     @property
     def lag(self) -> int:
-        """How late (ns) the loop was at its worst since the trial began."""
+        """Largest lag of the event loop (ns) since the trial began."""
         return self._worst
 
     def _watch(self) -> None:

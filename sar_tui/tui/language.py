@@ -1,7 +1,6 @@
-"""The language of what a participant reads on the app's screens.
+"""The language of the app's screens for participants.
 
-A screen of theirs keeps it as ``tr``; its widgets, and the help that stands over it, find it there
-(`widgets.language.language_of`).
+Such a screen holds it as ``tr``, where its widgets and the help find it (`widgets.language.language_of`).
 """
 
 import dataclasses
@@ -20,24 +19,24 @@ _APP = Path(__file__).parents[1] / "app"
 
 
 def app_language(code: str, texts: Mapping[str, str] = {}) -> Language:
-    """The app's words in a language; ``texts``, such as a theme's own, go before them."""
+    """Return the app's texts in a language; ``texts``, such as a theme's, take precedence."""
     return language(code, _APP).including(texts)
 
 
 def session_language(task: Task) -> Language:
-    """All the words of a session's screen: the app's, then the framework's, the task's, and the theme's."""
+    """Return the texts of a session's screen: the app's, the framework's, the task's and the theme's."""
     return app_language(task.tr.code, task.tr.texts)
 
 
 def planned_language(plan: Plan, catalogue: Catalogue) -> Language:
-    """The same for a session that has not begun. Raises PluginError: there is no such theme."""
+    """Return the same for a session that has not begun. Raises PluginError if there is no such theme."""
     code = plan.parameters.language
     own = language(code, task_folder(plan.task)).texts
     return app_language(code, {**own, **catalogue.theme(plan.theme, code).texts})
 
 
 def translated(bindings: dict[str, ActiveBinding], tr: Language) -> dict[str, ActiveBinding]:
-    """A screen's ``active_bindings`` as its footer and its help should call them."""
+    """Translate a screen's ``active_bindings`` for its footer and help."""
     return {
         key: active._replace(
             binding=dataclasses.replace(active.binding, description=tr(active.binding.description)),

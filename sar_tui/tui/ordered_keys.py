@@ -1,4 +1,4 @@
-"""Each key is done with before the next is looked at, also where many come at once: over a slow line, or pasted."""
+"""Handles each key completely before the next, also if many arrive at once: over a slow line, or pasted."""
 
 from typing import Any, TypeVar
 
@@ -10,19 +10,19 @@ T = TypeVar("T")
 
 
 class OrderedScreen(Screen[T]):
-    """A screen whose keys may ask for words: those that follow in the same burst are these words.
+    """A screen on which a key may open a text field, so that the keys after it in the same burst are typed there.
 
-    Textual puts a key on the queue of what has the focus, so that keys which are read together go where the focus was
-    before the first of them.
+    Textual queues a key for the focused widget, so that keys read together would all go to the widget that had the
+    focus before the first of them.
     """
 
     def takes(self, event: events.Key | events.Paste) -> bool:
-        """Type it, if it is to be typed; whether it was. A key that is not is looked for among the bindings."""
+        """Type a key if a field takes it; returns True if so. Other keys are looked up in the bindings."""
         raise NotImplementedError
 
 
 async def in_order(app: App[Any], event: events.Event) -> bool:
-    """Do at once what a key means on an `OrderedScreen`; whether there is nothing more to be done about it."""
+    """Handle a key on an `OrderedScreen` at once; returns True if it was handled."""
     if not isinstance(event, (events.Key, events.Paste)) or event.is_forwarded:
         return False
     screen = app.screen

@@ -1,4 +1,4 @@
-"""A theme of the Social-Behavioral Base as a theme of Textual's."""
+"""A theme of the Social-Behavioral Base as a Textual theme."""
 
 from textual.theme import Theme as TextualTheme
 
@@ -6,7 +6,7 @@ from sar_tui.framework.theme import Theme
 
 
 def textual_theme(theme: Theme) -> TextualTheme:
-    """The same colours under Textual's names."""
+    """Return the colours under Textual's names."""
     colors = theme.colors
     return TextualTheme(
         name=f"sar-{theme.name}",

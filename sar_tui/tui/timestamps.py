@@ -1,8 +1,8 @@
-"""When did the prompt reach the terminal, and when did the key come? Stamped where it happens.
+"""Time stamps of prompts and keys, taken where they happen.
 
-Textual writes each frame to its driver's file from a thread of its own. The file is wrapped: a frame that holds
-the awaited text is noticed as it is written, and stamped when the flush that follows has returned. Keys are stamped
-in the input thread as their bytes have been read, before they are parsed.
+Textual writes frames to its driver's file from a thread of its own. That file is wrapped: a frame with the awaited
+text is recognized when it is written, and the time is taken when the flush after it has returned. Keys are stamped in
+the input thread, after their bytes were read and before they are parsed.
 """
 
 import threading
@@ -27,22 +27,17 @@ class OnsetWatch:
         self._written = False
 
     def arm(self, text: str, stamped: Stamped) -> None:
-        """Call ``stamped`` with the time (ns) at which ``text`` was flushed, once, from the writing thread."""
+        """Call ``stamped`` once, from the writing thread, with the time (ns) at which ``text`` was flushed."""
         with self._lock:
             self._text, self._stamped, self._written = text, stamped, False
 
-    def disarm(self) -> None:
-        """Wait no longer."""
-        with self._lock:
-            self._stamped = None
-
     def wrote(self, frame: str) -> None:
-        """A frame is about to be flushed."""
+        """Notice a frame that is about to be flushed."""
         if self._stamped is not None and self._text in frame:
             self._written = True
 
     def flushed(self) -> None:
-        """What was written is with the terminal."""
+        """Stamp the awaited text if it was in the flushed frame."""
         if self._written:
             now = host_now()
             with self._lock:
@@ -52,7 +47,7 @@ class OnsetWatch:
 
 
 class WatchedFile:
-    """The driver's terminal file, watched; and quiet about a terminal that has gone away."""
+    """The driver's terminal file, which reports writes and flushes, and survives the loss of the terminal."""
 
     def __init__(self, file: IO[str], watch: OnsetWatch, gone: Callable[[], None]) -> None:
         self._file = file
@@ -85,10 +80,10 @@ class WatchedFile:
 
 
 def stamp_keys_as_read() -> None:
-    """Have the POSIX driver's parser stamp its events with the time at which their bytes came.
+    """Let the POSIX driver's parser stamp events with the time at which their bytes were read.
 
-    Textual stamps an event when it is made, in the same thread but after parsing, by when another thread may have
-    taken the interpreter. A Textual without the parser we know keeps its own stamps.
+    Textual stamps an event after parsing, when another thread may have taken the interpreter. A version of Textual
+    without this parser keeps its own stamps.
     """
     try:
         from textual import _time
@@ -107,12 +102,12 @@ def stamp_keys_as_read() -> None:
 
 
 def watched(driver: type[Driver], watch: OnsetWatch, gone: Callable[[], None]) -> type[Driver]:
-    """A driver class whose frames are watched. One without the file we know (Windows, a test) stays as it is.
+    """Return a driver class whose frames are watched; a driver without the known file (Windows, tests) is unchanged.
 
     Args:
         driver: the class Textual chose.
-        watch: is told of writes and flushes.
-        gone: called once, from the writing thread, when the terminal cannot be written to any more.
+        watch: receives writes and flushes.
+        gone: called once, from the writing thread, when the terminal can no longer be written to.
     """
 
     class Watched(driver):  # type: ignore[valid-type, misc]

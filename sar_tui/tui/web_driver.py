@@ -1,4 +1,4 @@
-"""The app in a browser: Textual's web driver, which ends the app when nobody looks any more, and can have it heard."""
+"""The app in a browser: a web driver that ends the app with its browser, and can speak there."""
 
 import contextlib
 import os
@@ -17,7 +17,7 @@ class BrowserVoice(Protocol):
         """Say this after what is being said."""
 
     def hush(self) -> None:
-        """Be still at once, and forget what was to be said."""
+        """Stop at once, and drop the queue."""
 
 
 @runtime_checkable

@@ -1,4 +1,4 @@
-"""The agent: a small drawn robot that speaks, looks and moves, and its words beside it."""
+"""The agent: a small drawn robot that speaks, looks and moves, with its words beside it."""
 
 from pathlib import Path
 from typing import Any
@@ -16,24 +16,23 @@ from sar_tui.widgets.picture import load_pictures
 from sar_tui.widgets.robot import HEIGHT, WIDTH, draw, posed, with_mouth
 
 FRAME = SECOND // 15
-"""How often a robot in motion is drawn."""
+"""Time between two frames of a moving robot."""
 MOUTH = SECOND // 6
-"""How long a mouth stays open, or shut, while a voice sounds."""
+"""Time for which the mouth stays open, or shut, while a voice sounds."""
 _VALENCES = ("positive", "neutral", "negative")
 
 
 class Agent(Horizontal):
-    """Shows who speaks, and what was said last.
+    """Shows the agent and its last words.
 
-    It moves on the session's clock, and only while there is a gesture to make or a voice to move its mouth to; held
-    still, it does not move at all.
+    It moves on the session's clock, and only for a gesture or to move its mouth with a voice; while held it does not
+    move at all.
 
     Args:
-        theme: whose faces it wears.
+        theme: with the faces.
         clock: of its motion.
-        picture: the widget that shows pictures, where the terminal can; an expression that the theme has a picture of
-            is that, and does not move.
-        folder: where the theme's pictures are.
+        picture: the widget that shows pictures, if the terminal can; an expression with a picture does not move.
+        folder: of the theme's pictures.
     """
 
     DEFAULT_CSS = f"""
@@ -95,13 +94,13 @@ class Agent(Horizontal):
     # --- words and expression ------------------------------------------------------------------------------
 
     def say(self, text: str, face: str = "", valence: str | None = None, *, joins: bool = False) -> None:
-        """Put words up, which stand until the next ones; without any, those that stand stay.
+        """Show words until the next ones; without any, those shown stay.
 
         Args:
             text: the words.
             face: the expression (see `theme.FACES`); without one it stays.
-            valence: sets the colour of the words; they tell it too.
-            joins: the words come below all that stand, instead of in their place.
+            valence: sets the colour of the words.
+            joins: adds the words below those shown.
         """
         if text and joins and self._has_words:
             self._joined = f"{self._joined}\n{text}" if self._joined else text
@@ -117,7 +116,7 @@ class Agent(Horizontal):
             self.look(face)
 
     def clear(self, face: str) -> None:
-        """No words, and eyes ahead."""
+        """Take the words away, and look ahead."""
         if self._has_words:
             self._has_words = False
             self._said.update("")
@@ -138,11 +137,11 @@ class Agent(Horizontal):
         self._go_on()
 
     def note(self, text: str) -> None:
-        """A remark below the words, which is not the agent's; empty for none."""
+        """Show a remark below the words that is not the agent's; empty for none."""
         self._put(self._note, text)
 
-    def wear(self, theme: Theme) -> None:
-        """Show the face that stands as another theme draws it."""
+    def apply_theme(self, theme: Theme) -> None:
+        """Draw the face as another theme does."""
         if theme != self._theme:
             self._theme = theme
             self._load_pictures()
@@ -162,9 +161,9 @@ class Agent(Horizontal):
         self._go_on()
 
     def cue(self, gaze: str, gesture: Gesture | None = None) -> None:
-        """Look somewhere, or stand in the farthest pose of a gesture, in a single frame: also when held still.
+        """Look somewhere, or take the farthest pose of a gesture, in a single frame, also while held.
 
-        It stays so until it may move again. A picture, which can neither look nor point, makes way for the drawing.
+        It stays so until it may move again. A picture, which can neither look nor point, is replaced by the drawing.
         """
         self._gaze = gaze or "ahead"
         self._still = gesture.farthest if gesture else REST
@@ -173,19 +172,19 @@ class Agent(Horizontal):
         self._draw()
 
     def speaking(self, sounds: bool) -> None:
-        """Move the mouth from now on, or shut it."""
+        """Move the mouth while ``sounds``; otherwise shut it."""
         if sounds != (self._sounds_since is not None):
             self._sounds_since = self._clock.now() if sounds else None
             self._go_on()
 
     def be_still(self) -> None:
-        """Rest at once. The mouth goes with the voice alone."""
+        """Rest at once, except for the mouth, which follows the voice."""
         self._gesture = None
         self._gaze = "ahead"
         self._go_on()
 
     def hold(self) -> None:
-        """A response is awaited: rest, and draw nothing more until ``release``."""
+        """Rest, and draw nothing more until ``release``, because a response is awaited."""
         if not self.is_held:
             self.is_held = True
             self._gesture, self._gaze = None, "ahead"
@@ -203,7 +202,7 @@ class Agent(Horizontal):
 
     @property
     def is_moving(self) -> bool:
-        """Whether it will be drawn again by itself."""
+        """True if it will be drawn again by itself."""
         return self._next is not None
 
     @property
@@ -213,7 +212,7 @@ class Agent(Horizontal):
         return self._gesture.pose_at((self._clock.now() - self._began) / MS, self._from)
 
     def _go_on(self) -> None:
-        """Draw this moment; and the next, if that may be another."""
+        """Draw this frame, and schedule the next while something moves."""
         self._cancel()
         if self.is_held:
             return
@@ -235,7 +234,7 @@ class Agent(Horizontal):
             self._robot.update(Text(drawing), layout=False)
 
     def _lines(self) -> list[str]:
-        """The face that stands, its mouth moving if a voice sounds."""
+        """Return the lines of the face, its mouth moving if a voice sounds."""
         faces, line = self._theme.faces, self._theme.mouth_line
         face = faces[self.face].splitlines()
         if self._sounds_since is None or self.is_held:
@@ -246,7 +245,7 @@ class Agent(Horizontal):
         return with_mouth(face, line, shut)
 
     def _load_pictures(self) -> None:
-        """All of them at once, so that no file is read when a face changes."""
+        """Load all pictures at once, so that no file is read when a face changes."""
         if self._picture and self._folder:
             self._pictures = load_pictures({name: self._folder / file for name, file in self._theme.images.items()})
 

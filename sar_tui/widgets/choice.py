@@ -1,4 +1,4 @@
-"""One of a few values, chosen from a list that is only there while it is open."""
+"""A choice of one of a few values, from a list that opens on demand."""
 
 from collections.abc import Sequence
 from typing import ClassVar
@@ -14,7 +14,7 @@ from textual.widgets import OptionList
 
 
 class ChoiceList(OptionList):
-    """The values there are. It closes when something else gets the focus."""
+    """The values. It closes when it loses the focus."""
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "close", "Close the list", id="close-list")]
 
@@ -24,12 +24,12 @@ class ChoiceList(OptionList):
             self.screen.set_focus(self.query_ancestor(Choice))
 
     def on_blur(self) -> None:
-        """A press outside closes it; on the value beside it, that press is not to open it again."""
+        """Close it, and keep a click on the value beside it from opening it again."""
         self.suppress_click()
         self.remove()
 
     def on_key(self, event: Key) -> None:
-        """A letter goes to the next value that begins with it."""
+        """Go to the next value that begins with the typed letter."""
         if not event.is_printable or event.key == "space":
             return
         event.stop()
@@ -43,11 +43,11 @@ class ChoiceList(OptionList):
 
 
 class Choice(Widget, can_focus=True):
-    """One line: the value, and an arrow that says that there are others.
+    """One line: the value, and an arrow that opens the others.
 
     Args:
-        values: what can be chosen.
-        value: what is chosen; it may be none of them.
+        values: to choose from.
+        value: the present one; it may be none of ``values``.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter,space,down,up", "open", "Show", show=False, id="choices")]
@@ -76,13 +76,13 @@ class Choice(Widget, can_focus=True):
         self.set_reactive(Choice.value, value)
 
     def render(self) -> Content:
-        """The value, cut to the room there is, and the arrow."""
+        """The value, cut to fit, and the arrow."""
         arrow = "▲" if self.children else "▼"
         words = Content(self.value).truncate(self.content_size.width - 2, ellipsis=True, pad=True)
         return Content.assemble(words, " ", (arrow, "$foreground 50%"))
 
     def watch_value(self) -> None:
-        """Tell whoever shows this."""
+        """Report the new value."""
         self.post_message(self.Changed(self.value))
 
     def action_open(self) -> None:
@@ -97,7 +97,7 @@ class Choice(Widget, can_focus=True):
         self.refresh()
 
     def on_click(self, event: Click) -> None:
-        """A click does what Enter does."""
+        """Open the list, as Enter does."""
         event.stop()
         self.action_open()
 

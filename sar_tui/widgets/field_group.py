@@ -16,55 +16,55 @@ from sar_tui.framework.declaration import show
 from sar_tui.widgets.parameter_field import ParameterField
 
 _TITLE = 28
-"""Columns that a title takes at least, so that what is told beside the titles stands in one column."""
+"""Columns that a title takes at least, so that what is summary beside the titles stands in one column."""
 
 
 class Heading(Widget, can_focus=True):
-    """One line: the title, beside it what is folded away under it, and while it has the focus, what Enter does."""
+    """One line: the title, a summary of the folded fields, and while focused, what Enter does."""
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter,space", "fold", "Fold or unfold", show=False, id="fold")]
     DEFAULT_CSS = "Heading { height: 1; margin: 0 0 1 0; padding: 0 1; background: $surface; }"
 
     title: reactive[str] = reactive("")
-    told: reactive[str] = reactive("")
+    summary: reactive[str] = reactive("")
     hint: reactive[str] = reactive("")
     is_wrong: reactive[bool] = reactive(False)
 
     class Pressed(Message):
-        """Somebody wants to fold or unfold it."""
+        """Requests that the group be folded or unfolded."""
 
     def render(self) -> Content:
-        """The parts that there is room for: of what is told, as much as fits."""
+        """The parts that there is room for: of what is summary, as much as fits."""
         style = "bold reverse $accent" if self.has_focus else "bold $accent"
         title = Content.assemble((self.title, style), " " * (_TITLE - len(self.title)))
         hint = Content.styled(f" {self.hint}" if self.has_focus else "", "$text-muted")
         room = max(self.content_size.width - title.cell_length - hint.cell_length, 0)
-        told = Content(self.told).truncate(room, ellipsis=True, pad=True)
-        return title + told.stylize("$warning" if self.is_wrong else "$text-muted") + hint
+        summary = Content(self.summary).truncate(room, ellipsis=True, pad=True)
+        return title + summary.stylize("$warning" if self.is_wrong else "$text-muted") + hint
 
     def action_fold(self) -> None:
-        """Ask the group to fold or unfold."""
+        """Request that the group be folded or unfolded."""
         self.post_message(self.Pressed())
 
     def on_focus(self) -> None:
-        """Be seen at once."""
+        """Scroll into view at once."""
         self.scroll_visible(animate=False, immediate=True)
 
     def on_click(self, event: Click) -> None:
-        """A click does what Enter does."""
+        """Fold or unfold, as Enter does."""
         event.stop()
         self.action_fold()
 
 
 class FieldGroup(Vertical):
-    """A heading and its fields, which are mounted when they are unfolded for the first time.
+    """A heading and its fields, which are mounted when first unfolded.
 
-    While it is folded, the heading tells what is set under it that differs from the defaults.
+    While folded, the heading lists the values that differ from their defaults.
 
     Args:
-        title: the heading.
-        fields: what stands under it.
-        folded: whether it begins folded.
+        title: of the heading.
+        fields: under it.
+        folded: True to begin folded.
     """
 
     DEFAULT_CSS = """
@@ -82,7 +82,7 @@ class FieldGroup(Vertical):
 
     @property
     def folded(self) -> bool:
-        """Whether only the heading is to be seen."""
+        """True if only the heading is shown."""
         return self._folded
 
     def compose(self) -> ComposeResult:
@@ -96,36 +96,36 @@ class FieldGroup(Vertical):
         if not folded and not self._under.is_attached:
             await self.mount(self._under)
         self._under.display = not folded
-        self._tell()
+        self._show_state()
 
-    async def heed(self) -> None:
-        """Its fields hold other values, or have been found wrong: what is wrong is never left folded away."""
+    async def update(self) -> None:
+        """Update the heading after a change of values or problems; unfold fields that have problems."""
         if self.folded and any(field.problem for field in self.fields):
             await self.fold(False)
-        self._tell()
+        self._show_state()
 
-    def _tell(self) -> None:
+    def _show_state(self) -> None:
         count, wrong = len(self.fields), sum(bool(field.problem) for field in self.fields)
         if not self.folded:
             words, hint = "", "Enter folds it"
         elif wrong:
-            words, hint = f"{wrong} to mend", "Enter opens it"
+            words, hint = f"{wrong} to fix", "Enter opens it"
         elif changed := [field for field in self.fields if field.is_changed]:
             words, hint = f"● {', '.join(map(_in_short, changed))}", ""  # these words need the room
         else:
             words, hint = f"{count} settings, none changed" if count > 1 else "1 setting, not changed", "Enter opens it"
         self.heading.title = f"{'▶' if self.folded else '▼'} {self._title}"
-        self.heading.told, self.heading.hint, self.heading.is_wrong = words, hint, bool(wrong)
+        self.heading.summary, self.heading.hint, self.heading.is_wrong = words, hint, bool(wrong)
 
     async def on_heading_pressed(self, event: Heading.Pressed) -> None:
-        """Fold or unfold, and bring what is unfolded into view."""
+        """Fold or unfold, and scroll unfolded fields into view."""
         event.stop()
         await self.fold(not self.folded)
         if not self.folded:
             self._to_top()
 
     def go_to(self) -> None:
-        """Put the cursor on the heading, and as much of what stands under it as there is room for into view."""
+        """Focus the heading, and scroll as many of its fields as fit into view."""
         self.heading.focus(scroll_visible=False)
         self._to_top()
 
@@ -134,6 +134,6 @@ class FieldGroup(Vertical):
 
 
 def _in_short(field: ParameterField) -> str:
-    """A field and its value in a few words: "feedback: approve", "time to decide: 6000 ms"."""
+    """Return a field and its value in a few words: "feedback: approve", "time to decide: 6000 ms"."""
     title = field.field.title.removesuffix(" mode")
     return f"{title[:1].lower()}{title[1:]}: {show(field.value) or 'none'} {field.field.unit}".rstrip()

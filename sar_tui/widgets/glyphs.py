@@ -5,7 +5,7 @@ from functools import cache
 from pyfiglet import Figlet
 
 FONT = "clb8x8"
-"""A font in which I, l and 1, O and 0 differ."""
+"""A font that distinguishes I, l and 1, O and 0."""
 
 _ARROW_RIGHT = (
     "    #   ",
@@ -33,7 +33,7 @@ def _figlet() -> Figlet:
 
 @cache
 def bitmap(text: str) -> tuple[str, ...]:
-    """The rows of a text, a ``#`` where it is inked; empty where the font has no such character."""
+    """Return the rows of a text, ``#`` for a dot; empty if the font has no such character."""
     if text in _DRAWN:
         return _DRAWN[text]
     rows = [row.rstrip("\n") for row in str(_figlet().renderText(text)).splitlines()]
@@ -46,9 +46,9 @@ def bitmap(text: str) -> tuple[str, ...]:
 
 @cache
 def draw(text: str, columns: int, rows: int) -> tuple[str, ...]:
-    """A text as large as fits into ``columns`` by ``rows`` cells; the text itself where not even the smallest does.
+    """Draw a text as large as fits into ``columns`` by ``rows`` cells; as plain text if that is too small.
 
-    A terminal's cell is about twice as high as it is wide, so a dot is two columns wide for each row.
+    A terminal's cell is about twice as high as wide, so a dot is two columns wide for each row.
     """
     dots = bitmap(text)
     if not dots:
@@ -63,7 +63,7 @@ def draw(text: str, columns: int, rows: int) -> tuple[str, ...]:
 
 
 def _half_blocks(dots: tuple[str, ...]) -> tuple[str, ...]:
-    """Two rows of dots in one of cells."""
+    """Draw two rows of dots in one row of cells."""
     blank = " " * len(dots[0])
     padded = (*dots, blank) if len(dots) % 2 else dots
     shapes = {"##": "█", "# ": "▀", " #": "▄", "  ": " "}

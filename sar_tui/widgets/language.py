@@ -1,4 +1,4 @@
-"""Where a widget finds the language that it has to speak."""
+"""The language of a widget's texts."""
 
 from typing import Any
 
@@ -8,6 +8,6 @@ from sar_tui.framework.language import Language
 
 
 def language_of(app: App[Any]) -> Language:
-    """The language of what an app shows: that of the topmost screen that has one (``tr``), else English."""
+    """Return the language of the topmost screen that has one (``tr``), else English."""
     spoken = (getattr(screen, "tr", None) for screen in reversed(app.screen_stack))
     return next((tr for tr in spoken if tr is not None), Language())

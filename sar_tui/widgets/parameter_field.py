@@ -19,14 +19,14 @@ _MARK, _TITLE, _EDITOR = 2, 26, 20
 
 
 class ParameterField(Widget):
-    """Title, value, unit, and under it what is allowed, what it means, or what is wrong.
+    """Title, value, unit and bounds, with the meaning or a problem below.
 
-    It knows its value, and what is wrong with it, whether it stands on a screen or not; and all but the value it
-    draws itself, for a form has so many fields that a widget for each word would make it slow.
+    It holds its value and problem also while it is not mounted. It draws everything except the value itself, because
+    a form of many fields would be slow with a widget for each text.
 
     Args:
         field: the declaration.
-        value: what it is set to.
+        value: the present value.
     """
 
     DEFAULT_CSS = f"""
@@ -41,10 +41,10 @@ class ParameterField(Widget):
         super().__init__(id=f"parameter-{field.name}")
         self.field = field
         self.value = value
-        """What the field holds: the value that was kept, or the default; a truth value, or text as it was typed."""
+        """The saved value or the default; after an edit, a bool or the typed text."""
         self.problem = ""
-        """What is wrong with the value, if anything is."""
-        self._told = (self.is_changed, self.beneath)
+        """Problem of the value; empty for none."""
+        self._drawn = (self.is_changed, self.note)
 
     def compose(self) -> ComposeResult:
         match self.field.kind:
@@ -56,7 +56,7 @@ class ParameterField(Widget):
                 yield Input(show(self.value), compact=True)
 
     def render(self) -> Content:
-        """All but the value itself, for which room is left."""
+        """Everything except the value, for which room is left."""
         mark = "●" if self.is_changed else ""
         lines = (
             Content.assemble(
@@ -66,14 +66,14 @@ class ParameterField(Widget):
             ),
             *(
                 Content.styled(f"  {line}", "$warning" if self.problem else "$text-muted")
-                for line in _wrapped(self.beneath, self.content_size.width)
+                for line in _wrapped(self.note, self.content_size.width)
             ),
         )
         return Content("\n").join(lines)
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """The lines of a field so wide."""
-        return 1 + len(_wrapped(self.beneath, width))
+        """Return the number of lines at this width."""
+        return 1 + len(_wrapped(self.note, width))
 
     @property
     def _about(self) -> str:
@@ -81,14 +81,14 @@ class ParameterField(Widget):
         return " ".join(filter(None, (self.field.unit, f"({bounds})" if bounds else "")))
 
     @property
-    def beneath(self) -> str:
-        """What is wrong, or what the parameter means and what it is by default."""
+    def note(self) -> str:
+        """The problem, or the meaning of the parameter and its default."""
         default = f" Default: {show(self.field.default) or 'none'}." if self.is_changed else ""
         return self.problem or self.field.help + default
 
     @property
     def is_changed(self) -> bool:
-        """Whether it differs from the default."""
+        """True if it differs from the default."""
         return show(self.value) != show(self.field.default)
 
     def focus_editor(self) -> None:
@@ -111,7 +111,7 @@ class ParameterField(Widget):
             self.post_message(self.Changed())
 
     def on_descendant_focus(self) -> None:
-        """The title stands out, and the help beneath the editor is shown with it.
+        """The title stands out, and the help note the editor is shown with it.
 
         Where a heading has just unfolded, the place of a field is known only with the next refresh.
         """
@@ -120,20 +120,20 @@ class ParameterField(Widget):
         self.call_after_refresh(self.scroll_visible, animate=False, immediate=True)
 
     def on_descendant_blur(self) -> None:
-        """The title stands out no more."""
+        """Draw the title without highlight."""
         self.refresh()
 
-    def tell(self, problem: str) -> None:
-        """Show the value as changed from its default or not, and as wrong if there is a problem."""
+    def show_problem(self, problem: str) -> None:
+        """Show a problem, or none, and whether the value differs from its default."""
         self.problem = problem
-        told = self.is_changed, self.beneath
-        if told != self._told:
-            self._told = told
+        drawn = self.is_changed, self.note
+        if drawn != self._drawn:
+            self._drawn = drawn
             if self.is_mounted:
-                self.refresh(layout=True)  # which lays out the whole form anew
+                self.refresh(layout=True)  # lays out the whole form again
 
 
 @lru_cache(maxsize=1024)
 def _wrapped(text: str, width: int) -> tuple[str, ...]:
-    """A text in lines that leave two columns on either side; a form measures every field several times."""
+    """Wrap a text with two columns left on either side. Cached: a form measures every field several times."""
     return tuple(line.plain for line in Content(text).wrap(max(width - 4, 1))) if text else ("",)

@@ -1,4 +1,4 @@
-"""Pictures that may stand for a drawn face, where the terminal can show them."""
+"""Pictures in place of drawn faces, for terminals that can show them."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,14 +9,13 @@ from textual.widget import Widget
 from sar_tui.widgets.robot import HEIGHT, WIDTH
 
 _PIXELS = (20 * WIDTH, 40 * HEIGHT)
-"""Terminals draw characters about twice as high as wide; what there is too little or too much of is scaled."""
+"""Size to scale pictures to: characters are about twice as high as wide."""
 
 
 def find_pictures() -> type[Widget] | None:
-    """The widget that shows pictures in this terminal; None where there is none, or the extra ``images`` is missing.
+    """Return the widget that shows pictures in this terminal; None if it cannot, or the extra ``images`` is missing.
 
-    It asks the terminal whether it understands one of the protocols (kitty, sixel), so it has to be called before an
-    app runs there.
+    Asks the terminal for its protocols (kitty, sixel), so it must be called before an app runs.
     """
     try:
         from textual_image.renderable import Image, SixelImage, TGPImage
@@ -24,14 +23,14 @@ def find_pictures() -> type[Widget] | None:
         if Image not in (SixelImage, TGPImage):
             return None
         from textual_image.widget import Image as Picture
-    except Exception:  # it is not installed, or the terminal answered with what nobody expects
+    except Exception:  # not installed, or an unexpected answer from the terminal
         return None
     found: type[Widget] = Picture
     return found
 
 
 def load_pictures(files: Mapping[str, Path]) -> dict[str, Any]:
-    """Pictures by their names, decoded and of one size; a file that is none is left out."""
+    """Return pictures by name, decoded and of one size, without files that cannot be read."""
     from PIL import Image, ImageOps
 
     pictures = {}
@@ -39,6 +38,6 @@ def load_pictures(files: Mapping[str, Path]) -> dict[str, Any]:
         try:
             with Image.open(path) as picture:
                 pictures[name] = ImageOps.pad(picture.convert("RGBA"), _PIXELS, color=(0, 0, 0, 0))
-        except Exception:  # what a broken file does to a decoder is nobody's to foresee
+        except Exception:  # a decoder may raise anything for a broken file
             continue
     return pictures

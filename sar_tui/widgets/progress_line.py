@@ -1,4 +1,4 @@
-"""How much is done, in words and as a line."""
+"""Progress, in words and as a line."""
 
 from textual.content import Content
 from textual.widget import Widget
@@ -7,7 +7,7 @@ from sar_tui.widgets.language import language_of
 
 
 class ProgressLine(Widget):
-    """Shows "Prompts 3 of 20 ━━───────". It has no timer: it changes only when it is told."""
+    """Shows "Prompts 3 of 20 ━━───────". It has no timer, and changes only by ``show``."""
 
     DEFAULT_CSS = "ProgressLine { height: 1; width: 1fr; margin-right: 2; }"
 
@@ -15,8 +15,8 @@ class ProgressLine(Widget):
         super().__init__(id=id)
         self._what, self._done, self._total = "", 0, 0
 
-    def tell(self, what: str, done: int, total: int) -> None:
-        """So many of ``what`` are done, of so many in all; ``what`` is in the screen's language."""
+    def show(self, what: str, done: int, total: int) -> None:
+        """Show that ``done`` of ``total`` are done; ``what`` is in the screen's language."""
         self._what, self._done, self._total = what, done, total
         self.refresh()
 

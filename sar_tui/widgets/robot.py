@@ -12,21 +12,21 @@ GAZES = {
     "up": Pose(nod=-0.5),
     "down": Pose(nod=0.5),
 }
-"""What looking somewhere adds to a pose."""
+"""Pose to add for a gaze."""
 _SEEN = 0.25
-"""A joint has to be this far from rest for a drawing in characters to show it."""
+"""Smallest distance from rest at which a joint is drawn differently."""
 _LEANS = 0.25
 _OUT, _SLANTED, _UP = 0.15, 0.45, 0.75
-"""From where on an arm is drawn stretched out, slanted, straight up."""
+"""Positions from which an arm is drawn stretched out, slanted, straight up."""
 _HEAD_TOP, _SHOULDERS = 1, 5
 _PLAIN = str.maketrans("╭╮╰╯─│╱╲●", "++++-|/\\o")
-"""A face drawn in ASCII has a body to match."""
+"""Characters of the body for a face in ASCII."""
 
 Cells = list[list[str]]
 
 
 def posed(pose: Pose, gaze: str = "ahead") -> Pose:
-    """A pose while looking somewhere (see `theme.GAZES`)."""
+    """Return a pose that looks somewhere (see `theme.GAZES`)."""
     look = GAZES.get(gaze)
     if look is None:
         return pose
@@ -34,11 +34,11 @@ def posed(pose: Pose, gaze: str = "ahead") -> Pose:
 
 
 def draw(face: Sequence[str], pose: Pose) -> list[str]:
-    """The robot in a pose: ``HEIGHT`` lines of ``WIDTH`` characters.
+    """Draw the robot in a pose: ``HEIGHT`` lines of ``WIDTH`` characters.
 
     Args:
         face: its lines, all of one width, at most 11 characters by 4 lines.
-        pose: what of it is large enough to be seen is drawn; 0 is rest.
+        pose: drawn where it is large enough to be seen; 0 is rest.
     """
     cells = [[" "] * WIDTH for _ in range(HEIGHT)]
     leans = pose.lean >= _LEANS
@@ -55,7 +55,7 @@ def draw(face: Sequence[str], pose: Pose) -> list[str]:
 
 
 def with_mouth(face: Sequence[str], mouth_line: int, mouth: Sequence[str]) -> list[str]:
-    """A face with the mouth of another."""
+    """Return a face with the mouth of another."""
     lines = list(face)
     if mouth_line < min(len(lines), len(mouth)):
         lines[mouth_line] = mouth[mouth_line]
@@ -63,7 +63,7 @@ def with_mouth(face: Sequence[str], mouth_line: int, mouth: Sequence[str]) -> li
 
 
 def _put_head(cells: Cells, face: Sequence[str], pose: Pose, *, leans: bool) -> None:
-    """The head hides what is behind it. Turned, its features move; leaning in, it comes down before the shoulders."""
+    """Draw the head over the body: turned, its features move; leaning in, it comes down over the shoulders."""
     lines = _turned(face, _step(pose.turn))
     top = _HEAD_TOP + (4 - len(lines)) + max(-1, min(1, _step(pose.nod) + leans))
     left = (WIDTH - len(lines[0])) // 2
@@ -80,7 +80,7 @@ def _put_head(cells: Cells, face: Sequence[str], pose: Pose, *, leans: bool) -> 
 
 
 def _turned(face: Sequence[str], step: int) -> list[str]:
-    """A face whose features, within its frame, are moved to one side if there is room for them."""
+    """Return a face with its features moved to one side within its frame, if there is room."""
     lines = list(face)
     for row in range(1, len(lines) - 1):
         frame = lines[row].rstrip()
@@ -95,7 +95,7 @@ def _turned(face: Sequence[str], step: int) -> list[str]:
 
 
 def _put_arm(cells: Cells, shoulder: int, side: int, raised: float) -> None:
-    """An arm from a shoulder's column, to the left (side -1) or the right (1)."""
+    """Draw an arm from a shoulder's column to the left (side -1) or the right (1)."""
     slant = "╱" if side > 0 else "╲"
     if raised < _OUT:
         _put(cells, shoulder + side, _SHOULDERS + 1, "╲" if side > 0 else "╱")
@@ -118,7 +118,7 @@ def _put_arm(cells: Cells, shoulder: int, side: int, raised: float) -> None:
 
 
 def _step(value: float) -> int:
-    """A joint as a step of one character, or none."""
+    """Return a joint's position as a step of -1, 0 or 1 characters."""
     return (value >= _SEEN) - (value <= -_SEEN)
 
 
@@ -127,7 +127,7 @@ def _add(one: float, other: float) -> float:
 
 
 def _put(cells: Cells, column: int, row: int, text: str) -> None:
-    """Write over what is there; what lies outside is left out."""
+    """Write text into the cells; text outside of them is cut off."""
     for offset, character in enumerate(text):
         if 0 <= row < HEIGHT and 0 <= column + offset < WIDTH:
             cells[row][column + offset] = character

@@ -1,4 +1,4 @@
-"""Reaches as curves: how fast the hand turned, out and back, over time."""
+"""Reaches as curves: angular rate of the hand over time."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -15,10 +15,10 @@ from sar_tui.motion.trace import Trace
 from sar_tui.widgets.language import language_of
 
 SMALLEST = (40, 6)
-"""Columns and rows that a plot needs."""
+"""Smallest size of a plot, columns and rows."""
 
 PARTS = ("out", "dwell", "back", "rest", "earlier", "axis")
-"""What of a plot may have a style of its own: the phases of the newest reach, its rest, reaches before, all else."""
+"""Parts of a plot with a style: the newest reach's phases, its rest, earlier reaches, and everything else."""
 Styles = Mapping[str, str | Style]
 
 _ENGLISH = Language()
@@ -32,7 +32,7 @@ _STEPS = [round(m * 10.0**power, 3) for power in range(-2, 4) for m in (1, 2, 5)
 
 
 class SpeedTrace(Widget):
-    """Shows a few reaches, the newest as a full line, those before as dots. It is still unless told to change."""
+    """Shows a few reaches, the newest as a full line, earlier ones as dots. It has no timer."""
 
     COMPONENT_CLASSES: ClassVar[set[str]] = {f"speed-trace--{part}" for part in PARTS}
     DEFAULT_CSS = """
@@ -70,13 +70,13 @@ def draw_traces(
     Args:
         traces: the newest last, at least one.
         width, height: in characters, at least 40 by 6; from 9 rows on, several reaches have a legend.
-        styles: how ``PARTS`` look; the text tells the same without.
+        styles: of the ``PARTS``; the plot can be read without.
         tr: the language of the phases' names and of the figures.
     """
     width, height = max(width, SMALLEST[0]), max(height, SMALLEST[1])
     styles = styles or {}
-    told = height >= _LEGEND_FROM and len(traces) > 1
-    legend = [_legend(traces, width, styles.get("axis", ""), tr)] if told else []
+    has_legend = height >= _LEGEND_FROM and len(traces) > 1
+    legend = [_legend(traces, width, styles.get("axis", ""), tr)] if has_legend else []
     plot = _Plot(traces, width - _MARGIN, height - 2 - len(legend), tr)
     lines = [plot.phase_names(styles), *plot.body(styles), plot.time_axis(styles), *legend]
     return Text("\n", no_wrap=True, end="").join(lines)
@@ -89,7 +89,7 @@ def _legend(traces: Sequence[Trace], width: int, style: str | Style, tr: Languag
 
 
 class _Plot:
-    """The scales of a plot, and what they make of its curves: ``columns`` by ``rows`` cells of 2 by 4 dots."""
+    """A plot of ``columns`` by ``rows`` cells of 2 by 4 dots, with its scales."""
 
     def __init__(self, traces: Sequence[Trace], columns: int, rows: int, tr: Language) -> None:
         self.tr = tr
@@ -108,7 +108,7 @@ class _Plot:
         self.bounds = [self._column(t) for t in times]
 
     def phase_names(self, styles: Styles) -> Text:
-        """The newest reach's phases, each between brackets as wide as it lasts."""
+        """Return the line of the newest reach's phases, each in brackets as wide as it lasts."""
         tr, (onset, arrival, departure, end) = self.tr, self.bounds
         line = Text("rad/s".ljust(_MARGIN) + " " * onset, styles.get("axis", ""))
         phases = (("out", tr("out"), arrival - onset), ("dwell", tr("dwell"), departure - arrival))
@@ -118,7 +118,7 @@ class _Plot:
         return line
 
     def body(self, styles: Styles) -> list[Text]:
-        """The rows between the phases' names and the time."""
+        """Return the rows between the phases' names and the time axis."""
         strong = self._dots([self.newest])
         faint = self._dots(self.traces[:-1], every=2)
         labels = self._labels()
@@ -138,7 +138,7 @@ class _Plot:
         return lines
 
     def time_axis(self, styles: Styles) -> Text:
-        """Seconds since the onset."""
+        """Return the time axis, in seconds since the onset."""
         per_cell = (self.to_s - self.from_s) / self.columns
         step = next(step for step in _STEPS if step >= 9 * per_cell)
         cells = [" "] * (self.columns + _MARGIN)
@@ -160,7 +160,7 @@ class _Plot:
         return "out" if column < arrival else "dwell" if column < departure else "back"
 
     def _dots(self, traces: Sequence[Trace], every: int = 1) -> npt.NDArray[np.uint8]:
-        """The Braille dots of curves, shape (rows, columns); only of every so many columns of dots."""
+        """Return the Braille dots of curves, shape (rows, columns), drawn in every ``every``-th column of dots."""
         cells = np.zeros((self.rows, self.columns), dtype=np.uint8)
         time = self.from_s + (np.arange(2 * self.columns) + 0.5) / (2 * self.columns) * (self.to_s - self.from_s)
         for trace in traces:
@@ -180,7 +180,7 @@ class _Plot:
         return cells
 
     def _labels(self) -> dict[int, str]:
-        """Round numbers for the rows they belong to."""
+        """Return round numbers, by the row they label."""
         step = next(step for step in _STEPS if step >= 4 * self._unit)
         labels = {}
         for count in range(-self.rows, self.rows + 1):
@@ -191,7 +191,7 @@ class _Plot:
 
 
 def _bracket(name: str, width: int) -> str:
-    """A name between brackets; as much of both as there is room for."""
+    """Return a name in brackets, shortened to fit."""
     if width >= len(name) + 4:
         return "├" + f" {name} ".center(width - 2, "─") + "┤"
     if width >= len(name):

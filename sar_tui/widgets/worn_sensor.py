@@ -1,4 +1,4 @@
-"""The sensor on the back of the hand, as in the thesis' Figure 4.7, and its three axes as bars."""
+"""Drawing of the sensor on the back of the hand (Figure 4.7 of the thesis), and bars for its axes."""
 
 import math
 
@@ -7,7 +7,7 @@ from textual.content import Content
 from sar_tui.motion.bounds import Hand
 
 FULL_RAD_S = 4.0
-"""The angular rate at which a bar is full."""
+"""Angular rate of a full bar."""
 
 _RIGHT = """\
        ╭─╮╭─╮
@@ -32,16 +32,16 @@ _LEFT = """\
 ╰╮         ╭─╯
  │         │"""
 DRAWN: dict[Hand, str] = {"right": _RIGHT, "left": _LEFT}
-"""A hand from above, palm down: y along the fingers, z out of the back of the hand, towards the eye."""
+"""Hands from above, palm down: y along the fingers, z out of the back of the hand, towards the viewer."""
 
 
 def draw_hand(hand: Hand) -> Content:
-    """A hand with the sensor on it, the axes in the theme's accent."""
+    """Draw a hand with the sensor on it, its axes in the theme's accent colour."""
     return Content(DRAWN[hand]).highlight_regex("[xyz⊙↑→┴├]", style="bold $accent")
 
 
 def bar(value: float, half: int) -> str:
-    """A signed value as a bar about a middle, ``half`` cells on either side; it grows by half a cell."""
+    """Draw a signed value as a bar from the middle, ``half`` cells on either side, in steps of half a cell."""
     steps = min(2 * half, round(abs(value) / FULL_RAD_S * 2 * half)) if math.isfinite(value) else 0
     whole, rest = divmod(steps, 2)
     empty = "─" * (half - whole - rest)

@@ -1,4 +1,4 @@
-"""The screen of two: each has a half of it, headed with whose it is, whose turn it is and who was ahead."""
+"""A screen in two halves, each headed with its participant, the turn and how often they were ahead."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from sar_tui.widgets.task_view import TaskView
 
 _WALL = "│"
 _TURN_KNOWN = ("foreperiod", "storage", "response")
-"""Waits at which the turn stays as it was announced: by then nothing may change on the screen."""
+"""Waits during which the announced turn stays: nothing may change on the screen."""
 
 
 class PairsView(TaskView):
@@ -64,7 +64,7 @@ class PairsView(TaskView):
 
     @classmethod
     def facts(cls, attempts: Sequence[AttemptEnded], metric: Metric, tr: Language) -> list[str]:
-        """How often this seat was ahead, how often both were together, and what a look to the other side cost."""
+        """Return how often this seat was ahead, how often both were together, and the congruency effect."""
         trials = sum(a.trials for a in attempts)
         facts = []
         if won := _measured(attempts, "won"):
@@ -79,7 +79,7 @@ class PairsView(TaskView):
 
     @classmethod
     def findings(cls, attempts: Sequence[AttemptEnded], metric: Metric) -> list[str]:
-        """The same, the congruency effect by its name."""
+        """Return the same, with the congruency effect by its name."""
         facts = cls.facts(attempts, metric, Language())
         if effects := _measured(attempts, "congruency_effect_ms"):
             facts[-1] = (

@@ -71,7 +71,7 @@ class AppDriver:
             self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
         await self.settle()
 
-    async def tell(self, event: Message) -> None:
+    async def send_event(self, event: Message) -> None:
         """Let the terminal tell an event."""
         self.app.post_message(event)
         await self.settle()
@@ -222,7 +222,7 @@ def stored(data: Path, query: str, *values: object) -> list[tuple[Any, ...]]:
 
 
 @asynccontextmanager
-async def sit_down(
+async def open_app(
     data: Path,
     catalogue: Catalogue,
     begin: Plan | str | None = None,

@@ -11,7 +11,7 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
-from tests.app.app_driver import AppDriver, plan, sit_down
+from tests.app.app_driver import AppDriver, open_app, plan
 from tests.app.fake_voice import Voice
 from tests.app.test_quiet_screen import count_frames
 
@@ -47,7 +47,7 @@ def mouth(theme: Theme, face: str) -> str:
 async def test_the_mouth_moves_while_a_voice_sounds_and_only_then(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme, voice: Voice
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
         await driver.wait(3000)
         assert voice.asked[0][1] == driver.said
         assert mouth(calm, "happy") in robot(driver)
@@ -64,7 +64,7 @@ async def test_the_mouth_moves_while_a_voice_sounds_and_only_then(
 async def test_a_trial_goes_on_when_the_agent_has_spoken_and_its_words_stand_till_then(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
         await voice.begin(driver)
         await driver.press("enter")
         await driver.wait(300)
@@ -86,7 +86,7 @@ async def test_a_trial_goes_on_when_the_agent_has_spoken_and_its_words_stand_til
 async def test_a_voice_that_sounds_on_into_a_response_window_draws_nothing(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
         await voice.end(driver)
         prompt = await driver.to_first_prompt()
         agent = driver.app.screen.query_one(Agent)
@@ -105,7 +105,7 @@ async def test_a_voice_that_sounds_on_into_a_response_window_draws_nothing(
 async def test_the_goodbye_is_spoken_while_the_summary_stands_and_the_voice_is_let_go_of_after(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1, **SPOKEN)) as driver:
         await voice.end(driver)
         await driver.do_attempt(await driver.to_first_prompt())
         await voice.end(driver)
@@ -127,7 +127,7 @@ async def test_the_goodbye_is_spoken_while_the_summary_stands_and_the_voice_is_l
 async def test_a_voice_that_fails_is_told_beside_its_words_and_at_the_top_until_it_speaks_again(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
         assert "no voice" not in driver.text
         words = driver.said
         await driver.wait(3000)
@@ -145,7 +145,7 @@ async def test_a_voice_that_fails_is_told_beside_its_words_and_at_the_top_until_
 async def test_without_the_screen_the_agent_is_only_there_while_its_words_have_to_be_read(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
         agent = driver.app.screen.query_one(Agent)
         await voice.begin(driver)
         await voice.end(driver)
@@ -169,7 +169,7 @@ async def test_without_the_screen_the_agent_is_only_there_while_its_words_have_t
 async def test_who_holds_a_key_is_asked_to_let_go_of_it_also_where_the_agent_is_not_seen(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
         agent = driver.app.screen.query_one(Agent)
         await voice.end(driver)
         await driver.press("enter")
@@ -186,7 +186,7 @@ async def test_who_holds_a_key_is_asked_to_let_go_of_it_also_where_the_agent_is_
 async def test_a_voice_that_fails_in_a_trial_is_told_when_the_trial_is_over(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
         await voice.end(driver)
         prompt = await driver.to_first_prompt()
         frames = count_frames(driver, monkeypatch)
@@ -206,7 +206,7 @@ async def test_a_voice_that_fails_in_a_trial_is_told_when_the_trial_is_over(
 async def test_an_answer_that_comes_later_is_waited_for_with_a_thinking_face(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, feedback_delay_ms=3000)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, feedback_delay_ms=3000)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         assert driver.sees("One moment…")
         assert mouth(calm, "thinking") in robot(driver)
@@ -223,7 +223,7 @@ async def test_who_thinks_and_has_nothing_to_say_listens_again(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme
 ) -> None:
     settings = {"feedback_delay_ms": 3000, "feedback_every": 2, "attempts": 3, "encouragement": False}
-    async with sit_down(data, catalogue, plan(keyboard, **settings)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **settings)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(3100)
         assert driver.sees("Press Enter to begin attempt 2 of 3.")
@@ -234,7 +234,7 @@ async def test_who_thinks_and_has_nothing_to_say_listens_again(
 async def test_who_wants_to_know_how_it_went_asks_with_tab(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, feedback_schedule="request", encouragement=False)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, feedback_schedule="request", encouragement=False)) as driver:
         await driver.press("enter")
         assert "Tab" not in driver.text
         await driver.do_attempt(await driver.begin())
@@ -254,7 +254,7 @@ async def test_who_wants_to_know_how_it_went_asks_with_tab(
 async def test_f2_stops_the_agent_on_every_screen_of_a_session(
     where: str, data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1, **SPOKEN)) as driver:
         if where == "help":
             await driver.press("f1")
         elif where == "palette":
@@ -282,7 +282,7 @@ async def test_f2_stops_the_agent_on_every_screen_of_a_session(
 async def test_what_was_stopped_is_still_at_once_and_the_log_has_how_long_each_output_took(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme, voice: Voice
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
         await voice.begin(driver)
         await driver.wait(500)
         assert "●" in robot(driver).splitlines()[2][17:]  # it waves
@@ -298,11 +298,11 @@ async def test_what_was_stopped_is_still_at_once_and_the_log_has_how_long_each_o
 async def test_the_stop_key_is_offered_where_there_is_a_voice_to_stop(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
         assert "F2 Stop robot" in driver.rows[-1], "the output of this test is a plug-in"
         await driver.press("f1")
         assert driver.sees("F2 Stop robot")
-    async with sit_down(data, catalogue, plan(keyboard, "P02")) as driver:
+    async with open_app(data, catalogue, plan(keyboard, "P02")) as driver:
         assert "F2 Stop" not in driver.text
         await driver.wait(500)
         assert driver.app.screen.query_one(Agent).is_moving
@@ -311,7 +311,7 @@ async def test_the_stop_key_is_offered_where_there_is_a_voice_to_stop(
 
 
 async def test_without_a_session_f2_is_the_screens_own(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("enter")
         await driver.write(*"p01")
         await driver.press("enter", "f2")
@@ -334,7 +334,7 @@ async def test_words_have_the_colour_of_their_valence_and_what_joins_them_has_no
     name: str, valence: str | None, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     colors = catalogue.theme(name).colors
-    async with sit_down(data, catalogue, plan(keyboard, theme=name)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, theme=name)) as driver:
         agent = driver.app.screen.query_one(Agent)
         agent.say("Well done.", "happy", valence)
         agent.say("Have a rest.", "sleeping", joins=True)
@@ -356,7 +356,7 @@ async def test_the_longest_words_fit_beside_the_agent_and_leave_room_for_what_to
     performance = [each for each in PERFORMANCE if each.endswith("figures")]
     words = " ".join(longest(theme, each) for each in (in_words, in_figures, performance))
     more = longest(theme, ["rest", "encouragement"])
-    async with sit_down(data, catalogue, plan(keyboard, theme=name, language=language, attempts=200)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, theme=name, language=language, attempts=200)) as driver:
         await driver.press("enter")
         at_foot, press = driver.rows[-2:], driver.app.screen.query_one("#enter").render()  # type: ignore[attr-defined]
         agent = driver.app.screen.query_one(Agent)

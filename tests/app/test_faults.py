@@ -13,13 +13,13 @@ from sar_tui.framework.trial_types import Result, Trial
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
 from sar_tui.store.database import StoreError
-from tests.app.app_driver import AppDriver, known, plan, sit_down, stored
+from tests.app.app_driver import AppDriver, known, open_app, plan, stored
 
 
 async def test_a_disk_that_refuses_sends_for_the_experimenter_and_the_session_goes_on_after(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.disk(False)
         assert driver.sees("Please fetch the experimenter")
@@ -48,7 +48,7 @@ async def test_a_task_that_raises_sends_for_the_experimenter_and_the_app_fails(
                 raise RuntimeError("a wire is loose")
             return Result(correct=True, response=percept.key, response_at=percept.at, value=1.0)
 
-    async with sit_down(data, catalogue, plan(Loose)) as driver:
+    async with open_app(data, catalogue, plan(Loose)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         assert driver.sees("Please fetch the experimenter")
         assert driver.sees("Everything you did is kept.")
@@ -74,7 +74,7 @@ async def test_a_task_that_cannot_be_set_up_is_told_on_the_home_screen(data: Pat
             return Unplugged
 
     known(data, "P01")
-    async with sit_down(data, Missing()) as driver:
+    async with open_app(data, Missing()) as driver:
         await driver.press("right", "right", "right", "enter")
         assert driver.screen_name == "HomeScreen"
         assert driver.sees("cannot be set up (OSError: no sensor)")
@@ -83,7 +83,7 @@ async def test_a_task_that_cannot_be_set_up_is_told_on_the_home_screen(data: Pat
 async def test_a_session_that_cannot_be_gone_on_with_ends_the_app_with_a_sentence(
     data: Path, catalogue: Catalogue
 ) -> None:
-    async with sit_down(data, catalogue, "nosuchsession") as driver:
+    async with open_app(data, catalogue, "nosuchsession") as driver:
         assert not driver.app.is_running
         assert driver.app.return_code == 1
         assert driver.app.failure == "There is no session nosuchsession. `sar-tui sessions` lists them."
@@ -93,7 +93,7 @@ async def test_a_session_that_cannot_be_gone_on_with_ends_the_app_with_a_sentenc
 async def test_a_window_that_is_too_small_from_the_start_says_so_and_recovers(
     size: tuple[int, int], data: Path, catalogue: Catalogue
 ) -> None:
-    async with sit_down(data, catalogue, size=size) as driver:
+    async with open_app(data, catalogue, size=size) as driver:
         assert driver.sees("This window is too small.")
         await driver.resize(60, 20)
         assert driver.sees("It has 60 by 20 characters; 80 by 24 are needed.")
@@ -111,7 +111,7 @@ async def test_a_window_that_is_too_small_from_the_start_says_so_and_recovers(
 async def test_a_window_that_grows_under_the_help_or_the_palette_recovers_when_they_are_closed(
     key: str, data: Path, catalogue: Catalogue
 ) -> None:
-    async with sit_down(data, catalogue, size=(70, 20)) as driver:
+    async with open_app(data, catalogue, size=(70, 20)) as driver:
         await driver.press(key)
         await driver.resize(100, 30)
         await driver.press("escape")
@@ -119,7 +119,7 @@ async def test_a_window_that_grows_under_the_help_or_the_palette_recovers_when_t
 
 
 async def test_a_window_that_shrinks_again_under_the_help_is_covered_once(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue, size=(70, 20)) as driver:
+    async with open_app(data, catalogue, size=(70, 20)) as driver:
         await driver.press("f1")
         await driver.resize(60, 20)
         assert [type(screen).__name__ for screen in driver.app.screen_stack].count("TooSmallScreen") == 1
@@ -136,7 +136,7 @@ def _refuse(driver: AppDriver) -> None:
 
 async def test_a_disk_that_refuses_the_settings_is_told_and_the_form_stays(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         _refuse(driver)
         await driver.press("ctrl+s")
@@ -147,7 +147,7 @@ async def test_a_disk_that_refuses_the_settings_is_told_and_the_form_stays(data:
 
 async def test_a_disk_that_refuses_is_told_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         _refuse(driver)
         await driver.press("right", "right", "right", "enter")
         assert driver.screen_name == "HomeScreen"
@@ -162,7 +162,7 @@ async def test_a_disk_that_refuses_a_new_session_is_told_on_the_home_screen(
 
     known(data, "P01")
     monkeypatch.setattr("sar_tui.store.sessions.create", refuse)
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
         assert driver.screen_name == "HomeScreen"
         assert driver.sees("disk I/O error")
@@ -175,7 +175,7 @@ async def test_a_disk_that_refuses_a_participant_is_told_and_the_code_stays(
         raise StoreError("The disk is full.")
 
     monkeypatch.setattr("sar_tui.store.participants.add", refuse)
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("enter")
         await driver.write(*"P07")
         await driver.press("enter")
@@ -191,7 +191,7 @@ async def test_messages_that_the_disk_never_took_are_told_when_the_session_is_le
         raise StoreError("The disk is full.")
 
     known(data, "P01")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
         await driver.do_session()
         assert driver.app.live

@@ -6,12 +6,12 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import known, plan, sit_down
+from tests.app.app_driver import known, open_app, plan
 
 
 @pytest.mark.parametrize("key", ["f1", "?"])
 async def test_help_tells_what_a_screen_is_for_and_its_keys(key: str, data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press(key)
         assert driver.sees("Choose who takes part, the task and the theme; then Start.")
         for words in ("F2 Settings (therapist)", "Ctrl-Q Quit", "F1 Help", "Press Enter to close this."):
@@ -25,7 +25,7 @@ async def test_help_tells_what_a_screen_is_for_and_its_keys(key: str, data: Path
 async def test_the_footer_offers_a_pause_where_there_is_something_to_pause(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         assert "Esc Pause" in driver.rows[-1]
         assert "Ctrl-Q Quit" in driver.rows[-1]
         assert "Ctrl-P palette" in driver.rows[-1]
@@ -35,14 +35,14 @@ async def test_the_footer_offers_a_pause_where_there_is_something_to_pause(
 
 async def test_every_key_of_the_settings_fits_into_the_footer(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         for words in ("Ctrl-S Save", "Ctrl-R Reset this", "Esc Back", "Ctrl-Q Quit", "F1 Help", "Ctrl-P palette"):
             assert words in driver.rows[-1]
 
 
 async def test_the_palette_offers_help_the_themes_and_the_way_out(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("ctrl+p")
         for words in ("Help", "Theme: Calm", "Theme: High contrast", "Quit"):
             assert driver.sees(words)

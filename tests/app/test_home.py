@@ -7,11 +7,11 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import known, plan, sit_down, stored
+from tests.app.app_driver import known, open_app, plan, stored
 
 
 async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         assert driver.sees("+ New participant")
         await driver.press("enter")
         await driver.write(*"p01")
@@ -26,7 +26,7 @@ async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(data
 async def test_a_known_participant_needs_nothing_but_arrows_and_enter(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
     known(data, "P02")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("down", "right", "right", "right", "enter")
         assert driver.sees("Welcome")
     assert stored(data, "SELECT participant FROM seats") == [("P02",)]
@@ -34,7 +34,7 @@ async def test_a_known_participant_needs_nothing_but_arrows_and_enter(data: Path
 
 @pytest.mark.parametrize("code", ["Peter Maier", "-1", "P/01", "Jürgen"])
 async def test_what_cannot_be_a_code_is_explained_and_not_taken(code: str, data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("enter")
         await driver.write(*code)
         assert driver.sees("1 to 32 letters, digits, - or _")
@@ -45,7 +45,7 @@ async def test_what_cannot_be_a_code_is_explained_and_not_taken(code: str, data:
 
 async def test_a_code_that_is_taken_is_told_as_taken(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("down", "enter")
         await driver.write(*"p01")
         assert driver.sees("This code is taken.")
@@ -57,7 +57,7 @@ async def test_a_code_that_is_taken_is_told_as_taken(data: Path, catalogue: Cata
 
 
 async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
         assert driver.screen_name == "HomeScreen"
         assert driver.sees("Choose or add a participant first.")
@@ -70,7 +70,7 @@ async def test_a_theme_is_worn_as_soon_as_it_is_chosen_and_kept_for_its_particip
 ) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     known(data, "P02")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         assert driver.app.theme == "sar-calm"
         await driver.press("right", "right", "down")
         assert driver.app.theme == "sar-high-contrast"
@@ -78,7 +78,7 @@ async def test_a_theme_is_worn_as_soon_as_it_is_chosen_and_kept_for_its_particip
         await driver.do_session()
         await driver.press("enter")
         assert driver.screen_name == "HomeScreen"
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         assert driver.app.theme == "sar-high-contrast"
         await driver.press("down")
         assert driver.app.theme == "sar-calm"
@@ -88,7 +88,7 @@ async def test_a_theme_is_worn_as_soon_as_it_is_chosen_and_kept_for_its_particip
 
 async def test_a_theme_that_was_chosen_stands_through_a_look_at_the_settings(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "down")
         await driver.press("f2")
         assert driver.screen_name == "SettingsScreen"
@@ -99,7 +99,7 @@ async def test_a_theme_that_was_chosen_stands_through_a_look_at_the_settings(dat
 
 async def test_a_participants_settings_are_used_by_their_next_session(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=3, prompts_per_attempt=7)
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
         assert driver.sees("An attempt asks for 7 keys.")
         await driver.press("enter")
@@ -108,7 +108,7 @@ async def test_a_participants_settings_are_used_by_their_next_session(data: Path
 
 async def test_settings_that_no_longer_fit_are_told_and_no_session_begins(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=9999)
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
         assert driver.screen_name == "HomeScreen"
         assert driver.sees("The settings of P01 do not fit")
@@ -118,13 +118,13 @@ async def test_settings_that_no_longer_fit_are_told_and_no_session_begins(data: 
 async def test_an_interrupted_session_stands_first_and_enter_goes_on_with_it(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, "P01")) as driver:
+    async with open_app(data, catalogue, plan(keyboard, "P01")) as driver:
         await driver.answer(await driver.to_first_prompt())
         left_at = await driver.to_prompt()
         session = driver.session_id
-    async with sit_down(data, catalogue, plan(keyboard, "P02", attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, "P02", attempts=1)) as driver:
         await driver.do_session()
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         recent = [row for row in driver.rows if "keyboard  " in row]
         assert "P01" in recent[0]
         assert "interrupted: Enter goes on" in recent[0]
@@ -154,9 +154,9 @@ async def test_an_interrupted_session_stands_first_and_enter_goes_on_with_it(
 async def test_a_completed_session_is_shown_with_its_plot(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.do_session()
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press(*["right"] * 5, "enter")
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees(f"P01 · keyboard · {datetime.now():%Y-%m-%d}")
@@ -170,11 +170,11 @@ async def test_a_completed_session_is_shown_with_its_plot(
 async def test_a_session_whose_task_is_gone_is_shown_as_it_was(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, attempts=1)) as driver:
         await driver.do_session()
     nothing = Catalogue()
     nothing._tasks = ()
-    async with sit_down(data, nothing) as driver:
+    async with open_app(data, nothing) as driver:
         await driver.press(*["right"] * 5, "enter")
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees("You did 1 attempt; goal reached in 1. Best: 400 ms. Highest level: 1.")
@@ -185,7 +185,7 @@ async def test_a_session_whose_task_is_gone_is_shown_as_it_was(
 async def test_a_participant_in_another_window_cannot_sit_down_twice(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)), sit_down(data, catalogue) as second:
+    async with open_app(data, catalogue, plan(keyboard)), open_app(data, catalogue) as second:
         await second.press("right", "right", "right", "enter")
         assert second.screen_name == "HomeScreen"
         assert second.sees("in a live session already")
@@ -196,5 +196,5 @@ async def test_a_terminal_that_blurs_timing_is_told_as_such(
 ) -> None:
     monkeypatch.setenv("SSH_CONNECTION", "somewhere")
     monkeypatch.setenv("TMUX", "some")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         assert driver.sees("inside ssh and tmux: reaction times are less exact")

@@ -7,11 +7,11 @@ from textual.events import AppBlur, AppFocus, Paste
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import known, plan, sit_down, stored
+from tests.app.app_driver import known, open_app, plan, stored
 
 
 async def test_what_is_typed_into_a_form_is_never_among_the_events(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("enter")
         await driver.write(*"secret7")
         await driver.press("enter", "f2", "end", "backspace", "backspace")
@@ -27,7 +27,7 @@ async def test_what_is_typed_into_a_form_is_never_among_the_events(data: Path, c
 
 async def test_nothing_is_recorded_after_a_session_is_left(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
         await driver.do_session()
         await driver.press("enter")
@@ -36,15 +36,15 @@ async def test_nothing_is_recorded_after_a_session_is_left(data: Path, catalogue
         driver.app.screen.query_one("#participant").focus()
         await driver.press("up", "enter")
         await driver.write(*"p02")
-        await driver.tell(AppBlur())
-        await driver.tell(AppFocus())
+        await driver.send_event(AppBlur())
+        await driver.send_event(AppFocus())
         assert driver.stored("SELECT count(*) FROM events") == before
 
 
 async def test_what_is_typed_into_the_palette_is_never_among_the_events(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("ctrl+p")
         await driver.write(*"help")
@@ -55,7 +55,7 @@ async def test_what_is_typed_into_the_palette_is_never_among_the_events(
 async def test_a_question_mark_asks_for_help_but_in_a_trial_it_is_a_response(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, levels="?x")) as driver:
+    async with open_app(data, catalogue, plan(keyboard, levels="?x")) as driver:
         await driver.press("?")
         assert driver.screen_name == "HelpScreen"
         assert driver.sees("Press that key as fast as you can, and then wait for the next one.")
@@ -73,7 +73,7 @@ async def test_a_question_mark_asks_for_help_but_in_a_trial_it_is_a_response(
 async def test_any_other_key_in_a_trial_is_a_response_and_nothing_else(
     key: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.wait(400)
         await driver.press(key)
@@ -85,9 +85,9 @@ async def test_any_other_key_in_a_trial_is_a_response_and_nothing_else(
 async def test_pasted_text_is_a_paste_and_no_response_and_only_its_length_is_kept(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         prompt = await driver.to_first_prompt()
-        await driver.tell(Paste(prompt.expected + "ord7"))
+        await driver.send_event(Paste(prompt.expected + "ord7"))
         assert [paste["length"] for paste in driver.messages("input/paste")] == [5]
         assert not any("ord7" in text for (text,) in driver.stored("SELECT message FROM events"))
         await driver.answer(prompt)
@@ -98,10 +98,10 @@ async def test_pasted_text_is_a_paste_and_no_response_and_only_its_length_is_kep
 async def test_a_window_that_loses_the_focus_is_an_event_and_flags_the_trial(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         prompt = await driver.to_first_prompt()
-        await driver.tell(AppBlur())
-        await driver.tell(AppFocus())
+        await driver.send_event(AppBlur())
+        await driver.send_event(AppFocus())
         assert [change["focused"] for change in driver.messages("input/focus")] == [False, True]
         await driver.answer(prompt)
         ((flags,),) = driver.stored("SELECT json_extract(timing, '$.flags') FROM trials")
@@ -111,7 +111,7 @@ async def test_a_window_that_loses_the_focus_is_an_event_and_flags_the_trial(
 async def test_quitting_in_a_trial_leaves_a_session_to_go_on_with(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.to_prompt()
         await driver.press("ctrl+q")
@@ -123,10 +123,10 @@ async def test_quitting_in_a_trial_leaves_a_session_to_go_on_with(
 async def test_ctrl_c_stops_the_app_anywhere_with_its_own_exit_code(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("ctrl+c")
         assert driver.app.return_code == 130
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("ctrl+c")
         assert driver.app.return_code == 130

@@ -19,7 +19,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.language import app_language, session_language
-from tests.app.app_driver import AppDriver, known, sit_down
+from tests.app.app_driver import AppDriver, known, open_app
 from tests.untranslated import english_in, phrases
 
 APP = Path(sar_tui.app.__file__).parent
@@ -90,7 +90,7 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
     data: Path, catalogue: Catalogue
 ) -> None:
     settings = {"prompts_per_attempt": 2, "practice_attempts": 1, "threshold": 850.0}
-    async with sit_down(data, catalogue, plan(catalogue, "keyboard", **settings)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, "keyboard", **settings)) as driver:
         tour = Tour(driver)
         tour.look("Reacción con el teclado", "Le damos la bienvenida", "Pulse Enter para seguir.", "Pausa", "Ayuda")
         await tour.press("f1", "Cuando se lo pida la pantalla, pulse Enter.", "Pulse Enter para cerrar esto.")
@@ -130,7 +130,7 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
 async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary(
     data: Path, catalogue: Catalogue
 ) -> None:
-    async with sit_down(data, catalogue, plan(catalogue, "reaching", imu="simulated")) as driver:
+    async with open_app(data, catalogue, plan(catalogue, "reaching", imu="simulated")) as driver:
         tour = Tour(driver)
         await driver.wait(2000)
         tour.look("Comprobar el sensor", "Sujete el sensor como en el dibujo", "Muestras", "Empezar", "Alcance")
@@ -171,11 +171,11 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
 
 
 async def test_an_interrupted_session_is_gone_on_with_in_its_language(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue, plan(catalogue, "keyboard", prompts_per_attempt=2)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, "keyboard", prompts_per_attempt=2)) as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.wait(300)
         session = driver.session_id
-    async with sit_down(data, catalogue, session) as driver:
+    async with open_app(data, catalogue, session) as driver:
         tour = Tour(driver)
         tour.look("Nos alegra verle de nuevo", "Seguimos con el intento 1 de 2.", "Pulse Enter para seguir.")
         assert tour.found(catalogue) == []
@@ -185,7 +185,7 @@ async def test_the_help_and_the_footer_of_the_first_screen_stay_english_after_a_
     data: Path, catalogue: Catalogue
 ) -> None:
     known(data, "P01", language="es")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
         assert "F1 Ayuda" in driver.rows[-1]
         await driver.press("escape", "up", "enter", "down", "enter")
@@ -204,7 +204,7 @@ async def test_a_theme_may_call_things_by_its_own_words(
     theme = catalogue.theme("calm", "es")
     own = msgspec.structs.replace(theme, texts={"Welcome": "¡Hola!", "Your goal: less than {goal}.": "Meta: {goal}."})
     monkeypatch.setattr(Catalogue, "theme", lambda self, name, language="en": own)
-    async with sit_down(data, catalogue, plan(catalogue, "keyboard")) as driver:
+    async with open_app(data, catalogue, plan(catalogue, "keyboard")) as driver:
         assert driver.sees("¡Hola!")
         assert driver.sees("Pulse Enter para seguir.")
         assert driver.session.task.tr("Your goal: less than {goal}.", goal="5 s") == "Meta: 5 s."

@@ -11,7 +11,7 @@ from sar_tui.link import protocol
 from sar_tui.link.channel import OutgoingBatch, OutgoingSnapshot
 from sar_tui.link.protocol import ActReceived, PeerJoined, SnapshotRequested
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import plan, sit_down, stored
+from tests.app.app_driver import open_app, plan, stored
 from tests.link.test_node import ANNA, FakeChannel
 
 
@@ -19,7 +19,7 @@ async def test_operator_gets_a_snapshot_and_sees_prompts(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     channel = FakeChannel()
-    async with sit_down(data, catalogue, plan(keyboard), link=channel) as driver:
+    async with open_app(data, catalogue, plan(keyboard), link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(SnapshotRequested(ANNA))
         await driver.wait(100)
@@ -39,7 +39,7 @@ async def test_operator_who_ends_the_session_is_recorded_by_name(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     channel = FakeChannel()
-    async with sit_down(data, catalogue, plan(keyboard), link=channel) as driver:
+    async with open_app(data, catalogue, plan(keyboard), link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(ActReceived(ANNA, OPERATOR.name, msgspec.Raw(protocol.encode(m.Operator(command="end")))))
         await driver.wait(1000)

@@ -8,7 +8,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ARBITER_STATE, DECISION, PRESENCE
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, plan, sit_down
+from tests.app.app_driver import AppDriver, open_app, plan
 
 APPROVE = {"operator_feedback": "approve", "operator_time_ms": 20_000, "encouragement": False}
 ANA = "operator.ana"
@@ -34,7 +34,7 @@ async def decide(driver: AppDriver, offer: m.PendingApproval, verdict: str, **ho
 async def test_what_covered_the_wait_is_gone_with_it_and_only_what_was_decided_stands(
     data: Path, catalogue: Catalogue, keyboard: type[Task], verdict: str
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, **APPROVE)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **APPROVE)) as driver:
         offer = await to_offer(driver)
         assert driver.said in catalogue.theme("calm").phrases["filler"]
         assert "Press Enter" not in driver.text
@@ -46,7 +46,7 @@ async def test_what_covered_the_wait_is_gone_with_it_and_only_what_was_decided_s
 async def test_what_is_edited_stands_there_in_the_operators_words_alone(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, **APPROVE)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, **APPROVE)) as driver:
         offer = await to_offer(driver)
         await decide(driver, offer, "edit", text="You held on [b]well[/b].")
         assert driver.said == "You held on [b]well[/b]."

@@ -13,7 +13,7 @@ from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from sar_tui.widgets.agent import Agent
-from tests.app.app_driver import AppDriver, sit_down
+from tests.app.app_driver import AppDriver, open_app
 from tests.app.test_agent import count_frames
 
 SHORT = {"attempts": 1, "prompts_per_attempt": 2}
@@ -56,7 +56,7 @@ async def press_theirs(driver: AppDriver, prompt: Prompt, left_ms: float = 300, 
 async def test_in_turn_a_letter_stands_in_the_half_of_whose_turn_it_is(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("alternate")) as driver:
+    async with open_app(data, catalogue, play("alternate")) as driver:
         prompt = await driver.to_first_prompt()
         left, right = halves(driver)
         assert "█" in left
@@ -76,7 +76,7 @@ async def test_in_turn_a_letter_stands_in_the_half_of_whose_turn_it_is(
 
 
 async def test_in_a_race_each_has_a_letter_and_sees_who_was_ahead(data: Path, catalogue: Catalogue, play: Play) -> None:
-    async with sit_down(data, catalogue, play("race")) as driver:
+    async with open_app(data, catalogue, play("race")) as driver:
         prompt = await driver.to_first_prompt()
         left, right = halves(driver)
         assert "█" in left
@@ -101,7 +101,7 @@ async def test_in_a_race_each_has_a_letter_and_sees_who_was_ahead(data: Path, ca
 async def test_the_agent_looks_to_a_side_in_one_frame_and_is_still_while_the_response_is_awaited(
     data: Path, catalogue: Catalogue, play: Play, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with sit_down(data, catalogue, play("joint attention", cue_by="both", foreperiod_min_ms=900)) as driver:
+    async with open_app(data, catalogue, play("joint attention", cue_by="both", foreperiod_min_ms=900)) as driver:
         await driver.press("enter")
         await driver.wait(300)
         cues: list[object] = []
@@ -130,7 +130,7 @@ async def test_the_agent_looks_to_a_side_in_one_frame_and_is_still_while_the_res
 async def test_nothing_tells_before_the_prompt_on_which_side_it_will_come_but_the_agents_look(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("joint attention")) as driver:
+    async with open_app(data, catalogue, play("joint attention")) as driver:
         prompt = await driver.to_first_prompt()
         assert "your turn" in "".join(halves(driver))
         await press_theirs(driver, prompt)
@@ -139,7 +139,7 @@ async def test_nothing_tells_before_the_prompt_on_which_side_it_will_come_but_th
 
 
 async def test_two_are_spoken_to_in_spanish(data: Path, catalogue: Catalogue, play: Play) -> None:
-    async with sit_down(data, catalogue, play("alternate", language="es")) as driver:
+    async with open_app(data, catalogue, play("alternate", language="es")) as driver:
         assert driver.sees("Me alegra verles.") or driver.sees("Les doy la bienvenida.")
         prompt = await driver.to_first_prompt()
         assert "[ Izquierda: ahora ]" in halves(driver)[0]
@@ -153,7 +153,7 @@ async def test_the_first_screen_asks_who_sits_on_the_right_and_offers_nobody_twi
     for code in ("P01", "P02"):
         participants.add(database, code)
     database.conn.close()
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("right", "down")
         names = [option.id for option in driver.app.screen.query_one("#task").options]
         driver.app.screen.query_one("#task").highlighted = names.index("pairs")
@@ -174,12 +174,12 @@ async def test_the_first_screen_asks_who_sits_on_the_right_and_offers_nobody_twi
 
 
 async def test_a_past_session_of_two_shows_the_results_of_both(data: Path, catalogue: Catalogue, play: Play) -> None:
-    async with sit_down(data, catalogue, play("race")) as driver:
+    async with open_app(data, catalogue, play("race")) as driver:
         await press_theirs(driver, await driver.to_first_prompt())
         await press_theirs(driver, await driver.to_prompt())
         await driver.see_the_summary()
         await driver.press("enter")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         assert driver.sees("P01, P02")
         driver.app.screen.query_one("#recent").focus()
         await driver.press("enter")
@@ -191,7 +191,7 @@ async def test_a_past_session_of_two_shows_the_results_of_both(data: Path, catal
 async def test_who_is_called_by_code_reads_their_place_and_code_over_their_half_and_the_code_elsewhere(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("alternate", address="code")) as driver:
+    async with open_app(data, catalogue, play("alternate", address="code")) as driver:
         prompt = await driver.to_first_prompt()
         left, right = halves(driver)
         assert "[ Left · P01: your turn ]" in left
@@ -205,7 +205,7 @@ async def test_a_code_too_long_to_stand_beside_the_place_stands_alone(
 ) -> None:
     code = "LONG-LONG-LONG-LONGER"
     plan = make_plan(catalogue, "pairs", [code, "P02"], SHORT | {"address": "code"}, seed=7)
-    async with sit_down(data, catalogue, plan) as driver:
+    async with open_app(data, catalogue, plan) as driver:
         await driver.to_first_prompt()
         left, right = halves(driver)
         assert f"[ {code}: your turn ]" in left
@@ -216,7 +216,7 @@ async def test_a_code_too_long_to_stand_beside_the_place_stands_alone(
 async def test_the_summary_of_two_who_play_together_tells_how_often_they_were(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("cooperative", window_ms=400)) as driver:
+    async with open_app(data, catalogue, play("cooperative", window_ms=400)) as driver:
         await press_theirs(driver, await driver.to_first_prompt(), 300, 500)
         await press_theirs(driver, await driver.to_prompt(), 300, 900)
         await driver.see_the_summary()
@@ -226,7 +226,7 @@ async def test_the_summary_of_two_who_play_together_tells_how_often_they_were(
 async def test_the_plots_of_two_have_the_same_axis_and_stand_apart(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("race", response_timeout_ms=9000)) as driver:
+    async with open_app(data, catalogue, play("race", response_timeout_ms=9000)) as driver:
         await press_theirs(driver, await driver.to_first_prompt(), 300, 4500)
         await press_theirs(driver, await driver.to_prompt(), 300, 4500)
         await driver.see_the_summary()
@@ -243,7 +243,7 @@ async def test_the_plots_of_two_have_the_same_axis_and_stand_apart(
 async def test_the_summary_tells_what_a_look_to_the_other_side_cost(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
-    async with sit_down(data, catalogue, play("joint attention", prompts_per_attempt=12)) as driver:
+    async with open_app(data, catalogue, play("joint attention", prompts_per_attempt=12)) as driver:
         prompt = await driver.to_first_prompt()
         for number in range(12):
             await press_theirs(driver, prompt, 300, 300)

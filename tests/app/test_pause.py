@@ -6,13 +6,13 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import plan, sit_down, stored
+from tests.app.app_driver import open_app, plan, stored
 
 
 async def test_escape_pauses_at_once_in_mid_trial_and_the_trial_is_repeated(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.press("escape")
         assert driver.sees("Paused")
@@ -30,7 +30,7 @@ async def test_escape_pauses_at_once_in_mid_trial_and_the_trial_is_repeated(
 async def test_escape_pauses_before_an_attempt_too_and_leads_back_there(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         for words in ("Press Enter to go on.", "Press Enter to begin attempt 1 of 2."):
             assert driver.sees(words)
             await driver.press("escape")
@@ -43,7 +43,7 @@ async def test_escape_pauses_before_an_attempt_too_and_leads_back_there(
 async def test_the_menu_is_gone_through_with_arrows_and_enter(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("escape")
         for choice in ("Go on", "I am tired", "I am in pain", "I am finished"):
@@ -59,7 +59,7 @@ async def test_the_menu_is_gone_through_with_arrows_and_enter(
 
 
 async def test_a_second_escape_changes_nothing(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "enter", "escape")
         assert driver.sees("Have a rest")
@@ -69,7 +69,7 @@ async def test_a_second_escape_changes_nothing(data: Path, catalogue: Catalogue,
 async def test_only_ending_asks_again(
     keys: list[str], goes_on: bool, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.press("escape", "up", "enter")
         assert driver.sees("End the session now?")
@@ -89,7 +89,7 @@ async def test_only_ending_asks_again(
 async def test_help_or_the_palette_over_a_trial_pauses_it(
     key: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press(key)
         assert "Press: " not in driver.text
@@ -103,7 +103,7 @@ async def test_help_or_the_palette_over_a_trial_pauses_it(
 async def test_a_window_made_too_small_pauses_a_trial_and_recovers(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.resize(79, 24)
         assert driver.sees("This window is too small.")

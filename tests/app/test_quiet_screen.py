@@ -10,7 +10,7 @@ from textual.geometry import Region
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, plan, sit_down
+from tests.app.app_driver import AppDriver, open_app, plan
 
 _UNSTYLED = "c5c8c6"
 """Rich's name for no colour at all, in a picture."""
@@ -32,7 +32,7 @@ def count_frames(driver: AppDriver, monkeypatch: pytest.MonkeyPatch) -> list[obj
 async def test_no_frame_is_drawn_between_a_prompt_and_its_response(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         frames = count_frames(driver, monkeypatch)
         for _ in range(20):
@@ -45,7 +45,7 @@ async def test_no_frame_is_drawn_between_a_prompt_and_its_response(
 async def test_a_prompt_repaints_its_own_region_only(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         first = await driver.to_first_prompt()
         await driver.answer(first)
         frames = count_frames(driver, monkeypatch)
@@ -57,7 +57,7 @@ async def test_a_prompt_repaints_its_own_region_only(
 
 
 async def test_no_widget_of_a_session_moves_by_itself(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.to_first_prompt()
         assert not driver.app.animator._animations
         for widget in driver.app.screen.walk_children(with_self=True):
@@ -68,7 +68,7 @@ async def test_no_widget_of_a_session_moves_by_itself(data: Path, catalogue: Cat
 async def test_no_garbage_is_collected_while_a_response_is_awaited(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         assert not gc.isenabled()
         await driver.answer(prompt)
@@ -85,7 +85,7 @@ async def test_no_color_is_respected_and_the_screens_say_the_same(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
-    async with sit_down(data, catalogue, plan(keyboard, attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, attempts=1)) as driver:
         grey = [_is_grey(driver)]
         await driver.to_first_prompt()
         grey.append(_is_grey(driver))
@@ -100,7 +100,7 @@ async def test_no_color_is_respected_and_the_screens_say_the_same(
 
 
 async def test_there_is_colour_where_it_is_not_refused(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         assert not _is_grey(driver)
 
 

@@ -16,14 +16,14 @@ from sar_tui.inputs.feed import ImuFeed
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.sensors import sensor_nodes
-from tests.app.app_driver import AppDriver, sit_down, stored
+from tests.app.app_driver import AppDriver, open_app, stored
 
 
 @asynccontextmanager
 async def at_the_table(data: Path, catalogue: Catalogue, **parameters: Any) -> AsyncIterator[AppDriver]:
     """Sit down to two attempts of one reach, the sensor looked at and found good."""
     settings = {"attempts": 2, "imu": "simulated", **parameters}
-    async with sit_down(data, catalogue, make_plan(catalogue, "reaching", ["P01"], settings, seed=7)) as driver:
+    async with open_app(data, catalogue, make_plan(catalogue, "reaching", ["P01"], settings, seed=7)) as driver:
         await driver.wait(300)
         await driver.press("enter")
         assert driver.sees("Rest your hand with the sensor at the start.")
@@ -244,6 +244,6 @@ async def test_a_resumed_session_moves_the_simulated_hand_by_its_stored_seed(
 
     monkeypatch.setattr("sar_tui.runs.sensors.sensor_nodes", spied)
     ((session,),) = stored(data, "SELECT id FROM sessions")
-    async with sit_down(data, catalogue, session) as driver:
+    async with open_app(data, catalogue, session) as driver:
         assert driver.sees("Welcome back")
     assert seeds == [7]

@@ -12,7 +12,7 @@ from textual.widgets import Button
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.sensor_check import SensorCheckScreen
-from sar_tui.app.sensor_advice import FLAGS, INVALID, NO_REACH, placing, result_words, signed
+from sar_tui.app.sensor_advice import FLAGS, INVALID, NO_REACH, finding_text, placing, signed
 from sar_tui.framework.clock import SECOND, VirtualClock
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
@@ -27,7 +27,7 @@ from sar_tui.store import participants
 from sar_tui.store.database import connect
 from sar_tui.widgets.worn_sensor import DRAWN, bar
 from tests.app import test_snapshots
-from tests.app.app_driver import AppDriver, plan, sit_down, stored
+from tests.app.app_driver import AppDriver, open_app, plan, stored
 from tests.app.test_snapshots import THEMES, Album
 
 SNAPSHOTS = Path(__file__).parent / "sensor_snapshots"
@@ -108,7 +108,7 @@ def seated(
             return source
 
         monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
-        async with sit_down(data, catalogue, reaching_plan(reaching, theme, **parameters)) as driver:
+        async with open_app(data, catalogue, reaching_plan(reaching, theme, **parameters)) as driver:
             yield driver
 
     return sit
@@ -127,7 +127,7 @@ def axis(driver: AppDriver, name: str) -> tuple[str, ...]:
 async def test_a_session_of_a_task_with_a_sensor_begins_with_a_look_at_it(
     data: Path, catalogue: Catalogue, reaching: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, reaching_plan(reaching)) as driver:
+    async with open_app(data, catalogue, reaching_plan(reaching)) as driver:
         assert driver.screen_name == "SensorCheckScreen"
         assert driver.sees("P01 · Reaching")
         assert stored(data, "SELECT id FROM sessions") == []
@@ -155,7 +155,7 @@ async def test_the_session_takes_over_the_sensor_as_it_runs(seated: Callable[...
 
 
 async def test_a_task_without_a_sensor_begins_as_ever(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         assert driver.screen_name == "SessionScreen"
 
 
@@ -175,7 +175,7 @@ async def test_escape_leads_back_home_and_the_check_can_be_opened_anew(data: Pat
     kept = participants.Settings({"imu": "simulated"}, "high-contrast")
     participants.save_settings(database, "P01", "reaching", kept)
     database.conn.close()
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         driver.app.screen.query_one("#start", Button).active_effect_duration = 0  # it takes no second press meanwhile
         for keys in (("right", "down", "down", "right", "right", "enter"), ("enter",)):
             await driver.press(*keys)
@@ -223,7 +223,7 @@ def refuse(*_: object) -> None:
 async def test_a_sensor_that_does_not_exist_is_refused_as_other_settings_are(
     data: Path, catalogue: Catalogue, reaching: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, reaching_plan(reaching, imu="wiimote")) as driver:
+    async with open_app(data, catalogue, reaching_plan(reaching, imu="wiimote")) as driver:
         assert 'There is no sensor "wiimote".' in driver.app.failure
         assert driver.app.return_code == 1
     assert stored(data, "SELECT id FROM sessions") == []
@@ -232,10 +232,10 @@ async def test_a_sensor_that_does_not_exist_is_refused_as_other_settings_are(
 async def test_a_session_that_is_gone_on_with_needs_no_look(
     data: Path, catalogue: Catalogue, reaching: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, reaching_plan(reaching)) as driver:
+    async with open_app(data, catalogue, reaching_plan(reaching)) as driver:
         await driver.press("enter", "enter")
         session = driver.session_id
-    async with sit_down(data, catalogue, session) as driver:
+    async with open_app(data, catalogue, session) as driver:
         assert driver.screen_name == "SessionScreen"
 
 
@@ -582,7 +582,7 @@ async def test_a_sensor_that_is_pulled_out_ends_the_test(seated: Callable[..., A
 @pytest.mark.parametrize("flag", [*FLAGS, "something_new"])
 def test_every_flag_is_said_in_words(flag: str) -> None:
     found = Finding(onset_ns=0, turn_ns=1, end_ns=2, details={"reach_time_ms": 900.0}, flags=(flag,))
-    numbers, said = result_words(found, "left")
+    numbers, said = finding_text(found, "left")
     assert "Reach 0.90 s" in numbers[1]
     assert said[0] == "wrong"
     assert said[1].endswith(".")
@@ -592,7 +592,7 @@ def test_every_flag_is_said_in_words(flag: str) -> None:
 
 @pytest.mark.parametrize("invalid", ["", *INVALID])
 def test_where_nothing_was_found_it_is_said_why(invalid: str) -> None:
-    ((mark, words),) = result_words(Finding(details={}, invalid=invalid), "right")
+    ((mark, words),) = finding_text(Finding(details={}, invalid=invalid), "right")
     assert mark == "wrong"
     assert words == INVALID.get(invalid, NO_REACH)
 

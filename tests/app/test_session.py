@@ -6,13 +6,13 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import plan, sit_down, stored
+from tests.app.app_driver import open_app, plan, stored
 
 
 async def test_it_leads_from_the_instructions_to_the_summary(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         assert driver.sees("Press that key as fast as you can, and then wait for the next one.")
         assert driver.sees("An attempt asks for 2 keys.")
         assert driver.sees("Press Enter to go on.")
@@ -56,7 +56,7 @@ async def test_it_leads_from_the_instructions_to_the_summary(
 async def test_the_plain_line_is_there_while_a_prompt_is_up_and_gone_between_prompts(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, prompts_per_attempt=3)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, prompts_per_attempt=3)) as driver:
         await driver.press("enter")
         await driver.wait(300)
         await driver.press("enter")
@@ -74,7 +74,7 @@ async def test_the_plain_line_is_there_while_a_prompt_is_up_and_gone_between_pro
 async def test_a_prompt_without_an_answer_goes_away_by_itself(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, response_timeout_ms=2000)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, response_timeout_ms=2000)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.wait(1999)
         assert prompt.text in driver.text
@@ -86,7 +86,7 @@ async def test_a_prompt_without_an_answer_goes_away_by_itself(
 async def test_every_screen_that_waits_for_enter_says_so(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, attempts=1, practice_attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, attempts=1, practice_attempts=1)) as driver:
         assert "Enter" in driver.text  # the instructions
         await driver.press("enter")
         assert "Enter" in driver.text  # before the practice attempt
@@ -115,7 +115,7 @@ async def test_every_screen_that_waits_for_enter_says_so(
 
 
 async def test_practice_comes_first_and_does_not_count(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, practice_attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, practice_attempts=1)) as driver:
         await driver.press("enter")
         assert driver.sees("Press Enter to begin practice 1 of 1.")
         assert driver.sees("Practice 0 of 1")
@@ -133,7 +133,7 @@ async def test_practice_comes_first_and_does_not_count(data: Path, catalogue: Ca
 async def test_a_wrong_key_is_a_response_and_the_agent_names_accuracy(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, attempts=1)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.wait(300)
         await driver.press("j" if prompt.expected == "f" else "f")
@@ -148,7 +148,7 @@ async def test_a_wrong_key_is_a_response_and_the_agent_names_accuracy(
 
 
 async def test_one_attempt_is_spoken_of_as_one(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1)) as driver:
         assert driver.sees("An attempt asks for 1 key.")
         await driver.do_session()
         assert driver.sees("You did 1 attempt; goal reached in 1.")
@@ -157,7 +157,7 @@ async def test_one_attempt_is_spoken_of_as_one(data: Path, catalogue: Catalogue,
 async def test_an_enter_that_bounces_on_the_last_answer_does_not_close_the_summary(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard, attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, attempts=1)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(300)
         await driver.press("enter")
@@ -174,7 +174,7 @@ async def test_an_enter_that_bounces_on_the_last_answer_does_not_close_the_summa
 async def test_an_enter_that_bounces_when_the_session_is_ended_early_does_not_close_the_summary(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "down", "enter")
         await driver.wait(300)
@@ -190,7 +190,7 @@ async def test_an_enter_that_bounces_when_the_session_is_ended_early_does_not_cl
 async def test_a_pause_after_the_last_attempt_leads_back_to_it_and_every_attempt_stays_counted(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.do_attempt(await driver.begin())
         await driver.press("escape")
@@ -206,13 +206,13 @@ async def test_a_pause_after_the_last_attempt_leads_back_to_it_and_every_attempt
 async def test_a_session_that_was_left_after_its_last_attempt_goes_on_there(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.do_attempt(await driver.begin())
         session = driver.session_id
         await driver.press("ctrl+q")
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
-    async with sit_down(data, catalogue, session) as driver:
+    async with open_app(data, catalogue, session) as driver:
         assert driver.sees("Press Enter to see how it went.")
         assert "level" not in driver.rows[0]
         assert driver.sees("Prompts 2 of 2")
@@ -227,7 +227,7 @@ async def test_the_agent_looks_on_in_silence_while_an_attempt_lasts(
     theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     faces = catalogue.theme(theme).faces
-    async with sit_down(data, catalogue, plan(keyboard, theme=theme)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, theme=theme)) as driver:
         assert faces["happy"].splitlines()[2] in driver.text
         assert driver.said != ""
         await driver.to_first_prompt()

@@ -15,7 +15,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.widgets.choice import Choice
 from sar_tui.widgets.field_group import FieldGroup
 from sar_tui.widgets.parameter_field import ParameterField
-from tests.app.app_driver import AppDriver, known, sit_down, stored
+from tests.app.app_driver import AppDriver, known, open_app, stored
 
 
 def groups(driver: AppDriver) -> list[FieldGroup]:
@@ -48,7 +48,7 @@ def group(driver: AppDriver, title: str) -> FieldGroup:
 
 def heading(found: FieldGroup) -> str:
     """The title and what is told beside it."""
-    return f"{found.heading.title} {found.heading.told}".rstrip()
+    return f"{found.heading.title} {found.heading.summary}".rstrip()
 
 
 def on_the_form(driver: AppDriver) -> str:
@@ -88,7 +88,7 @@ def a_participant(data: Path) -> None:
 async def test_there_is_one_field_for_each_declared_parameter(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, catalogue, size=(80, 200)) as driver:
+    async with open_app(data, catalogue, size=(80, 200)) as driver:
         await driver.press("f2")
         assert driver.sees("Settings of P01 for Keyboard reaction")
         for title in ("Operator", "Timing"):
@@ -104,7 +104,7 @@ async def test_there_is_one_field_for_each_declared_parameter(
 
 @pytest.mark.usefixtures("a_participant")
 async def test_tab_reaches_every_heading_and_every_field_under_it_in_order(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         group(driver, "Timing").heading.focus()
         await driver.press("enter")
@@ -131,7 +131,7 @@ async def test_a_parameter_that_a_task_adds_has_a_field_with_no_other_change(
     class Drummed(keyboard):  # type: ignore[valid-type, misc]
         Parameters = More
 
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         driver.app.push_screen(SettingsScreen("P01", Drummed))
         await driver.settle()
         assert len(every_field(driver)) == len(fields(keyboard.Parameters)) + 2
@@ -151,20 +151,20 @@ async def test_a_parameter_that_a_task_adds_has_a_field_with_no_other_change(
 
 @pytest.mark.usefixtures("a_participant")
 async def test_a_value_is_checked_as_it_is_typed(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "2x")
         assert reads(driver, "attempts") == "Attempts is a whole number, 1 to 200, not 2x."
-        assert driver.sees("1 to mend")
+        assert driver.sees("1 to fix")
         await driver.press("backspace")
         assert reads(driver, "attempts") == "Number of attempts in a session. Default: 20."
-        assert not driver.sees("to mend")
+        assert not driver.sees("to fix")
         assert driver.sees("not saved")
 
 
 @pytest.mark.usefixtures("a_participant")
 async def test_settings_that_do_not_go_together_are_told_at_the_field(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "foreperiod_min_ms", "1800")
         assert reads(driver, "foreperiod_min_ms") == "Shortest wait (1800 ms) is above the longest (1500 ms)."
@@ -178,7 +178,7 @@ async def test_settings_that_do_not_go_together_are_told_at_the_field(data: Path
 
 @pytest.mark.usefixtures("a_participant")
 async def test_what_is_wrong_is_not_saved_and_is_gone_to(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "0")
         await go_to(driver, "prompts_per_attempt")
@@ -190,7 +190,7 @@ async def test_what_is_wrong_is_not_saved_and_is_gone_to(data: Path, catalogue: 
 
 @pytest.mark.usefixtures("a_participant")
 async def test_a_sensor_that_there_is_not_is_told_where_it_is_set(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         driver.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
         await driver.settle()
         await fill(driver, "imu", "fidget")
@@ -202,7 +202,7 @@ async def test_a_sensor_that_there_is_not_is_told_where_it_is_set(data: Path, ca
 
 async def test_a_dot_marks_what_differs_from_the_default(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", prompts_per_attempt=5)
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         assert driver.sees("● Prompts per attempt 5")
         assert not driver.sees("not saved")
@@ -213,7 +213,7 @@ async def test_a_dot_marks_what_differs_from_the_default(data: Path, catalogue: 
 
 async def test_a_setting_saved_under_a_former_spelling_shows_the_present_one(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", difficulty_policy="thesis")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         assert not field(driver, "difficulty_policy").is_changed
         assert show(field(driver, "difficulty_policy").value) == "consecutive"
@@ -221,7 +221,7 @@ async def test_a_setting_saved_under_a_former_spelling_shows_the_present_one(dat
 
 @pytest.mark.usefixtures("a_participant")
 async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "prompts_per_attempt", "5")
         await fill(driver, "sequence_length", "6")
@@ -237,7 +237,7 @@ async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogu
 @pytest.mark.usefixtures("a_participant")
 async def test_saved_settings_are_those_of_the_participants_next_session(data: Path, catalogue: Catalogue) -> None:
     known(data, "P02", attempts=2)
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "3")
         await go_to(driver, "choice_set")
@@ -254,7 +254,7 @@ async def test_saved_settings_are_those_of_the_participants_next_session(data: P
 
 @pytest.mark.usefixtures("a_participant")
 async def test_leaving_asks_once_if_something_was_not_saved(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "3")
         await driver.press("escape")
@@ -269,7 +269,7 @@ async def test_leaving_asks_once_if_something_was_not_saved(data: Path, catalogu
 
 @pytest.mark.usefixtures("a_participant")
 async def test_yes_or_no_is_put_back_like_any_other(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await go_to(driver, "encouragement")
         await driver.press("enter", "down", "enter")
@@ -284,14 +284,14 @@ async def test_yes_or_no_is_put_back_like_any_other(data: Path, catalogue: Catal
 async def test_a_language_that_the_participants_theme_lacks_is_told_where_it_is_set(
     data: Path, catalogue: Catalogue
 ) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "language", "de")
         assert reads(driver, "language") == (
             "The theme calm has no de; it has: en, es. Type one of these, or give the theme a file phrases.de.toml."
         )
         await driver.press("ctrl+s")
-        assert driver.sees("1 to mend")
+        assert driver.sees("1 to fix")
         await fill(driver, "language", "es-mx")
         await driver.press("ctrl+s")
         assert driver.sees("saved for P01")
@@ -300,7 +300,7 @@ async def test_a_language_that_the_participants_theme_lacks_is_told_where_it_is_
 
 async def test_a_theme_that_is_gone_keeps_nobody_from_setting_a_language(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", theme="gone")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "language", "es")
         assert reads(driver, "language").endswith("Default: en.")
@@ -308,7 +308,7 @@ async def test_a_theme_that_is_gone_keeps_nobody_from_setting_a_language(data: P
 
 @pytest.mark.usefixtures("a_participant")
 async def test_no_title_touches_its_value_and_no_unit_is_cut_off(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         for name in ("keyboard", "reaching"):
             driver.app.push_screen(SettingsScreen("P01", catalogue.task(name)))
             await driver.settle()
@@ -328,7 +328,7 @@ async def test_no_title_touches_its_value_and_no_unit_is_cut_off(data: Path, cat
 async def test_the_form_opens_in_the_tasks_first_field_with_what_few_need_folded_away(
     data: Path, catalogue: Catalogue
 ) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         assert field(driver, "prompts_per_attempt").has_focus_within
         folded = {heading(found): found.folded for found in groups(driver)}
@@ -341,7 +341,7 @@ async def test_the_form_opens_in_the_tasks_first_field_with_what_few_need_folded
 
 @pytest.mark.usefixtures("a_participant")
 async def test_a_heading_opens_and_folds_with_a_key(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2", "pageup")
         assert driver.sees("▼ Keyboard reaction Enter folds it")
         await driver.press("enter")
@@ -357,7 +357,7 @@ async def test_a_heading_opens_and_folds_with_a_key(data: Path, catalogue: Catal
 
 @pytest.mark.usefixtures("a_participant")
 async def test_a_heading_opens_with_a_click(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue, size=(80, 200)) as driver:
+    async with open_app(data, catalogue, size=(80, 200)) as driver:
         await driver.press("f2")
         await driver.pilot.click(group(driver, "Timing").heading)
         await driver.settle()
@@ -367,7 +367,7 @@ async def test_a_heading_opens_with_a_click(data: Path, catalogue: Catalogue) ->
 
 @pytest.mark.usefixtures("a_participant")
 async def test_page_keys_go_from_heading_to_heading_and_first_to_ones_own(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         found = groups(driver)
         for key, at in (("pageup", 0), ("pageup", 0), ("pagedown", 1), ("pagedown", 2)):
@@ -386,7 +386,7 @@ async def test_page_keys_go_from_heading_to_heading_and_first_to_ones_own(data: 
 
 async def test_a_folded_heading_tells_what_differs_from_the_defaults(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", operator_feedback="approve", operator_time_ms=6000, levels=["fj"])
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         assert heading(group(driver, "Operator")) == "▶ Operator ● feedback: approve, time to decide: 6000 ms"
         group(driver, "Operator").heading.focus()
@@ -400,7 +400,7 @@ async def test_a_folded_heading_tells_what_differs_from_the_defaults(data: Path,
 
 @pytest.mark.usefixtures("a_participant")
 async def test_emptied_settings_are_told_as_none(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         driver.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
         await driver.settle()
         await fill(driver, "outputs", "")
@@ -411,13 +411,13 @@ async def test_emptied_settings_are_told_as_none(data: Path, catalogue: Catalogu
 
 @pytest.mark.usefixtures("a_participant")
 async def test_what_is_wrong_unfolds_its_heading(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "foreperiod_max_ms", "400")
         assert reads(driver, "foreperiod_min_ms") == "Shortest wait (500 ms) is above the longest (400 ms)."
         group(driver, "Timing").heading.focus()
         await driver.press("enter")
-        assert heading(group(driver, "Timing")) == "▶ Timing 1 to mend"
+        assert heading(group(driver, "Timing")) == "▶ Timing 1 to fix"
         await fill(driver, "attempts", "7")
         assert not group(driver, "Timing").folded
         group(driver, "Timing").heading.focus()
@@ -429,7 +429,7 @@ async def test_what_is_wrong_unfolds_its_heading(data: Path, catalogue: Catalogu
 
 @pytest.mark.usefixtures("a_participant")
 async def test_what_is_folded_away_is_saved_all_the_same(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "quiet_ms", "700")
         group(driver, "Timing").heading.focus()
@@ -441,7 +441,7 @@ async def test_what_is_folded_away_is_saved_all_the_same(data: Path, catalogue: 
 
 async def test_what_was_never_unfolded_is_saved_and_put_back_as_well(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=700, operator_lost_ms=3000)
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         group(driver, "Operator").heading.focus()
         await driver.press("ctrl+r", "ctrl+s")
@@ -458,10 +458,10 @@ async def test_what_was_never_unfolded_is_saved_and_put_back_as_well(data: Path,
 
 async def test_what_is_kept_wrong_is_unfolded_as_the_form_opens(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=9999)
-    async with sit_down(data, catalogue, size=(80, 200)) as driver:
+    async with open_app(data, catalogue, size=(80, 200)) as driver:
         await driver.press("f2")
         assert driver.sees("Quiet before a prompt is a whole number, 0 to 5000, not 9999.")
-        assert driver.sees("1 to mend")
+        assert driver.sees("1 to fix")
 
 
 # --- choices --------------------------------------------------------------------------------------------------------
@@ -469,7 +469,7 @@ async def test_what_is_kept_wrong_is_unfolded_as_the_form_opens(data: Path, cata
 
 @pytest.mark.usefixtures("a_participant")
 async def test_a_choice_is_made_from_a_list_that_opens(data: Path, catalogue: Catalogue) -> None:
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await go_to(driver, "layout")
         choice = field(driver, "layout").query_one(Choice)
@@ -494,11 +494,11 @@ async def test_a_choice_is_made_from_a_list_that_opens(data: Path, catalogue: Ca
 
 async def test_a_choice_that_there_is_no_more_is_told_and_another_can_be_made(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=20, layout="sholes")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         assert driver.sees("Keyboard layout sholes ▼")
         assert reads(driver, "layout").endswith(", not sholes.")
         await go_to(driver, "layout")
         await driver.press("enter", "enter")
         assert field(driver, "layout").value == "qwerty"
-        assert not driver.sees("to mend")
+        assert not driver.sees("to fix")

@@ -10,11 +10,11 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, plan, sit_down
+from tests.app.app_driver import AppDriver, open_app, plan
 
 FOLDER = Path(__file__).parent / "snapshots"
 THEMES = ("calm", "high-contrast", "playful")
-HOME = ("home", "help", "new-participant", "home-with-a-participant", "settings", "settings-to-mend", "too-small")
+HOME = ("home", "help", "new-participant", "home-with-a-participant", "settings", "settings-to-fix", "too-small")
 SESSION = (
     "instructions",
     "before-practice",
@@ -60,7 +60,7 @@ class Album:
 @pytest.mark.parametrize("theme", THEMES)
 async def test_home_and_settings_look_as_they_did(theme: str, data: Path, catalogue: Catalogue) -> None:
     album = Album(theme)
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         driver.app.screen.query_one("#theme").highlighted = THEMES.index(theme)  # type: ignore[attr-defined]
         await driver.settle()
         album.take("home", driver)
@@ -77,7 +77,7 @@ async def test_home_and_settings_look_as_they_did(theme: str, data: Path, catalo
         album.take("settings", driver)
         await driver.press("end")
         await driver.write("x")
-        album.take("settings-to-mend", driver)
+        album.take("settings-to-fix", driver)
         await driver.resize(60, 20)
         album.take("too-small", driver)
     assert tuple(album.taken) == HOME
@@ -87,7 +87,7 @@ async def test_home_and_settings_look_as_they_did(theme: str, data: Path, catalo
 @pytest.mark.parametrize("theme", THEMES)
 async def test_a_session_looks_as_it_did(theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     album = Album(theme)
-    async with sit_down(data, catalogue, plan(keyboard, theme=theme, attempts=4, practice_attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(keyboard, theme=theme, attempts=4, practice_attempts=1)) as driver:
         album.take("instructions", driver)
         await driver.press("enter")
         album.take("before-practice", driver)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, plan, sit_down
+from tests.app.app_driver import AppDriver, open_app, plan
 
 TASK = """
 from sar_tui.framework.parameters import TaskParameters
@@ -100,14 +100,14 @@ async def test_a_task_outside_of_the_checkout_draws_its_prompt_between_attempts_
 ) -> None:
     (own_tasks / "sides" / "view.py").write_text(VIEW)
     catalogue = Catalogue(tasks=(own_tasks,))
-    async with sit_down(data, catalogue, plan(catalogue.task("sides"))) as driver:
+    async with open_app(data, catalogue, plan(catalogue.task("sides"))) as driver:
         prompt, between, summary = await play(driver)
         assert "<<< Press: f >>>" in prompt
         assert "2 trials, drawn" in between
         assert "The view counts 4." in summary
         assert [fault.error for fault in driver.session.faults] == []
         await driver.press("enter")
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         driver.app.screen.query_one("#recent").focus()
         await driver.press("enter")
         assert driver.screen_name == "PastSessionScreen"
@@ -116,7 +116,7 @@ async def test_a_task_outside_of_the_checkout_draws_its_prompt_between_attempts_
 
 async def test_without_a_view_the_plain_prompt_is_drawn(data: Path, own_tasks: Path) -> None:
     catalogue = Catalogue(tasks=(own_tasks,))
-    async with sit_down(data, catalogue, plan(catalogue.task("sides"))) as driver:
+    async with open_app(data, catalogue, plan(catalogue.task("sides"))) as driver:
         prompt, between, summary = await play(driver)
         assert "█" in prompt
         assert [row.strip() for row in prompt.splitlines()].count("Press: f") == 1
@@ -146,7 +146,7 @@ async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
     assert broken != VIEW
     (own_tasks / "sides" / "view.py").write_text(broken)
     catalogue = Catalogue(tasks=(own_tasks,))
-    async with sit_down(data, catalogue, plan(catalogue.task("sides"))) as driver:
+    async with open_app(data, catalogue, plan(catalogue.task("sides"))) as driver:
         prompt, between, summary = await play(driver)
         assert "Press: f" in prompt
         if topic in ("load", "prompt_lines"):
@@ -162,10 +162,10 @@ async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
 async def test_a_session_whose_view_failed_is_resumed(data: Path, own_tasks: Path) -> None:
     (own_tasks / "sides" / "view.py").write_text("raise RuntimeError('no such file')")
     catalogue = Catalogue(tasks=(own_tasks,))
-    async with sit_down(data, catalogue, plan(catalogue.task("sides"))) as driver:
+    async with open_app(data, catalogue, plan(catalogue.task("sides"))) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         session = driver.session_id
-    async with sit_down(data, catalogue, session) as driver:
+    async with open_app(data, catalogue, session) as driver:
         assert driver.sees("Welcome back")
         await driver.press("enter")
         await driver.to_prompt() if driver.waiting.stage == "trial" else await driver.begin()

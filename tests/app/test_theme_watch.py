@@ -15,7 +15,7 @@ from sar_tui.app.theme_watch import ThemeWatch
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, known, plan, sit_down
+from tests.app.app_driver import AppDriver, known, open_app, plan
 
 HAPPY_EYES = "│  ◠   ◠  │"
 
@@ -110,8 +110,8 @@ def test_a_theme_that_cannot_be_read_is_told_once_and_not_worn_and_mended_it_is(
 @pytest.mark.parametrize(
     ("problems", "told"),
     [
-        (1, "Theme edited. One thing to mend: "),
-        (2, "Theme edited. 2 things to mend: "),
+        (1, "Theme edited. One thing to fix: "),
+        (2, "Theme edited. 2 things to fix: "),
         (4, " And 2 more: see sar-tui themes check."),
     ],
 )
@@ -141,7 +141,7 @@ def test_a_theme_whose_folder_is_gone_is_told_and_stays_worn(folder: Path, theme
 
 async def test_at_home_the_colours_change_with_the_file(data: Path, folder: Path, themes: Catalogue) -> None:
     known(data, theme="mine")
-    async with sit_down(data, themes) as driver:
+    async with open_app(data, themes) as driver:
         assert driver.app.theme == "sar-mine"
         edit(folder, "#10171e", "#30171e")
         await look(driver)
@@ -152,7 +152,7 @@ async def test_at_home_the_colours_change_with_the_file(data: Path, folder: Path
 async def test_in_a_session_the_face_the_colours_and_what_is_said_change_and_the_words_that_stand_stay(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme="mine", feedback_form="qualitative")) as driver:
+    async with open_app(data, themes, plan(keyboard, theme="mine", feedback_form="qualitative")) as driver:
         words = driver.said
         assert HAPPY_EYES in driver.text
         edit(folder, HAPPY_EYES, "│  Q   Q  │")
@@ -175,7 +175,7 @@ async def test_in_a_session_the_face_the_colours_and_what_is_said_change_and_the
 async def test_a_session_in_spanish_stays_in_spanish_when_its_theme_is_edited(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme="mine", language="es")) as driver:
+    async with open_app(data, themes, plan(keyboard, theme="mine", language="es")) as driver:
         edit(folder, "#10171e", "#30171e")
         await look(driver)
         assert driver.session.theme.language == "es"
@@ -184,7 +184,7 @@ async def test_a_session_in_spanish_stays_in_spanish_when_its_theme_is_edited(
 
 async def test_at_home_what_is_wrong_with_an_edit_is_told_at_once(data: Path, folder: Path, themes: Catalogue) -> None:
     known(data, theme="mine")
-    async with sit_down(data, themes) as driver:
+    async with open_app(data, themes) as driver:
         edit(folder, "[colors]", "[colors")
         await look(driver)
         assert driver.sees("The theme mine cannot be read")
@@ -194,7 +194,7 @@ async def test_in_a_session_the_participant_reads_nothing_of_an_edit_that_is_wro
     data: Path, folder: Path, themes: Catalogue
 ) -> None:
     known(data, theme="mine")
-    async with sit_down(data, themes) as driver:
+    async with open_app(data, themes) as driver:
         await driver.press("enter", "enter", "enter", "enter")
         edit(folder, "[colors]", "[colors")
         await look(driver)
@@ -211,10 +211,10 @@ async def test_in_a_session_the_participant_reads_nothing_of_an_edit_that_is_wro
 async def test_what_was_wrong_with_an_edit_is_kept_for_the_terminal_until_it_is_mended(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme="mine")) as driver:
+    async with open_app(data, themes, plan(keyboard, theme="mine")) as driver:
         edit(folder, '"#7cc4e8"', '"blueish"')
         await look(driver)
-        assert driver.app.pending_notice.startswith("Theme edited. One thing to mend: ")
+        assert driver.app.pending_notice.startswith("Theme edited. One thing to fix: ")
         assert not driver.sees("Theme edited")
         edit(folder, '"blueish"', '"#7cc4e8"')
         await look(driver)
@@ -224,7 +224,7 @@ async def test_what_was_wrong_with_an_edit_is_kept_for_the_terminal_until_it_is_
 async def test_the_palette_offers_no_theme_while_a_session_is_open_so_that_its_own_is_still_followed(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme="mine")) as driver:
+    async with open_app(data, themes, plan(keyboard, theme="mine")) as driver:
         await driver.press("ctrl+p")
         assert driver.sees("Quit")
         assert not driver.sees("Theme:")
@@ -238,11 +238,11 @@ async def test_the_palette_offers_no_theme_while_a_session_is_open_so_that_its_o
 async def test_an_image_that_cannot_be_is_left_out_in_mid_session_and_at_the_beginning(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task], name: str
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme="mine")) as driver:
+    async with open_app(data, themes, plan(keyboard, theme="mine")) as driver:
         edit(folder, "[gestures]", f'[images]\nhappy = "{name}"\n[gestures]')
         await look(driver)
         assert driver.session.theme.repairs[0].startswith("There is no image a")
-    async with sit_down(data, themes) as driver:
+    async with open_app(data, themes) as driver:
         assert "mine" in driver.app.themes
 
 
@@ -266,7 +266,7 @@ async def test_a_theme_without_english_is_worn_in_a_session_in_its_own_language(
 ) -> None:
     (folder / "phrases.en.toml").unlink()
     edit(folder, "#10171e", "#30171e")
-    async with sit_down(data, themes, plan(keyboard, theme="mine", language="es")) as driver:
+    async with open_app(data, themes, plan(keyboard, theme="mine", language="es")) as driver:
         assert driver.app.screen.styles.background.hex.lower() == "#30171e"
 
 
@@ -277,7 +277,7 @@ async def test_only_the_worn_theme_is_read_before_the_first_screen_and_all_are_t
     data: Path, folder: Path, themes: Catalogue
 ) -> None:
     assert list(SarTui(data, themes).themes) == ["calm"]
-    async with sit_down(data, themes) as driver:
+    async with open_app(data, themes) as driver:
         assert list(driver.app.themes) == ["calm", "high-contrast", "mine", "playful"]
         options = driver.app.screen.query_one("#theme", OptionList).options
         assert [option.id for option in options] == list(driver.app.themes)
@@ -288,7 +288,7 @@ async def test_somebodys_own_calm_that_cannot_be_read_is_told_and_another_is_wor
 ) -> None:
     edit(folder, "[colors]", "[colors")
     folder.rename(folder.parent / "calm")
-    async with sit_down(data, themes) as driver:
+    async with open_app(data, themes) as driver:
         assert driver.app.theme == "sar-high-contrast"
         assert driver.sees("The theme calm cannot be read")
 
@@ -305,7 +305,7 @@ def test_what_only_a_session_needs_is_not_loaded_before_the_first_screen() -> No
 async def test_no_file_is_looked_at_from_the_quiet_before_a_prompt_to_its_response(
     data: Path, themes: Catalogue, keyboard: type[Task], folder: Path
 ) -> None:
-    async with sit_down(data, themes, plan(keyboard, theme=folder.name)) as driver:
+    async with open_app(data, themes, plan(keyboard, theme=folder.name)) as driver:
         timer = driver.app._edits
         assert _runs(timer)
         prompt = await driver.to_first_prompt()

@@ -11,7 +11,7 @@ from sar_tui.framework.clock import VirtualClock
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.widgets.speed_trace import SpeedTrace
-from tests.app.app_driver import AppDriver, sit_down, stored
+from tests.app.app_driver import AppDriver, open_app, stored
 from tests.app.test_sensor_check import Moved, Plugged
 
 Sit = Callable[..., Any]
@@ -32,7 +32,7 @@ def seated(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) ->
         monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
         given = {"respond_with": "reaches", "imu": "left", "imu_b": "right", "attempts": 1, **parameters}
         plan = make_plan(catalogue, "pairs", ["P01", "P02"], given, seed=7)
-        async with sit_down(data, catalogue, plan) as driver:
+        async with open_app(data, catalogue, plan) as driver:
             yield driver
 
     return sit
@@ -146,7 +146,7 @@ async def test_hands_that_are_simulated_play_by_themselves(data: Path, catalogue
     given = {"respond_with": "reaches", "imu": "simulated", "imu_b": "simulated", "policy": "race"}
     settings = given | {"attempts": 1, "prompts_per_attempt": 2}
     plan = make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=11)
-    async with sit_down(data, catalogue, plan) as driver:
+    async with open_app(data, catalogue, plan) as driver:
         await driver.wait(500)
         await driver.press("enter", "enter", "enter")
         await driver.begin()

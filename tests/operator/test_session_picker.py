@@ -17,7 +17,7 @@ from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.operator.session_picker import HOW_TO_START, ChooseScreen, own_name
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import sit_down
+from tests.app.app_driver import open_app
 from tests.operator.panel_driver import FakePeer
 
 ONE = JoinableSession("s1", "keyboard", "abcd", 1)
@@ -91,7 +91,7 @@ async def test_home_offers_the_panel_while_a_session_can_be_joined(
 ) -> None:
     there: list[JoinableSession] = []
     monkeypatch.setattr(link_folder, "live_sessions", lambda: there)
-    async with sit_down(data, catalogue) as driver:
+    async with open_app(data, catalogue) as driver:
         assert not driver.sees("Operator's panel")
         await driver.press("f3")
         there.append(ONE)

@@ -35,7 +35,7 @@ class PanelLayout:
     def voiceless(self, action: Action, why: str) -> None:
         self.drawn.append(why)
 
-    def wear(self, theme: Theme) -> None:
+    def apply_theme(self, theme: Theme) -> None:
         self.drawn.append(theme.name)
 
 

@@ -213,7 +213,7 @@ async def test_another_theme_shows_the_face_that_stands_at_once_as_it_draws_it(
     plain = catalogue.theme("high-contrast")
     async with enter(calm) as room:
         room.agent.say("Well done.", "happy", "positive")
-        room.agent.wear(plain)
+        room.agent.apply_theme(plain)
         assert all(
             line in drawn for line, drawn in zip(plain.faces["happy"].splitlines(), room.drawing[1:], strict=False)
         )

@@ -78,7 +78,7 @@ async def test_pictures_go_with_their_theme(calm: Theme, folder: Path) -> None:
     agent, app = hang(calm, folder, happy="happy.png")
     async with app.run_test():
         agent.look("happy")
-        agent.wear(calm)
+        agent.apply_theme(calm)
         assert shown(agent) == ["robot"]
 
 

@@ -41,7 +41,7 @@ class AgentApp(BaseApp):
         screen = AgentViewScreen(self._agent_theme, clock)
         self.push_screen(screen)
         self.view = AgentView(screen, self._agent_theme, clock, self._session_now, self.voice)
-        self._peer = self._join(self.view.hear, loop)
+        self._peer = self._join(self.view.receive, loop)
 
     def _session_now(self) -> int:
         return self._peer.now() if self._peer else 0

@@ -42,7 +42,7 @@ class AgentStage(Protocol):
     def voiceless(self, action: Action, why: str) -> None:
         """What was to be heard could not be: its words have to be seen, and that it is so."""
 
-    def wear(self, theme: Theme) -> None:
+    def apply_theme(self, theme: Theme) -> None:
         """The theme was edited: wear it from here on."""
 
 
@@ -94,7 +94,7 @@ class DrawnAgent(Output):
 
     def apply_theme(self, theme: Theme) -> None:
         super().apply_theme(theme)
-        self._stage.wear(theme)
+        self._stage.apply_theme(theme)
 
     def show(self, action: str, text: str, face: str) -> None:
         """Words stand until others take their place, or an attempt begins."""

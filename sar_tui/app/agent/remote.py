@@ -56,7 +56,7 @@ class AgentView:
         self._cleared = 0
         self._silence: Handle | None = None
 
-    def hear(self, heard: PeerEvent) -> None:
+    def receive(self, heard: PeerEvent) -> None:
         """What the link tells."""
         match heard:
             case Welcome():
@@ -75,11 +75,11 @@ class AgentView:
         self._cleared = 0
         self._drawn.clear()
         self._drawn.state = AgentState()
-        self._hush()
+        self._silence_voices()
 
     def _connect(self, connection: Connection) -> None:
         if connection.state != "connected":
-            self._hush()
+            self._silence_voices()
             self._drawn.stop()
         self._stage.connected(connection)
 
@@ -91,7 +91,7 @@ class AgentView:
             case CueGiven() if frame.topic is CUE and is_fresh:
                 self._drawn.cue(frame.message, lambda _: None)
             case Halt() if frame.topic is HALT and is_fresh:
-                self._hush()
+                self._silence_voices()
                 self._drawn.stop(frame.message.action)
             case ThemeApplied() if frame.topic is THEME:
                 self._language = frame.message.theme.language
@@ -138,7 +138,7 @@ class AgentView:
         self._drawn.update(waiting)
         self._stage.wait(waiting)
 
-    def _hush(self) -> None:
+    def _silence_voices(self) -> None:
         if self._silence:
             self._silence.cancel()
         self._drawn.state = self._drawn.state.silenced()

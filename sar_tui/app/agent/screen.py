@@ -68,8 +68,8 @@ class AgentViewScreen(Screen[None]):
     def voiceless(self, action: Action, why: str) -> None:
         """The words stand here in any case."""
 
-    def wear(self, theme: Theme) -> None:
-        self._agent.wear(theme)
+    def apply_theme(self, theme: Theme) -> None:
+        self._agent.apply_theme(theme)
         self.app.apply_theme(theme)
 
     def wait(self, waiting: Waiting) -> None:

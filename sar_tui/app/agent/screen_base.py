@@ -111,8 +111,8 @@ class AgentScreen(Screen[None]):
             self.agent.note(self.tr("The voice is silent; please read."))
         self._show_voice()
 
-    def wear(self, theme: Theme) -> None:
-        self.agent.wear(theme)
+    def apply_theme(self, theme: Theme) -> None:
+        self.agent.apply_theme(theme)
 
     # --- between and in trials -------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""Before a session with motion sensors, one or two: is it there, is it worn right, does it see a reach."""
+"""Check of motion sensors before a session: are they attached, placed correctly, and do they measure a reach."""
 
 import functools
 import math
@@ -13,7 +13,7 @@ from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Footer, Static
 
-from sar_tui.app.sensor_advice import MARKS, Fact, Mark, facts, signed, words_of, worst
+from sar_tui.app.sensor_advice import MARKS, Fact, Mark, facts, reach_test_text, signed, worst
 from sar_tui.app.sensor_monitor import SensorWatch
 from sar_tui.framework.clock import MS, SECOND, Clock, Handle, LiveClock
 from sar_tui.framework.language import Language
@@ -25,7 +25,7 @@ from sar_tui.widgets.speed_trace import SpeedTrace
 from sar_tui.widgets.worn_sensor import bar, draw_hand
 
 LOOK = 100 * MS
-"""How often the screen is brought up to date."""
+"""Time between two updates of the screen."""
 ZEROING = 3 * SECOND
 """A sensor takes up to two seconds to find its bias."""
 
@@ -54,13 +54,13 @@ _HELP_OF_TWO = (
 
 
 class SensorCheckScreen(Screen[bool]):
-    """Shows what comes from feeds that were started; ends with whether the session is to begin.
+    """Shows the data of started feeds; its result is True if the session is to begin.
 
-    Of two sensors one is looked at after the other; how both are stands in a line above.
+    Two sensors are checked one after the other; a line at the top shows the state of both.
 
     Args:
         plan: the session that waits.
-        feeds: of its sensors, in the order of the seats; they are neither started nor stopped here.
+        feeds: of its sensors, in the order of the seats, already started.
         clock: the feeds'.
     """
 
@@ -90,12 +90,12 @@ class SensorCheckScreen(Screen[bool]):
 
     @functools.cached_property
     def tr(self) -> Language:
-        """The language of the session that waits."""
+        """Language of the session that waits."""
         return planned_language(self._plan, self.app.catalogue)
 
     @property
     def help_text(self) -> str:
-        """How the sensor is worn, what zero and test do, and what there is without a sensor."""
+        """How to place the sensor, what zero and test do, and how to continue without a sensor."""
         return (
             "\n\n".join(self.tr(paragraph) for paragraph in (_HELP_OF_TWO if len(self.sensors) > 1 else _HELP)) + "\n"
         )
@@ -130,16 +130,16 @@ class SensorCheckScreen(Screen[bool]):
     def on_unmount(self) -> None:
         self._stop_looking()
 
-    # --- what is done -------------------------------------------------------------------------------------
+    # --- actions -------------------------------------------------------------------------------------
 
     def action_test(self) -> None:
-        """Begin a test reach, anew if one is under way."""
+        """Begin a test reach, or begin it again."""
         self._say("")
         self.sensor.begin_test()
         self._show()
 
     def action_zero(self) -> None:
-        """Take the present rate for rest."""
+        """Take the present rate as zero."""
         if self.sensor.attached:
             self.sensor.zero()
             self._say(self.tr(_ZEROED), "wait", ZEROING)
@@ -148,11 +148,11 @@ class SensorCheckScreen(Screen[bool]):
         self._show()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """There may be no other sensor."""
+        """Offer the other sensor if there is one."""
         return len(self.sensors) > 1 if action == "other" else super().check_action(action, parameters)
 
     def action_other(self) -> None:
-        """Look at the next sensor, or at the first again."""
+        """Show the next sensor, or the first again."""
         number = (self.sensors.index(self.sensor) + 1) % len(self.sensors)
         self.sensor = self.sensors[number]
         self._unseen = [sensor for sensor in self._unseen if sensor is not self.sensor]
@@ -164,7 +164,7 @@ class SensorCheckScreen(Screen[bool]):
         return [sensor for sensor in self.sensors if sensor.state not in ("attached", "ended")]
 
     def action_begin(self) -> None:
-        """On to a sensor that was not looked at, or to the session; without a sensor only when asked twice."""
+        """Go to a sensor that was not checked yet, or begin the session; without a sensor, only at the second press."""
         if self._unseen:
             self.action_other()
         elif not self._missing or self._asked:
@@ -175,14 +175,14 @@ class SensorCheckScreen(Screen[bool]):
             self._show()
 
     def action_leave(self) -> None:
-        """Back, without a session."""
+        """Go back without a session."""
         self._stop_looking()
         self.dismiss(False)
 
-    # --- what is shown ------------------------------------------------------------------------------------
+    # --- contents ------------------------------------------------------------------------------------
 
     def _stop_looking(self) -> None:
-        """What comes from here on belongs to the session."""
+        """Leave all further data to the session."""
         self._over = True
         if self._next:
             self._next.cancel()
@@ -196,7 +196,7 @@ class SensorCheckScreen(Screen[bool]):
         self._next = self._clock.call_at(self._clock.now() + LOOK, self._look)
 
     def _show(self) -> None:
-        """Bring the screen up to date; what has not changed stays untouched."""
+        """Update what has changed on the screen."""
         if all(sensor.attached for sensor in self.sensors):
             self._asked = False
         if self._is_new("hand", self.sensor.hand):
@@ -214,7 +214,7 @@ class SensorCheckScreen(Screen[bool]):
             self.query_one(SpeedTrace).show([trace] if trace else [])
 
     def _is_new(self, where: str, what: object) -> bool:
-        """Whether something else stands there, or in other colours."""
+        """True if the content or its colours have changed."""
         before, self._shown[where] = self._shown.get(where), (self.app.theme, what)
         return before != self._shown[where]
 
@@ -222,19 +222,19 @@ class SensorCheckScreen(Screen[bool]):
         self._notice = (words, mark, self._clock.now() + lasting)
 
     def _words(self) -> list[tuple[Mark, str]]:
-        """What stands in the box of the test reach, the most urgent first."""
+        """Return the text of the test reach's box, the most urgent first."""
         words, mark, until = self._notice
         if self._asked:
             return [("wrong", self.tr(_NONE) if len(self.sensors) == 1 else self.tr(_NOT_BOTH))]
         if words and self._clock.now() < until:
             return [(mark, words)]
         if self.sensor.test:
-            return words_of(self.sensor.test, self.sensor.hand, self.tr)
+            return reach_test_text(self.sensor.test, self.sensor.hand, self.tr)
         idle = self.tr(_IDLE_FIRST) if self._unseen else self.tr(_IDLE)
         return [("wait", idle)] if self.sensor.attached else []
 
     def _sides(self) -> Text:
-        """Whose each of two sensors is, how it is, and which is looked at."""
+        """Return a line with the participant and the state of each sensor; an arrow points to the one shown."""
         codes = (self._plan.participant, self._plan.partner)
         text = Text()
         for number, (sensor, code) in enumerate(zip(self.sensors, codes, strict=True)):
@@ -262,7 +262,7 @@ class SensorCheckScreen(Screen[bool]):
         return Text(MARKS[mark], f"bold {self._color(color)}")
 
     def _axes(self) -> Text:
-        """Each axis: how the hand turns about it, as a bar and a number, and its bias at rest."""
+        """Return a line for each axis: the rate of turning as a bar and a number, and its bias at rest."""
         tr, rate, bias = self.tr, self.sensor.rate, self.sensor.bias
         text = Text(f"{tr('turning'):>{_BAR + 6}}{'rad/s':>{_BAR + 5}}{tr('bias deg/s'):>12}{'rad/s':>8}")
         text.stylize(self._color("text-muted"))

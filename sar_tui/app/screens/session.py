@@ -13,7 +13,7 @@ from sar_tui.app.live import LiveSession
 from sar_tui.app.prompt_onset import report_onset
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
-from sar_tui.app.screens.waiting_text import Words, key_name, words
+from sar_tui.app.screens.waiting_text import WaitingText, key_name, waiting_text
 from sar_tui.framework.agent_state import AWAITED
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
@@ -44,7 +44,7 @@ class SessionScreen(AgentScreen):
 
     def __init__(self, live: LiveSession) -> None:
         super().__init__(live)
-        self._quiet = GcControl()
+        self._gc = GcControl()
         self._waiting: Waiting | None = None
         self._last_key = ("", 0.0)
         self._shown: str | None = "message"
@@ -87,12 +87,12 @@ class SessionScreen(AgentScreen):
         yield Footer()
 
     def on_mount(self) -> None:
-        self._count(0)
-        self._count_attempts(0)
+        self._show_trials(0)
+        self._show_attempts(0)
         self._live.begin(self.app, self._broken)
 
     def on_unmount(self) -> None:
-        self._quiet.end_attempt()
+        self._gc.end_attempt()
 
     # --- the keyboard ------------------------------------------------------------------------------------
 
@@ -116,10 +116,10 @@ class SessionScreen(AgentScreen):
             if event.key == mark.key:
                 self._live.operate(Operator(command="mark", actor="therapist", reason=mark.name))
                 return
-        self._live.keyboard.pressed(event.key, event.character, self._live.stamp(event.time), self._quiet.lag)
-        self._put_right(event.key, waiting)
+        self._live.keyboard.pressed(event.key, event.character, self._live.stamp(event.time), self._gc.lag)
+        self._correct_key(event.key, waiting)
 
-    def _put_right(self, key: str, waiting: Waiting) -> None:
+    def _correct_key(self, key: str, waiting: Waiting) -> None:
         """Enter where the start key is waited for, or the other way round: say which of the two it is."""
         start = self._live.run.session.task.start_key
         wanted = {"enter": "enter", "start": start}.get(waiting.what)
@@ -167,52 +167,52 @@ class SessionScreen(AgentScreen):
         self.query_one(BigPrompt).show(prompt)
 
     def clear_prompt(self) -> None:
-        self._quiet.end_trial()
+        self._gc.end_trial()
         self.query_one(BigPrompt).clear()
 
     def begin_attempt(self, started: AttemptStarted) -> None:
-        self._quiet.begin_attempt()
+        self._gc.begin_attempt()
         self._mark = ""
 
     def marked(self, marked: TrialMarked) -> None:
         titles = {mark.name: self.tr(mark.title) for mark in self._live.run.session.task.marks}
         self._mark = titles.get(marked.mark, "")
         if self._waiting:
-            self._where(self._waiting)
+            self._show_position(self._waiting)
 
     def progress(self, done: int) -> None:
-        self._count(done)
+        self._show_trials(done)
 
     def end_attempt(self, ended: AttemptEnded) -> None:
-        self._quiet.end_attempt()
-        self._count_attempts(ended.attempt)
+        self._gc.end_attempt()
+        self._show_attempts(ended.attempt)
 
     def wait(self, waiting: Waiting) -> None:
         before, self._waiting = self._waiting, waiting
         entered = before is None or before.stage != waiting.stage
         if waiting.what == "foreperiod" and before is not None and before.reason == "held":
             self.clear_agent("listening")
-        self._let_move(waiting)
+        self._update_motion(waiting)
         if waiting.what in ("foreperiod", "response"):
             if waiting.what == "response":
-                self._quiet.begin_trial()
+                self._gc.begin_trial()
             return
-        said = words(waiting, self._live.run.session.task)
+        text = waiting_text(waiting, self._live.run.session.task)
         if waiting.stage == "trial" and waiting.what == "quiet":
             self.query_one(BigPrompt).redraw()
         if waiting.reason == "held":
             self.ask(self.tr("Please let go of the keys for a moment."))
-        elif said is not None:
-            self._tell(waiting, said)
+        elif text is not None:
+            self._show_text(waiting, text)
         elif waiting.stage == "trial" and (entered or self._shown != "prompt"):
             self._begin_trials(waiting)
         elif waiting.stage == "paused":
-            self._where(waiting)
-            self._count(waiting.trial - 1)
+            self._show_position(waiting)
+            self._show_trials(waiting.trial - 1)
             self.query_one(PauseMenu).open(waiting.reason)
             self._stage("menu")
 
-    def _let_move(self, waiting: Waiting) -> None:
+    def _update_motion(self, waiting: Waiting) -> None:
         """The agent may move, and files be looked at, but where a response is awaited, or about to be."""
         is_awaited = waiting.stage == "trial" and waiting.what in AWAITED
         self.app.look_for_edits(not is_awaited and waiting.what != "quiet")
@@ -229,25 +229,25 @@ class SessionScreen(AgentScreen):
     # --- what stands where ------------------------------------------------------------------------------------
 
     def _begin_trials(self, waiting: Waiting) -> None:
-        self._count(waiting.trial - 1)
-        self._where(waiting)
+        self._show_trials(waiting.trial - 1)
+        self._show_position(waiting)
         self.query_one(BigPrompt).clear()
         self.clear_agent("listening")
         self._stage("prompt")
 
-    def _tell(self, waiting: Waiting, said: Words) -> None:
+    def _show_text(self, waiting: Waiting, text: WaitingText) -> None:
         """Say what is waited for, and how far the session has come."""
         if waiting.stage in ("attempt", "review", "trial", "paused"):
-            self._where(waiting)
+            self._show_position(waiting)
         if waiting.stage in ("review", "trial", "paused"):
-            self._count(waiting.trial - 1)
+            self._show_trials(waiting.trial - 1)
         if waiting.stage == "trial" and waiting.what != "agent":
             self.clear_agent("listening")
         ask = self.tr("Press {key} to hear how it went.", key=key_name(waiting.ask, self.tr)) if waiting.ask else ""
-        told = {"#headline": said.headline, "#text": said.text, "#enter": said.press, "#ask": ask}
-        for name, text in told.items():
-            self.query_one(name, Static).update(text)
-        self._press = said.press
+        texts = {"#headline": text.headline, "#text": text.text, "#enter": text.press, "#ask": ask}
+        for name, line in texts.items():
+            self.query_one(name, Static).update(line)
+        self._press = text.press
         is_between = waiting.stage in ("attempt", "review")
         self.query_one(DrawingArea).show(self._live.view.between_attempts() if is_between else None)
         self._stage("message")
@@ -262,34 +262,34 @@ class SessionScreen(AgentScreen):
         self.query_one("#progress").display = not summary
         self.refresh_bindings()
 
-    def _where(self, waiting: Waiting) -> None:
+    def _show_position(self, waiting: Waiting) -> None:
         """Say in the corner and at the foot how far the session has come."""
         marked = self.tr("Marked: {mark}", mark=self._mark.lower()) if self._mark else ""
         if waiting.trial > waiting.trials:  # after the last attempt; the level is that of one which will not come
             if marked:
                 self.query_one("#where", Static).update(marked)
-            self._count_attempts(waiting.attempt)
+            self._show_attempts(waiting.attempt)
             return
         level = self.tr("level {level}", level=waiting.level)
         parts = filter(None, (marked, waiting.attempt_name.capitalize(), level))
         self.query_one("#where", Static).update(" · ".join(parts))
-        self._count_attempts(waiting.attempt - 1)
+        self._show_attempts(waiting.attempt - 1)
 
-    def _count_attempts(self, done: int) -> None:
+    def _show_attempts(self, done: int) -> None:
         """Practice attempts and those after them are counted apart."""
         parameters = self._live.run.session.task.parameters
         kind, total = "Practice", parameters.practice_attempts
         if done >= total:
             kind, total, done = "Attempts", parameters.attempts, done - total
-        self.query_one("#attempts", ProgressLine).tell(self.tr(kind), done, total)
+        self.query_one("#attempts", ProgressLine).show(self.tr(kind), done, total)
 
-    def _count(self, done: int) -> None:
+    def _show_trials(self, done: int) -> None:
         task = self._live.run.session.task
-        self.query_one("#trials", ProgressLine).tell(self.tr(task.trials), done, task.trials_per_attempt)
+        self.query_one("#trials", ProgressLine).show(self.tr(task.trials), done, task.trials_per_attempt)
 
     def _broken(self, error: str) -> None:
         """The task raised: nothing is lost, but it cannot go on."""
-        self._quiet.end_attempt()
+        self._gc.end_attempt()
         self.app.failure = (
             f"The task {self._live.run.session.task.name} failed ({error}). What was done so far is kept."
         )

@@ -90,11 +90,11 @@ class SettingsScreen(Screen[None]):
         """Each by itself, and all together: settings that are each right may not go together."""
         problems = self._problems()
         for widget in self._fields:
-            widget.tell(problems.get(widget.field.name, ""))
+            widget.show_problem(problems.get(widget.field.name, ""))
         for group in self._groups:
-            await group.heed()
+            await group.update()
         unsaved = "not saved" if self._shown() != self._saved else ""
-        self.query_one("#status", Static).update(f"{len(problems)} to mend" if problems else unsaved)
+        self.query_one("#status", Static).update(f"{len(problems)} to fix" if problems else unsaved)
 
     def _problems(self) -> dict[str, str]:
         try:

@@ -8,7 +8,7 @@ from sar_tui.framework.task import Task
 from sar_tui.tui.language import session_language
 
 
-class Words(NamedTuple):
+class WaitingText(NamedTuple):
     """A headline, what there is to know, and what to press (empty where nothing helps)."""
 
     headline: str
@@ -16,37 +16,39 @@ class Words(NamedTuple):
     press: str
 
 
-def words(waiting: Waiting, task: Task) -> Words | None:  # noqa: PLR0911
+def waiting_text(waiting: Waiting, task: Task) -> WaitingText | None:  # noqa: PLR0911
     """The words for a wait; None where something else stands on the screen: a prompt, the pause menu, the summary."""
     tr = session_language(task)
     match waiting.stage:
         case "instructions":
-            return Words(tr("Welcome"), task.instructions(), tr("Press Enter to go on."))
+            return WaitingText(tr("Welcome"), task.instructions(), tr("Press Enter to go on."))
         case "attempt":
             headline = waiting.notice or waiting.attempt_name.capitalize()
-            return Words(headline, waiting.goal, tr("Press Enter to begin {attempt}.", attempt=waiting.attempt_name))
+            return WaitingText(
+                headline, waiting.goal, tr("Press Enter to begin {attempt}.", attempt=waiting.attempt_name)
+            )
         case "review":
             press = tr("Press Enter to see how it went.")
-            return Words(tr("You have done it"), tr("That was the last attempt."), press)
+            return WaitingText(tr("You have done it"), tr("That was the last attempt."), press)
         case "answer":
-            return Words(tr("One moment…"), "", "")
+            return WaitingText(tr("One moment…"), "", "")
         case "trial" if waiting.what == "agent":
-            return Words(tr("One moment…"), tr("We go on as soon as I have finished."), "")
+            return WaitingText(tr("One moment…"), tr("We go on as soon as I have finished."), "")
         case "trial" if waiting.what == "start":
             press = tr("Press {key} to start.", key=key_name(task.start_key, tr))
             if waiting.notice:
-                return Words(tr("Once more"), f"{waiting.notice}\n\n{waiting.goal}", press)
-            return Words(tr("Ready?"), waiting.goal, press)
+                return WaitingText(tr("Once more"), f"{waiting.notice}\n\n{waiting.goal}", press)
+            return WaitingText(tr("Ready?"), waiting.goal, press)
         case "paused":
             return _paused(waiting, task, tr)
         case "broken":
             stopped = tr("Something went wrong in this task, so the session has stopped.")
             text = f"{stopped}\n{tr('Everything you did is kept.')}"
-            return Words(tr("Please fetch the experimenter"), text, tr("Press Enter to close."))
+            return WaitingText(tr("Please fetch the experimenter"), text, tr("Press Enter to close."))
         case "ended" if waiting.reason == "storage":
             return _no_space(waiting.detail, tr)
         case "ended" if waiting.what == "storage":
-            return Words(tr("Finished"), tr("Your results are being saved."), "")
+            return WaitingText(tr("Finished"), tr("Your results are being saved."), "")
     return None
 
 
@@ -55,13 +57,15 @@ def key_name(key: str, tr: Language) -> str:
     return {"space": tr("Space"), "enter": tr("Enter"), "tab": tr("Tab")}.get(key, key.capitalize())
 
 
-def _paused(waiting: Waiting, task: Task, tr: Language) -> Words | None:
+def _paused(waiting: Waiting, task: Task, tr: Language) -> WaitingText | None:
     match waiting.reason:
         case "interrupted":
             go_on = f"{tr('We go on with {attempt}.', attempt=waiting.attempt_name)} {waiting.goal}"
-            return Words(tr("Welcome back"), go_on, tr("Press Enter to go on."))
+            return WaitingText(tr("Welcome back"), go_on, tr("Press Enter to go on."))
         case "restored":
-            return Words(tr("Thank you for waiting"), tr("Everything is saved again."), tr("Press Enter to go on."))
+            return WaitingText(
+                tr("Thank you for waiting"), tr("Everything is saved again."), tr("Press Enter to go on.")
+            )
         case "storage":
             return _no_space(waiting.detail, tr)
         case "sensor":
@@ -69,7 +73,7 @@ def _paused(waiting: Waiting, task: Task, tr: Language) -> Words | None:
             unheard = tr("The sensor on your hand is not heard just now. Nothing is lost.")
             if len(task.seats) > 1 and waiting.seat:
                 unheard = f"{task.display_name(waiting.seat)}: {unheard}"
-            return Words(
+            return WaitingText(
                 tr("Please wait"),
                 f"{unheard}\n\n"
                 f"{tr('For the experimenter: {words}', words=why)}\n"
@@ -79,8 +83,8 @@ def _paused(waiting: Waiting, task: Task, tr: Language) -> Words | None:
     return None
 
 
-def _no_space(detail: str, tr: Language) -> Words:
-    return Words(
+def _no_space(detail: str, tr: Language) -> WaitingText:
+    return WaitingText(
         tr("Please fetch the experimenter"),
         f"{tr('The computer cannot save just now, so the session has paused.')}\n"
         f"{tr('Everything you did is kept.')}\n\n"
