@@ -1,4 +1,4 @@
-"""A live session in the app: its run, the two workers that carry it, and how it ends."""
+"""A live session in the app: its run, its two workers, and its end."""
 
 import asyncio
 import contextlib
@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     from sar_tui.link.node import LinkNode
 
 _LAST_WRITE_SECONDS = 5.0
-"""How long the end of a session waits for the disk."""
+"""Longest wait for the disk at the end of a session."""
 
 
 class LiveSession:
-    """Starts, carries and ends a run.
+    """Starts, runs and ends a session.
 
-    Two Textual workers do the work: ``session`` is the task in which the bus, perception and event handling
-    run; ``storage`` is the thread that writes. Both end with ``close``.
+    It has two Textual workers: ``session`` runs the bus with perception and event handling; ``storage`` is the thread
+    that writes to the database. ``close`` ends both.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class LiveSession:
         self._closing = False
 
     def open(self, stage: Stage, what: Plan | str) -> None:
-        """Enter a new session (a plan) or an interrupted one (its id). Raises as `runs.start` and `runs.resume`."""
+        """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start` and `resume`."""
         self._stage = stage
         self._seed = what.seed if isinstance(what, Plan) else stored_seed(what, self._folder)
         if isinstance(what, Plan):
@@ -74,7 +74,7 @@ class LiveSession:
             self._peers.welcome = session_welcome(task, self.run.id, self._link.link, self.run.participants)
 
     def _nodes(self, task: Task, theme: Theme) -> list[Node]:
-        """Keyboard, the task's view, screen and the agent's other outputs; the sensors the task needs; the link."""
+        """Make the nodes for keyboard, sensors, the task's view, the outputs and the link."""
         shows_agent = "screen" in task.parameters.outputs
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
         self.view = GuardedView(task)
@@ -88,11 +88,11 @@ class LiveSession:
 
     @property
     def can_be_joined(self) -> bool:
-        """Whether it has a link, through which operators may have joined it."""
+        """True if operators can join, or may have joined, through a link."""
         return self._link is not None
 
     def _linked(self) -> "list[LinkNode]":
-        """The node of the link, where there is one."""
+        """Return the node of the link, if there is a link."""
         if self._link:
             from sar_tui.link.node import LinkNode
 
@@ -100,7 +100,7 @@ class LiveSession:
         return [self._peers] if self._peers else []
 
     def begin(self, app: "App[int]", broken: Callable[[str], None]) -> None:
-        """Start both workers and the loop. ``broken`` is called when the task has failed."""
+        """Start both workers and the loop. ``broken`` is called if the task fails."""
         if isinstance(self.clock, LiveClock):
             app.run_worker(self.clock.run(), name="session", group="session", description="bus, perception, events")
             app.run_worker(self._store, name="storage", group="storage", thread=True, description="SQLite")
@@ -113,7 +113,7 @@ class LiveSession:
         self.clock.call_soon(self.run.begin)
 
     def stamp(self, seconds: float) -> float:
-        """A terminal event's stamp on the session's clock: its own, unless that clock is moved by hand."""
+        """Convert the time of a terminal event to the session's clock (s), which differs if it is advanced by hand."""
         return seconds if isinstance(self.clock, LiveClock) else self.clock.now() / SECOND
 
     def _store(self) -> None:
@@ -123,17 +123,17 @@ class LiveSession:
         self.run.recorder.run(lambda: self._closing or worker.is_cancelled)
 
     def operate(self, act: Operator) -> None:
-        """Steer the session."""
+        """Send an operator's act to the session."""
         self.run.session.bus.post(OPERATOR, act)
 
     @property
     def is_closed(self) -> bool:
-        """Whether the session has been let go of."""
+        """True once the session was closed."""
         return self._closing
 
     @property
     def unsaved(self) -> int:
-        """How many messages are not on the disk."""
+        """Number of messages that are not yet on the disk."""
         return self.run.recorder.pending
 
     def release(self) -> None:
@@ -143,10 +143,10 @@ class LiveSession:
             self.run.session.bus.drain()
 
     def close(self, app: "App[int]") -> None:
-        """Stop both workers, write what is left, and let go of the session.
+        """Stop both workers, write the remaining messages, and close the session.
 
-        If the disk is too slow to be done in time, the session stays locked for as long as the thread writes, and
-        what it has not written is ``unsaved``.
+        If the disk is too slow, the session stays locked while the thread writes, and ``unsaved`` counts the messages
+        that are left.
         """
         if self._closing:
             return

@@ -1,4 +1,4 @@
-"""A prompt's onset: the flush of the frame that holds its text."""
+"""Onset of a prompt: the flush of the frame that holds its text."""
 
 import asyncio
 import functools
@@ -11,38 +11,38 @@ from sar_tui.app.live import LiveSession
 from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import Prompt, Shown
 
-_LOOK_AFTER = 0.03
-"""Seconds until the stamp of a prompt is looked at: work before then would delay the prompt's way to the eye."""
+_READ_AFTER = 0.03
+"""Seconds until a prompt's time stamp is read: work before then would delay the drawing of the prompt."""
 _UNSEEN = 2 * SECOND
-"""A prompt whose flush has not been seen by then is taken to be up, and marked as less sure."""
+"""A prompt whose flush was not seen by then counts as shown, with the less certain source ``refresh``."""
 
 
 def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt) -> None:
-    """Tell a session when a prompt that is about to be drawn has reached the terminal.
+    """Report to the session when a prompt that is about to be drawn has reached the terminal.
 
-    The writing thread keeps the stamp, and this one stays out of its way until the terminal has read the frame. Where
-    no flush can be seen (a test, Windows) the onset is that the frame is painted, and is called so.
+    The writing thread takes the time stamp, and this thread does nothing until the terminal has read the frame. If
+    flushes cannot be seen (tests, Windows), the onset is the refresh of the screen, and its source says so.
     """
-    tell = functools.partial(Shown, attempt=prompt.attempt, trial=prompt.trial, presentation=prompt.presentation)
+    shown = functools.partial(Shown, attempt=prompt.attempt, trial=prompt.trial, presentation=prompt.presentation)
     app: Any = screen.app
     if getattr(app._driver, "can_stamp_onset", False):
         stamps: list[int] = []  # one list a prompt, so that a voided one's stamp is not taken for the next one's
         app.onset_watch.arm(prompt.text, stamps.append)
         unseen_at = live.clock.now() + _UNSEEN
-        asyncio.get_running_loop().call_later(_LOOK_AFTER, _look_at_stamp, live, tell, stamps, unseen_at)
+        asyncio.get_running_loop().call_later(_READ_AFTER, _read_stamp, live, shown, stamps, unseen_at)
     else:
-        screen.call_after_refresh(_refreshed, live, tell)
+        screen.call_after_refresh(_refreshed, live, shown)
 
 
-def _look_at_stamp(live: LiveSession, tell: Callable[..., Shown], stamps: list[int], unseen_at: int) -> None:
+def _read_stamp(live: LiveSession, shown: Callable[..., Shown], stamps: list[int], unseen_at: int) -> None:
     now = live.clock.now()
     if stamps:
-        live.screen.shown(tell(at=stamps[0], source="flush"))
+        live.screen.shown(shown(at=stamps[0], source="flush"))
     elif now < unseen_at:
-        asyncio.get_running_loop().call_later(_LOOK_AFTER, _look_at_stamp, live, tell, stamps, unseen_at)
+        asyncio.get_running_loop().call_later(_READ_AFTER, _read_stamp, live, shown, stamps, unseen_at)
     else:
-        live.screen.shown(tell(at=now, source="refresh"))
+        live.screen.shown(shown(at=now, source="refresh"))
 
 
-def _refreshed(live: LiveSession, tell: Callable[..., Shown]) -> None:
-    live.screen.shown(tell(at=live.clock.now(), source="refresh"))
+def _refreshed(live: LiveSession, shown: Callable[..., Shown]) -> None:
+    live.screen.shown(shown(at=live.clock.now(), source="refresh"))

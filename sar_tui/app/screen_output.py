@@ -1,4 +1,4 @@
-"""The screen as an output: what the loop says is put on a stage, and what becomes of it is reported back."""
+"""The screen as an output: shows the session's messages on a stage, and reports when each action began and ended."""
 
 from typing import Any, ClassVar, Protocol
 
@@ -40,35 +40,35 @@ from sar_tui.outputs.node import OutputNode
 
 
 class Stage(AgentStage, Protocol):
-    """What the session needs of a screen. The session screen is one; a test may bring another."""
+    """The screen of a session, as the output sees it. `SessionScreen` is one; a test may bring another."""
 
     def show_prompt(self, prompt: Prompt) -> None:
-        """Put a prompt up, and report its onset with ``ScreenOutput.shown``."""
+        """Show a prompt, and report its onset with ``ScreenOutput.shown``."""
 
     def clear_prompt(self) -> None:
         """Take the prompt away."""
 
     def begin_attempt(self, started: AttemptStarted) -> None:
-        """An attempt begins: be quiet from here on."""
+        """Begin an attempt."""
 
     def marked(self, marked: TrialMarked) -> None:
-        """A therapist marked a trial."""
+        """Show the mark that a therapist gave a trial."""
 
     def progress(self, done: int) -> None:
-        """So many trials of the attempt are done."""
+        """Show the number of trials done in this attempt."""
 
     def end_attempt(self, ended: AttemptEnded) -> None:
-        """An attempt is scored."""
+        """End an attempt, which is scored."""
 
     def wait(self, waiting: Waiting) -> None:
-        """The session waits: for Enter, a response, or somebody."""
+        """Show what the session waits for: Enter, a response, or a person."""
 
     def end(self, ended: SessionEnded) -> None:
-        """The session is over."""
+        """Show the summary of an ended session."""
 
 
 class ScreenOutput(OutputNode):
-    """Puts the loop's messages on a stage."""
+    """Shows the session's messages on a stage."""
 
     emits: ClassVar[tuple[Topic[Any], ...]] = (SHOWN, *OutputNode.emits)
     name = "screen"
@@ -80,16 +80,16 @@ class ScreenOutput(OutputNode):
 
     @on(CUE)
     def cued(self, cue: CueGiven) -> None:
-        """One frame, and nothing that would still move when the prompt comes."""
+        """Draw the cue in one frame; nothing may move when the prompt comes."""
         self._agent.cue(cue, super().cued)
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
-        """Nothing but the prompt: the agent has no cue of its own here."""
+        """Show the prompt. A screen has no tone to sound with it."""
         self._stage.show_prompt(prompt)
 
     def shown(self, shown: Shown) -> None:
-        """The stage tells when a prompt reached the terminal; from any thread."""
+        """Report when a prompt reached the terminal. Called by the stage, from any thread."""
         self.bus.post(SHOWN, shown)
 
     @on(MARKED)

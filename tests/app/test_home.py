@@ -127,7 +127,7 @@ async def test_an_interrupted_session_stands_first_and_enter_goes_on_with_it(
     async with open_app(data, catalogue) as driver:
         recent = [row for row in driver.rows if "keyboard  " in row]
         assert "P01" in recent[0]
-        assert "interrupted: Enter goes on" in recent[0]
+        assert "interrupted: Enter resumes" in recent[0]
         assert "P02" in recent[1]
         assert "completed" in recent[1]
 

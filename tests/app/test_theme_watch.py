@@ -99,7 +99,7 @@ def test_a_theme_that_cannot_be_read_is_told_once_and_not_worn_and_mended_it_is(
     assert editor.worn == []
     (told,) = editor.told
     assert told.startswith("The theme mine cannot be read: ")
-    assert told.endswith("It looks and speaks as it did before.")
+    assert told.endswith("The previous version stays in use.")
     edit(folder, "[colors\n", "[colors]\n")
     for _ in range(2):
         editor.watch.look()
@@ -258,7 +258,7 @@ def test_a_folder_that_cannot_even_be_looked_for_is_told(
     monkeypatch.setattr(themes, "theme_folder", fail)
     for _ in range(3):
         editor.watch.look()
-    assert editor.told == [f"The theme mine cannot be read: {fault}. It looks and speaks as it did before."]
+    assert editor.told == [f"The theme mine cannot be read: {fault}. The previous version stays in use."]
 
 
 async def test_a_theme_without_english_is_worn_in_a_session_in_its_own_language(

@@ -12,14 +12,14 @@ from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.web_driver import BrowserVoice
 
 Join = Callable[[PeerListener, asyncio.AbstractEventLoop], Peer]
-"""Joins a session's link; what it tells is heard on the loop's thread."""
+"""Joins a session's link; its events arrive on the loop's thread."""
 
 
 class AgentApp(BaseApp):
-    """Looks on, and acts on nothing.
+    """Shows the agent of a session, and sends nothing.
 
     Args:
-        theme: worn until the session tells its own.
+        theme: used until the session's is known.
         join: joins the session.
     """
 

@@ -1,4 +1,4 @@
-"""The agent on the screen as an output: what it is asked to do is drawn on a stage, and reported back."""
+"""The agent on the screen as an output: draws actions on a stage, and reports when each began and ended."""
 
 from collections import deque
 from collections.abc import Callable
@@ -13,25 +13,25 @@ from sar_tui.outputs.output import Output
 
 
 class AgentStage(Protocol):
-    """What a drawn agent needs of a screen."""
+    """The screen of a drawn agent."""
 
     def say(self, action: Action) -> None:
-        """The agent's words and expression. Empty words leave those that stand; ``joins`` adds to them."""
+        """Show words and expression. Without words, those shown stay; ``joins`` adds to them."""
 
     def gesture(self, gesture: Gesture) -> None:
-        """The drawn robot moves through a gesture, beginning now."""
+        """Begin a gesture of the drawn robot."""
 
     def gaze(self, where: str) -> None:
-        """The drawn robot looks somewhere (see `theme.GAZES`)."""
+        """Let the drawn robot look somewhere (see `theme.GAZES`)."""
 
     def cue(self, gaze: str, gesture: Gesture | None) -> None:
-        """The drawn robot looks or points, in a single frame, while everything else is still."""
+        """Let the drawn robot look or point, in a single frame, while everything else is still."""
 
     def be_still(self) -> None:
-        """The drawn robot rests at once."""
+        """Let the drawn robot rest at once."""
 
     def speaking(self, sounds: bool) -> None:
-        """A voice begins to sound, or has fallen silent: the mouth moves with it."""
+        """Move the mouth while a voice sounds."""
 
     def look(self, face: str) -> None:
         """Change the expression only."""
@@ -40,18 +40,21 @@ class AgentStage(Protocol):
         """Take the words away."""
 
     def voiceless(self, action: Action, why: str) -> None:
-        """What was to be heard could not be: its words have to be seen, and that it is so."""
+        """Show the words of an action that could not be spoken, and that there is no voice."""
 
     def apply_theme(self, theme: Theme) -> None:
-        """The theme was edited: wear it from here on."""
+        """Use an edited theme from here on."""
 
 
 class DrawnAgent(Output):
-    """The agent on the screen: its face and words, its drawn gestures, where it looks.
+    """The agent on the screen: its face, words, gestures and gaze.
 
     Args:
-        stage: where it is drawn.
-        is_shown: whether the screen is one of the session's outputs; else it is only seen where a voice fails.
+        stage: the screen it is drawn on.
+        is_shown: False if the screen is not one of the session's outputs, so that it is shown only if a voice fails.
+
+    Attributes:
+        state: what the agent shows.
     """
 
     name = "screen"
@@ -85,7 +88,7 @@ class DrawnAgent(Output):
                 self._stage.speaking(self.state.is_speaking)
 
     def cue(self, cue: CueGiven, do: Callable[[CueGiven], None]) -> None:
-        """Draw a cue at once; ``do`` asks for its parts, which with that are done."""
+        """Draw a cue at once; ``do`` then requests its parts, which are reported as done."""
         self._is_cueing = True
         if self.can:
             self._stage.cue(cue.gaze, self.theme.gestures.get(cue.gesture))
@@ -97,7 +100,7 @@ class DrawnAgent(Output):
         self._stage.apply_theme(theme)
 
     def show(self, action: str, text: str, face: str) -> None:
-        """Words stand until others take their place, or an attempt begins."""
+        """Show words until others replace them, or a trial begins."""
         if text or not self._shown:
             self.clear()
         self._stage.say(self.action)
@@ -108,15 +111,15 @@ class DrawnAgent(Output):
             self.report(action, "show", "done")
 
     def clear(self) -> None:
-        """Words that stood are gone."""
+        """Report the words that were shown as done."""
         if self._shown:
             self.report(self._shown, "show", "done")
             self._shown = ""
 
     def gesture(self, action: str, name: str) -> None:
-        """One gesture after the other."""
+        """Make one gesture after the other."""
         if self._is_cueing:
-            self._did(action, "gesture")
+            self._report_done(action, "gesture")
             return
         self._gestures.append((action, name))
         if self._moving is None:
@@ -144,14 +147,14 @@ class DrawnAgent(Output):
     def gaze(self, action: str, where: str) -> None:
         if not self._is_cueing:
             self._stage.gaze(where)
-        self._did(action, "gaze")
+        self._report_done(action, "gaze")
 
-    def _did(self, action: str, part: ActionPart) -> None:
+    def _report_done(self, action: str, part: ActionPart) -> None:
         self.report(action, part, "started")
         self.report(action, part, "done")
 
     def stop(self, action: str = "") -> None:
-        """Gestures are broken off; words stay where they are."""
+        """Abort gestures; words stay."""
         gone = [other for other, _ in self._gestures if action in ("", other)]
         self._gestures = deque(each for each in self._gestures if each[0] not in gone)
         if self._moving and action in ("", self._moving[0]):
@@ -166,7 +169,7 @@ class DrawnAgent(Output):
         self._move_on()
 
     def close(self) -> None:
-        """Tell nothing more."""
+        """Report nothing more."""
         if self._moving:
             self._moving[1].cancel()
         self._moving = None

@@ -1,4 +1,4 @@
-"""The agent of a session elsewhere: what its link tells is put on a stage, as the participant's own screen does it."""
+"""The agent of a session elsewhere: shows what arrives over the link, as the participant's own screen does."""
 
 from collections.abc import Callable
 from typing import Any, Protocol
@@ -13,33 +13,33 @@ from sar_tui.link.peer import Connection, Frame, PeerEvent, Welcome
 from sar_tui.tui.web_driver import BrowserVoice
 
 FRESH = 3 * SECOND
-"""What happened longer ago is still there to be read, but no longer said or gestured: the view has just come."""
+"""Actions older than this are shown as text, but no longer spoken or gestured: the view has just joined."""
 _VOICES = frozenset(("speech", "ros"))
-"""Outputs that say words by themselves, and report when."""
+"""Outputs that speak by themselves, and report when."""
 
 
 class ViewStage(AgentStage, Protocol):
-    """What the view needs of a screen."""
+    """The screen of the view."""
 
     def wait(self, waiting: Waiting) -> None:
-        """What the session waits for: in a trial nothing moves, and no words stand."""
+        """Show what the session waits for: during a trial nothing moves, and no words are shown."""
 
     def connected(self, connection: Connection) -> None:
-        """How the link is."""
+        """Show the state of the link."""
 
     def speak_language(self, code: str) -> None:
-        """The language of the session."""
+        """Use the session's language."""
 
 
 class AgentView:
-    """Follows the agent.
+    """Follows the agent of a session.
 
     Args:
-        stage: where it is drawn.
-        theme: worn until the session tells its own.
+        stage: the screen it is drawn on.
+        theme: used until the session's is known.
         clock: of its motion.
-        now: the session's clock (ns): what is news?
-        voice: speaks the agent's words here, too.
+        now: the session's clock (ns), to tell new actions from old ones.
+        voice: also speaks the agent's words here.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class AgentView:
         self._silence: Handle | None = None
 
     def receive(self, heard: PeerEvent) -> None:
-        """What the link tells."""
+        """Take what arrived over the link."""
         match heard:
             case Welcome():
                 self._enter(heard)
@@ -120,7 +120,7 @@ class AgentView:
                 self._mouth(action.spoken)
 
     def _mouth(self, spoken: str) -> None:
-        """A browser does not tell how long it speaks: as long as so many words take."""
+        """Move the mouth for as long as the words take: a browser does not report when it has spoken."""
         voice = self._drawn.theme.voice
         seconds = len(spoken.split()) * 60 / voice.rate_in(self._language)
         if self._silence:

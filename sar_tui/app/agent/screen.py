@@ -1,4 +1,4 @@
-"""The agent alone, large, for somebody who sits at a distance; on a screen of its own."""
+"""The agent alone on a screen, large, to be seen from a distance."""
 
 from typing import Any
 
@@ -19,10 +19,10 @@ from sar_tui.widgets.agent import Agent
 
 
 class AgentViewScreen(Screen[None]):
-    """The stage of `agent_view.AgentView`. It says nothing but what the agent says, and where the session is.
+    """The stage of `remote.AgentView`. It shows the agent, and the state of the link.
 
     Args:
-        theme: worn until the session tells its own.
+        theme: used until the session's is known.
         clock: of the agent's motion.
     """
 
@@ -43,7 +43,7 @@ class AgentViewScreen(Screen[None]):
 
     def on_mount(self) -> None:
         self._agent.look("sleeping")
-        self._tell()
+        self._show_status()
 
     # --- the stage ----------------------------------------------------------------------------------------------
 
@@ -66,7 +66,7 @@ class AgentViewScreen(Screen[None]):
         self._agent.speaking(sounds)
 
     def voiceless(self, action: Action, why: str) -> None:
-        """The words stand here in any case."""
+        """Do nothing: the words are shown anyway."""
 
     def apply_theme(self, theme: Theme) -> None:
         self._agent.apply_theme(theme)
@@ -94,22 +94,22 @@ class AgentViewScreen(Screen[None]):
             self._agent.clear("sleeping")
         elif self._agent.face == "sleeping":
             self._agent.look("neutral")
-        self._tell()
+        self._show_status()
 
     def speak_language(self, code: str) -> None:
         self.tr = app_language(code)
-        self._tell()
+        self._show_status()
 
-    def _tell(self) -> None:
-        """Whether there is a session to be seen, in words that anybody may read."""
+    def _show_status(self) -> None:
+        """Show the state of the link in words for anybody."""
         match self._connection.state:
             case "connected":
-                told = ""
+                text = ""
             case "connecting":
                 why = self._connection.why
-                told = f"{self.tr('One moment…')}\n{why}" if why else self.tr("One moment…")
+                text = f"{self.tr('One moment…')}\n{why}" if why else self.tr("One moment…")
             case "lost":
-                told = self.tr("Out of reach for the moment; it comes back by itself.")
+                text = self.tr("Out of reach for the moment; it comes back by itself.")
             case "ended":
-                told = self.tr("It is over here. Thank you.")
-        self._status.update(told)
+                text = self.tr("It is over here. Thank you.")
+        self._status.update(text)

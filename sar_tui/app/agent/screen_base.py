@@ -1,4 +1,4 @@
-"""A screen with the agent on it: what it is asked to say and do is drawn there, and a voice that fails is told."""
+"""A screen with the agent on it, which also shows when its voice has failed."""
 
 import dataclasses
 import functools
@@ -20,10 +20,10 @@ _SCREEN = "screen"
 
 
 class AgentScreen(Screen[None]):
-    """The base of the session's screen: the agent's stage (see `drawn_agent.AgentStage`).
+    """The base of the session's screen: the agent's stage (see `output.AgentStage`).
 
-    The agent is there if the screen is one of the session's outputs; else only while its voice has failed, because its
-    words have to be read then.
+    The agent is shown if the screen is one of the session's outputs; otherwise only while its voice has failed, so that
+    its words can be read.
     """
 
     app: Any
@@ -36,12 +36,12 @@ class AgentScreen(Screen[None]):
 
     @functools.cached_property
     def tr(self) -> Language:
-        """The language of the session."""
+        """Language of the session."""
         return session_language(self._live.run.session.task)
 
     @property
     def active_bindings(self) -> dict[str, Any]:
-        """What the footer and the help offer, in the session's language; the stop key where it stops something."""
+        """Bindings in the session's language; the stop key only if there is an output to stop."""
         others = [name for name in self._live.run.session.task.parameters.outputs if name != _SCREEN]
         has_voice = any(name.partition(":")[0] in ("speech", "tones") for name in others)
         robot = self.tr("Stop robot")
@@ -59,12 +59,12 @@ class AgentScreen(Screen[None]):
         }
 
     def compose_voice(self) -> ComposeResult:
-        """Where it is told that there is no voice."""
+        """Compose the notice that there is no voice."""
         self._voice = Static("", id="voice", markup=False)
         yield self._voice
 
     def compose_agent(self) -> ComposeResult:
-        """The agent."""
+        """Compose the agent."""
         session = self._live.run.session
         self._shows_agent = _SCREEN in session.task.parameters.outputs
         folder = self.app.catalogue.theme_folder(session.theme.name)
@@ -101,7 +101,7 @@ class AgentScreen(Screen[None]):
         self.agent.look(face)
 
     def voiceless(self, action: Action, why: str) -> None:
-        """The note is there once; that there is no voice stays at the top, until there is one again."""
+        """Show the note once; the notice at the top stays until a voice sounds again."""
         was_voiceless, self._is_voiceless = self._is_voiceless, True
         if self.agent.is_held:
             return
@@ -117,18 +117,18 @@ class AgentScreen(Screen[None]):
     # --- between and in trials -------------------------------------------------------------------------------
 
     def clear_agent(self, face: str) -> None:
-        """A trial is about to begin: nothing to read beside it."""
+        """Take the words away, for instance before a trial."""
         self.agent.clear(face)
         self.agent.note("")
         self.agent.display = self._shows_agent or self._shows_voiceless
 
     def ask(self, words: str) -> None:
-        """The agent asks for something that has to be read, whether or not it is there otherwise."""
+        """Let the agent ask for something that must be read, also if it is hidden otherwise."""
         self.agent.display = True
         self.agent.say(words, "listening")
 
     def let_agent_move(self, moves: bool) -> None:
-        """The agent may move, or a response is awaited; what became of its voice meanwhile is shown after that."""
+        """Let the agent move, or hold it while a response is awaited; a change of its voice is shown after that."""
         if moves:
             self.agent.release()
             self._show_voice()

@@ -1,4 +1,4 @@
-"""Help: what this screen is for, and its keys."""
+"""Help: the purpose of a screen, and its keys."""
 
 from typing import ClassVar
 
@@ -13,7 +13,7 @@ from sar_tui.widgets.language import language_of
 
 
 class HelpScreen(ModalScreen[None]):
-    """Lists the keys of the screen beneath it."""
+    """Lists the keys of the screen below it."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,enter,space,f1,question_mark,q", "dismiss", "Close", id="help-close")

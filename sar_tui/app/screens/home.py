@@ -1,4 +1,4 @@
-"""Home: who sits down, what they do, and what was done before."""
+"""The first screen: participant, task, theme, and the recent sessions."""
 
 from typing import Any, ClassVar
 
@@ -28,7 +28,7 @@ class HomeScreen(Screen[None]):
         "Choose who takes part, the task and the theme; then Start.\n"
         "The arrows move within and between lists, Enter chooses.\n\n"
         "A task for two asks next who sits on the right.\n\n"
-        "A session that was interrupted stands first among the recent ones: Enter goes on with it.\n\n"
+        "Interrupted sessions come first among the recent ones: Enter resumes one.\n\n"
         "Participants are codes, never names.\n"
     )
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -76,13 +76,13 @@ class HomeScreen(Screen[None]):
         self.set_interval(_LOOK_SECONDS, self.look_for_sessions)
 
     def _list_themes(self) -> None:
-        """Reading all of them takes a moment, and the screen is up before."""
+        """List all themes; called once the screen is shown, because reading them takes a moment."""
         self.app.load_themes()
         themes = self.query_one("#theme", OptionList)
         themes.add_options([Option(theme.title, id=name) for name, theme in self.app.themes.items()])
         themes.highlighted = 0
         self._theme_of = None
-        self._show_kept_theme()
+        self._show_saved_theme()
 
     def on_screen_resume(self) -> None:
         self._list_participants()
@@ -105,7 +105,7 @@ class HomeScreen(Screen[None]):
     def _list_recent(self) -> None:
         recent = self.query_one("#recent", OptionList)
         rows = sessions.listing(self.app.database, self.app.folder, limit=30)
-        rows.sort(key=lambda row: not _can_go_on(row))
+        rows.sort(key=lambda row: not _can_resume(row))
         recent.clear_options()
         recent.add_options([Option(_line(row), id=row["id"]) for row in rows])
         if rows:
@@ -122,7 +122,7 @@ class HomeScreen(Screen[None]):
 
     @on(OptionList.OptionHighlighted)
     def _chose(self) -> None:
-        """Tell what Start would do, and wear the theme."""
+        """Say what Start will do, and apply the chosen theme."""
         if theme := self._chosen("theme"):
             self.app.use_theme(theme)
         who, task = self._chosen("participant"), self._chosen("task")
@@ -130,15 +130,15 @@ class HomeScreen(Screen[None]):
         self.query_one("#about", Static).update(about)
 
     @on(OptionList.OptionHighlighted, "#participant, #task")
-    def _show_kept_theme(self) -> None:
-        """A participant's theme is kept with their settings; what is chosen instead stands until another is chosen."""
+    def _show_saved_theme(self) -> None:
+        """Select the theme saved with a participant's settings; a choice by hand stays."""
         who, task = self._chosen("participant"), self._chosen("task")
         if who and task and (who, task) != self._theme_of:
             self._theme_of = (who, task)
-            kept = participants.settings(self.app.database, who, task).theme
+            saved = participants.settings(self.app.database, who, task).theme
             themes = self.query_one("#theme", OptionList)
-            if kept in (names := [option.id for option in themes.options]):
-                themes.highlighted = names.index(kept)
+            if saved in (names := [option.id for option in themes.options]):
+                themes.highlighted = names.index(saved)
 
     @on(OptionList.OptionSelected, "#participant")
     def _participant_selected(self, event: OptionList.OptionSelected) -> None:
@@ -170,7 +170,7 @@ class HomeScreen(Screen[None]):
         except StoreError as error:
             self.notify(str(error), severity="error", timeout=15)
             return
-        if _can_go_on(row):
+        if _can_resume(row):
             self.app.begin_session(row["id"])
         else:
             self.app.push_screen(PastSessionScreen(row))
@@ -178,7 +178,7 @@ class HomeScreen(Screen[None]):
     # --- the operator's panel -----------------------------------------------------------------------------
 
     def look_for_sessions(self) -> None:
-        """The panel is offered while there is a session on this machine that can be joined."""
+        """Offer the panel while a session on this machine can be joined."""
         from sar_tui.link.discovery import live_sessions
         from sar_tui.link.errors import LinkError
 
@@ -196,7 +196,7 @@ class HomeScreen(Screen[None]):
         return self._can_operate if action == "operate" else super().check_action(action, parameters)
 
     def action_operate(self) -> None:
-        """Choose the session, and open its panel."""
+        """Choose a session, and open its panel."""
         from sar_tui.link.discovery import JoinableSession, live_sessions
         from sar_tui.operator.session_picker import ChooseScreen, own_name, panel
 
@@ -215,14 +215,14 @@ class HomeScreen(Screen[None]):
         else:
             self.app.push_screen(ChooseScreen(), chosen)
 
-    # --- what can be done ---------------------------------------------------------------------------------
+    # --- actions ---------------------------------------------------------------------------------
 
     def action_next(self) -> None:
-        """The focus goes to the next list."""
+        """Focus the next list."""
         self.focus_next()
 
     def action_previous(self) -> None:
-        """The focus goes to the list before."""
+        """Focus the previous list."""
         self.focus_previous()
 
     @on(Button.Pressed, "#start")
@@ -262,7 +262,7 @@ class HomeScreen(Screen[None]):
 
     @on(Button.Pressed, "#settings")
     def action_settings(self) -> None:
-        """The therapist's door."""
+        """Open the therapist's settings."""
         from sar_tui.app.screens.settings import SettingsScreen
 
         if chosen := self._participant_and_task():
@@ -278,19 +278,19 @@ class HomeScreen(Screen[None]):
 
 
 def _title() -> str:
-    """The name, and what is known to blur timing in this terminal."""
+    """Return the program's name, and what makes timing less exact in this terminal."""
     flags = machine()["flags"]
     return "sar-tui" + (f"   (inside {' and '.join(flags)}: reaction times are less exact)" if flags else "")
 
 
-def _can_go_on(row: sessions.Row) -> bool:
+def _can_resume(row: sessions.Row) -> bool:
     return bool(row["status"] == "interrupted" and row["mode"] == "live")
 
 
 def _line(row: sessions.Row) -> str:
-    """A session in a line: when, who, what, how it ended."""
+    """Return a session as a line: start, participants, task, attempts, status."""
     when = sessions.local_time(row["started_at"])
     done = f"{row['attempts']} of {row['parameters'].get('attempts', '?')}"
-    how = "interrupted: Enter goes on" if _can_go_on(row) else row["status"]
+    how = "interrupted: Enter resumes" if _can_resume(row) else row["status"]
     kind = "" if row["mode"] == "live" else f" ({row['mode']})"
     return f"{when}  {sessions.participant_codes(row):<8} {row['task']:<10} {done:>9}  {how}{kind}"

@@ -14,7 +14,7 @@ from sar_tui.store.database import StoreError
 
 
 class NewParticipantScreen(ModalScreen[str | None]):
-    """Gives the new code, or None."""
+    """Asks for a new code; its result is the code, or None."""
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Cancel", id="cancel")]
 
@@ -30,9 +30,9 @@ class NewParticipantScreen(ModalScreen[str | None]):
 
     @on(Input.Changed)
     def _check(self, event: Input.Changed) -> None:
-        self._tell(event.value)
+        self._is_valid(event.value)
 
-    def _tell(self, code: str) -> bool:
+    def _is_valid(self, code: str) -> bool:
         problem = ""
         try:
             if participants.check_code(code) in participants.codes(self.app.database):
@@ -44,7 +44,7 @@ class NewParticipantScreen(ModalScreen[str | None]):
 
     @on(Input.Submitted)
     def _add(self, event: Input.Submitted) -> None:
-        if not self._tell(event.value):
+        if not self._is_valid(event.value):
             return
         try:
             code = participants.add(self.app.database, event.value)

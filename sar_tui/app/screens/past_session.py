@@ -1,4 +1,4 @@
-"""A session of the past: its summary again."""
+"""The summary of a past session."""
 
 from typing import Any, ClassVar
 
@@ -17,7 +17,7 @@ from sar_tui.widgets.task_view import stored_facts
 class PastSessionScreen(Screen[None]):
     """The plot and figures of one stored session."""
 
-    help_text = "What was done in a session: the result of each attempt and its level.\n"
+    help_text = "The results of a past session: each attempt and its level.\n"
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,enter,space", "dismiss", "Back", id="back")]
 
     app: Any

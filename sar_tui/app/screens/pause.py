@@ -1,4 +1,4 @@
-"""The pause menu: go on, tired, in pain, finished. Only ending asks again."""
+"""The pause menu: go on, tired, in pain, finished. Only ending the session asks for confirmation."""
 
 from textual.message import Message
 from textual.widgets import OptionList
@@ -29,7 +29,7 @@ _LABELS = {
 
 
 class PauseMenu(OptionList):
-    """Chosen with the arrows and Enter. Every choice is an operator's act by the participant."""
+    """A menu whose choices are operator acts by the participant."""
 
     class Chosen(Message):
         """The participant chose."""
@@ -39,7 +39,7 @@ class PauseMenu(OptionList):
             self.act = act
 
     def open(self, reason: str) -> None:
-        """Show the choices there are after a pause for ``reason``."""
+        """Show the choices after a pause for ``reason``."""
         tr = language_of(self.app)
         title, words = _WORDS.get(reason, _WORDS[""])
         self.border_title = tr(title)

@@ -1,4 +1,4 @@
-"""Asks who sits at the second seat of a task for two."""
+"""Asks for the second participant of a task for two."""
 
 from typing import Any, ClassVar
 
@@ -16,10 +16,10 @@ _NEW = "+"
 
 
 class SecondParticipantScreen(ModalScreen[str | None]):
-    """Gives the code of who sits on the right, or None; who sits on the left is not offered.
+    """Asks for the participant on the right; its result is their code, or None.
 
     Args:
-        first: who sits on the left.
+        first: code of the participant on the left, who is not offered.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Cancel", id="cancel")]

@@ -1,4 +1,4 @@
-"""The session's screen: what the participant sees, from the instructions to the summary."""
+"""The session's screen, from the instructions to the summary."""
 
 from typing import ClassVar
 
@@ -34,9 +34,9 @@ from sar_tui.widgets.progress_line import ProgressLine
 
 
 class SessionScreen(AgentScreen):
-    """The stage of a session (see `screen_output.Stage`), and its keyboard.
+    """The stage of a session (see `screen_output.Stage`), which also reads its keys.
 
-    Nothing on it moves while a response is awaited.
+    Nothing moves while a response is awaited.
     """
 
     AUTO_FOCUS = ""
@@ -53,7 +53,7 @@ class SessionScreen(AgentScreen):
 
     @property
     def help_text(self) -> str:
-        """What the task asks for, how to pause, and how a therapist marks a trial."""
+        """Instructions of the task, and the keys to pause, ask for feedback and mark a trial."""
         task = self._live.run.session.task
         pause = self.tr("When a screen asks you to, press Enter. To pause, press Escape; nothing is lost.") + "\n"
         marks = ", ".join(f"{mark.key.upper()} {self.tr(mark.title).lower()}" for mark in task.marks)
@@ -120,7 +120,7 @@ class SessionScreen(AgentScreen):
         self._correct_key(event.key, waiting)
 
     def _correct_key(self, key: str, waiting: Waiting) -> None:
-        """Enter where the start key is waited for, or the other way round: say which of the two it is."""
+        """Say which key is awaited after Enter was pressed for the start key, or the other way round."""
         start = self._live.run.session.task.start_key
         wanted = {"enter": "enter", "start": start}.get(waiting.what)
         if start and wanted and key in ("enter", start) and key != wanted:
@@ -128,7 +128,7 @@ class SessionScreen(AgentScreen):
             self.query_one("#enter", Static).update(f"{self._press} {later}")
 
     def _is_repeat(self, event: events.Key) -> bool:
-        """Whether a key is held or bounces, as perception judges it; the Enter before the summary must not close it."""
+        """True if a key is held or bounces, as perception judges it: the Enter before the summary must not close it."""
         (last, before), now = self._last_key, self._live.stamp(event.time)
         self._last_key = (event.key, now)
         interval = self._live.run.session.task.parameters.repeat_interval_ms * MS / SECOND
@@ -139,28 +139,28 @@ class SessionScreen(AgentScreen):
         self._live.keyboard.pasted(len(event.text), self._live.stamp(event.time))
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
-        """A pause is offered where there is something to pause; its menu, while a sensor is waited for."""
+        """Offer a pause if there is something to pause, and its menu while a sensor is awaited."""
         waiting = self._waiting
         if action != "pause" or waiting is None:
             return action != "pause"
         return waiting.what == "sensor" or waiting.stage not in ("paused", "ended")
 
     def action_pause(self) -> None:
-        """At once and unconfirmed."""
+        """Pause at once, without a question."""
         self._live.operate(Operator(command="pause"))
 
     def on_screen_suspend(self) -> None:
-        """Something covers this screen: a participant cannot be asked to respond."""
+        """Pause a trial that another screen covers: the participant cannot see the prompt."""
         if self._waiting and self._waiting.stage == "trial":
             self.action_pause()
 
     def on_pause_menu_chosen(self, event: PauseMenu.Chosen) -> None:
         self._live.operate(event.act)
 
-    # --- the stage: what the loop asks of the screen ---------------------------------------------------------
+    # --- the stage ---------------------------------------------------------
 
     def show_prompt(self, prompt: Prompt) -> None:
-        """Put the prompt up, and tell when it reached the terminal."""
+        """Show the prompt, and report when it reached the terminal."""
         report_onset(self, self._live, prompt)
         if self._shown != "prompt":
             self._stage("prompt")
@@ -213,7 +213,7 @@ class SessionScreen(AgentScreen):
             self._stage("menu")
 
     def _update_motion(self, waiting: Waiting) -> None:
-        """The agent may move, and files be looked at, but where a response is awaited, or about to be."""
+        """Let the agent move and look for edited themes, except during a trial."""
         is_awaited = waiting.stage == "trial" and waiting.what in AWAITED
         self.app.look_for_edits(not is_awaited and waiting.what != "quiet")
         self.let_agent_move(not is_awaited)
@@ -226,7 +226,7 @@ class SessionScreen(AgentScreen):
         self.query_one(Summary).show(*attempts.values(), status=ended.status, names=names)
         self._stage("summary")
 
-    # --- what stands where ------------------------------------------------------------------------------------
+    # --- contents ------------------------------------------------------------------------------------
 
     def _begin_trials(self, waiting: Waiting) -> None:
         self._show_trials(waiting.trial - 1)
@@ -236,7 +236,7 @@ class SessionScreen(AgentScreen):
         self._stage("prompt")
 
     def _show_text(self, waiting: Waiting, text: WaitingText) -> None:
-        """Say what is waited for, and how far the session has come."""
+        """Show the text for a wait, and the progress."""
         if waiting.stage in ("attempt", "review", "trial", "paused"):
             self._show_position(waiting)
         if waiting.stage in ("review", "trial", "paused"):
@@ -253,7 +253,7 @@ class SessionScreen(AgentScreen):
         self._stage("message")
 
     def _stage(self, name: str | None) -> None:
-        """Show one thing in the middle of the screen, or nothing."""
+        """Show one widget in the middle of the screen, or none."""
         self._shown = name
         self.query_one("#stage", ContentSwitcher).current = name
         menu = self.query_one(PauseMenu)
@@ -263,9 +263,11 @@ class SessionScreen(AgentScreen):
         self.refresh_bindings()
 
     def _show_position(self, waiting: Waiting) -> None:
-        """Say in the corner and at the foot how far the session has come."""
+        """Show attempt and level in the corner, and the progress at the bottom."""
         marked = self.tr("Marked: {mark}", mark=self._mark.lower()) if self._mark else ""
-        if waiting.trial > waiting.trials:  # after the last attempt; the level is that of one which will not come
+        if (
+            waiting.trial > waiting.trials
+        ):  # after the last attempt; the level is of one that will not come
             if marked:
                 self.query_one("#where", Static).update(marked)
             self._show_attempts(waiting.attempt)
@@ -276,7 +278,7 @@ class SessionScreen(AgentScreen):
         self._show_attempts(waiting.attempt - 1)
 
     def _show_attempts(self, done: int) -> None:
-        """Practice attempts and those after them are counted apart."""
+        """Show the number of attempts done; practice attempts are counted separately."""
         parameters = self._live.run.session.task.parameters
         kind, total = "Practice", parameters.practice_attempts
         if done >= total:
@@ -288,7 +290,7 @@ class SessionScreen(AgentScreen):
         self.query_one("#trials", ProgressLine).show(self.tr(task.trials), done, task.trials_per_attempt)
 
     def _broken(self, error: str) -> None:
-        """The task raised: nothing is lost, but it cannot go on."""
+        """End the app's session after the task raised: the data is safe, but the task cannot go on."""
         self._gc.end_attempt()
         self.app.failure = (
             f"The task {self._live.run.session.task.name} failed ({error}). What was done so far is kept."

@@ -21,19 +21,19 @@ from sar_tui.widgets.field_group import FieldGroup
 from sar_tui.widgets.parameter_field import ParameterField
 
 _FOLDED = ("Operator", "Timing")
-"""Headings that begin folded: what few sessions need."""
+"""Headings that are folded at first, because few sessions need them."""
 
 
 class _Form(VerticalScroll, can_focus=False, inherit_bindings=False):
-    """The headings and their fields; page keys are the screen's, which goes from heading to heading with them."""
+    """The headings and their fields. Page keys are left to the screen, which moves by headings."""
 
 
 class SettingsScreen(Screen[None]):
-    """One field for each parameter, under headings; kept for this participant, and used by their next session."""
+    """One field for each parameter, under headings; saved for this participant's next sessions."""
 
     help_text = (
-        "Each setting says what it means, its unit, and what it may be. "
-        "A dot marks what differs from the default. Nothing is kept until you save.\n\n"
+        "Each setting shows its meaning, its unit and the values it may have. "
+        "A dot marks a value that differs from the default. Nothing is saved until you save.\n\n"
         "Page Down and Page Up go from heading to heading. Enter opens a heading, or folds it; "
         "Ctrl-R on a heading resets all under it.\n"
     )
@@ -87,7 +87,7 @@ class SettingsScreen(Screen[None]):
 
     @on(ParameterField.Changed)
     async def _check(self) -> None:
-        """Each by itself, and all together: settings that are each right may not go together."""
+        """Check each value, and all of them together: values that are right by themselves may exclude each other."""
         problems = self._problems()
         for widget in self._fields:
             widget.show_problem(problems.get(widget.field.name, ""))
@@ -109,7 +109,7 @@ class SettingsScreen(Screen[None]):
         return self._language_problem(parameters.language)
 
     def _language_problem(self, language: str) -> dict[str, str]:
-        """A language that the participant's theme has nothing of: a session would be refused."""
+        """Return a problem if the participant's theme has no phrases in this language: a session would be refused."""
         try:
             known = languages(self.app.catalogue.theme_folder(self._theme))
         except PluginError:
@@ -121,7 +121,7 @@ class SettingsScreen(Screen[None]):
 
     @on(Button.Pressed, "#save")
     async def action_save(self) -> None:
-        """Keep the settings, if they can be."""
+        """Save the settings if all are valid."""
         if problems := self._problems():
             await self._go_to(next(iter(problems)))
             return
@@ -138,7 +138,7 @@ class SettingsScreen(Screen[None]):
         self.query_one("#status", Static).update(f"saved for {self._participant}")
 
     async def _go_to(self, name: str) -> None:
-        """Put the cursor into a field, wherever it is folded away."""
+        """Put the cursor into a field, and unfold its heading."""
         for group in self._groups:
             for widget in group.fields:
                 if widget.field.name == name:
@@ -146,7 +146,7 @@ class SettingsScreen(Screen[None]):
                     self.call_after_refresh(widget.focus_editor)
 
     def action_heading(self, step: int) -> None:
-        """Go to the heading after that of the field with the focus, or back to its own, or to the one before."""
+        """Go to the next heading; or back to the focused field's own heading, and from there to the previous one."""
         end = len(self._groups)
         here = next((at for at, group in enumerate(self._groups) if group.has_focus_within), end)
         if step < 0 and here < end and not self._groups[here].heading.has_focus:
@@ -154,7 +154,7 @@ class SettingsScreen(Screen[None]):
         self._groups[max(0, min(here + step, end - 1))].go_to()
 
     async def action_reset(self) -> None:
-        """Put back the default of the field that has the focus, or of all under the heading that has it."""
+        """Reset the focused field to its default, or all fields under the focused heading."""
         for group in self._groups:
             for widget in group.fields:
                 if widget.has_focus_within or group.heading.has_focus:
@@ -169,7 +169,7 @@ class SettingsScreen(Screen[None]):
 
     @on(Button.Pressed, "#back")
     def action_leave(self) -> None:
-        """Go back; ask for a second press if something was not saved."""
+        """Go back; ask for a second press if there are unsaved changes."""
         if self._shown() == self._saved:
             self.dismiss()
         else:

@@ -1,4 +1,4 @@
-"""The closing summary: the metric and the level over attempts (the thesis' Figure 4.4), in words and as a plot."""
+"""The summary of a session: metric and level over attempts, as text and as a plot (Figure 4.4 of the thesis)."""
 
 from collections.abc import Callable, Sequence
 
@@ -12,7 +12,7 @@ from sar_tui.framework.trial_types import Metric
 from sar_tui.widgets.language import language_of
 
 _GAP = 3
-"""Columns between the plots of two."""
+"""Columns between the plots of two participants."""
 
 
 class Summary(Vertical):
@@ -41,7 +41,7 @@ class Summary(Vertical):
         yield Static("", id="finish", markup=False)
 
     def show(self, *attempts: Sequence[AttemptEnded], status: str = "completed", names: Sequence[str] = ()) -> None:
-        """Show a session's scored attempts; where two took part, those of each, and what they are called."""
+        """Show the scored attempts, of each seat if there are several; ``names`` are the participants', by seat."""
         self._attempts, self._names, tr = attempts, names, language_of(self.app)
         facts = [self._facts(each, status) for each in attempts]
         if names:
@@ -92,9 +92,9 @@ class Summary(Vertical):
         plot.update(text)
 
     def _figure(self, attempts: Sequence[AttemptEnded], width: int, height: int) -> list[str]:
-        """The lines of a plot, each of that width; none where there is nothing to draw, or no room.
+        """Return the lines of a plot, all ``width`` wide; none if there is nothing to draw, or no room.
 
-        Those of two have the same left axis, and stand apart.
+        The plots of two participants share the scale of their left axis.
         """
         from sar_tui.reports.attempts_plot import attempts_figure
 

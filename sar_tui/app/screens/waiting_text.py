@@ -1,4 +1,4 @@
-"""What the session's screen says while it waits for somebody."""
+"""Texts of the session's screen while it waits for somebody."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from sar_tui.tui.language import session_language
 
 
 class WaitingText(NamedTuple):
-    """A headline, what there is to know, and what to press (empty where nothing helps)."""
+    """Headline, text, and the key to press (empty if no key helps)."""
 
     headline: str
     text: str
@@ -17,7 +17,7 @@ class WaitingText(NamedTuple):
 
 
 def waiting_text(waiting: Waiting, task: Task) -> WaitingText | None:  # noqa: PLR0911
-    """The words for a wait; None where something else stands on the screen: a prompt, the pause menu, the summary."""
+    """Return the text for a wait; None while the screen shows a prompt, the pause menu or the summary."""
     tr = session_language(task)
     match waiting.stage:
         case "instructions":
@@ -53,7 +53,7 @@ def waiting_text(waiting: Waiting, task: Task) -> WaitingText | None:  # noqa: P
 
 
 def key_name(key: str, tr: Language) -> str:
-    """A key as it is called on the keyboard: "Space"."""
+    """Return a key's name on the keyboard: "Space"."""
     return {"space": tr("Space"), "enter": tr("Enter"), "tab": tr("Tab")}.get(key, key.capitalize())
 
 
