@@ -265,9 +265,7 @@ class SessionScreen(AgentScreen):
     def _show_position(self, waiting: Waiting) -> None:
         """Show attempt and level in the corner, and the progress at the bottom."""
         marked = self.tr("Marked: {mark}", mark=self._mark.lower()) if self._mark else ""
-        if (
-            waiting.trial > waiting.trials
-        ):  # after the last attempt; the level is of one that will not come
+        if waiting.trial > waiting.trials:  # after the last attempt; the level is of one that will not come
             if marked:
                 self.query_one("#where", Static).update(marked)
             self._show_attempts(waiting.attempt)
