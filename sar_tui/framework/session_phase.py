@@ -35,7 +35,7 @@ IN_TRIAL = {Phase.AGENT, Phase.START, *BEFORE_PROMPT, Phase.ONSET, Phase.RESPONS
 OVER = {Phase.CLOSING, Phase.ENDED, Phase.BROKEN}
 ENTER_RESUMES = ("interrupted", "restored")
 PAUSES: dict[str, str] = {"interrupted": "enter", "restored": "enter", "sensor": "sensor"}
-"""What a pause waits for, by its reason; any other waits for a command to resume."""
+"""Events that end a pause, by its reason; a pause for any other reason ends with a command to resume."""
 MARKABLE = {Phase.AGENT, Phase.START, Phase.FEEDBACK, Phase.READY, Phase.REVIEW}
 """Phases in which a mark applies to the last trial."""
 WAITS: dict[Phase, tuple[str, str]] = {
