@@ -23,7 +23,7 @@ class ClockMap:
         self._excess = 0
 
     def restart(self) -> None:
-        """Restart after the sensor's clock began anew. Later results still follow earlier ones."""
+        """Restart after the sensor's clock restarted. Later results still follow earlier ones."""
         self._offset = None
 
     def at(self, device_ms: float, host_ns: int) -> int:
@@ -33,7 +33,7 @@ class ClockMap:
         are on the sensor's clock.
 
         Args:
-            device_ms: the sensor's clock. If it goes back, it began anew.
+            device_ms: the sensor's clock. If it goes back, it restarted.
             host_ns: when the sample arrived.
         """
         device = round(device_ms * 1e6)

@@ -17,7 +17,7 @@ STALL = 500 * MS
 GAP_STEPS = 1.5
 """A step of the sensor's clock of more than this many intervals is a gap."""
 RESTART_MS = 1000.0
-"""A sensor's clock that goes back by more than this has begun anew; by less, the sample is wrong."""
+"""A sensor's clock that goes back by more than this has restarted; by less, the sample is wrong."""
 RATE_WINDOW = 2 * SECOND
 
 _TOO_LARGE = 1e30
@@ -81,7 +81,7 @@ class ImuFeed:
         self._last_ms = -inf
         self._dropping = ""
         self._dropped_since = 0
-        self._told: list[Status] = []
+        self._saturations: list[Status] = []
         self._clock.restart()
 
     @property
@@ -166,7 +166,7 @@ class ImuFeed:
             self._dropped_since += 1
             return
         at = self._clock.at(device_ms, host_ns)
-        if self._told or GAP_STEPS * self._interval_ms < step < inf:
+        if self._saturations or GAP_STEPS * self._interval_ms < step < inf:
             self._hole(at, step, statuses)
         if _reaches(rate, self._rate_range) or _reaches(acceleration, self._acceleration_range):
             self._beyond.append(at)
@@ -185,25 +185,25 @@ class ImuFeed:
         """Report samples that are missing before ``at``, or the saturation that the sensor gave as the reason."""
         missing = round(step / self._interval_ms) - 1 if GAP_STEPS * self._interval_ms < step < inf else 0
         self.lost += max(0, missing - self._dropped_since)
-        if self._told:
+        if self._saturations:
             self._flush(statuses, at, missing, step)
         else:
             statuses.append(Status(state="gap", at=at, count=missing, duration_ms=step))
 
     def _flush(self, statuses: list[Status], at: int | None = None, missing: int = 0, step: float = 0.0) -> None:
         """Report the saturations since the last sample as one status."""
-        if self._told:
-            first = self._told[0]
-            count = missing or sum(told.count for told in self._told)
+        if self._saturations:
+            first = self._saturations[0]
+            count = missing or sum(saturation.count for saturation in self._saturations)
             duration_ms = step if missing else 0.0
             statuses.append(
                 Status(state="saturated", at=at or first.at, detail=first.detail, count=count, duration_ms=duration_ms)
             )
-            self._told.clear()
+            self._saturations.clear()
 
     def _status(self, status: Status, now: int, statuses: list[Status]) -> None:
         if status.state == "saturated":
-            self._told.append(status)
+            self._saturations.append(status)
             self._heard = True
             return
         if status.state in ("attached", "detached", "ended"):

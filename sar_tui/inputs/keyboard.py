@@ -52,17 +52,17 @@ class Keyboard(Node):
     def pressed(self, key: str, character: str | None, seconds: float, loop_lag: int = 0) -> None:
         """Publish a key press. ``loop_lag`` in ns, as in `messages.KeyPressed`."""
         if name := key_name(key, character):
-            self._tell(KEY, KeyPressed(key=name, at=_ns(seconds), loop_lag=loop_lag))
+            self._publish(KEY, KeyPressed(key=name, at=_ns(seconds), loop_lag=loop_lag))
 
     def pasted(self, length: int, seconds: float) -> None:
         """Publish a paste."""
-        self._tell(PASTE, Pasted(length=length, at=_ns(seconds)))
+        self._publish(PASTE, Pasted(length=length, at=_ns(seconds)))
 
     def focused(self, focused: bool, seconds: float) -> None:
         """Publish a change of the window's focus."""
-        self._tell(FOCUS, FocusChanged(focused=focused, at=_ns(seconds)))
+        self._publish(FOCUS, FocusChanged(focused=focused, at=_ns(seconds)))
 
-    def _tell(self, topic: Topic[M], message: M) -> None:
+    def _publish(self, topic: Topic[M], message: M) -> None:
         if self._attached:
             self.bus.post(topic, message)
 

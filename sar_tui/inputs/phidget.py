@@ -99,18 +99,18 @@ class PhidgetSource:
         """Wait in the background for a sensor, and deliver its samples."""
         self.stop()
         self._sink, self._on_status = sink, on_status
-        self._told = ""
+        self._last_error = ""
         self._stopped = threading.Event()
-        self._tell("detached", self._address.hint)
+        self._report_status("detached", self._address.hint)
         try:
             self._open()
         except ImportError:
-            self._tell("error", NO_PACKAGE)
+            self._report_status("error", NO_PACKAGE)
         except OSError as error:
-            self._tell("error", NO_LIBRARY.format(error))
+            self._report_status("error", NO_LIBRARY.format(error))
         except Exception as error:
             denied = getattr(error, "code", None) in _DENIED_CODES
-            self._tell("error", NO_PERMISSION if denied else f"The sensor cannot be opened: {describe(error)}")
+            self._report_status("error", NO_PERMISSION if denied else f"The sensor cannot be opened: {describe(error)}")
         else:
             if not self._address.host:
                 threading.Thread(target=self._watch, args=(self._stopped,), name="phidget", daemon=True).start()
@@ -182,7 +182,7 @@ class PhidgetSource:
     def _attached(self, channel: Any) -> None:
         model = f"{channel.getDeviceName()} ({channel.getDeviceSKU()})"
         if channel.getDeviceSKU().startswith(NO_GYROSCOPE):
-            self._tell(
+            self._report_status(
                 "error",
                 f"The {model} has no gyroscope, so it cannot measure how a hand turns. "
                 "Use a PhidgetSpatial 3/3/3, such as the 1044_1, and start anew.",
@@ -199,21 +199,21 @@ class PhidgetSource:
             acceleration_range_m_s2=_limit(channel.getMaxAcceleration) * G,
             has_field=_limit(channel.getMaxMagneticField) > 0,
         )
-        self._told = ""
-        self._tell("attached", f"Firmware {channel.getDeviceVersion()}.")
+        self._last_error = ""
+        self._report_status("attached", f"Firmware {channel.getDeviceVersion()}.")
 
     def _detached(self, _channel: Any) -> None:
         self.info = None
-        self._tell("detached", self._address.hint)
+        self._report_status("detached", self._address.hint)
 
     def _erred(self, _channel: Any, code: int, description: str) -> None:
         if code == _SATURATED:
-            self._tell("saturated", description, count=1)
+            self._report_status("saturated", description, count=1)
         elif code != _CLEARED:
             what = f"The sensor reports: {description.rstrip('.')}.{_ADVICE.get(code, '')}"
-            if what != self._told:
-                self._told = what
-                self._tell("error", what)
+            if what != self._last_error:
+                self._last_error = what
+                self._report_status("error", what)
 
     def _measured(self, _channel: Any, acceleration: Any, rate: Any, field: Any, timestamp: float) -> None:
         self._sink(Sample(host_now(), timestamp, _in(G, acceleration), _in(DEGREE, rate), _in(1.0, field)))
@@ -226,13 +226,13 @@ class PhidgetSource:
                 handle(*arguments)
             except Exception as error:
                 what = f"The sensor cannot be used: {describe(error)}"
-                if what != self._told:
-                    self._told = what
-                    self._tell("error", what)
+                if what != self._last_error:
+                    self._last_error = what
+                    self._report_status("error", what)
 
         return handler
 
-    def _tell(
+    def _report_status(
         self, state: Literal["attached", "detached", "error", "saturated"], detail: str = "", count: int = 0
     ) -> None:
         self._on_status(Status(state=state, at=host_now(), detail=detail, count=count))
@@ -246,7 +246,7 @@ class PhidgetSource:
         while seen < 2 and not stopped.wait(_LOOK_AGAIN_S):
             seen = seen + 1 if self.info is None and self._denied() else 0
         if seen == 2:
-            self._tell("error", NO_PERMISSION)
+            self._report_status("error", NO_PERMISSION)
 
 
 def _in(unit: float, values: Any) -> Vector:

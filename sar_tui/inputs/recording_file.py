@@ -203,7 +203,7 @@ def _check_names(path: Path, names: list[str]) -> None:
     for vector in VECTORS.values():
         needed += [name for name in vector if name not in needed and not set(vector).isdisjoint(names)]
     if missing := [name for name in needed if name not in names]:
-        commas = " Columns are told apart by commas, not by semicolons or tabs." if len(names) == 1 else ""
+        commas = " Separate columns by commas, not by semicolons or tabs." if len(names) == 1 else ""
         raise SourceError(f"{path}: the columns {', '.join(missing)} are missing.{commas}")
 
 

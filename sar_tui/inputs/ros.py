@@ -107,7 +107,7 @@ class RosImuSource:
         self.stop()
         self._sink, self._on_status = sink, on_status
         self._begin()
-        self._tell("detached", f"Waiting for the ROS bridge at {self._address}.")
+        self._report_status("detached", f"Waiting for the ROS bridge at {self._address}.")
         bridge = Bridge(
             self._address,
             {},
@@ -129,7 +129,7 @@ class RosImuSource:
 
     def _begin(self) -> None:
         self.info = None
-        self._told = ""
+        self._last_error = ""
         self._first: list[Sample] = []
         self._origin_ns: int | None = None
 
@@ -138,11 +138,15 @@ class RosImuSource:
             return
         self._begin()
         if bridge.problem:
-            self._tell("error", bridge.problem)
+            self._report_status("error", bridge.problem)
         elif bridge.is_connected:
-            self._tell("detached", f"Waiting for samples on {self._topic} of the ROS bridge at {self._address}.")
+            self._report_status(
+                "detached", f"Waiting for samples on {self._topic} of the ROS bridge at {self._address}."
+            )
         else:
-            self._tell("detached", f"The connection to the ROS bridge at {self._address} was lost. Waiting for it.")
+            self._report_status(
+                "detached", f"The connection to the ROS bridge at {self._address} was lost. Waiting for it."
+            )
 
     def _heard(self, bridge: Bridge, message: Any) -> None:
         host_ns = host_now()
@@ -158,7 +162,7 @@ class RosImuSource:
             return
         sample = self._sample(host_ns, imu)
         if self.info is not None:
-            self._told = ""
+            self._last_error = ""
             self._sink(sample)
             return
         self._first.append(sample)
@@ -197,18 +201,18 @@ class RosImuSource:
             rate_hz=rate_hz,
             has_acceleration=_measures(imu.linear_acceleration_covariance),
         )
-        self._tell("attached")
+        self._report_status("attached")
         for sample in self._first:
             self._sink(sample)
         self._first.clear()
 
     def _complain(self, what: str) -> None:
         """Report an error, once until samples are valid again."""
-        if what != self._told:
-            self._told = what
-            self._tell("error", what)
+        if what != self._last_error:
+            self._last_error = what
+            self._report_status("error", what)
 
-    def _tell(self, state: Literal["attached", "detached", "error"], detail: str = "") -> None:
+    def _report_status(self, state: Literal["attached", "detached", "error"], detail: str = "") -> None:
         self._on_status(Status(state=state, at=host_now(), detail=detail))
 
 

@@ -58,11 +58,11 @@ class Imu(Node):
             self.feed.drain()
             now = self.bus.clock.now()
             if self.feed.is_attached:
-                self._tell(Status(state="attached", at=now))
+                self._publish(Status(state="attached", at=now))
             else:
-                self._tell(Status(state="detached", at=now, detail=self.feed.words))
+                self._publish(Status(state="detached", at=now, detail=self.feed.words))
             if self.feed.is_stalled:
-                self._tell(Status(state="stalled", at=now, detail=self.feed.words))
+                self._publish(Status(state="stalled", at=now, detail=self.feed.words))
         else:
             self.feed.start()
         self._drain()
@@ -73,14 +73,14 @@ class Imu(Node):
         samples, statuses = self.feed.drain()
         before = max((n for n, status in enumerate(statuses, 1) if status.state in _BEFORE_SAMPLES), default=0)
         for status in statuses[:before]:
-            self._tell(status)
+            self._publish(status)
         if len(samples):
             self.emit(IMU, ImuBlock(seat=self.seat, samples=pack(samples)))
         for status in statuses[before:]:
-            self._tell(status)
+            self._publish(status)
         self._next = self.bus.clock.call_at(self.bus.clock.now() + DRAIN, self._drain)
 
-    def _tell(self, status: Status) -> None:
+    def _publish(self, status: Status) -> None:
         self.emit(SENSOR, changed(status, self.feed.info, self.seat))
 
 

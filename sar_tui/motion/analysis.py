@@ -29,7 +29,7 @@ FEWEST = 10
 
 
 class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """How reaches are found: the detector that counts, the hand, and each detector's parameters."""
+    """Settings of the analysis: the detector that counts, the hand, and each detector's parameters."""
 
     detector: DetectorName = "single-axis"
     hand: Hand = "right"

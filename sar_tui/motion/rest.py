@@ -42,8 +42,8 @@ def find_rest(rate: Floats, rate_hz: float, rest_s: float) -> Rest:
     """Find where the hand rests for ``rest_s`` or longer, and measure the sensor there.
 
     A rest is a window in which the slow part of the rate is steady, at a level that agrees with the others. Shorter
-    windows, down to a quarter, are used if there is none so long. If nothing is still, the bias is the mean of all
-    samples, which is right for a hand that has returned to its start.
+    windows, down to a quarter, are used if there is none of that length. If nothing is still, the bias is the mean
+    of all samples, which is right for a hand that has returned to its start.
 
     Args:
         rate: angular rate on a uniform grid, shape (n, 3), rad/s.

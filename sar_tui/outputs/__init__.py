@@ -1,1 +1,1 @@
-"""What the agent speaks, sounds and moves with. The screen is the app itself: its output lives in ``app/``."""
+"""Outputs: speech, tones, servos, robots. The output for the screen belongs to the app, in ``app/``."""

@@ -9,7 +9,7 @@ from sar_tui.outputs.output import Report
 LONGEST_DETAIL = 500
 """Longer details are cut to this many characters."""
 AHEAD = SECOND
-"""How far ahead of the session's clock a report's time may be."""
+"""Largest time by which a report may be ahead of the session's clock."""
 
 
 def valid_report(report: Any, since: int, now: int) -> Report | None:

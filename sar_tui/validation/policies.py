@@ -67,7 +67,7 @@ def _each(every: int) -> Callable[[Sequence[Row]], list[int]]:
 
 
 def _faded(rows: Sequence[Row]) -> list[int]:
-    """Every attempt longer between answers per so many successes more than failures, unless fewer attempts are left."""
+    """Attempts to answer: the interval grows by one per ``FADE`` more successes than failures."""
     answered, ahead, at_last, last = [], 0, 0, 0
     for row in rows:
         ahead = max(0, ahead + (1 if row["outcome"] == "success" else -1))

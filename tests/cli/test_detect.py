@@ -187,7 +187,7 @@ def test_npz_files_are_read_too(call: Call, tmp_path: Path, recorded: list[Row])
         ("", "is empty."),
         ("t,wx,wy,wz\n", "holds 0 samples; at least 20 are needed."),
         ("t,wx,wy\n0,1,2\n", "the columns wz are missing."),
-        ("t;wx;wy;wz\n0;1;2;3\n", "Columns are told apart by commas"),
+        ("t;wx;wy;wz\n0;1;2;3\n", "Separate columns by commas"),
         ("t,wx,wy,wz\n0,1,2\n", "line 2: 3 values for 4 columns"),
         ("t,wx,wy,wz\n0,1,2,three\n", '"three" in the column wz is not a number.'),
         ("t,wx,wy,wz\n0,1,2,nan\n", "nan in the column wz is no measurement"),

@@ -111,7 +111,7 @@ def test_what_spreadsheets_make_of_a_table_is_read(
         (["t,ax,wx,wy,wz", *ROWS], "FILE: the columns ay, az are missing."),
         (["t,wx,wy,wz,mz", *ROWS], "FILE: the columns mx, my are missing."),
         (["t,t,wx,wx,wy,wz", *ROWS], "FILE: there are two columns t, wx; keep one of each."),
-        ([HEADER.replace(",", ";"), *ROWS], "told apart by commas, not by semicolons"),
+        ([HEADER.replace(",", ";"), *ROWS], "Separate columns by commas, not by semicolons"),
         (ROWS, "FILE: the columns t, wx, wy, wz are missing."),
         ([HEADER, *ROWS[:3], "0.03,1,2,3,4,5", *ROWS[4:]], "FILE, line 5: 6 values for 7 columns; "),
         ([HEADER, *ROWS[:3], "", "0,03,1,2,3,4,5,6", *ROWS[4:]], "FILE, line 6: 8 values for 7 columns; "),

@@ -1,4 +1,4 @@
-"""What holds of every output, as checks that take one that is open: `CHECKS`, each ``check(rig)``.
+"""Checks that every output must pass, each with an open one: `CHECKS`, each ``check(rig)``.
 
 To put an output under the contract, write a context manager that yields a `Rig` of it, and add it to ``RIGS`` in
 ``test_contract.py``.

@@ -460,7 +460,7 @@ def test_an_address_that_cannot_be_understood_is_refused_with_what_there_may_be(
 
 
 class _Ros2:
-    """What the robot in the documentation uses of rclpy: it hears what it is given, and its timers run by hand."""
+    """The part of rclpy that the robot in the documentation uses. Tests feed it messages and run its timers."""
 
     def __init__(self, name: str) -> None:
         self.hears: dict[str, Callable[[Any], None]] = {}

@@ -134,8 +134,8 @@ class Engine:
             raise SoundError(_NO_PACKAGE) from error
         try:
             engine = pyttsx3.init()
-            told = engine.getProperty("voices") or ()
-            self._voices = tuple(found_voice(each.id, each.name, each.languages) for each in told)
+            found = engine.getProperty("voices") or ()
+            self._voices = tuple(found_voice(each.id, each.name, each.languages) for each in found)
             self._default = str(engine.getProperty("voice") or "")
             engine.connect("finished-utterance", lambda **_: self._finished.set())
             engine.connect("error", self._failed)

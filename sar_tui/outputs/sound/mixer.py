@@ -49,14 +49,14 @@ def examine(program: Sequence[str] = PROGRAM, backends: Sequence[str] = (), pati
     Raises:
         SoundError: if the process does not answer in time.
     """
-    heard: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
+    replies: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
     try:
-        child = VoiceProcess(Setup(backends=tuple(backends)), lambda _, reply: heard.put(reply), program)
+        child = VoiceProcess(Setup(backends=tuple(backends)), lambda _, reply: replies.put(reply), program)
     except OSError as error:
         raise SoundError(f"The voice cannot be started ({error.strerror or error}).") from error
     try:
         child.send(Examine())
-        reply = heard.get(timeout=patience_s)
+        reply = replies.get(timeout=patience_s)
     except queue.Empty:
         raise SoundError(f"The speech engine gave no answer within {patience_s:g} s.") from None
     finally:

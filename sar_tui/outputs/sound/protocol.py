@@ -32,7 +32,7 @@ class Setup(_Line, frozen=True):
 
 
 class Voicing(msgspec.Struct, frozen=True):
-    """How to speak: a language such as ``en``, a voice's id or part of its name, words per minute, volume 0 to 1."""
+    """Voice settings: a language such as ``en``, a voice's id or part of its name, words per minute, volume 0 to 1."""
 
     language: str
     name: str = ""

@@ -73,8 +73,8 @@ def is_whole(path: str) -> bool:
             length = file.seek(0, 2)
     except OSError:
         return False
-    told = int.from_bytes(size, "big" if kind == b"FORM" else "little")
-    return 0 < told <= length - 8
+    stated = int.from_bytes(size, "big" if kind == b"FORM" else "little")
+    return 0 < stated <= length - 8
 
 
 def read(path: str) -> "array[int]":

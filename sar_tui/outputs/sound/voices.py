@@ -12,8 +12,8 @@ _REGIONS = {"en": ("us", "gb")}
 
 def found_voice(identifier: object, name: object, languages: object) -> FoundVoice:
     """Clean up pyttsx3's description: languages may be missing, None, bytes with a leading count, or ``en_US``."""
-    told = languages if isinstance(languages, list | tuple) else (languages,)
-    tags = [tag for each in told if (tag := _tag(each))]
+    given = languages if isinstance(languages, list | tuple) else (languages,)
+    tags = [tag for each in given if (tag := _tag(each))]
     if not tags and (tag := _tag(_text(identifier).rpartition("/")[2])):
         tags = [tag]
     return FoundVoice(_text(identifier), _text(name).strip(), tuple(tags))
