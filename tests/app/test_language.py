@@ -127,6 +127,7 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
         assert tour.found(catalogue) == []
 
 
+@pytest.mark.slow
 async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary(
     data: Path, catalogue: Catalogue
 ) -> None:

@@ -267,6 +267,7 @@ async def test_leaving_asks_once_if_something_was_not_saved(data: Path, catalogu
     assert kept(data)["attempts"] == 20
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_yes_or_no_is_put_back_like_any_other(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -306,6 +307,7 @@ async def test_a_theme_that_is_gone_keeps_nobody_from_setting_a_language(data: P
         assert reads(driver, "language").endswith("Default: en.")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_no_title_touches_its_value_and_no_unit_is_cut_off(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -355,6 +357,7 @@ async def test_a_heading_opens_and_folds_with_a_key(data: Path, catalogue: Catal
         assert not driver.sees("Prompts per attempt")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_a_heading_opens_with_a_click(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, size=(80, 200)) as driver:
@@ -427,6 +430,7 @@ async def test_what_is_wrong_unfolds_its_heading(data: Path, catalogue: Catalogu
     assert kept(data)["attempts"] == 20
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_what_is_folded_away_is_saved_all_the_same(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:

@@ -105,6 +105,7 @@ def test_killed_panel_is_lost_at_once_and_can_be_replaced(data: Path) -> None:
     assert states == ["joined", "baton", "lost", "joined", "baton", "left"]
 
 
+@pytest.mark.slow
 def test_frozen_panel_is_lost_and_reconnects(data: Path) -> None:
     with Room(data) as room:
         participant, panel = room.both(attempts=4, **SETTINGS)
@@ -172,6 +173,7 @@ with zenoh.open(config(sys.argv[1])) as session:
 """
 
 
+@pytest.mark.slow
 def test_flood_of_messages_disturbs_no_trial_and_is_counted(data: Path) -> None:
     with Room(data) as room:
         participant, _ = room.both(**SETTINGS | {"prompts_per_attempt": 20}, attempts=1)

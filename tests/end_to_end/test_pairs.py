@@ -9,6 +9,7 @@ import pytest
 
 from sar_tui.timing.pty import Terminal
 from tests.end_to_end.participant_terminal import QUICK, Eyes, command, rows, see_the_summary
+from tests.examples import first
 
 _ASKED = re.compile(r"^ *(?:Left: (\w))? *(?:Right: (\w))?$", re.MULTILINE)
 _PATIENCE = 60.0
@@ -25,7 +26,7 @@ def asked(terminal: Terminal, eyes: Eyes) -> list[str]:
     raise AssertionError(f"no prompt came up:\n{eyes.text()}")
 
 
-@pytest.mark.parametrize("policy", ["race", "joint attention"])
+@pytest.mark.parametrize("policy", first(1, ["race", "joint attention"]))
 def test_two_play_in_a_real_terminal(tmp_path: Path, policy: str) -> None:
     data = tmp_path / "data"
     settings = QUICK | {"policy": policy, "attempts": 1, "prompts_per_attempt": 2, "cue_lead_ms": 60}

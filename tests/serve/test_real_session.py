@@ -77,6 +77,7 @@ async def logged_message(data: Path, topic: str, **with_values: str) -> dict[str
             await asyncio.sleep(0.05)
 
 
+@pytest.mark.slow
 async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
     settings = {"operator_feedback": "approve", "operator_time_ms": 60_000, "operator_timeout": "drop"}
     session = [*run_command(data, prompts_per_attempt=2, attempts=1, **settings), "--operator"]
