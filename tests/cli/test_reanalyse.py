@@ -93,7 +93,7 @@ def test_nothing_that_was_recorded_changes(call: Call, tmp_path: Path, reached: 
     assert kept(tmp_path) == before
 
 
-def test_samples_that_were_never_stored_are_told(call: Call, tmp_path: Path, reached: str) -> None:
+def test_samples_that_were_never_stored_are_reported(call: Call, tmp_path: Path, reached: str) -> None:
     change(tmp_path, "DELETE FROM imu_chunks")
     called = call("reanalyse", reached)
     assert called.code == 0
@@ -122,7 +122,7 @@ def test_damaged_samples_are_a_failure_in_words(call: Call, tmp_path: Path, reac
     assert called.err == f"Block 3 of sensor stream 1 of session {reached} is damaged.\n"
 
 
-def test_reaches_of_two_are_refused_and_it_is_told_why(call: Call) -> None:
+def test_reaches_of_two_are_refused_and_it_is_reported_why(call: Call) -> None:
     few = ("--attempts", 1, "--set", "prompts_per_attempt=2", "--set", "respond_with=reaches", "--seed", 1, "--json")
     session = call("simulate", "pairs", "--user", "average", "--user", "average", *few).json["session"]
     called = call("reanalyse", session)

@@ -168,7 +168,7 @@ def test_nothing_is_written_over(call: Call, tmp_path: Path) -> None:
     assert not (tmp_path / "table-4.1.txt").exists()
 
 
-def test_a_folder_that_cannot_be_made_is_told_of(call: Call, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_made_is_reported(call: Call, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     called = call("validate", "--only", "table-4.1", "--to", tmp_path / "file" / "results")
     assert (called.code, called.out) == (1, "")

@@ -112,7 +112,7 @@ def test_a_stamp_that_does_not_rise_is_left_out_and_told_once_a_run(bench: Bench
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300])
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_rate_that_is_no_number_is_left_out_and_the_hole_it_leaves_is_told(
+def test_a_rate_that_is_no_number_is_left_out_and_the_hole_it_leaves_is_reported(
     bench: Bench, bad: float, axis: int
 ) -> None:
     rate: Any = [0.0, 0.0, 0.0]
@@ -167,7 +167,7 @@ def test_a_hole_is_saturation_where_the_sensor_said_so(bench: Bench) -> None:
     assert [status.state for status in bench.told()] == ["gap"]
 
 
-def test_saturation_without_a_hole_is_told_as_it_came(bench: Bench) -> None:
+def test_saturation_without_a_hole_is_reported_as_it_came(bench: Bench) -> None:
     bench.send(0.0)
     bench.saturate(3.0)
     bench.send(4.0)

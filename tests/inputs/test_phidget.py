@@ -182,7 +182,7 @@ def test_ranges_it_cannot_tell_are_unknown(bench: Bench) -> None:
     assert (info.rate_range_rad_s, info.acceleration_range_m_s2, info.has_field) == (0.0, 0.0, False)
 
 
-def test_saturation_is_told_as_such(bench: Bench) -> None:
+def test_saturation_is_reported_as_such(bench: Bench) -> None:
     channel = bench.start()
     channel.plug_in()
     channel.err(4105, "Gyroscope Saturation Detected.")
@@ -193,7 +193,7 @@ def test_saturation_is_told_as_such(bench: Bench) -> None:
 @pytest.mark.parametrize(
     ("code", "advice"), [(2, "Close the other program"), (3, "network server"), (1, "same version"), (4099, "lost")]
 )
-def test_an_error_is_told_with_what_to_do(bench: Bench, code: int, advice: str) -> None:
+def test_an_error_is_reported_with_what_to_do(bench: Bench, code: int, advice: str) -> None:
     channel = bench.start()
     channel.err(code, "A packet was lost.")
     assert bench.statuses[-1].state == "error"
@@ -206,7 +206,7 @@ def test_an_error_that_has_passed_is_none(bench: Bench) -> None:
     assert bench.states == ["detached"]
 
 
-def test_a_handler_that_fails_is_told_once(bench: Bench) -> None:
+def test_a_handler_that_fails_is_reported_once(bench: Bench) -> None:
     channel = bench.start()
     channel.plug_in()
     for stamp in (0.0, 4.0, 8.0):
@@ -215,7 +215,7 @@ def test_a_handler_that_fails_is_told_once(bench: Bench) -> None:
     assert "ValueError" in bench.statuses[-1].detail
 
 
-def test_a_sensor_that_cannot_be_set_up_is_told(bench: Bench) -> None:
+def test_a_sensor_that_cannot_be_set_up_is_reported(bench: Bench) -> None:
     bench.failing["setDataInterval"] = PhidgetError(52, "Device not Attached", "It went away.")
     bench.start().plug_in()
     assert bench.states == ["detached", "error"]
@@ -223,7 +223,7 @@ def test_a_sensor_that_cannot_be_set_up_is_told(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("code", [1, 7])
-def test_a_sensor_that_one_may_not_open_is_told_with_the_line_that_cures_it(bench: Bench, code: int) -> None:
+def test_a_sensor_that_one_may_not_open_is_reported_with_the_line_that_cures_it(bench: Bench, code: int) -> None:
     bench.failing["open"] = PhidgetError(code, "Access Denied")
     bench.start()
     assert bench.statuses[-1] == Status(state="error", at=bench.statuses[-1].at, detail=NO_PERMISSION)
@@ -231,7 +231,7 @@ def test_a_sensor_that_one_may_not_open_is_told_with_the_line_that_cures_it(benc
         assert part in NO_PERMISSION
 
 
-def test_any_other_failure_to_open_is_told(bench: Bench) -> None:
+def test_any_other_failure_to_open_is_reported(bench: Bench) -> None:
     bench.failing["open"] = PhidgetError(28, "Unexpected Error")
     bench.start()
     assert bench.statuses[-1].detail == "The sensor cannot be opened: Unexpected Error"
@@ -244,7 +244,7 @@ def test_any_other_failure_to_open_is_told(bench: Bench) -> None:
         (OSError("libusb-1.0.so.0: cannot open shared object file"), "libusb-package"),
     ],
 )
-def test_a_driver_that_is_missing_is_told_with_how_to_get_it(error: Exception, cure: str) -> None:
+def test_a_driver_that_is_missing_is_reported_with_how_to_get_it(error: Exception, cure: str) -> None:
     def make() -> Any:
         raise error
 
@@ -257,7 +257,7 @@ def test_a_driver_that_is_missing_is_told_with_how_to_get_it(error: Exception, c
     source.stop()
 
 
-def test_a_sensor_plugged_in_that_one_may_not_use_is_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sensor_plugged_in_that_one_may_not_use_is_reported_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(phidget, "_LOOK_AGAIN_S", 0.0)
     looks = iter([False, True, False, True, True])
     bench = Bench(denied=lambda: next(looks))
@@ -368,7 +368,7 @@ def test_a_sensor_on_the_network_is_found_by_host_and_port(
 
 
 @pytest.mark.parametrize(("code", "states"), [(27, ["detached"]), (45, ["detached", "error"])])
-def test_a_server_that_cannot_be_named_is_told_and_one_that_was_named_before_is_no_error(
+def test_a_server_that_cannot_be_named_is_reported_and_one_that_was_named_before_is_no_error(
     monkeypatch: pytest.MonkeyPatch, code: int, states: list[str]
 ) -> None:
     from Phidget22.Net import Net
@@ -399,7 +399,7 @@ def test_phidget22_is_loaded_only_when_a_sensor_is_looked_for(monkeypatch: pytes
     assert "pip install phidget22" in statuses[-1].detail
 
 
-def test_a_native_library_that_does_not_load_is_told_without_noise(
+def test_a_native_library_that_does_not_load_is_reported_without_noise(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     from Phidget22.Phidget import Phidget

@@ -143,12 +143,12 @@ def test_an_acceleration_that_was_not_measured_for_a_moment_is_no_fault(csv: Cal
     assert np.isnan(samples["acceleration"]).any(axis=1).tolist().count(True) == 1
 
 
-def test_text_that_is_not_utf_8_is_told_with_its_line(csv: Callable[..., Path]) -> None:
+def test_text_that_is_not_utf_8_is_reported_with_its_line(csv: Callable[..., Path]) -> None:
     assert "FILE, line 2: this is no UTF-8 text" in fault(csv(HEADER, "0,1,2,3,4,5,6 é", encoding="latin-1"))
     assert "this is no UTF-8 text" in fault(csv(HEADER, *ROWS, encoding="utf-16"))
 
 
-def test_what_is_no_file_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_no_file_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert fault(tmp_path / "none.csv") == "There is no file FILE."
     assert fault(tmp_path) == "FILE is not a file: name a recording, FILE.csv or FILE.npz."
     secret = tmp_path / "secret.csv"
@@ -193,13 +193,13 @@ def test_a_fault_of_the_arrays_is_named(npz: Callable[..., Path], changed: dict[
 
 
 @pytest.mark.parametrize("keep", [10, 300, -30])
-def test_a_damaged_archive_is_told(npz: Callable[..., Path], keep: int) -> None:
+def test_a_damaged_archive_is_reported(npz: Callable[..., Path], keep: int) -> None:
     path = npz()
     path.write_bytes(path.read_bytes()[:keep])
     assert "FILE is no NPZ file, or a damaged one" in fault(path)
 
 
-def test_an_array_that_claims_to_be_endless_is_told(npz: Callable[..., Path]) -> None:
+def test_an_array_that_claims_to_be_endless_is_reported(npz: Callable[..., Path]) -> None:
     path = npz()
     header = io.BytesIO()
     np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (1 << 50,)})
@@ -251,6 +251,6 @@ def test_not_a_bit_of_a_measurement_changes_on_its_way_through_a_table(rate: Any
 @pytest.mark.parametrize(
     ("name", "said"), [("walk.mat", "FILE.csv or FILE.npz"), ("none/walk.csv", "cannot be written: No such file")]
 )
-def test_what_cannot_be_written_is_told(tmp_path: Path, name: str, said: str) -> None:
+def test_what_cannot_be_written_is_reported(tmp_path: Path, name: str, said: str) -> None:
     with pytest.raises(SourceError, match=re.escape(said)):
         write_recording(tmp_path / name, some_samples())

@@ -142,7 +142,7 @@ def test_it_tells_what_it_waits_for_until_samples_come(connect: Callable[..., Be
     ]
 
 
-def test_a_rate_that_is_told_need_not_be_seen(connect: Callable[..., Bench]) -> None:
+def test_a_rate_that_is_reported_need_not_be_seen(connect: Callable[..., Bench]) -> None:
     bench = connect("?rate=100")
     bench.send()
     wait_until(lambda: len(bench.samples) == 1)
@@ -231,7 +231,7 @@ def test_a_rate_that_is_not_a_number_is_left_out_and_told_by_the_feed(
     assert bench.states == ["detached", "detached", "attached", "error", "gap"]
 
 
-def test_stamps_that_stand_still_are_told_of(connect: Callable[..., Bench]) -> None:
+def test_stamps_that_stand_still_are_reported(connect: Callable[..., Bench]) -> None:
     bench = connect()
     bench.send(LOOKED_AT, step_ns=0)
     assert bench.wait_for("error").detail == (

@@ -116,7 +116,7 @@ def test_an_attached_sensor_says_what_it_is(bench: Bench) -> None:
     )
 
 
-def test_what_else_befalls_it_is_told_in_its_own_words(bench: Bench) -> None:
+def test_what_else_befalls_it_is_reported_in_its_own_words(bench: Bench) -> None:
     bench.tell("error", detail="The cable is broken.")
     bench.wait(10)
     assert bench.records[-1].message == SensorChanged(state="error", at=1010 * MS, detail="The cable is broken.")
@@ -132,7 +132,7 @@ def test_a_sensor_is_attached_before_its_samples_and_they_come_before_what_goes_
     assert bench.heard == ["attached", [0, 4], "detached"]
 
 
-def test_a_gap_is_told_after_the_samples_that_it_lies_between(bench: Bench) -> None:
+def test_a_gap_is_reported_after_the_samples_that_it_lies_between(bench: Bench) -> None:
     bench.send(0, 4, 40)
     bench.wait(10)
     assert bench.heard == ["attached", [0, 4, 40], "gap"]
@@ -141,7 +141,7 @@ def test_a_gap_is_told_after_the_samples_that_it_lies_between(bench: Bench) -> N
     assert (gap.count, gap.duration_ms) == (8, 36.0)
 
 
-def test_a_sensor_that_falls_silent_and_speaks_again_is_told_of_before_its_samples(bench: Bench) -> None:
+def test_a_sensor_that_falls_silent_and_speaks_again_is_reported_of_before_its_samples(bench: Bench) -> None:
     bench.send(0)
     bench.wait(600)
     assert bench.heard[-1] == "stalled"
@@ -197,7 +197,7 @@ def test_what_it_sent_before_the_session_is_no_part_of_it() -> None:
     assert bench.heard == ["attached", [8]]
 
 
-def test_a_sensor_that_is_sought_still_is_told_of_when_it_is_found() -> None:
+def test_a_sensor_that_is_sought_still_is_reported_of_when_it_is_found() -> None:
     bench = Bench()
     bench.feed.start()
     bench.begin()

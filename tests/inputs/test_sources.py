@@ -103,7 +103,7 @@ def test_options_of_a_recording_may_be_left_out(walk: Path, query: str) -> None:
 
 
 @pytest.mark.parametrize("query", ["rate=rpm", "speed", "colour=red", "loop=", "rate=deg/s&", "speed=fast;loop=yes"])
-def test_an_option_that_is_none_is_told_with_those_there_are(walk: Path, query: str) -> None:
+def test_an_option_that_is_none_is_reported_with_those_there_are(walk: Path, query: str) -> None:
     with pytest.raises(SourceError, match=r"After the file there may be: rate=rad/s or deg/s"):
         open_source(f"recorded:{walk}?{query}")
 
@@ -120,7 +120,7 @@ def test_an_option_that_is_none_is_told_with_those_there_are(walk: Path, query: 
         ("", 'There is no sensor "". There is: '),
     ],
 )
-def test_a_name_that_is_none_is_told_with_what_there_is(name: str, said: str) -> None:
+def test_a_name_that_is_none_is_reported_with_what_there_is(name: str, said: str) -> None:
     with pytest.raises(SourceError) as caught:
         open_source(name)
     assert said in str(caught.value)
@@ -142,7 +142,7 @@ def test_a_plug_in_is_opened_by_its_name_with_the_text_after_the_colon() -> None
         ("absent", "cannot be loaded: AttributeError"),
     ],
 )
-def test_a_plug_in_that_does_not_work_is_told(name: str, said: str) -> None:
+def test_a_plug_in_that_does_not_work_is_reported(name: str, said: str) -> None:
     with pytest.raises(SourceError) as caught:
         open_source(name)
     assert said in str(caught.value)

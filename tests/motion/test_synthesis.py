@@ -52,7 +52,7 @@ def test_samples_lie_on_the_grid_of_the_first_call() -> None:
     assert hand.samples(SECOND, 2 * SECOND)["at"][0] == 1_000_000_007
 
 
-def test_a_clean_hand_turns_as_it_was_told_and_only_then() -> None:
+def test_a_clean_hand_turns_as_it_was_reported_and_only_then() -> None:
     made = simulate([REACH])
     (onset, end), time, turning = made.truth[0], made.recording.time_s, made.recording.rate[:, 2]
     assert turning.max() == pytest.approx(2.0, rel=1e-3)

@@ -132,7 +132,7 @@ def test_in_a_session_it_waves_at_both_ends_and_the_pages_query_tells_so(
     assert f"robot:{robot}" in opened[0]
 
 
-def test_a_robot_that_cannot_be_told_to_stop_is_told_of(serial_robot: ModuleType, tmp_path: Path) -> None:
+def test_a_robot_that_cannot_be_told_to_stop_is_reported(serial_robot: ModuleType, tmp_path: Path) -> None:
     path = tmp_path / "ttyUSB0"
     path.touch()
     rig = Rig(serial_robot.SerialRobot(str(path)), VirtualClock(), ["gesture"])

@@ -181,7 +181,7 @@ def test_what_raises_has_failed_and_the_rest_goes_on(part: ActionPart) -> None:
 
 
 @pytest.mark.parametrize("part", LASTING)
-def test_what_never_answers_has_failed_after_a_while_and_is_told_to_stop(part: ActionPart) -> None:
+def test_what_never_answers_has_failed_after_a_while_and_is_reported_to_stop(part: ActionPart) -> None:
     stage = Stage(Puppet(can=frozenset({part})))
     stage.act(**{**EVERY_PART, "spoken": "x" * 100})
     limit = TIMEOUT + (100 * PER_CHARACTER if part == "say" else 0)
@@ -201,7 +201,7 @@ def test_words_stand_for_as_long_as_nothing_takes_their_place() -> None:
 
 
 @pytest.mark.parametrize("end", ["done", "aborted", "failed"])
-def test_what_is_over_is_told_once_whatever_is_said_after_that(end: str) -> None:
+def test_what_is_over_is_reported_once_whatever_is_said_after_that(end: str) -> None:
     stage = Stage(Puppet())
     stage.act(spoken="Well done.")
     for state in (end, "done", "aborted", "failed", "started"):
@@ -241,7 +241,7 @@ def test_a_detail_is_kept_as_text_that_can_be_written(detail: Any, kept: str) ->
     assert stage.states(part="gesture") == ["queued", "failed"]
 
 
-def test_an_exception_that_cannot_be_written_is_told_so_that_it_can() -> None:
+def test_an_exception_that_cannot_be_written_is_reported_so_that_it_can() -> None:
     class Jammed(Puppet):
         def gesture(self, action: str, name: str) -> None:
             raise OSError("\udcff" * 1000)
@@ -362,7 +362,7 @@ def test_one_that_never_answers_and_cannot_be_stopped_has_failed_all_the_same() 
 # --- being still ----------------------------------------------------------------------------------------------
 
 
-def test_a_stop_is_told_when_the_last_of_what_was_under_way_is_over() -> None:
+def test_a_stop_is_reported_when_the_last_of_what_was_under_way_is_over() -> None:
     stage = Stage(Puppet())
     stage.act(**EVERY_PART)
     asked_at = stage.clock.now() - 3 * MS
@@ -379,14 +379,14 @@ def test_a_stop_is_told_when_the_last_of_what_was_under_way_is_over() -> None:
     assert stage.states(part="show") == ["queued"], "words may stay where they are"
 
 
-def test_a_stop_with_nothing_under_way_is_told_at_once() -> None:
+def test_a_stop_with_nothing_under_way_is_reported_at_once() -> None:
     stage = Stage(Puppet())
     stage.halt(asked=stage.clock.now() - 2 * MS)
     (stopped,) = stage.stopped
     assert stopped.at - stopped.asked == 2 * MS
 
 
-def test_two_stops_in_a_row_are_one_that_is_told_once() -> None:
+def test_two_stops_in_a_row_are_one_that_is_reported_once() -> None:
     stage = Stage(Puppet())
     stage.act(spoken="Well done.")
     first = stage.clock.now()
@@ -445,7 +445,7 @@ def test_a_stop_says_what_failed_in_it_and_what_may_not_be_still_each_once() -> 
     assert stopped.detail == "The arm could not be made limp. The robot did not confirm that it stopped."
 
 
-def test_a_stop_is_told_without_waiting_for_what_came_after_it() -> None:
+def test_a_stop_is_reported_without_waiting_for_what_came_after_it() -> None:
     stage = Stage(Puppet())
     stage.act("a1", gesture="wave")
     stage.halt()
@@ -464,7 +464,7 @@ def test_an_output_may_say_in_its_own_words_that_it_may_not_be_still() -> None:
     assert [stopped.detail for stopped in stage.stopped] == ["The robot could not be asked to stop."]
 
 
-def test_one_that_raises_when_it_is_stopped_is_told_not_to_be_still() -> None:
+def test_one_that_raises_when_it_is_stopped_is_reported_not_to_be_still() -> None:
     stage = Stage(Puppet(breaks=("stop",)))
     stage.act(gesture="wave", spoken="Well done.")
     stage.halt()

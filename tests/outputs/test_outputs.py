@@ -88,7 +88,7 @@ def test_a_tone_goes_before_words_in_whatever_order_they_are_named() -> None:
 # --- what cannot be -------------------------------------------------------------------------------------------
 
 
-def test_a_name_that_nobody_knows_is_told_with_the_nearest_that_there_is() -> None:
+def test_a_name_that_nobody_knows_is_reported_with_the_nearest_that_there_is() -> None:
     assert problem("speach").startswith('There is no output "speach". Did you mean speech? There is: ')
     assert problem("").startswith('There is no output "".')
 
@@ -116,7 +116,7 @@ def test_nothing_follows_the_name_of_the_screen() -> None:
 
 
 @pytest.mark.parametrize("address", ["servo:?joint=", "servo:x", "ros", "ros:", "ros://", "ros://host:port"])
-def test_an_address_that_cannot_be_is_told_in_a_sentence(address: str) -> None:
+def test_an_address_that_cannot_be_is_reported_in_a_sentence(address: str) -> None:
     told = problem(address)
     assert told.endswith(".")
     assert "Error" not in told
@@ -163,7 +163,7 @@ def _refuses(_: str) -> Output:
         (lambda text: Puppet(7), "The output lamp (somewhere:lamp) has no name."),  # type: ignore[arg-type]
     ],
 )
-def test_a_plug_in_that_cannot_be_used_is_told_in_a_sentence(plug_in: PlugIn, make: Any, says: str) -> None:
+def test_a_plug_in_that_cannot_be_used_is_reported_in_a_sentence(plug_in: PlugIn, make: Any, says: str) -> None:
     plug_in("lamp", make)
     assert problem("lamp") == says
 

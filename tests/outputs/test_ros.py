@@ -37,7 +37,7 @@ def told(rig: Rig) -> list[tuple[str, str, str]]:
     return [(report.action, report.part, report.state) for report in rig.reports]
 
 
-def test_the_robot_is_told_what_to_say_how_to_move_and_where_to_look() -> None:
+def test_the_robot_is_reported_what_to_say_how_to_move_and_where_to_look() -> None:
     with robot_bench() as (rig, robot):
         rig.ask("say", "praise", "You were 40 milliseconds faster.")
         rig.ask("gesture", "praise", "nod")
@@ -115,7 +115,7 @@ def test_a_robot_that_fails_is_quoted_fit_for_a_line() -> None:
         assert rig.detail("a", "gesture") == "My arm is [2J stuck."
 
 
-def test_a_robot_that_breaks_off_by_itself_is_told_of_as_that() -> None:
+def test_a_robot_that_breaks_off_by_itself_is_reported_of_as_that() -> None:
     with robot_bench("breaking off") as (rig, _):
         rig.ask("gesture", "a")
         rig.wait_for("gesture", "a")
@@ -123,7 +123,7 @@ def test_a_robot_that_breaks_off_by_itself_is_told_of_as_that() -> None:
         assert rig.detail("a", "gesture") == "Somebody came too near."
 
 
-def test_reports_that_cannot_be_understood_are_no_answer_and_are_told_of() -> None:
+def test_reports_that_cannot_be_understood_are_no_answer_and_are_reported() -> None:
     with robot_bench("muddled") as (rig, robot):
         rig.ask("say", "a", "Hello.")
         wait_until(lambda: asked(robot, "speech"))
@@ -216,7 +216,7 @@ def test_a_stop_of_one_action_names_it_and_what_waits_comes_after_it() -> None:
         assert second["text"] == "Well done."
 
 
-def test_a_robot_that_does_not_confirm_a_stop_is_told_of_and_what_comes_next_is_sent_after_that() -> None:
+def test_a_robot_that_does_not_confirm_a_stop_is_reported_of_and_what_comes_next_is_sent_after_that() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.ask("gesture", "a")
         rig.wait(lambda: rig.states("a", "gesture") == ["started"])
@@ -412,7 +412,7 @@ def test_one_output_serves_session_after_session_though_the_server_is_started_an
         assert len({each["id"] for each in said}) == 3
 
 
-def test_closing_leaves_a_robot_that_was_told_to_be_still() -> None:
+def test_closing_leaves_a_robot_that_was_reported_to_be_still() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.ask("gesture", "a")
         rig.wait(lambda: rig.states("a", "gesture") == ["started"])

@@ -112,7 +112,7 @@ def test_with_no_device_it_waits_in_silence_and_a_gesture_fails(
     assert capfd.readouterr().err == ""
 
 
-def test_what_the_driver_itself_refuses_is_told_in_words(clock: LiveClock) -> None:
+def test_what_the_driver_itself_refuses_is_reported_in_words(clock: LiveClock) -> None:
     driven = DrivenServo()
     del driven.servo.setEngaged
     rig = Rig(Servo(make=lambda: driven.servo, denied=lambda: False), clock, ["gesture"])

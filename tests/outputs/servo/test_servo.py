@@ -168,7 +168,7 @@ def test_after_a_stop_the_next_gesture_begins_where_the_motor_was_left_and_bring
     assert after[-1] == 90
 
 
-def test_a_motor_that_cannot_be_made_limp_is_told_and_the_others_are() -> None:
+def test_a_motor_that_cannot_be_made_limp_is_reported_and_the_others_are() -> None:
     bench = ServoBench("?right_arm=0&left_arm=1")
     both = Gesture((Keyframe(at_ms=500, right_arm=1, left_arm=1), Keyframe(at_ms=900)))
     bench.servo.apply_theme(_with(wave=both))
@@ -187,7 +187,7 @@ def test_a_motor_that_cannot_be_made_limp_is_told_and_the_others_are() -> None:
     )
 
 
-def test_a_motor_that_refuses_to_be_made_limp_is_told_again(bench: ServoBench) -> None:
+def test_a_motor_that_refuses_to_be_made_limp_is_reported_again(bench: ServoBench) -> None:
     begin(bench)
     [motor] = bench.channels
     motor.failing["setEngaged"] = PhidgetError(3, "Timed Out")
@@ -318,7 +318,7 @@ def test_one_motor_that_is_pulled_out_leaves_no_other_engaged() -> None:
     assert "left_arm" in bench.rig.detail("a", "gesture")
 
 
-def test_a_motor_that_is_lost_before_its_detachment_is_told_fails_the_gesture(bench: ServoBench) -> None:
+def test_a_motor_that_is_lost_before_its_detachment_is_reported_fails_the_gesture(bench: ServoBench) -> None:
     begin(bench)
     bench.failing["setTargetPosition"] = bench.failing["setEngaged"] = PhidgetError(52, "Device not Attached")
     bench.rig.wait_for("gesture", "a")
@@ -369,14 +369,14 @@ def test_a_controller_that_tells_of_itself_a_moment_after_opening_makes_the_firs
     assert bench.rig.states("a", "gesture") == ["started", "done"]
 
 
-def test_a_controller_that_another_program_uses_is_told_as_such() -> None:
+def test_a_controller_that_another_program_uses_is_reported_as_such() -> None:
     bench = ServoBench(plug=False)
     bench.channels[0].err(2, "Channel is in use.")
     assert make(bench) == "failed"
     assert "Close the other program" in bench.rig.detail("a", "gesture")
 
 
-def test_a_controller_that_cannot_be_set_up_is_told() -> None:
+def test_a_controller_that_cannot_be_set_up_is_reported() -> None:
     bench = ServoBench(plug=False)
     bench.failing["setTargetPosition"] = PhidgetError(5, "Input/Output Error")
     bench.channels[0].plug_in()
@@ -384,7 +384,7 @@ def test_a_controller_that_cannot_be_set_up_is_told() -> None:
     assert "cannot be set up: Input/Output Error" in bench.rig.detail("a", "gesture")
 
 
-def test_a_controller_that_one_may_not_use_is_told_with_the_line_that_cures_it() -> None:
+def test_a_controller_that_one_may_not_use_is_reported_with_the_line_that_cures_it() -> None:
     bench = ServoBench(plug=False, denied=True)
     assert make(bench) == "failed"
     assert "/etc/udev/rules.d/70-phidget.rules" in bench.rig.detail("a", "gesture")
@@ -478,7 +478,7 @@ def test_a_gesture_waits_for_a_motor_that_is_being_opened_anew(bench: ServoBench
     assert bench.rig.states("a", "gesture") == ["started", "done"]
 
 
-def test_a_motor_that_cannot_be_opened_anew_is_told(bench: ServoBench) -> None:
+def test_a_motor_that_cannot_be_opened_anew_is_reported(bench: ServoBench) -> None:
     [motor] = bench.channels
     motor.failing["open"] = PhidgetError(28, "Unexpected Error")
     motor.err(4108, "Failsafe condition detected.")

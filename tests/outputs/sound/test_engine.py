@@ -71,7 +71,7 @@ def test_volume_zero_is_silence_and_no_fault(engine: Engine) -> None:
     assert peak(engine.speak("Well done.", Voicing("en", volume=0.0))) == 0
 
 
-def test_a_language_without_a_voice_is_told_in_words(engine: Engine) -> None:
+def test_a_language_without_a_voice_is_reported_in_words(engine: Engine) -> None:
     with pytest.raises(SoundError, match='no voice for the language "xx"'):
         engine.speak("Well done.", Voicing("xx"))
 
@@ -106,7 +106,7 @@ def test_an_engine_that_tells_of_an_error_is_not_waited_for(monkeypatch: pytest.
         Engine().speak("Well done.", ENGLISH)
 
 
-def test_an_engine_that_writes_rubbish_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_engine_that_writes_rubbish_is_reported_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
     stand_in(monkeypatch, "open(engine.path, 'wb').write(b'RIFF' + bytes([4, 0, 0, 0]) + b'what')")
     with pytest.raises(SoundError, match="gave no sound that can be read"):
         Engine().speak("Well done.", ENGLISH)

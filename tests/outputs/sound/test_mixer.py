@@ -217,7 +217,7 @@ def test_a_voice_that_stops_as_told_is_used_again(calm: Theme, tmp_path: Path) -
         assert len(pids(file)) == 1
 
 
-def test_close_ends_the_process_and_the_threads_and_nothing_is_told_afterwards(calm: Theme, tmp_path: Path) -> None:
+def test_close_ends_the_process_and_the_threads_and_nothing_is_reported_afterwards(calm: Theme, tmp_path: Path) -> None:
     file = tmp_path / "pids"
     before = set(threading.enumerate())
     with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
@@ -267,13 +267,15 @@ def test_sound_may_go_to_the_card_or_to_a_folder_that_may_not_exist_yet(tmp_path
         (f"file:/{'x' * 300}", "cannot be a folder for sound files"),
     ],
 )
-def test_where_sound_cannot_go_is_told_in_words(tmp_path: Path, where: str, says: str) -> None:
+def test_where_sound_cannot_go_is_reported_in_words(tmp_path: Path, where: str, says: str) -> None:
     (tmp_path / "taken").write_text("a file")
     with pytest.raises(SoundError, match=says):
         check_sound(where.format(tmp_path))
 
 
-def test_a_folder_that_may_not_be_written_to_is_told_in_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_that_may_not_be_written_to_is_reported_in_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(os, "access", lambda path, mode: False)
     with pytest.raises(SoundError, match="is not writable"):
         check_sound(f"file:{tmp_path}")
@@ -304,7 +306,7 @@ def test_it_finds_that_there_is_no_engine_and_no_card() -> None:
         (["/no/such/program"], "cannot be started"),
     ],
 )
-def test_a_voice_that_cannot_be_examined_is_told_in_words(program: list[str], says: str) -> None:
+def test_a_voice_that_cannot_be_examined_is_reported_in_words(program: list[str], says: str) -> None:
     with pytest.raises(SoundError, match=says):
         examine(program, patience_s=1.0 if "sleep" in program[-1] else 20.0)
 

@@ -108,7 +108,7 @@ def test_a_folder_is_looked_through_once(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("name", ["there", "there/below"])
-def test_a_folder_that_is_a_file_is_told_in_words(tmp_path: Path, name: str) -> None:
+def test_a_folder_that_is_a_file_is_reported_in_words(tmp_path: Path, name: str) -> None:
     (tmp_path / "there").write_text("a file")
     with pytest.raises(SoundError, match=r"cannot take sound files \(.+\): choose another folder"):
         Folder(str(tmp_path / name), True).play("a", BEEP, Playback(), Began())
@@ -125,14 +125,14 @@ def test_a_halt_cuts_it_short(tmp_path: Path, made: str) -> None:
     assert not playing.is_alive()
 
 
-def test_no_sound_card_is_told_in_words_each_time() -> None:
+def test_no_sound_card_is_reported_in_words_each_time() -> None:
     card = SoundCard(("WASAPI", "SNDIO"))
     for _ in range(2):
         with pytest.raises(SoundError, match="There is no sound card that can be used"):
             card.play("a", BEEP, Playback(), Began())
 
 
-def test_a_card_that_stops_taking_sound_is_told_in_words_and_opened_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_card_that_stops_taking_sound_is_reported_in_words_and_opened_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     import miniaudio
 
     monkeypatch.setattr("sar_tui.outputs.sound.player._STALLED_S", 0.05)
@@ -146,7 +146,7 @@ def test_a_card_that_stops_taking_sound_is_told_in_words_and_opened_anew(monkeyp
     assert len(began.told) == 1
 
 
-def test_a_card_that_refuses_to_start_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_card_that_refuses_to_start_is_reported_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
     import miniaudio
 
     def refuse(device: object, feed: object) -> None:
