@@ -147,7 +147,7 @@ class _Channel:
         pass
 
     def heard(self) -> list[PeerEvent]:
-        """What a panel would have been told."""
+        """Receive the events of a panel."""
         told: list[PeerEvent] = [Connection("connected")]
         for what in self.sent:
             if isinstance(what, OutgoingSnapshot):

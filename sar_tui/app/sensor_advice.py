@@ -31,7 +31,7 @@ FLAGS = {
     "gap": "Samples are missing in it: try another cable or port.",
     "saturated": "It was faster than the sensor can measure: only its times are known.",
     "no_rest": "The hand did not rest before it: keep it still for two seconds first.",
-    "error": "The sensor told of an error during it.",
+    "error": "The sensor reported an error during it.",
     "cut": "It had begun before, or was not over: rest before it and after it.",
     "timed_out": "It took too long.",
     "low_rate": "The sensor sends few samples a second: its times are less exact.",

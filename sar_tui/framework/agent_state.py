@@ -1,4 +1,4 @@
-"""What the agent shows: its words, expression, gesture, gaze and mouth, worked out from a session's messages.
+"""State of the agent: words, expression, gesture, gaze and mouth, derived from a session's messages.
 
 Pure and immutable. The participant's screen, the agent in a window of its own and the operator's panel follow it.
 """

@@ -7,7 +7,7 @@ from typing import Any, Protocol, runtime_checkable
 from textual.drivers.web_driver import WebDriver
 
 _ENDS_S = 3.0
-"""How long an app may take to end when its browser, or the server, has gone."""
+"""Longest time for an app to end after its browser, or the server, has gone."""
 
 
 class BrowserVoice(Protocol):

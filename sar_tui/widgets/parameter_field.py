@@ -111,9 +111,9 @@ class ParameterField(Widget):
             self.post_message(self.Changed())
 
     def on_descendant_focus(self) -> None:
-        """The title stands out, and the help note the editor is shown with it.
+        """Highlight the title, and scroll the editor and its note into view.
 
-        Where a heading has just unfolded, the place of a field is known only with the next refresh.
+        If a heading has just unfolded, the position of a field is known only after the next refresh.
         """
         self.refresh()
         self.scroll_visible(animate=False, immediate=True)

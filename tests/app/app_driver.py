@@ -1,4 +1,4 @@
-"""A chair in front of the app: a person who presses keys and reads the screen, while time stands still."""
+"""Drives the app in tests: presses keys and reads the screen, with a clock that is advanced by hand."""
 
 import io
 import sqlite3
@@ -27,19 +27,19 @@ from sar_tui.store.database import connect
 from tests.settle import settle
 
 SHORT = {"attempts": 2, "prompts_per_attempt": 2}
-"""A session that a test need not sit through for long."""
+"""Parameters of a short session."""
 _NAMES = {"?": "question_mark", "-": "minus", "/": "slash", " ": "space"}
 _TYPED = {"space": " ", "enter": "\r", "tab": "\t"}
 _FRAMES = str.maketrans("│▌╭╮╰╯─", "       ")
 
 
 def plan(task: type[Task], participant: str = "P01", theme: str = "calm", **parameters: object) -> Plan:
-    """A session to go straight into: short, unless told otherwise."""
+    """Return the plan of a short session."""
     return Plan(task, build(task.Parameters, SHORT | parameters), theme, participant, seed=7)
 
 
 def known(data: Path, participant: str = "P01", theme: str = "calm", **parameters: object) -> None:
-    """A participant who is known already, with settings for the keyboard task."""
+    """Store a participant with settings for the keyboard task."""
     database = connect(data)
     participants.add(database, participant)
     kept = participants.Settings(SHORT | parameters, theme)
@@ -48,7 +48,7 @@ def known(data: Path, participant: str = "P01", theme: str = "calm", **parameter
 
 
 class AppDriver:
-    """What a person does and sees. Only they move the session's clock."""
+    """A person at the app. Only this class advances the session's clock."""
 
     def __init__(self, app: SarTui, clock: VirtualClock) -> None:
         self.app = app
@@ -61,23 +61,23 @@ class AppDriver:
     # --- what is done --------------------------------------------------------------------------------------
 
     async def press(self, *keys: str) -> None:
-        """Press keys one after the other, all of them now. A key is a character, or called by its name."""
+        """Press keys one after the other, without time passing. A key is a character or a key's name."""
         for key in keys:
             await self.write(key)
 
     async def write(self, *keys: str) -> None:
-        """Type characters into a form, where nothing need settle between them."""
+        """Type characters without settling between them."""
         for key in keys:
             self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
         await self.settle()
 
     async def send_event(self, event: Message) -> None:
-        """Let the terminal tell an event."""
+        """Send an event of the terminal."""
         self.app.post_message(event)
         await self.settle()
 
     async def settle(self) -> None:
-        """Let the app, and what the session owes at this moment, come to rest."""
+        """Wait until the app and everything due in the session at this moment are done."""
         await settle(self.app)
         while self.clock.step(self.clock.now()):
             self.clock.advance(0)
@@ -193,18 +193,18 @@ class AppDriver:
 
     @property
     def said(self) -> str:
-        """What stands beside the agent's face."""
+        """The text beside the agent's face."""
         words = self.app.screen.query_one("#agent > .words").region
         return " ".join(" ".join(row[words.x :] for row in self.rows[words.y : words.bottom]).split())
 
     def sees(self, words: str) -> bool:
-        """Whether the words are on the screen, wherever its lines break."""
+        """Return True if the words are on the screen, wherever its lines break."""
         return words in " ".join(self.text.translate(_FRAMES).split())
 
     # --- what is kept ------------------------------------------------------------------------------------------
 
     def stored(self, query: str, *values: object) -> list[tuple[Any, ...]]:
-        """What the database holds."""
+        """Query the database."""
         if self.app.live and not self.app.live.is_closed:
             self.app.live.run.recorder.write()
         return stored(self.app.folder, query, *values)
@@ -216,7 +216,7 @@ class AppDriver:
 
 
 def stored(data: Path, query: str, *values: object) -> list[tuple[Any, ...]]:
-    """What the database holds."""
+    """Query the database."""
     with closing(sqlite3.connect(data / "sar-tui.db")) as database:
         return database.execute(query, values).fetchall()
 
@@ -229,7 +229,7 @@ async def open_app(
     size: tuple[int, int] = (80, 24),
     link: Any = None,
 ) -> AsyncIterator[AppDriver]:
-    """Open the app in front of a person, and close it when they get up."""
+    """Open the app, and close it in the end."""
     app = SarTui(data, catalogue, begin, clock=(clock := VirtualClock(10 * SECOND)), link=link)
     driver = AppDriver(app, clock)
     async with app.run_test(size=size, notifications=True) as driver.pilot:

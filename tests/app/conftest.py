@@ -21,7 +21,7 @@ def a_plain_terminal() -> Iterator[None]:
 
 @pytest.fixture(autouse=True)
 def no_session_to_join(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nor on what runs on the machine meanwhile: home offers to join it."""
+    """No test sees sessions that run on this machine, which the first screen offers to join."""
     monkeypatch.setattr("sar_tui.link.discovery.live_sessions", list)
 
 

@@ -33,7 +33,7 @@ class Voice(Output):
         self.is_closed = True
 
     async def begin(self, driver: AppDriver) -> None:
-        """What was asked last begins to sound."""
+        """Begin to speak the last request."""
         self.report(self.asked[-1][0], "say", "started")
         await driver.settle()
 

@@ -1,4 +1,4 @@
-"""What goes wrong: a disk, a task, a window. A clear sentence, and nothing lost."""
+"""Faults of a disk, a task or a window are reported in a clear sentence, and lose no data."""
 
 import sqlite3
 from pathlib import Path

@@ -32,7 +32,7 @@ def plan(catalogue: Catalogue, name: str, theme: str = "calm", **parameters: Any
 
 
 class Tour:
-    """What a participant has seen so far."""
+    """A participant's way through a session, with the texts seen so far."""
 
     def __init__(self, driver: AppDriver) -> None:
         self.driver = driver

@@ -1,4 +1,4 @@
-"""Given two people at one keyboard, when they play, then each sees whose half, turn and result is whose."""
+"""Two participants at one keyboard: each sees their half, turn and results."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -37,7 +37,7 @@ def play(catalogue: Catalogue) -> Play:
 
 
 def halves(driver: AppDriver) -> tuple[str, str]:
-    """What stands in the left and the right half of the stage, but for the plain line at its foot."""
+    """Return the left and the right half of the stage, without the plain line at the bottom."""
     stage = driver.app.screen.query_one("#prompt").region
     rows = [row.ljust(80) for row in driver.rows[stage.y : stage.bottom - 1]]
     return "\n".join(row[:WALL] for row in rows), "\n".join(row[WALL + 1 :] for row in rows)

@@ -54,7 +54,7 @@ def test_each_has_the_slots_of_its_english_and_is_of_a_text_that_there_is(
 
 
 class Child:
-    """What was on the screen at each step."""
+    """The texts on the screen at each step."""
 
     def __init__(self, driver: AppDriver) -> None:
         self.driver = driver

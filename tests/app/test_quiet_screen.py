@@ -105,7 +105,7 @@ async def test_there_is_colour_where_it_is_not_refused(data: Path, catalogue: Ca
 
 
 def _is_grey(driver: AppDriver) -> bool:
-    """Whether all text on the screen is drawn in shades of grey."""
+    """Return True if all text on the screen is drawn in shades of grey."""
     picture = driver.app.export_screenshot()
     colors = set(re.findall(r"-r\d+ \{ fill: #(......)", picture)) - {_UNSTYLED}
     return all(color[:2] == color[2:4] == color[4:] for color in colors)

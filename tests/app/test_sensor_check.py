@@ -116,7 +116,7 @@ def seated(
 
 
 def axis(driver: AppDriver, name: str) -> tuple[str, ...]:
-    """What stands beside the name of an axis: bar, rate, bias in deg/s and in rad/s."""
+    """Return the bar, rate, and bias in deg/s and in rad/s of an axis."""
     found = re.search(rf" {name} ([─━╼╾┼]{{9,}}) +(\S+) +(\S+) +(\S+)", driver.text)
     assert found
     return found.groups()

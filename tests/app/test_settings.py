@@ -32,12 +32,12 @@ def field(driver: AppDriver, name: str) -> ParameterField:
 
 
 def lines(widget: ParameterField) -> list[str]:
-    """What a field draws."""
+    """Return the drawing of a field."""
     return str(widget.render()).splitlines()
 
 
 def reads(driver: AppDriver, name: str) -> str:
-    """What stands under a field."""
+    """Return the text below a field."""
     return " ".join(" ".join(lines(field(driver, name))[1:]).split())
 
 

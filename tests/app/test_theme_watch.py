@@ -44,7 +44,7 @@ def edit(folder: Path, old: str, new: str, file: str = "theme.toml") -> None:
 
 
 async def look(driver: AppDriver) -> None:
-    """What the app does by itself, a while later."""
+    """Look twice, as the app does by its timer."""
     driver.app.theme_watch.look()
     driver.app.theme_watch.look()
     await driver.settle()

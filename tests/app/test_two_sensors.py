@@ -1,4 +1,4 @@
-"""Given a session of two with a sensor on a hand each, when it begins or one comes loose, then it is told whose."""
+"""Two sensors, one for each participant: both are checked, and a lost one is reported with its participant."""
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager

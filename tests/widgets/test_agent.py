@@ -42,7 +42,7 @@ class Room:
         return seen
 
     def draws_again(self) -> bool:
-        """Whether anything waits for its time to come."""
+        """Return True if a timer is set."""
         return self.clock.step()
 
 

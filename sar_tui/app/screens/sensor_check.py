@@ -95,7 +95,7 @@ class SensorCheckScreen(Screen[bool]):
 
     @property
     def help_text(self) -> str:
-        """How to place the sensor, what zero and test do, and how to continue without a sensor."""
+        """Help on placing the sensor, on zero and test, and on sessions without a sensor."""
         return (
             "\n\n".join(self.tr(paragraph) for paragraph in (_HELP_OF_TWO if len(self.sensors) > 1 else _HELP)) + "\n"
         )
@@ -111,14 +111,14 @@ class SensorCheckScreen(Screen[bool]):
         if len(self.sensors) > 1:
             yield Static(id="sides")
         yield Static(self.tr(_PLACE), id="place", markup=False)
-        with Horizontal(id="worn"):
+        with Horizontal(id="placing"):
             yield Static(id="hand")
             with Vertical(id="known"):
                 yield Static(id="facts")
                 yield Static(id="axes")
         with Vertical(id="reach") as reach:
             reach.border_title = self.tr("Test reach")
-            yield Static(id="told")
+            yield Static(id="result")
             yield SpeedTrace(id="trace")
         yield Footer()
 
@@ -206,8 +206,8 @@ class SensorCheckScreen(Screen[bool]):
         known, words = facts(self.sensor, self.tr), self._words()
         if self._is_new("facts", known):
             self.query_one("#facts", Static).update(self._facts(known))
-        if self._is_new("told", words):
-            self.query_one("#told", Static).update(self._marked(words))
+        if self._is_new("result", words):
+            self.query_one("#result", Static).update(self._marked(words))
         self.query_one("#axes", Static).update(self._axes(), layout=False)
         trace = self.sensor.test.trace if self.sensor.test else None
         if self._is_new("trace", trace):
