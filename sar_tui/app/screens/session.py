@@ -13,7 +13,7 @@ from sar_tui.app.live import LiveSession
 from sar_tui.app.prompt_onset import report_onset
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
-from sar_tui.app.screens.waiting_text import WaitingText, key_name, waiting_text
+from sar_tui.app.screens.waiting_text import WaitingText, help_text, key_name, waiting_text
 from sar_tui.framework.agent_state import AWAITED
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
@@ -54,15 +54,7 @@ class SessionScreen(AgentScreen):
     @property
     def help_text(self) -> str:
         """Instructions of the task, and the keys to pause, ask for feedback and mark a trial."""
-        task = self._live.run.session.task
-        pause = self.tr("When a screen asks you to, press Enter. To pause, press Escape; nothing is lost.") + "\n"
-        marks = ", ".join(f"{mark.key.upper()} {self.tr(mark.title).lower()}" for mark in task.marks)
-        therapist = (
-            "\n" + self.tr("For the therapist, during or after a trial: {marks}.", marks=marks) + "\n" if marks else ""
-        )
-        ask = self.tr("To hear how an attempt went, press Tab before the next one.") + "\n"
-        asked = ask if task.parameters.feedback_schedule == "request" else ""
-        return f"{task.instructions()}\n\n{pause}{asked}{therapist}"
+        return help_text(self._live.run.session.task, self.tr)
 
     def compose(self) -> ComposeResult:
         session = self._live.run.session

@@ -52,6 +52,17 @@ def waiting_text(waiting: Waiting, task: Task) -> WaitingText | None:  # noqa: P
     return None
 
 
+def help_text(task: Task, tr: Language) -> str:
+    """Return the instructions of a task, and the keys to pause, to ask for feedback and to mark a trial."""
+    pause = tr("When a screen asks you to, press Enter. To pause, press Escape; nothing is lost.")
+    parts = [f"{task.instructions()}\n\n{pause}\n"]
+    if task.parameters.feedback_schedule == "request":
+        parts.append(tr("To hear how an attempt went, press Tab before the next one.") + "\n")
+    if marks := ", ".join(f"{mark.key.upper()} {tr(mark.title).lower()}" for mark in task.marks):
+        parts.append("\n" + tr("For the therapist, during or after a trial: {marks}.", marks=marks) + "\n")
+    return "".join(parts)
+
+
 def key_name(key: str, tr: Language) -> str:
     """Return a key's name on the keyboard: "Space"."""
     return {"space": tr("Space"), "enter": tr("Enter"), "tab": tr("Tab")}.get(key, key.capitalize())
