@@ -189,7 +189,7 @@ def _first(file: Path, since: int, column: int) -> int:
 
 
 class _Log:
-    """What the session has written down so far, read from its database."""
+    """The session's messages so far, read from its database."""
 
     def __init__(self, folder: Path) -> None:
         self._file = f"file:{folder / FILE}?mode=ro"

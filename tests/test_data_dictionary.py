@@ -29,7 +29,7 @@ pytestmark = pytest.mark.usefixtures("simulated_once")
 
 
 def named(text: str) -> set[str]:
-    """What stands in a text as code."""
+    """Return the words of a text that are marked as code."""
     return set(re.findall(r"`([^`\n]+)`", text))
 
 

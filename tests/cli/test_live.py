@@ -21,7 +21,7 @@ from tests.program import Call
 
 @pytest.fixture
 def runtime() -> Iterator[str]:
-    """Where sockets are; a socket's path has to be short."""
+    """A folder for sockets, whose paths must be short."""
     with tempfile.TemporaryDirectory(prefix="sar") as folder:
         yield folder
 
@@ -236,9 +236,7 @@ def test_a_session_that_operators_may_join_is_found_while_it_runs(call: Call, op
     assert live_sessions() == []
 
 
-def test_a_session_that_is_gone_on_with_can_be_joined_too(
-    call: Call, opened: list[dict[str, Any]], tmp_path: Path
-) -> None:
+def test_a_resumed_session_can_be_joined_too(call: Call, opened: list[dict[str, Any]], tmp_path: Path) -> None:
     session = interrupted(call, tmp_path)
     assert call("resume", session, "--operator").code == 7
     assert [live.session for live in opened[0]["joinable"]] == [session]
@@ -250,7 +248,7 @@ def test_a_place_to_listen_that_is_none_is_bad_usage(call: Call, opened: list[di
     assert "has no valid port" in called.err
 
 
-def test_to_listen_where_nobody_was_invited_is_told_before_the_screen_changes(
+def test_listening_without_invitations_is_refused_before_the_screen_changes(
     call: Call, opened: list[dict[str, Any]]
 ) -> None:
     called = call("run", "keyboard", "-p", "P01", "--listen", "tls/127.0.0.1:7447")
@@ -258,7 +256,7 @@ def test_to_listen_where_nobody_was_invited_is_told_before_the_screen_changes(
     assert "Nobody has been invited yet" in called.err
 
 
-def test_without_the_packages_of_the_link_it_is_told_what_to_install(
+def test_without_the_packages_of_the_link_it_is_reported_what_to_install(
     call: Call, opened: list[dict[str, Any]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)

@@ -51,7 +51,7 @@ def test_outputs_are_named_either_way(call: Call, opened: list[Plan], how: tuple
     assert opened[0].parameters.outputs == ("screen", "speech")
 
 
-def test_who_says_where_speech_goes_wants_to_hear_it(call: Call, opened: list[Plan], tmp_path: Path) -> None:
+def test_the_option_speech_adds_speech_to_the_outputs(call: Call, opened: list[Plan], tmp_path: Path) -> None:
     where = f"file:{tmp_path}"
     call(*RUN, "--speech", where)
     call(*RUN, "--speech", where, "--outputs", "tones,speech")
@@ -114,7 +114,7 @@ def test_a_simulated_session_speaks_into_files_and_says_so(call: Call, tmp_path:
             assert sound.getnframes() / sound.getframerate() > 0.3
 
 
-def test_a_simulated_session_speaks_the_language_that_it_is_told(call: Call, tmp_path: Path) -> None:
+def test_a_simulated_session_speaks_the_language_it_is_given(call: Call, tmp_path: Path) -> None:
     said = []
     for language in ("en", "es"):
         assert call(*SIMULATE, "--language", language).code == 0

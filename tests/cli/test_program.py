@@ -1,4 +1,4 @@
-"""The program as a whole: help, version, exit codes, and errors told in words."""
+"""The program as a whole: help, version, exit codes, and errors."""
 
 import os
 import sqlite3
@@ -74,7 +74,7 @@ def test_every_command_takes_the_data_and_tasks_folders_and_has_help(call: Call,
     [["nonsense"], ["--nonsense"], ["simulate"], ["tasks", "nonsense"], ["run", "keyboard"], ["show"], ["graph"]],
     ids=" ".join,
 )
-def test_bad_usage_is_told_plainly(call: Call, arguments: list[str]) -> None:
+def test_bad_usage_is_reported_plainly(call: Call, arguments: list[str]) -> None:
     called = call(*arguments)
     assert called.code == 2
     assert called.out == ""

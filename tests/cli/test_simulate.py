@@ -46,7 +46,7 @@ def test_the_same_seed_gives_the_same_attempts(call: Call) -> None:
     assert first == second != other
 
 
-def test_a_seed_is_drawn_and_told(call: Call, tmp_path: Path) -> None:
+def test_a_seed_is_drawn_and_reported(call: Call, tmp_path: Path) -> None:
     called = call(*AVERAGE, "--attempts", 1)
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
         (seed,) = connection.execute("SELECT seed FROM sessions").fetchone()
@@ -65,7 +65,7 @@ def test_who_can_be_simulated_is_who_there_is() -> None:
     assert {user.value for user in User} == set(PEOPLE)
 
 
-def test_the_code_defaults_to_sim_and_is_kept_in_capitals(call: Call) -> None:
+def test_the_code_defaults_to_sim_and_is_stored_in_capitals(call: Call) -> None:
     call(*AVERAGE, "--attempts", 1)
     call(*AVERAGE, "--attempts", 1, "-p", "p07")
     assert {row["participant"] for row in call("sessions", "--json").json["sessions"]} == {"SIM", "P07"}
@@ -158,7 +158,7 @@ class Hoarse:
         return lambda _: Voice()  # type: ignore[return-value]
 
 
-def test_an_output_that_failed_is_told_at_the_end(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_output_that_failed_is_reported_at_the_end(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [Hoarse()])
     options = ("--attempts", 1, "--set", "prompts_per_attempt=2", "--outputs", "screen,hoarse", "--seed", 1)
     hoarse = next(each for each in call(*AVERAGE, *options, "--json").json["outputs"] if each["output"] == "hoarse")
@@ -182,7 +182,7 @@ def test_two_users_sit_left_and_right(call: Call) -> None:
     assert (row["participant"], row["partner"]) == ("SIM", "SIM-B")
 
 
-def test_a_session_of_two_is_told_seat_by_seat(call: Call) -> None:
+def test_a_session_of_two_is_reported_seat_by_seat(call: Call) -> None:
     called = call("simulate", "pairs", "--user", "average", "-p", "p01", "-p", "p02", "--attempts", 2, "--seed", 2)
     assert called.code == 0
     assert "seat" in called.out.splitlines()[0]
@@ -200,7 +200,7 @@ PLAYED = ("simulate", "pairs", "--user", "competent", "--user", "poor", "--attem
     ("policy", "quality", "says"),
     [("race", "won", "Ahead in {} of 24."), ("cooperative", "together", "Together in {} of 24.")],
 )
-def test_how_often_two_were_ahead_or_together_is_told(call: Call, policy: str, quality: str, says: str) -> None:
+def test_how_often_two_were_ahead_or_together_is_reported(call: Call, policy: str, quality: str, says: str) -> None:
     attempts = call(*PLAYED, "--set", f"policy={policy}", "--json").json["attempts"]
     shown = call("show", "last").out
     for seat in "AB":
@@ -210,7 +210,7 @@ def test_how_often_two_were_ahead_or_together_is_told(call: Call, policy: str, q
         assert [row["qualities"]["together"] for row in attempts] == [row["correct"] for row in attempts]
 
 
-def test_what_the_cue_did_is_told_seat_by_seat(call: Call) -> None:
+def test_what_the_cue_did_is_reported_seat_by_seat(call: Call) -> None:
     given = ("--set", "policy=joint attention", "--set", "prompts_per_attempt=40", "--json")
     attempts = call(*PLAYED, *given).json["attempts"]
     shown = call("show", "last").out

@@ -1,4 +1,4 @@
-"""``sar-tui timing``: the verdict on a machine, and what is kept of it."""
+"""``sar-tui timing``: the verdict on a machine, and what is stored."""
 
 import json
 import stat
@@ -85,7 +85,7 @@ def test_what_no_figure_shows_counts_too(here: Circumstances, verdict: str, word
     assert word in " ".join(reasons)
 
 
-def test_a_busy_machine_is_told_as_the_cause_of_bad_figures_only() -> None:
+def test_a_busy_machine_is_reported_as_the_cause_of_bad_figures_only() -> None:
     busy = Circumstances(load=3.2, cores=2)
     assert "load 3.2 on 2 cores" in " ".join(judge(figures(robust=2), GOOD, busy)[1])
     assert judge(figures(), GOOD, busy) == ("fit", [])
@@ -117,7 +117,7 @@ def test_json_holds_the_figures_the_reasons_and_the_bare_loop(call: Call) -> Non
 
 
 @pytest.mark.usefixtures("fine")
-def test_the_figures_are_kept_for_later_sessions_and_for_nobody_else(call: Call, tmp_path: Path) -> None:
+def test_the_figures_are_stored_for_later_sessions_and_for_nobody_else(call: Call, tmp_path: Path) -> None:
     call("timing")
     call("timing", "--trials", 12)
     path = tmp_path / "data" / "timing.json"
@@ -128,7 +128,7 @@ def test_the_figures_are_kept_for_later_sessions_and_for_nobody_else(call: Call,
     assert [file.name for file in path.parent.iterdir()] == ["timing.json"]
 
 
-def test_onsets_not_stamped_at_flush_are_told(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_onsets_not_stamped_at_flush_are_reported(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         timing, "take_turns", measures({SAR_TUI.name: [0.2, 0.3], BASELINE.name: [0.2, 0.1]}, "refresh")
     )

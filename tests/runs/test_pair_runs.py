@@ -1,4 +1,4 @@
-"""Given a session of two in the database, when it is broken off and gone on with, then both are kept as one."""
+"""Given a session of two in the database, when it is interrupted and resumed, then both runs are stored as one."""
 
 from pathlib import Path
 from typing import Any
@@ -58,7 +58,7 @@ def whole(data: Path, **parameters: object) -> str:
 # --- who takes part ------------------------------------------------------------------------------------------------
 
 
-def test_both_seats_are_kept_and_the_session_is_found_from_either(data: Path) -> None:
+def test_both_seats_are_stored_and_the_session_is_found_from_either(data: Path) -> None:
     session = whole(data)
     assert sorted(rows(data, "seats", session, "seat", "participant")) == [("A", "P01"), ("B", "P02")]
     database = connect(data)
@@ -110,7 +110,7 @@ def test_each_has_the_best_of_their_own_whatever_the_seat(data: Path) -> None:
 
 
 @pytest.mark.parametrize(("address", "names"), [("code", {"A": "P01", "B": "P02"}), ("seat", {})])
-def test_codes_are_told_to_the_session_only_where_the_agent_calls_them_so(
+def test_the_session_gets_codes_only_if_the_agent_addresses_people_by_them(
     data: Path, address: str, names: dict[str, str]
 ) -> None:
     session = simulate(plan("simulated", address=address), PEOPLE["average"], data, CATALOGUE)
@@ -137,13 +137,13 @@ def test_a_session_of_one_has_no_partner(data: Path) -> None:
     assert (row["partner"], sessions.participant_codes(row)) == (None, "P01")
 
 
-# --- broken off, and gone on with ------------------------------------------------------------------------------------
+# --- interrupted and resumed ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("policy", POLICIES)
 @examples(6)
 @given(steps=st.lists(st.integers(0, 30), min_size=1, max_size=3))
-def test_killed_in_mid_trial_and_gone_on_with_each_trial_of_both_is_there_once(
+def test_killed_in_mid_trial_and_resumed_each_trial_of_both_is_there_once(
     policy: str, steps: list[int], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     data = tmp_path_factory.mktemp("data") / "data"

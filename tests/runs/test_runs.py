@@ -102,7 +102,7 @@ def test_each_run_says_on_what_it_was_made(data: Path, monkeypatch: pytest.Monke
     assert ssh["software"] == driver["software"]
 
 
-def test_what_has_ended_cannot_be_gone_on_with(data: Path) -> None:
+def test_what_has_ended_cannot_be_resumed(data: Path) -> None:
     session = undisturbed(data)
     with pytest.raises(StoreError, match="is completed; only a live one that was interrupted") as caught:
         resume(session, data, CATALOGUE, VirtualClock(), sit_down)
@@ -149,7 +149,7 @@ def played(data: Path, seed: int, steps: int | None = None, **changed: Any) -> R
     return run
 
 
-def test_a_session_is_told_the_best_of_the_participants_earlier_ones_by_level(data: Path) -> None:
+def test_a_session_gets_the_best_of_the_participants_earlier_ones_by_level(data: Path) -> None:
     first, second = played(data, 1), played(data, 2)
     played(data, 3, participant="P02")
     third = played(data, 4)
@@ -158,14 +158,14 @@ def test_a_session_is_told_the_best_of_the_participants_earlier_ones_by_level(da
     assert told_best(data, third) == best_of(data, first.id, second.id) != {}
 
 
-def test_a_simulated_session_neither_makes_a_best_nor_is_told_one(data: Path) -> None:
+def test_a_simulated_session_neither_sets_a_best_nor_gets_one(data: Path) -> None:
     played(data, 1, mode="simulated")
     live = played(data, 2)
     simulated = played(data, 3, mode="simulated")
     assert told_best(data, live) == told_best(data, simulated) == {}
 
 
-def test_a_session_that_is_gone_on_with_is_not_told_its_own_best_as_an_earlier_one(data: Path) -> None:
+def test_a_resumed_session_does_not_get_its_own_best_as_an_earlier_one(data: Path) -> None:
     first = played(data, 1)
     cut = played(data, 2, steps=40)
     assert best_of(data, cut.id), "it had a result of its own"

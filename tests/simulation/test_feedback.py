@@ -1,4 +1,4 @@
-"""Given whole simulated sessions, when the database is looked at, then feedback came when and as it was set."""
+"""Given whole simulated sessions, when the database is read, then feedback came when and as it was set."""
 
 from collections import Counter
 from pathlib import Path

@@ -34,7 +34,7 @@ class Disk(Node):
 
 
 class Played(NamedTuple):
-    """What was told in a session, by topic."""
+    """Return the messages of a session by topic."""
 
     records: tuple[Record, ...]
 

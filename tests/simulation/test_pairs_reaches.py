@@ -33,13 +33,13 @@ NEAR = 15
 
 @pytest.fixture(autouse=True)
 def samples_in_fewer_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What comes of them is the same; the making of many small ones is what takes time."""
+    """Feed larger blocks: the result is the same, and making many small blocks takes time."""
     monkeypatch.setattr("sar_tui.inputs.simulated.STEP", 80 * MS)
     monkeypatch.setattr("sar_tui.inputs.sensor.DRAIN", 80 * MS)
 
 
 class Sat(NamedTuple):
-    """What was told in a session, and when each hand set off on a whole reach (ns)."""
+    """Return the messages of a session, and when each hand started a complete reach (ns)."""
 
     played: Played
     onsets: dict[str, list[int]]
@@ -118,7 +118,7 @@ def _judge(policy: str, rows: list[Any]) -> None:
                 assert (row.correct, row.value) == (row.details["right"], row.reaction_time_ms)
 
 
-def test_a_session_of_reaches_of_two_is_kept_and_comes_out_the_same_when_replayed(data: Path) -> None:
+def test_a_session_of_reaches_of_two_is_stored_and_comes_out_the_same_when_replayed(data: Path) -> None:
     given = {"policy": "race", "respond_with": "reaches", "attempts": 1, "prompts_per_attempt": 2}
     catalogue = Catalogue()
     plan = make_plan(catalogue, KIND, ["P01", "P02"], given, seed=3, mode="simulated")

@@ -1,4 +1,4 @@
-"""Given two people with a sensor on a hand each, when they reach, then each reach is kept as that of who made it."""
+"""Given two people with a sensor on a hand each, when they reach, then each reach is stored for the right seat."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -144,7 +144,7 @@ def test_of_a_stored_session_each_seat_is_given_the_samples_of_its_own(data: Pat
         feed.stop()
 
 
-def test_each_seat_names_its_sensor_and_a_wrong_name_is_told_by_its_parameter(data: Path) -> None:
+def test_each_seat_names_its_sensor_and_a_wrong_name_is_reported_by_its_parameter(data: Path) -> None:
     clock = VirtualClock()
     given = parameters(imu_b="recorded")
     assert open_sensor(given, 1, clock, data, "A").source is not None

@@ -1,4 +1,4 @@
-"""A session to record, with all that a live one has but a person."""
+"""A plan and a database for tests of the store."""
 
 from collections.abc import Iterator
 from pathlib import Path

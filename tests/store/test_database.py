@@ -117,14 +117,14 @@ def test_what_is_not_a_database_is_refused_and_left_alone(data: Path, content: b
     assert (data / FILE).read_bytes() == content
 
 
-def test_a_damaged_database_is_told(data: Path) -> None:
+def test_a_damaged_database_is_reported(data: Path) -> None:
     connect(data).conn.close()
     whole = (data / FILE).read_bytes()
     (data / FILE).write_bytes(whole[:100] + b"\xff" * 4000 + whole[4100:])
     assert refusal(data).bad_input
 
 
-def test_a_folder_that_is_a_file_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_is_a_file_is_reported(tmp_path: Path) -> None:
     (tmp_path / "data").write_text("")
     refused = refusal(tmp_path / "data")
     assert "is a file, not a folder" in str(refused)
@@ -132,7 +132,7 @@ def test_a_folder_that_is_a_file_is_told(tmp_path: Path) -> None:
 
 
 @posix
-def test_a_folder_that_is_read_only_is_told() -> None:
+def test_a_folder_that_is_read_only_is_reported() -> None:
     """The superuser may write anywhere, and so steps down to an ordinary user meanwhile."""
     user = os.geteuid()
     with tempfile.TemporaryDirectory() as name:
@@ -334,7 +334,7 @@ def test_where_data_lives_can_be_named(monkeypatch: pytest.MonkeyPatch, tmp_path
     assert default_folder().name == "sar-tui"
 
 
-def test_an_error_nobody_foresaw_is_told_in_sqlites_own_words() -> None:
+def test_an_error_nobody_foresaw_is_reported_in_sqlites_own_words() -> None:
     assert str(explain(sqlite3.OperationalError("no such thing"), Path("x.db"))) == "x.db: no such thing."
 
 
@@ -352,7 +352,7 @@ def test_an_error_nobody_foresaw_is_told_in_sqlites_own_words() -> None:
         (None, False),
     ],
 )
-def test_what_may_work_later_is_told_from_what_will_not(code: int | None, temporary: bool) -> None:
+def test_temporary_and_permanent_errors_are_reported_apart(code: int | None, temporary: bool) -> None:
     error = sqlite3.OperationalError("refused")
     if code is not None:
         error.sqlite_errorcode = code

@@ -1,4 +1,4 @@
-"""Given a sensor's samples among a session's messages, when they are kept, then each is there, in its place, whole."""
+"""Given a sensor's samples among a session's messages, when they are stored, then each is there, whole and in place."""
 
 import json
 import zlib
@@ -83,7 +83,7 @@ def test_nothing_else_that_befalls_a_sensor_begins_a_stream(state: Any) -> None:
     assert (len(streams), [(row[1], row[2]) for row in rows]) == (1, [(1, 1), (1, 2)])
 
 
-def test_counting_goes_on_from_batch_to_batch_and_only_once_a_batch_is_kept() -> None:
+def test_counting_goes_on_from_batch_to_batch_and_only_once_a_batch_is_stored() -> None:
     streams = imu.StreamRows("s", 1)
     batch = [attached(1), block(2, 10)]
     first, again = streams.rows(batch), streams.rows(batch)
@@ -147,7 +147,7 @@ class Kept:
         return imu.samples(self.eyes, self.id, from_ns, to_ns, run)
 
 
-def test_every_sample_of_a_session_is_kept_as_it_was_measured(data: Path) -> None:
+def test_every_sample_of_a_session_is_stored_as_it_was_measured(data: Path) -> None:
     kept = Kept(data).do(2)
     kept.recorder.write()
     assert len(kept.driver.samples) > 1500
@@ -186,7 +186,7 @@ def test_samples_are_found_by_when_they_were_measured(data: Path) -> None:
 
 
 @pytest.mark.parametrize("change", ["a byte", "cut short", "another block's"])
-def test_a_damaged_block_is_told_by_its_number_and_never_taken_for_samples(data: Path, change: str) -> None:
+def test_a_damaged_block_is_reported_by_its_number_and_never_taken_for_samples(data: Path, change: str) -> None:
     kept = Kept(data).do(1)
     kept.recorder.write()
     number = len(kept.chunks()) // 2
@@ -207,11 +207,11 @@ def test_a_damaged_block_is_told_by_its_number_and_never_taken_for_samples(data:
     assert len(kept.samples(0, before)), "what is not damaged can still be read"
 
 
-# --- gone on with ---------------------------------------------------------------------------------------------
+# --- resumed --------------------------------------------------------------------------------------------------
 
 
 def replayed(history: list[Record], driver: ReachingDriver) -> list[Record]:
-    """What the nodes derive from a history."""
+    """Return the messages that the nodes derive from a history."""
     again = Session(driver.session.task, driver.session.theme, VirtualClock(), 1)
     derived: list[Record] = []
     again.bus.tap(derived.extend)

@@ -86,7 +86,7 @@ def test_a_program_that_is_killed_holds_nothing(data: Path, another_program: Pro
     hold(data, "session", "abc").release()
 
 
-def test_what_was_let_go_can_be_taken_again(data: Path) -> None:
+def test_a_released_lock_can_be_taken_again(data: Path) -> None:
     lock = hold(data, "session", "abc")
     assert is_held(data, "session", "abc")
     lock.release()
@@ -110,7 +110,7 @@ def test_what_is_held_for_a_moment_only_is_waited_for(data: Path, another_progra
     end.join()
 
 
-def test_a_folder_that_cannot_be_written_to_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_to_is_reported(tmp_path: Path) -> None:
     (tmp_path / "data").write_text("")
     with pytest.raises(StoreError, match="cannot be written to"):
         hold(tmp_path / "data", "session", "abc")
@@ -137,7 +137,7 @@ def test_a_participant_cannot_be_in_two_live_sessions(plan: Plan, data: Path, ca
     start(plan, data, catalogue, VirtualClock(), lambda task, theme: []).close()
 
 
-def test_a_session_that_is_live_cannot_be_gone_on_with_elsewhere(plan: Plan, data: Path, catalogue: Catalogue) -> None:
+def test_a_session_that_is_live_cannot_be_resumed_elsewhere(plan: Plan, data: Path, catalogue: Catalogue) -> None:
     run = start(plan, data, catalogue, VirtualClock(), lambda task, theme: [])
     with pytest.raises(StoreError, match=f"The session {run.id} is running"):
         resume(run.id, data, catalogue, VirtualClock(), lambda task, theme: [])
@@ -163,7 +163,7 @@ def test_nobody_sees_a_new_session_that_is_not_held(
 @pytest.mark.parametrize(
     ("meanwhile", "state"), [("UPDATE sessions SET status='aborted'", "aborted"), ("DELETE FROM sessions", "gone")]
 )
-def test_a_session_that_ends_elsewhere_just_before_it_is_held_is_not_gone_on_with(
+def test_a_session_that_ends_elsewhere_just_before_it_is_held_is_not_resumed(
     meanwhile: str, state: str, plan: Plan, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = begin(plan, data, catalogue)
@@ -181,9 +181,7 @@ def test_a_session_that_ends_elsewhere_just_before_it_is_held_is_not_gone_on_wit
     assert not is_held(data, "participant", "P01")
 
 
-def test_a_session_whose_program_was_killed_is_interrupted_and_can_be_gone_on_with(
-    data: Path, catalogue: Catalogue
-) -> None:
+def test_a_session_whose_program_was_killed_is_interrupted_and_can_be_resumed(data: Path, catalogue: Catalogue) -> None:
     killed = subprocess.run([sys.executable, "-c", KILLED, str(data)], capture_output=True, text=True, check=False)
     assert killed.returncode == 9, killed.stderr
     session = killed.stdout.strip()
@@ -209,7 +207,7 @@ def test_a_session_that_cannot_be_brought_back_leaves_its_participant_free(
     start(plan, data, catalogue, VirtualClock(), lambda task, theme: []).close()
 
 
-def test_a_session_whose_parameters_the_task_no_longer_takes_is_told(
+def test_a_session_whose_parameters_the_task_no_longer_takes_is_reported(
     plan: Plan, data: Path, catalogue: Catalogue
 ) -> None:
     session = begin(plan, data, catalogue)

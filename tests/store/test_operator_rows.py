@@ -43,7 +43,7 @@ class Operated(Recorded):
         return [row for row in sessions.rows(self.eyes, "actions", self.id) if row["kind"] == kind]
 
 
-def test_what_was_approved_edited_and_vetoed_can_be_told_apart(data: Path) -> None:
+def test_approved_edited_and_vetoed_actions_can_be_told_apart(data: Path) -> None:
     operated = Operated(
         data,
         {1: {"verdict": "accept"}, 2: {"verdict": "edit", "text": "Fine."}, 3: {"verdict": "veto"}},
@@ -82,7 +82,7 @@ def test_what_was_decided_without_an_operator_says_so(data: Path) -> None:
     ] * 3
 
 
-def test_an_operators_own_words_and_notes_are_kept_with_their_times(data: Path) -> None:
+def test_an_operators_own_words_and_notes_are_stored_with_their_times(data: Path) -> None:
     operated = Operated(data, {})
     bus = operated.session.bus
     bus.publish(REMARK, m.Remark(text="Well held.", actor=ANA, at=operated.clock.now()))
@@ -131,7 +131,7 @@ def test_a_change_of_level_that_is_left_out_because_nobody_is_there_is_a_row_too
     ]
 
 
-def test_of_all_who_saw_a_proposal_the_first_is_kept(data: Path) -> None:
+def test_the_first_time_a_proposal_was_seen_is_stored(data: Path) -> None:
     operated = Operated(data, {1: {"verdict": "accept"}}, operator_feedback="approve")
     bus, clock = operated.session.bus, operated.clock
 
@@ -144,7 +144,7 @@ def test_of_all_who_saw_a_proposal_the_first_is_kept(data: Path) -> None:
     assert first["shown_ns"] - first["proposed_ns"] == 200 * MS
 
 
-def test_an_operators_stop_is_told_from_the_participants(data: Path) -> None:
+def test_an_operators_stop_differs_from_the_participants(data: Path) -> None:
     operated = Operated(data, {}, operator_feedback="approve", operator_time_ms=60_000)
     stop = m.Operator(command="stop", actor=ANA)
     bus, clock = operated.session.bus, operated.clock

@@ -1,4 +1,4 @@
-"""Given people who take part, when they are entered, then it is as codes, and what was set for them is kept."""
+"""Participants are stored as codes, with their saved settings."""
 
 import re
 from pathlib import Path
@@ -15,7 +15,7 @@ from sar_tui.store.participants import Settings, add, check_code, codes, save_se
 @pytest.mark.parametrize(
     ("typed", "kept"), [("P01", "P01"), ("p01", "P01"), (" p-1_x ", "P-1_X"), ("7", "7"), ("a" * 32, "A" * 32)]
 )
-def test_a_code_is_kept_in_capitals(typed: str, kept: str) -> None:
+def test_a_code_is_stored_in_capitals(typed: str, kept: str) -> None:
     assert check_code(typed) == kept
 
 
@@ -41,7 +41,7 @@ def test_someone_entered_twice_is_one_participant(database: sqlite_utils.Databas
     assert codes(database) == ["P01", "P02"]
 
 
-def test_a_disk_that_refuses_someone_is_told(database: sqlite_utils.Database) -> None:
+def test_a_disk_that_refuses_someone_is_reported(database: sqlite_utils.Database) -> None:
     database.execute("PRAGMA query_only=1")
     with pytest.raises(StoreError, match="is read-only"):
         add(database, "P01")
@@ -53,7 +53,7 @@ def test_someone_entered_is_there_for_the_next_program(database: sqlite_utils.Da
     assert codes(connect(data)) == ["P01"]
 
 
-def test_settings_are_kept_for_a_participant_and_a_task(database: sqlite_utils.Database, data: Path) -> None:
+def test_settings_are_stored_for_a_participant_and_a_task(database: sqlite_utils.Database, data: Path) -> None:
     mine = Settings({"attempts": 5, "levels": ["fj", "dfjk"], "threshold": 850.5}, "high-contrast")
     save_settings(database, "P01", "keyboard", mine)
     assert settings(connect(data), "P01", "keyboard") == mine

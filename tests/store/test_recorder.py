@@ -106,7 +106,7 @@ class Recorded:
         return [record.message for record in self.records if record.topic is topic]
 
     def stored(self, table: str) -> list[Any]:
-        """What another program sees in the database."""
+        """Return what another program sees in the database."""
         return list(self.eyes.query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", [self.id]))
 
     @property
@@ -166,7 +166,7 @@ def test_an_action_has_its_proposal_its_decision_and_each_moment(data: Path) -> 
         assert row["proposed_ns"] <= row["decided_ns"] <= row["started_ns"] <= row["ended_ns"]
 
 
-def test_what_was_not_said_is_kept_with_who_kept_it_from_being_said(data: Path) -> None:
+def test_a_dropped_action_is_stored_with_who_dropped_it(data: Path) -> None:
     speech = Speaker(60_000)
     recorded = Recorded(data, speech=speech)
     recorded.session.begin()
@@ -321,7 +321,7 @@ def test_on_a_full_disk_nothing_is_acknowledged_that_is_not_there_and_later_all_
     assert recorded.session.faults == []
 
 
-def test_an_error_that_is_no_full_disk_is_told_as_what_it_is_and_everything_is_kept(data: Path) -> None:
+def test_an_error_that_is_no_full_disk_is_reported_as_what_it_is_and_everything_is_stored(data: Path) -> None:
     recorded = Recorded(data, inline=False)
     recorded.session.begin()
     recorded.eyes.execute("INSERT INTO events VALUES (?,1,1,0,'input/key','{}')", (recorded.id,))
@@ -339,7 +339,7 @@ def test_an_error_that_is_no_full_disk_is_told_as_what_it_is_and_everything_is_k
     assert [storage.working for storage in recorded.all(STORAGE)] == [False, True]
 
 
-def test_a_disk_that_refuses_for_another_reason_than_before_is_told_again(data: Path) -> None:
+def test_a_disk_that_refuses_for_another_reason_than_before_is_reported_again(data: Path) -> None:
     recorded = Recorded(data, inline=False)
     recorded.session.begin()
     recorded.database.execute("PRAGMA query_only=1")

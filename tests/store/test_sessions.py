@@ -1,4 +1,4 @@
-"""Given sessions in the database, when they are looked for, then they are found as what they are."""
+"""Sessions are found, listed and read as they were stored."""
 
 import tempfile
 from pathlib import Path
@@ -126,7 +126,7 @@ def test_how_many_were_right_is_a_number_and_whether_one_was_is_a_truth(database
 @pytest.mark.parametrize(
     ("topic", "message"), [("input/none", "{}"), ("input/key", "{}"), ("input/key", "not json"), ("input/key", "[1]")]
 )
-def test_a_message_that_cannot_be_read_is_told(database: sqlite_utils.Database, topic: str, message: str) -> None:
+def test_a_message_that_cannot_be_read_is_reported(database: sqlite_utils.Database, topic: str, message: str) -> None:
     session = enter(database)
     database.execute("INSERT INTO events VALUES (?,1,1,0,?,?)", (session, topic, message))
     with pytest.raises(StoreError, match=f"Message 1 of session {session} cannot be read"):

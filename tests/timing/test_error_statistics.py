@@ -1,4 +1,4 @@
-"""The figures a timing claim is made in."""
+"""Statistics of timing errors."""
 
 import pytest
 from hypothesis import given

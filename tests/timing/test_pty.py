@@ -99,7 +99,7 @@ def test_a_program_still_running_is_killed_at_the_end() -> None:
         os.kill(terminal.process.pid, 0)
 
 
-def test_of_programs_that_are_together_none_stands_still_because_another_is_looked_at() -> None:
+def test_programs_that_are_read_together_do_not_block_each_other() -> None:
     talks = "print('x' * 200_000, 'that is all', flush=True)"
     with Terminal(python("print('begun'); input(); print('over')")) as one, Terminal(python(talks)) as other:
         read_together(one, other)
@@ -113,7 +113,7 @@ def test_of_programs_that_are_together_none_stands_still_because_another_is_look
         assert b"that is all" not in one.output
 
 
-def test_what_does_not_come_is_told_with_what_came() -> None:
+def test_a_time_out_quotes_the_output() -> None:
     with Terminal(python("print('something else')")) as terminal, pytest.raises(TimeoutError, match="something else"):
         terminal.wait_for("the thing")
 
@@ -213,7 +213,7 @@ def test_the_closed_loop_joins_each_recorded_trial_with_its_truth(tmp_path: Path
     assert not list(tmp_path.iterdir()), "nothing is left behind"
 
 
-def test_what_goes_on_beside_a_program_begins_before_the_first_prompt_and_ends_with_it(tmp_path: Path) -> None:
+def test_a_companion_starts_before_the_first_prompt_and_ends_with_the_program(tmp_path: Path) -> None:
     told: list[str] = []
 
     @contextmanager

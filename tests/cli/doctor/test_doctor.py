@@ -150,7 +150,7 @@ def test_a_full_disk_is_noticed(call: Call, monkeypatch: pytest.MonkeyPatch, fre
     ],
     ids=["none", "broken", "incomplete", "fit", "not fit"],
 )
-def test_measured_timing_is_told(call: Call, tmp_path: Path, text: str | None, state: str, says: str) -> None:
+def test_measured_timing_is_reported(call: Call, tmp_path: Path, text: str | None, state: str, says: str) -> None:
     if text is not None:
         (tmp_path / "data").mkdir()
         figures = {"measured_at": "2026-01-02T03:04", "median_ms": 0.3, "robust_sd_ms": 0.1, "p99_ms": 0.9}
@@ -195,7 +195,7 @@ def test_a_motion_sensor_is_named(call: Call, plugged: type[Plugged]) -> None:
     assert found["found"] == "PhidgetSpatial 3/3/3 (1044_1B), serial 629001, 250 samples a second"
 
 
-def test_a_motion_sensor_of_no_use_is_told_of(call: Call, plugged: type[Plugged]) -> None:
+def test_a_motion_sensor_of_no_use_is_reported(call: Call, plugged: type[Plugged]) -> None:
     plugged.told = (Status(state="error", at=0, detail="It has no gyroscope."),)
     called = call("doctor", "--json")
     found = finding(called, "Motion sensor")
@@ -217,7 +217,7 @@ def test_a_motion_sensor_that_may_not_be_used_is_1_and_says_what_to_write_where(
     ("system", "rule", "says"),
     [("linux", False, "To be allowed to use one, write the line"), ("linux", True, ""), ("win32", False, "")],
 )
-def test_who_has_no_sensor_yet_is_told_what_one_needs(
+def test_without_a_sensor_the_doctor_says_what_one_needs(
     call: Call, monkeypatch: pytest.MonkeyPatch, system: str, rule: bool, says: str
 ) -> None:
     monkeypatch.setattr(sensors.os, "geteuid", lambda: 1000)
@@ -245,7 +245,7 @@ def test_a_udev_rule_is_known_by_its_vendor(tmp_path: Path) -> None:
     ],
     ids=["package", "library"],
 )
-def test_a_missing_driver_is_told_with_its_cure(
+def test_a_missing_driver_is_reported_with_its_cure(
     call: Call, monkeypatch: pytest.MonkeyPatch, error: Exception, found: str, mend: str
 ) -> None:
     def fail(_kind: str) -> None:
@@ -298,7 +298,9 @@ def test_a_plugged_in_output_is_among_them(call: Call, plugged_in: Callable[[Plu
     assert "lamp" in finding(call("doctor", "--json"), "Outputs")["found"].split(", ")
 
 
-def test_a_plugged_in_output_that_does_not_load_is_1_and_told(call: Call, plugged_in: Callable[[Plugin], None]) -> None:
+def test_a_plugged_in_output_that_does_not_load_is_1_and_reported(
+    call: Call, plugged_in: Callable[[Plugin], None]
+) -> None:
     plugged_in(Plugin(ImportError("no lamp here")))
     called = call("doctor", "--json")
     row = finding(called, "Outputs")

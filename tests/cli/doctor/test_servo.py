@@ -32,7 +32,7 @@ def test_a_controller_with_a_failsafe_is_well(motor: FakeServo) -> None:
     assert motor.told("close") == [None]
 
 
-def test_a_controller_without_one_is_told_with_what_that_means(motor: FakeServo) -> None:
+def test_a_controller_without_one_is_reported_with_what_that_means(motor: FakeServo) -> None:
     motor.during["open"] = motor.plug_in
     motor.failing["enableFailsafe"] = UNSUPPORTED
     finding = servo_controller()
