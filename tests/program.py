@@ -12,7 +12,7 @@ from sar_tui.cli import main
 
 
 class Called(NamedTuple):
-    """What a call of the program came to."""
+    """Result of a call of the program."""
 
     code: int
     out: str

@@ -55,7 +55,7 @@ class Eyes:
         self._seen = 0
 
     def text(self) -> str:
-        """What stands on the screen now."""
+        """Return the text on the screen."""
         self._stream.feed(bytes(self._terminal.output[self._seen :]))
         self._seen = len(self._terminal.output)
         return "\n".join(line.rstrip() for line in self._screen.display)

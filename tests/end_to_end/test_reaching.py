@@ -78,7 +78,7 @@ def reach(terminal: Terminal) -> int:
 
 
 def trials(data: Path) -> list[Row]:
-    """What is kept of each reach."""
+    """Return the stored row of each reach."""
     names = ("attempt", "trial", "run", "correct", "onset_ns", "response_ns", "reaction_time_ms", "details")
     query = f"SELECT {', '.join(names)} FROM trials ORDER BY attempt, trial"
     found = [dict(zip(names, row, strict=True)) for row in rows(data, query)]

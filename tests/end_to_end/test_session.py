@@ -117,7 +117,7 @@ def test_keys_that_answer_no_prompt_are_kept_as_keys_and_never_as_reaction_times
 
 
 def test_only_keys_of_the_task_reach_the_events(data: Path) -> None:
-    """What a therapist types into a form is nobody's data."""
+    """Characters typed into a form are not stored as key presses."""
     with Terminal(command("--data", str(data))) as t:
         t.wait_for("New participant")
         t.settle()

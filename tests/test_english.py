@@ -1,0 +1,31 @@
+"""Docstrings open with a verb or a noun phrase."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+RIDDLE = re.compile(r"(What|Who|Whom|Whose|Whether|Of)\b")
+
+
+def first_lines(path: Path) -> Iterator[tuple[int, str]]:
+    """Yield the line number and the first line of every docstring, of a class's attributes as well."""
+    tree = ast.parse(path.read_text("utf-8"))
+    for node in ast.walk(tree):
+        match node:
+            case ast.Expr(value=ast.Constant(value=str(text))):
+                yield node.lineno, text.strip().partition("\n")[0]
+
+
+@pytest.mark.parametrize("folder", ["sar_tui", "tasks", "benchmarks"])
+def test_no_docstring_opens_as_a_riddle(folder: str) -> None:
+    found = [
+        f"{path.relative_to(ROOT)}:{number}: {line}"
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        for number, line in first_lines(path)
+        if RIDDLE.match(line)
+    ]
+    assert not found, "Open with a verb or a noun phrase:\n" + "\n".join(found)
