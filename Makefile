@@ -11,7 +11,7 @@ BIN := .venv/bin
 	@echo "1/2 Making a virtual environment."
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv || { echo "Python cannot make a virtual environment; on Debian and Ubuntu: sudo apt install python3-venv"; exit 1; }
 	@echo "2/2 Installing sar-tui and the libraries it needs:"
-	@{ $(BIN)/python -m pip install --disable-pip-version-check --progress-bar off --editable '.[dev]'; echo $$? > .venv/status; } | \
+	@{ $(BIN)/python -u -m pip install --disable-pip-version-check --progress-bar off --editable '.[dev]'; echo $$? > .venv/status; } | \
 		awk '/^Collecting / { printf "%s ", $$2; fflush() } /^Installing collected/ { printf "\nAll downloaded; installing.\n"; fflush() }'
 	@test "$$(cat .venv/status)" = 0 || { echo "The libraries could not be installed; the reason stands above. Try again with: make $(MAKECMDGOALS)"; exit 1; }
 	@touch $@
