@@ -1,6 +1,6 @@
 """The program's voice with a player that records when it got its last sample, and when it stopped.
 
-Run ``python -m benchmarks.recorded_player FILE`` in place of ``sar_tui.outputs.sound.voice``. Each time the player
+Run ``python -m benchmarks.recorded_player FILE`` in place of ``sar_tui.outputs.sound.voice_main``. Each time the player
 stops, a line with both times (ns) is added to the file.
 """
 
@@ -12,7 +12,7 @@ from typing import Any
 import miniaudio
 
 from sar_tui.framework.clock import host_now
-from sar_tui.outputs.sound import voice
+from sar_tui.outputs.sound import voice_main
 
 
 class RecordedDevice(miniaudio.PlaybackDevice):  # type: ignore[misc]  # miniaudio has no types
@@ -45,7 +45,7 @@ def main() -> None:
     """Run the voice with the recorded player."""
     RecordedDevice.file = Path(sys.argv[1])
     miniaudio.PlaybackDevice = RecordedDevice
-    voice.main()
+    voice_main.main()
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from typing import Any
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 
 
 def measure(attempts: int, folder: Path, on_attempt: Callable[[], None]) -> dict[str, Any]:

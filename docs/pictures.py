@@ -20,7 +20,7 @@ from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 
 IMAGES = Path(__file__).parent / "images"
 

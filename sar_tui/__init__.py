@@ -1,6 +1,3 @@
 """sar-tui: motor-rehabilitation tasks in a terminal, measured, adapted and answered."""
 
 __version__ = "0.1.0"
-
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""

@@ -2,7 +2,7 @@
 
 import sys
 
-from sar_tui import INTERRUPTED
+from sar_tui.tui.exit_codes import INTERRUPTED
 
 
 def main() -> None:

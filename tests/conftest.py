@@ -11,8 +11,8 @@ import pytest
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue
-from sar_tui.simulation.person import PEOPLE
-from sar_tui.validation.simulated import SessionRunner, Simulated
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.validation.simulated_sessions import SessionRunner, Simulated
 from tests.caches import _caches
 from tests.examples import load_profile
 from tests.program import call, simulated

@@ -17,7 +17,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store.database import connect
 from sar_tui.validation.feedback import competent, examples, frequency
 from sar_tui.validation.policies import run as policies

@@ -13,7 +13,7 @@ from sar_tui.framework.trial_types import Metric
 from sar_tui.plugins import Catalogue, PluginError, load_task, load_theme, task_folder, user_folder
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 

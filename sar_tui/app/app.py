@@ -26,12 +26,13 @@ from sar_tui.framework.messages import Operator
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.database import StoreError, connect, explain
 from sar_tui.theme_folder import may_have_images
+from sar_tui.tui.exit_codes import after_signal
 from sar_tui.tui.timestamps import OnsetWatch, watched
 from sar_tui.tui.too_small import cover_if_too_small
 
 if TYPE_CHECKING:  # loaded with a session, so that the first screen is there sooner
     from sar_tui.app.live import LiveSession
-    from sar_tui.inputs.feed import ImuFeed
+    from sar_tui.inputs.imu_feed import ImuFeed
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.runs.plan import Plan
 
@@ -239,11 +240,11 @@ class SarTui(ThemedApp):
         loop = asyncio.get_running_loop()
         for name in ("SIGINT", "SIGTERM", "SIGHUP"):
             number = getattr(signal, name)
-            loop.add_signal_handler(number, self.exit, None, 128 + number)
+            loop.add_signal_handler(number, self.exit, None, after_signal(number))
 
     def _terminal_gone(self) -> None:
         """End the app; called from the writing thread."""
-        self.call_later(self.exit, None, 128 + getattr(signal, "SIGHUP", 1))
+        self.call_later(self.exit, None, after_signal(getattr(signal, "SIGHUP", 1)))
 
     def exit(self, *args: Any, **how: Any) -> None:
         """Leave. Devices are released while their last reports can still be recorded."""

@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sar_tui import INTERRUPTED
 from sar_tui.store.database import default_folder
+from sar_tui.tui.exit_codes import INTERRUPTED
 
 if TYPE_CHECKING:
     from sar_tui.app.live import LiveSession

@@ -24,7 +24,7 @@ from sar_tui.store.database import StoreError
 if TYPE_CHECKING:
     from textual.app import App
 
-    from sar_tui.inputs.feed import ImuFeed
+    from sar_tui.inputs.imu_feed import ImuFeed
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.link.node import LinkNode
 

@@ -8,10 +8,10 @@ from typing import Literal
 import numpy as np
 
 from sar_tui.framework.clock import MS, SECOND
-from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.imu import Status, Vector
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
-from sar_tui.motion.bounds import Hand
+from sar_tui.motion.reach_bounds import Hand
 from sar_tui.motion.samples import SAMPLE, Samples
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.synthesis import TABLE_4_1

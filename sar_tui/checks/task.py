@@ -21,7 +21,7 @@ from sar_tui.framework.trial_types import Metric, Situation
 from sar_tui.plugins import Catalogue, PluginError, load_task
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.person import PEOPLE, Person
+from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 

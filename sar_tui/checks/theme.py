@@ -9,7 +9,7 @@ from sar_tui.checks.check import Check
 from sar_tui.framework.contrast import cut
 from sar_tui.framework.theme import ENGLISH, ThemeError
 from sar_tui.theme_folder import Reading, languages, read
-from sar_tui.theme_folder.screens import read_texts
+from sar_tui.theme_folder.screen_texts import read_texts
 
 _LOOKS = {
     "settings": "says its title, its summary and whether it is dark",

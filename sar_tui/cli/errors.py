@@ -7,9 +7,8 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from sar_tui import INTERRUPTED
+from sar_tui.tui.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
-FAILED, BAD_INPUT = 1, 2
 DEBUG = "SAR_TUI_DEBUG"
 
 _UsageError: type[Exception] = typer.BadParameter.__bases__[0]

@@ -7,7 +7,8 @@ from typing import Annotated, Any, cast, get_args
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
-from sar_tui.cli.errors import FAILED, Refused
+from sar_tui.cli.errors import Refused
+from sar_tui.tui.exit_codes import FAILED
 
 app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
 
@@ -58,7 +59,7 @@ def invite(
     from sar_tui.framework.messages import Role
     from sar_tui.link.authority import Authority
     from sar_tui.link.invitation import file_name, write
-    from sar_tui.link.settings import Guest, parse_endpoint
+    from sar_tui.link.zenoh_settings import Guest, parse_endpoint
 
     known = get_args(Role)
     if role not in known:
@@ -170,7 +171,7 @@ def check(
     from sar_tui.link.errors import LinkError
     from sar_tui.link.invitation import read
     from sar_tui.link.probe import probe
-    from sar_tui.link.settings import network_settings
+    from sar_tui.link.zenoh_settings import network_settings
 
     invitation = read(file)
     attempts: list[dict[str, str]] = []

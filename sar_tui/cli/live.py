@@ -120,7 +120,7 @@ def _open_link(
         yield None
         return
     from sar_tui.link.errors import LinkError
-    from sar_tui.link.server import ListenOptions, open_link
+    from sar_tui.link.listening import ListenOptions, open_link
     from sar_tui.runs.plan import Failed
 
     try:

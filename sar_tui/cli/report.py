@@ -56,11 +56,11 @@ def wizard(
     tasks: Tasks = None,
 ) -> None:
     """Report what the operators of a session did, how fast, and how far they agreed with the agent."""
-    from sar_tui.reports import record
+    from sar_tui.reports import logged_messages
     from sar_tui.reports.wizard import report as make_report
 
     with Home.of(context, data, tasks).session(session) as (database, found):
-        messages = record.read(database, found["id"])
+        messages = logged_messages.read(database, found["id"])
     report, latencies = make_report(found["id"], found["parameters"], messages)
     if as_json:
         print_json(report)

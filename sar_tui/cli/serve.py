@@ -98,11 +98,13 @@ def serve(
             print(url)
         sys.stdout.flush()
 
+    from sar_tui.tui.exit_codes import after_signal
+
     served = server.Server(view, _program(view, session, link, home, name), place, secret)
     number = runner.run(served, listening, print_address)
     if number == signal.SIGINT:
         raise KeyboardInterrupt
-    raise typer.Exit(128 + number)
+    raise typer.Exit(after_signal(number))
 
 
 def _program(view: str, session: str | None, link: Path | None, home: Home, name: str | None = None) -> list[str]:

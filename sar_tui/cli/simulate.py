@@ -27,11 +27,11 @@ from sar_tui.cli.common import (
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
-    from sar_tui.simulation.person import Person
+    from sar_tui.simulation.participant_model import Person
 
 
 class User(StrEnum):
-    """Names of `simulation.person.PEOPLE`, which ``--help`` does not import."""
+    """Names of `simulation.participant_model.PEOPLE`, which ``--help`` does not import."""
 
     poor = "poor"
     average = "average"
@@ -160,7 +160,7 @@ def simulate(
 def _person(user: User, practice: float | None, fatigue: float | None) -> "Person":
     import msgspec
 
-    from sar_tui.simulation.person import PEOPLE
+    from sar_tui.simulation.participant_model import PEOPLE
 
     changes = {"practice": practice, "fatigue": fatigue}
     return msgspec.structs.replace(

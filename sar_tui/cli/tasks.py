@@ -6,8 +6,9 @@ from typing import Annotated
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
-from sar_tui.cli.errors import FAILED, Refused
+from sar_tui.cli.errors import Refused
 from sar_tui.cli.installed import installed
+from sar_tui.tui.exit_codes import FAILED
 
 app = typer.Typer(rich_markup_mode=None)
 

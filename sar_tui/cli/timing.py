@@ -29,12 +29,12 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.cli.common import console, print_json
-from sar_tui.cli.errors import FAILED
 from sar_tui.cli.tables import add, table
 from sar_tui.store import provenance
 from sar_tui.timing.closed_loop import BASELINE, MAX_PROMPTS, SAR_TUI, Mismatch, take_turns
 from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.scripted_participant import NoPrompt
+from sar_tui.tui.exit_codes import FAILED
 
 FILE = provenance.TIMING_FILE
 VERDICTS = ("fit", "fit with care", "not fit")

@@ -7,8 +7,8 @@ from sar_tui.framework.clock import MS, Handle
 from sar_tui.framework.messages import ImuBlock, SensorChanged, SessionEnded
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.topics import IMU, SENSOR, SESSION_ENDED
-from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.imu import Info, Status
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.motion.samples import pack
 
 DRAIN = 10 * MS

@@ -21,11 +21,15 @@ from sar_tui.link.protocol import (
     SessionMessage,
     SnapshotRequested,
 )
-from sar_tui.link.rate_limit import ReportThrottle, TokenBucket
+from sar_tui.link.rate_limit import (
+    ACTS_BURST,
+    ACTS_PER_S,
+    SNAPSHOTS_BURST,
+    SNAPSHOTS_PER_S,
+    ReportThrottle,
+    TokenBucket,
+)
 
-ACTS_PER_S, ACTS_BURST = 30, 60
-"""Rate limit per peer; nobody types faster."""
-_SNAPSHOTS_PER_S, _SNAPSHOTS_BURST = 1, 3
 _MAX_BUCKETS = 64
 _MAX_REFUSALS = 40
 """Different refusals reported per second."""
@@ -164,6 +168,6 @@ class Admission:
         """Return the bucket of a peer; beyond ``_MAX_BUCKETS``, peers share one."""
         key = (what, name if (what, name) in self._buckets or len(self._buckets) < _MAX_BUCKETS else "")
         if key not in self._buckets:
-            rate = (_SNAPSHOTS_PER_S, _SNAPSHOTS_BURST) if what == "snapshot" else (ACTS_PER_S, ACTS_BURST)
+            rate = (SNAPSHOTS_PER_S, SNAPSHOTS_BURST) if what == "snapshot" else (ACTS_PER_S, ACTS_BURST)
             self._buckets[key] = TokenBucket(*rate)
         return self._buckets[key]

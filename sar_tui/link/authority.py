@@ -19,7 +19,7 @@ import msgspec
 from sar_tui.framework.messages import Role
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.invitation import NAME, Invitation
-from sar_tui.link.settings import Credentials, Endpoint, Guest, TlsFiles, parse_endpoint
+from sar_tui.link.zenoh_settings import Credentials, Endpoint, Guest, TlsFiles, parse_endpoint
 
 if TYPE_CHECKING:
     from sar_tui.link import certificates

@@ -23,7 +23,7 @@ from sar_tui.link.protocol import (
     Setup,
 )
 from sar_tui.link.remote_clock import clock_id
-from sar_tui.link.settings import LinkKeys, config
+from sar_tui.link.zenoh_settings import LinkKeys, config
 
 if TYPE_CHECKING:
     import zenoh

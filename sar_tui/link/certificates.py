@@ -17,7 +17,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat, load_pem_private_key
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
-from sar_tui.link.settings import Credentials
+from sar_tui.link.zenoh_settings import Credentials
 
 CLOCK_SKEW = timedelta(days=1)
 """Tolerated difference between the clocks of guest and host when a certificate is new."""

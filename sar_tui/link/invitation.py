@@ -14,7 +14,7 @@ import msgspec
 
 from sar_tui.framework.messages import Role
 from sar_tui.link.errors import LinkError, need_packages
-from sar_tui.link.settings import Credentials, Endpoint, Guest, parse_endpoint
+from sar_tui.link.zenoh_settings import Credentials, Endpoint, Guest, parse_endpoint
 
 FORMAT = "sar-tui invitation"
 VERSION = 1

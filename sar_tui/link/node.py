@@ -14,7 +14,6 @@ from sar_tui.link import protocol
 from sar_tui.link.admission import role_of
 from sar_tui.link.channel import BrokerEnded, Channel, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
 from sar_tui.link.control_lock import ControlLock
-from sar_tui.link.feed import SENT, SessionFeed
 from sar_tui.link.peer import Welcome
 from sar_tui.link.protocol import (
     ActReceived,
@@ -26,6 +25,7 @@ from sar_tui.link.protocol import (
     SnapshotRequested,
 )
 from sar_tui.link.rate_limit import ReportThrottle
+from sar_tui.link.session_feed import SENT, SessionFeed
 
 BATCH_DELAY = 40 * MS
 """Messages are sent this long after the first of a batch."""

@@ -48,7 +48,7 @@ def main() -> None:
     """Run the child: reads the link's id and settings from standard input, prints Zenoh's log and the outcome."""
     import zenoh
 
-    from sar_tui.link.settings import LinkKeys, config
+    from sar_tui.link.zenoh_settings import LinkKeys, config
 
     link = sys.stdin.readline().strip()
     zenoh.init_log_from_env_or(GUEST_LOG)

@@ -7,6 +7,11 @@ from sar_tui.framework.clock import SECOND
 
 K = TypeVar("K", bound=Hashable)
 
+ACTS_PER_S, ACTS_BURST = 30, 60
+"""Limit of what a peer sends; nobody types faster."""
+SNAPSHOTS_PER_S, SNAPSHOTS_BURST = 1, 3
+"""Limit of how often a peer is sent the whole state of the session."""
+
 
 class TokenBucket:
     """Token bucket: ``rate`` tokens per second, at most ``burst`` at once."""

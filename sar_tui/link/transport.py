@@ -15,7 +15,7 @@ from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.peer import Connection
 from sar_tui.link.protocol import ProtocolError, SessionMessage
-from sar_tui.link.settings import LinkKeys, config, network_settings, socket_settings
+from sar_tui.link.zenoh_settings import LinkKeys, config, network_settings, socket_settings
 
 if TYPE_CHECKING:
     import zenoh

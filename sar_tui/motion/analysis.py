@@ -4,11 +4,11 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from sar_tui.motion.bounds import Hand
 from sar_tui.motion.detection import DETECTORS, detect
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters
 from sar_tui.motion.reach import Reach
+from sar_tui.motion.reach_bounds import Hand
 from sar_tui.motion.samples import Samples, recording
 from sar_tui.motion.single_axis import SingleAxisParameters
 

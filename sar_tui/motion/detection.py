@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 import msgspec
 
 from sar_tui.motion import fixed_threshold, single_axis
-from sar_tui.motion.bounds import Detected, Hand
 from sar_tui.motion.detector_names import current_name
 from sar_tui.motion.measures import measure
 from sar_tui.motion.reach import Reach
+from sar_tui.motion.reach_bounds import Detected, Hand
 from sar_tui.motion.samples import Recording
 
 

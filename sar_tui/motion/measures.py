@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from sar_tui.motion.bounds import Bounds, Detected
 from sar_tui.motion.filters import smooth
 from sar_tui.motion.reach import Reach
+from sar_tui.motion.reach_bounds import Bounds, Detected
 from sar_tui.motion.samples import Floats
 from sar_tui.motion.smoothness import ldlj, movement_units, sparc, tremor_index
 

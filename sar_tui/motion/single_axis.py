@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from sar_tui.motion.boundaries import edges
-from sar_tui.motion.bounds import OUTWARDS, Bounds, Detected, Hand
 from sar_tui.motion.filters import LOW_RATE, smooth, usable_cutoff
 from sar_tui.motion.grid import Grid, even
 from sar_tui.motion.phases import pairs, phases, principal_axis
+from sar_tui.motion.reach_bounds import OUTWARDS, Bounds, Detected, Hand
 from sar_tui.motion.rest import SLOW_HZ, find_rest
 from sar_tui.motion.samples import Floats, Recording
 

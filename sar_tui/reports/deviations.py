@@ -5,8 +5,8 @@ from collections.abc import Collection, Iterator, Sequence
 import msgspec
 
 from sar_tui.framework import messages as m
+from sar_tui.reports.logged_messages import LoggedMessage, spans
 from sar_tui.reports.presence import seconds
-from sar_tui.reports.record import LoggedMessage, spans
 
 _COMMANDS = ("level", "skip", "repeat", "pause", "end", "stop", "mark")
 """Commands that change the course of a session. `resume` only ends a pause."""

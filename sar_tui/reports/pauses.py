@@ -5,8 +5,8 @@ from collections.abc import Collection, Sequence
 import msgspec
 
 from sar_tui.framework import messages as m
+from sar_tui.reports.logged_messages import LoggedMessage, spans
 from sar_tui.reports.presence import seconds
-from sar_tui.reports.record import LoggedMessage, spans
 
 
 class Pause(msgspec.Struct, frozen=True):

@@ -8,7 +8,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.messages import ControlledKind, Mode
 from sar_tui.framework.policies import arbitration
 from sar_tui.framework.settings.operator import OperatorSettings
-from sar_tui.reports.record import LoggedMessage, spans
+from sar_tui.reports.logged_messages import LoggedMessage, spans
 
 _NS = 1e9
 

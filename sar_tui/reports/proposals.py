@@ -9,7 +9,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.messages import ControlledKind, Mode, Valence
 from sar_tui.framework.policies import arbitration
 from sar_tui.framework.settings.operator import OperatorSettings
-from sar_tui.reports.record import LoggedMessage
+from sar_tui.reports.logged_messages import LoggedMessage
 
 Fate = Literal[
     "agent",

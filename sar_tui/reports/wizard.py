@@ -11,11 +11,11 @@ from sar_tui.framework.parameters import TaskParameters, current_values
 from sar_tui.reports.agreement import Agreement, agreement
 from sar_tui.reports.deviations import Deviation, deviations
 from sar_tui.reports.distribution import Distribution, distribution
+from sar_tui.reports.logged_messages import LoggedMessage, peers
 from sar_tui.reports.notes import Note, notes
 from sar_tui.reports.pauses import Pause, pauses
 from sar_tui.reports.presence import KINDS, MODES, Absence, mode_times, presence
 from sar_tui.reports.proposals import Fate, ProposalRecord, proposal_records
-from sar_tui.reports.record import LoggedMessage, peers
 
 _PLANNED = (
     *(f"operator_{kind}" for kind in KINDS),

@@ -9,13 +9,13 @@ from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.task import Task
-from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.imu import ImuSource, SourceError
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.recorded import RecordedSource
 from sar_tui.inputs.sensor import Imu
 from sar_tui.inputs.sources import open_source, source_names
 from sar_tui.simulation.participant import SimulatedMover, SimulatedParticipant, SimulatedPartner
-from sar_tui.simulation.person import PEOPLE, Person
+from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
 

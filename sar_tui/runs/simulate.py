@@ -13,7 +13,7 @@ from sar_tui.runs.plan import Plan
 from sar_tui.runs.run import output_nodes, start
 from sar_tui.simulation.operator import OperatorProfile, SimulatedOperator
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
-from sar_tui.simulation.person import Person
+from sar_tui.simulation.participant_model import Person
 
 
 def simulate(

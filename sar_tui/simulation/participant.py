@@ -10,7 +10,7 @@ from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ACTION, KEY, PROMPT, REPORT, SHOWN, WAITING
 from sar_tui.framework.trial_types import Act, Cue, Stimulus
-from sar_tui.simulation.person import Person
+from sar_tui.simulation.participant_model import Person
 
 SHOWING = 4 * MS
 """Time from a prompt's publication to its onset."""

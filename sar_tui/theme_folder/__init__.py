@@ -11,7 +11,7 @@ import msgspec
 from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
 from sar_tui.theme_folder.appearance import read_look
 from sar_tui.theme_folder.phrases import read_phrases
-from sar_tui.theme_folder.screens import screen_texts
+from sar_tui.theme_folder.screen_texts import screen_texts
 
 Problems = dict[str, list[str]]
 

@@ -8,8 +8,8 @@ from textual import events
 from textual.app import App
 from textual.binding import Binding, BindingType
 
-from sar_tui import INTERRUPTED
 from sar_tui.framework.theme import Theme
+from sar_tui.tui.exit_codes import INTERRUPTED
 from sar_tui.tui.gc_control import SWITCH_INTERVAL
 from sar_tui.tui.ordered_keys import in_order
 from sar_tui.tui.textual_theme import textual_theme

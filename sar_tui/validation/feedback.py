@@ -7,7 +7,7 @@ from functools import partial
 from sar_tui.framework.phrase_keys import holds_number
 from sar_tui.validation.feedback_drawing import draw
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
-from sar_tui.validation.simulated import SEEDS, SessionRunner, Simulated, session_runner
+from sar_tui.validation.simulated_sessions import SEEDS, SessionRunner, Simulated, session_runner
 
 VALENCES = ("positive", "neutral", "negative")
 BAND_MS, LEAST_ACCURACY = 10.0, 0.8

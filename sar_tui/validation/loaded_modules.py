@@ -28,7 +28,7 @@ def main(name: str, folders: list[str]) -> None:
     clock = VirtualClock()
     Keyboard()
     if kind.sensor_seats(task.parameters):
-        from sar_tui.inputs.feed import ImuFeed
+        from sar_tui.inputs.imu_feed import ImuFeed
         from sar_tui.inputs.sensor import Imu
         from sar_tui.inputs.sources import open_source
 
@@ -36,7 +36,7 @@ def main(name: str, folders: list[str]) -> None:
     live = set(sys.modules)
 
     from sar_tui.simulation.participant import SimulatedParticipant
-    from sar_tui.simulation.person import PEOPLE
+    from sar_tui.simulation.participant_model import PEOPLE
 
     participant: list[Node] = [SimulatedParticipant(PEOPLE["average"], task, 0)]
     if kind.sensor_seats(task.parameters):

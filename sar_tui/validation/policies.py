@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
-from sar_tui.validation.simulated import SEEDS, Simulated, session_runner
+from sar_tui.validation.simulated_sessions import SEEDS, Simulated, session_runner
 
 USER = "competent"
 EVERY, FADE, BANDWIDTH_PERCENT, SUMMARY = 2, 2, 10.0, 5

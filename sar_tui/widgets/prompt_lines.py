@@ -1,7 +1,7 @@
 """A prompt as lines of text: drawn large, above its plain line. No Textual is needed to draw it."""
 
 from sar_tui.framework.messages import Prompt
-from sar_tui.widgets.glyphs import draw
+from sar_tui.widgets.large_characters import draw
 
 FIXATION = "·"
 Line = tuple[str, bool]

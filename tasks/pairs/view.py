@@ -10,7 +10,7 @@ from sar_tui.framework.node import on
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ATTEMPT_STARTED, PROMPT, TRIAL, WAITING
 from sar_tui.framework.trial_types import Metric
-from sar_tui.widgets.glyphs import draw
+from sar_tui.widgets.large_characters import draw
 from sar_tui.widgets.prompt_lines import FIXATION, Line, centred
 from sar_tui.widgets.task_view import TaskView
 

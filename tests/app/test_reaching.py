@@ -12,7 +12,7 @@ from sar_tui.framework.messages import SensorChanged, SensorState
 from sar_tui.framework.node import Node
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import SENSOR
-from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.sensors import sensor_nodes

@@ -25,7 +25,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
-from sar_tui.widgets.worn_sensor import DRAWN, bar
+from sar_tui.widgets.sensor_placement import DRAWN, bar
 from tests.app import test_snapshots
 from tests.app.app_driver import AppDriver, open_app, plan, stored
 from tests.app.test_snapshots import THEMES, Album

@@ -9,7 +9,7 @@ import zenoh
 from sar_tui.link import errors
 from sar_tui.link.authority import Authority
 from sar_tui.link.invitation import read
-from sar_tui.link.settings import Endpoint, Guest, LinkKeys, config, host_settings
+from sar_tui.link.zenoh_settings import Endpoint, Guest, LinkKeys, config, host_settings
 from tests.link.tls_fixtures import free_port
 from tests.program import Call, Called
 

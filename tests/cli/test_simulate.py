@@ -7,7 +7,7 @@ import pytest
 
 from sar_tui.cli.simulate import User
 from sar_tui.outputs.output import Output
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from tests.program import Call
 
 AVERAGE = ("simulate", "keyboard", "--user", "average")

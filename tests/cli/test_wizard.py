@@ -14,7 +14,7 @@ from sar_tui.cli.wizard import name_at_session, session_to_show
 from sar_tui.link import discovery
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import NAME, Invitation
-from sar_tui.link.settings import Credentials
+from sar_tui.link.zenoh_settings import Credentials
 from tests.program import Call
 
 ONE, OTHER = JoinableSession("abc1", "keyboard", "l1", 1), JoinableSession("abd2", "reaching", "l2", 2)

@@ -9,7 +9,7 @@ import zenoh
 from sar_tui.link import invitation
 from sar_tui.link.authority import Authority
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.settings import Guest, config, network_settings
+from sar_tui.link.zenoh_settings import Guest, config, network_settings
 from tests.end_to_end.operator_terminal import Room
 from tests.link.tls_fixtures import House, house, visiting
 

@@ -10,7 +10,7 @@ from statistics import median
 import pytest
 
 from sar_tui.framework.clock import MS, host_now
-from sar_tui.link.settings import socket_settings
+from sar_tui.link.zenoh_settings import socket_settings
 from tests.end_to_end.operator_terminal import Panel, Participant, Room, children, runs
 from tests.end_to_end.participant_terminal import only_session, rows
 
@@ -158,7 +158,7 @@ _FLOOD = f"""
 import sys, time, zenoh
 from sar_tui.framework.messages import NoteAdded
 from sar_tui.link import protocol
-from sar_tui.link.settings import LinkKeys, config
+from sar_tui.link.zenoh_settings import LinkKeys, config
 act = protocol.encode(
     protocol.ActRequest("flood", "operator/noted", protocol.msgspec.Raw(protocol.encode(NoteAdded(text="x"))))
 )

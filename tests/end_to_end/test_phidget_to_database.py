@@ -12,7 +12,7 @@ from sar_tui.drivers.phidget import new_channel
 from sar_tui.framework.clock import LiveClock
 from sar_tui.framework.messages import ImuBlock, SensorChanged
 from sar_tui.framework.topics import IMU, SENSOR
-from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.inputs.sensor import Imu
 from sar_tui.motion.samples import unpack

@@ -30,7 +30,7 @@ def voices(parent: int) -> list[int]:
     for entry in Path("/proc").glob("[0-9]*"):
         try:
             is_child = int((entry / "stat").read_text().rpartition(")")[2].split()[1]) == parent
-            is_voice = b"sar_tui.outputs.sound.voice" in (entry / "cmdline").read_bytes()
+            is_voice = b"sar_tui.outputs.sound.voice_main" in (entry / "cmdline").read_bytes()
         except (OSError, ValueError):  # it has ended meanwhile
             continue
         if is_child and is_voice:

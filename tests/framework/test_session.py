@@ -31,7 +31,7 @@ from sar_tui.framework.topics import (
 )
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant import SimulatedParticipant
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from tests.loop_driver import LoopDriver
 
 SET_UP = {"attempts": 4, "practice_attempts": 1, "prompts_per_attempt": 3, "start_level": 4, "min_accuracy": 0.6}

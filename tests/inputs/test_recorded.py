@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from sar_tui.framework.clock import MS, SECOND, VirtualClock, host_now
-from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.imu import Sample, SourceError, Status
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.recorded import BLOCK, RecordedSource
 from sar_tui.motion.samples import SAMPLE, Samples
 

@@ -9,8 +9,8 @@ import pytest
 
 from sar_tui.drivers import rosbridge
 from sar_tui.framework.clock import MS, SECOND, host_now
-from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.imu import Sample, SourceError, Status
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.ros import LOOKED_AT, RosImuSource
 from tests.fake_rosbridge import RosBridge, ros_bridge, wait_until
 

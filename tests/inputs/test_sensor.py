@@ -9,11 +9,11 @@ from sar_tui.framework.bus import Bus, Record
 from sar_tui.framework.clock import MS, VirtualClock
 from sar_tui.framework.messages import ImuBlock, SensorChanged
 from sar_tui.framework.topics import IMU, SENSOR
-from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.imu import Info, Sample, Status
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.sensor import DRAIN, Imu
 from sar_tui.motion.samples import unpack
-from tests.inputs.test_feed import INFO, ByHand
+from tests.inputs.test_imu_feed import INFO, ByHand
 
 
 class Bench:

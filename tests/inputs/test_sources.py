@@ -11,8 +11,8 @@ import pytest
 
 from sar_tui.framework.clock import SECOND, VirtualClock
 from sar_tui.inputs import sources
-from sar_tui.inputs.feed import ImuFeed
 from sar_tui.inputs.imu import SourceError
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.inputs.recorded import RecordedSource
 from sar_tui.inputs.simulated import SimulatedSource

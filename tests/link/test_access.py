@@ -13,7 +13,7 @@ from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.peer import Connection
 from sar_tui.link.probe import NOT_ADMITTED, probe
-from sar_tui.link.settings import (
+from sar_tui.link.zenoh_settings import (
     Credentials,
     Endpoint,
     Guest,

@@ -10,7 +10,7 @@ from cryptography import x509
 
 from sar_tui.link.authority import Authority
 from sar_tui.link.errors import LinkError
-from sar_tui.link.settings import Endpoint, Guest
+from sar_tui.link.zenoh_settings import Endpoint, Guest
 
 HERE = Endpoint("lab-pc.local", 7447)
 NOW = datetime(2026, 3, 1, 12, tzinfo=UTC)

@@ -18,8 +18,8 @@ from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.peer import Connection, Frame, MotionTrace, Peer, PeerEvent, Welcome
 from sar_tui.link.protocol import ActRequest, Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
-from sar_tui.link.settings import Endpoint, Guest
 from sar_tui.link.transport import Received
+from sar_tui.link.zenoh_settings import Endpoint, Guest
 from tests.link.test_node import ANNA
 from tests.link.test_node import WELCOME as BASE_WELCOME
 

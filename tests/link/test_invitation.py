@@ -12,7 +12,7 @@ import pytest
 from sar_tui.link.authority import Authority
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation, file_name, read, write
-from sar_tui.link.settings import Endpoint, Guest
+from sar_tui.link.zenoh_settings import Endpoint, Guest
 
 HERE = Endpoint("lab-pc.local", 7000)
 

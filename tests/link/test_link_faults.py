@@ -26,10 +26,10 @@ from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.link.client import connect
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
+from sar_tui.link.listening import ListenOptions, open_link
 from sar_tui.link.node import LinkNode
 from sar_tui.link.peer import Connection, Frame, Peer, PeerEvent, Welcome
-from sar_tui.link.server import ListenOptions, open_link
-from sar_tui.link.settings import LinkKeys, config, host_settings, socket_settings
+from sar_tui.link.zenoh_settings import LinkKeys, config, host_settings, socket_settings
 from tests.link.test_node import STARTED, WELCOME
 from tests.link.tls_fixtures import eventually
 
@@ -292,7 +292,7 @@ async def test_panels_rejoin_a_resumed_session(session: LinkSession) -> None:
 def test_broker_ends_when_the_program_is_killed(tmp_path: Path) -> None:
     program = (
         "import sys, time; from sar_tui.link.broker_process import BrokerProcess;"
-        "from sar_tui.link.settings import host_settings;"
+        "from sar_tui.link.zenoh_settings import host_settings;"
         "from sar_tui.link.protocol import Setup;"
         "host = BrokerProcess(Setup(host_settings('link'), 'link', 10**9)); host.open();"
         "print(host.pid, flush=True); time.sleep(60)"

@@ -9,7 +9,7 @@ import pytest
 import zenoh
 
 from sar_tui.link.refusals import HOST_LOG, Refusal, RefusalLog, log_environment, why_not_connected
-from sar_tui.link.settings import host_settings
+from sar_tui.link.zenoh_settings import host_settings
 from tests.link.tls_fixtures import house, visiting
 
 ZID = "b5fa3a2865218a34b09927dff29185fb"
@@ -199,7 +199,7 @@ def test_private_key_in_the_log_is_not_repeated() -> None:
 
 HOST = """
 import sys, zenoh
-from sar_tui.link.settings import config
+from sar_tui.link.zenoh_settings import config
 zenoh.init_log_from_env_or("error")
 with zenoh.open(config(sys.stdin.readline())):
     print("open", flush=True)

@@ -12,7 +12,7 @@ import zenoh
 
 from sar_tui.link.authority import Authority
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.settings import Endpoint, Guest, LinkKeys, config, host_settings, network_settings
+from sar_tui.link.zenoh_settings import Endpoint, Guest, LinkKeys, config, host_settings, network_settings
 
 NOW = datetime.now(UTC)
 LONG_AGO = NOW - timedelta(days=40)

@@ -24,7 +24,7 @@ from sar_tui.outputs.report_validation import LONGEST_DETAIL
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from tests.outputs.contract import CHECKS, Rig
 
 PAGE = (Path(__file__).parents[2] / "docs" / "add-an-output.md").read_text(encoding="utf-8")

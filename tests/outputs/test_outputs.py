@@ -19,7 +19,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.run import output_nodes
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.outputs.contract import THEME as BARE

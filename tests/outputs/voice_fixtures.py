@@ -24,7 +24,7 @@ DEADLINE_S = 60.0
 NOBODY = ("NULL",)
 """Plays in real time, to no loudspeaker."""
 
-_REAL = "from sar_tui.outputs.sound.voice import main; main()"
+_REAL = "from sar_tui.outputs.sound.voice_main import main; main()"
 _MARKED = f"import os, sys; print(os.getpid(), file=open(sys.argv[1], 'a')); {_REAL}"
 _FAKE = """
 import sys, types

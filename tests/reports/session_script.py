@@ -3,7 +3,7 @@
 from typing import Any
 
 from sar_tui.framework import messages as m
-from sar_tui.reports.record import LoggedMessage
+from sar_tui.reports.logged_messages import LoggedMessage
 
 WHO = "operator.anna"
 

@@ -9,14 +9,14 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.distribution import Distribution
+from sar_tui.reports.logged_messages import LoggedMessage, read
 from sar_tui.reports.notes import Note
 from sar_tui.reports.proposals import proposal_records
-from sar_tui.reports.record import LoggedMessage, read
 from sar_tui.reports.wizard import WizardReport, report
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from tests.reports.session_script import WHO, Script, action, decision, pending, proposal, seen

@@ -16,7 +16,7 @@ from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.run import Run, resume, start
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import locks, sessions
 from sar_tui.store.database import StoreError, connect
 from tests.examples import examples

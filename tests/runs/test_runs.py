@@ -16,7 +16,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import Run, resume, start
 from sar_tui.simulation.participant import SimulatedParticipant
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect, transaction
 from tests.examples import examples

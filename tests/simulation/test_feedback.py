@@ -13,7 +13,7 @@ from sar_tui.framework.topics import ALL, ATTEMPT_ENDED, FEEDBACK, KEY, PROPOSED
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.examples import first

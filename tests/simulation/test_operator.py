@@ -19,7 +19,7 @@ from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import MODE, STORED
 from sar_tui.simulation.operator import NAME, PROFILES, TOO_LATE_TO_STOP, OperatorProfile, SimulatedOperator
 from sar_tui.simulation.participant import SimulatedParticipant
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 
 PLAIN = OperatorProfile(
     "plain", 0, 500, 0.001, 0.001, vetoes=0, edits=0, slips=0, misses=0, remarks=0, notes=0, levels=0

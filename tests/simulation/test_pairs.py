@@ -14,7 +14,7 @@ from sar_tui.framework.session import Session
 from sar_tui.framework.topics import ATTEMPT_ENDED, CUE, FEEDBACK, KEY, PERCEIVED, PROPOSED, STORED, TRIAL
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from tests.examples import first
 
 POLICIES = ("alternate", "race", "cooperative", "joint attention")

@@ -11,7 +11,7 @@ from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
 from sar_tui.framework.topics import ATTEMPT_ENDED, PROPOSED, REACH, SENSOR, TRIAL
-from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.sensor import Imu
 from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.motion.shapes import ReachShape
@@ -20,7 +20,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.examples import first

@@ -16,7 +16,7 @@ from sar_tui.motion.analysis import Window, analyse
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
 

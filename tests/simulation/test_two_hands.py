@@ -18,7 +18,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.sensors import open_sensor, open_sensors
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
 from tests.loop_driver import LoopDriver

@@ -19,7 +19,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume
 from sar_tui.simulation.participant import SimulatedParticipant
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import participants, sessions
 from sar_tui.store.database import connect
 from tests.program import Call

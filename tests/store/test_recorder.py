@@ -22,7 +22,7 @@ from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output, Report
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant import SimulatedParticipant
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.recorder import Recorder

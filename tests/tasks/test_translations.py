@@ -18,10 +18,10 @@ from sar_tui.framework.trial_types import Situation, Stimulus
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
-from sar_tui.widgets.glyphs import draw
+from sar_tui.widgets.large_characters import draw
 from tests.examples import first
 from tests.untranslated import english_in, phrases
 

@@ -6,11 +6,11 @@ from typing import Any
 import pytest
 
 from sar_tui.plugins import Catalogue
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.validation import feedback
 from sar_tui.validation.feedback_drawing import draw
 from sar_tui.validation.report import Claim, Conditions, Report
-from sar_tui.validation.simulated import SessionRunner, Simulated
+from sar_tui.validation.simulated_sessions import SessionRunner, Simulated
 
 pytestmark = pytest.mark.usefixtures("simulated_once")
 Change = Callable[[Simulated], Simulated]

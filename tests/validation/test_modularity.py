@@ -25,7 +25,7 @@ def test_a_session_of_the_keyboard_task_loads_no_movement_science(catalogue: Cat
 
 def test_a_session_of_the_reaching_task_loads_the_sensor_and_not_the_simulated_hand(catalogue: Catalogue) -> None:
     loaded = set(load("reaching", catalogue).modules)
-    assert {"sar_tui.inputs.phidget", "sar_tui.inputs.feed", "sar_tui.motion.single_axis"} <= loaded
+    assert {"sar_tui.inputs.phidget", "sar_tui.inputs.imu_feed", "sar_tui.motion.single_axis"} <= loaded
     assert not {"sar_tui.inputs.simulated", "sar_tui.motion.synthesis", "sar_tui.simulation.participant"} & loaded
 
 

@@ -9,7 +9,7 @@ import pytest
 from sar_tui.plugins import Catalogue
 from sar_tui.validation import policies
 from sar_tui.validation.report import Conditions, Report, Row
-from sar_tui.validation.simulated import SessionRunner, Simulated
+from sar_tui.validation.simulated_sessions import SessionRunner, Simulated
 
 
 @pytest.fixture(scope="module")

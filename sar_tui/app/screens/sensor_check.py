@@ -17,12 +17,12 @@ from sar_tui.app.sensor_advice import MARKS, Fact, Mark, facts, reach_test_text,
 from sar_tui.app.sensor_monitor import SensorWatch
 from sar_tui.framework.clock import MS, SECOND, Clock, Handle, LiveClock
 from sar_tui.framework.language import Language
-from sar_tui.inputs.feed import ImuFeed
-from sar_tui.motion.bounds import Hand
+from sar_tui.inputs.imu_feed import ImuFeed
+from sar_tui.motion.reach_bounds import Hand
 from sar_tui.runs.plan import Plan
 from sar_tui.tui.language import planned_language, translated
+from sar_tui.widgets.sensor_placement import bar, draw_hand
 from sar_tui.widgets.speed_trace import SpeedTrace
-from sar_tui.widgets.worn_sensor import bar, draw_hand
 
 LOOK = 100 * MS
 """Time between two updates of the screen."""

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
-from sar_tui.cli.errors import FAILED
+from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
     from sar_tui.cli.doctor.finding import Finding

@@ -16,8 +16,8 @@ from sar_tui.framework.trial_types import Again, Mark, Result, Results
 
 GRACE = 50 * MS
 """After the time-out, how long to wait for responses that were stamped in time but are handled late."""
-MAX_REPEATS = 3
-"""After this many unmeasurable repetitions a trial counts as missed."""
+MAX_PRESENTATIONS = 3
+"""A trial that could not be measured is shown this many times in all; then it counts as missed."""
 HELD_KEY = 700 * MS
 """The start key this soon after itself is held down: keyboards begin to repeat after 250 to 660 ms."""
 HELD_NOTICE = 3 * SECOND
@@ -253,7 +253,7 @@ class TrialFlow(TimedNode, ABC):
 
     def _try_again(self, again: Again) -> None:
         self._repeats += 1
-        if self._repeats < MAX_REPEATS:
+        if self._repeats < MAX_PRESENTATIONS:
             self._void(again.reason)
             self._begin_trial(again.text)
         else:

@@ -10,7 +10,7 @@ import msgspec
 from sar_tui.drivers import child_process
 from sar_tui.outputs.sound.protocol import Reply, Request, Setup, decode_reply, encode
 
-PROGRAM = child_process.python("sar_tui.outputs.sound.voice")
+PROGRAM = child_process.python("sar_tui.outputs.sound.voice_main")
 
 
 class VoiceProcess:

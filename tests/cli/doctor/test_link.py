@@ -13,7 +13,7 @@ from sar_tui.cli.doctor.finding import Finding
 from sar_tui.cli.doctor.link import browser, invitations, operator_here
 from sar_tui.link.authority import FOLDER, Authority
 from sar_tui.link.discovery import JoinableSession, announce
-from sar_tui.link.settings import Guest, parse_endpoint
+from sar_tui.link.zenoh_settings import Guest, parse_endpoint
 
 NOW = datetime(2026, 5, 1, tzinfo=UTC)
 

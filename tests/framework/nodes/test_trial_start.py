@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.nodes.trial_flow import MAX_REPEATS
+from sar_tui.framework.nodes.trial_flow import MAX_PRESENTATIONS
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, PROMPT, TRIAL, VOIDED, WAITING
 from tests.lifting_task import SLIPPED, Lift, LiftDriver
@@ -355,11 +355,13 @@ def test_a_trial_may_be_repeated_right_after_its_prompt(new_session: NewSession)
 def test_repetitions_show_the_same_prompt(new_session: NewSession) -> None:
     driver = new_session(signal=True)
     driver.begin_lifts()
-    for _ in range(MAX_REPEATS - 1):
+    for _ in range(MAX_PRESENTATIONS - 1):
         driver.lift(end="?")
     driver.lift()
     prompts = driver.all(PROMPT)
-    assert [(prompt.trial, prompt.presentation) for prompt in prompts] == [(1, n) for n in range(1, MAX_REPEATS + 1)]
+    assert [(prompt.trial, prompt.presentation) for prompt in prompts] == [
+        (1, n) for n in range(1, MAX_PRESENTATIONS + 1)
+    ]
     assert len({prompt.stimulus for prompt in prompts}) == 1
     shown = [record.at for record in driver.records if record.topic is PROMPT]
     began = [record.at for record in driver.records if record.topic is WAITING and record.message.what == "foreperiod"]
@@ -370,7 +372,7 @@ def test_repetitions_show_the_same_prompt(new_session: NewSession) -> None:
 def test_an_unmeasurable_trial_is_repeated_a_limited_number_of_times(new_session: NewSession) -> None:
     driver = new_session()
     driver.begin_lifts()
-    for _ in range(MAX_REPEATS):
+    for _ in range(MAX_PRESENTATIONS):
         driver.lift(end="?")
     (missed,) = driver.all(TRIAL)
     assert (missed.correct, missed.timing.flags) == (False, ("unmeasured", "slipped"))

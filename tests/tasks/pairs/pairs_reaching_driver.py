@@ -7,7 +7,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.clock import MS
 from sar_tui.framework.node import Node
 from sar_tui.framework.topics import SENSOR, TRIAL
-from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.sensor import Imu
 from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.motion.shapes import ReachShape

@@ -10,7 +10,7 @@ from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import ImuBlock, ReachPerceived, TrialEnded
 from sar_tui.framework.node import Node
 from sar_tui.framework.topics import IMU, REACH, TRIAL
-from sar_tui.inputs.feed import ImuFeed
+from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.sensor import Imu
 from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.motion.samples import Samples, unpack

@@ -105,7 +105,7 @@ def test_getting_ready_does_not_disturb_what_is_under_way() -> None:
 
 def test_it_ends_by_itself_when_nobody_asks_any_more() -> None:
     done = subprocess.run(
-        [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice"],
+        [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice_main"],
         input=encode(Setup(backends=NOBODY)) + encode(Tone(1, "a1", (Note(880, 1000),) * 60)),
         capture_output=True,
         timeout=DEADLINE_S,
@@ -118,7 +118,7 @@ def test_it_ends_by_itself_when_nobody_asks_any_more() -> None:
 @pytest.mark.parametrize("rubbish", [b"", b"\n", b"rubbish\n", encode(Stop(1))])
 def test_a_first_line_that_is_no_setup_ends_it(rubbish: bytes) -> None:
     done = subprocess.run(
-        [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice"],
+        [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice_main"],
         input=rubbish,
         capture_output=True,
         timeout=DEADLINE_S,
@@ -156,7 +156,7 @@ def test_a_folder_that_the_program_was_started_in_does_not_take_the_place_of_lib
     for name in ("wave.py", "queue.py", "msgspec.py", "pyttsx3.py"):
         (tmp_path / name).write_text("raise SystemExit('not the library')")
     monkeypatch.chdir(tmp_path)
-    talk = Talk(Setup(in_real_time=False), [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice"])
+    talk = Talk(Setup(in_real_time=False), [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice_main"])
     talk.child.send(Say(1, "a1", "Well done.", HELLO))
     assert isinstance(talk.next(), Started)
     talk.child.kill()

@@ -9,7 +9,7 @@ import pytest
 import zenoh
 
 from sar_tui.link.errors import LinkError
-from sar_tui.link.settings import (
+from sar_tui.link.zenoh_settings import (
     Credentials,
     Endpoint,
     Guest,

@@ -13,7 +13,7 @@ from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.link.discovery import JoinableSession, announce
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.protocol import Setup
-from sar_tui.link.settings import Endpoint, TlsFiles, host_settings, parse_endpoint
+from sar_tui.link.zenoh_settings import Endpoint, TlsFiles, host_settings, parse_endpoint
 
 _EXPLANATIONS = (
     ("Address already in use", "Another program listens there already. Choose another port, such as {host}:7448."),

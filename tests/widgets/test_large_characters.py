@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
-from sar_tui.widgets.glyphs import bitmap, draw
+from sar_tui.widgets.large_characters import bitmap, draw
 
 STAGE = (78, 12)
 """Columns and rows for a glyph on the stage of an 80 by 24 terminal."""

@@ -12,7 +12,7 @@ from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.person import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from sar_tui.validation.report import Row
@@ -53,7 +53,7 @@ class SessionRunner:
         """Run a session of twenty attempts.
 
         Args:
-            user: one of `simulation.person.PEOPLE`.
+            user: one of `simulation.participant_model.PEOPLE`.
             seed: the seed of everything random.
             parameters: the task's parameters that differ from the defaults.
         """
