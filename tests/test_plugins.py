@@ -109,7 +109,7 @@ def sentence(own: Path, name: str) -> str:
     return str(caught.value)
 
 
-def test_what_ships_is_found(catalogue: Catalogue) -> None:
+def test_shipped_tasks_and_themes_are_found(catalogue: Catalogue) -> None:
     assert "keyboard" in catalogue.task_names()
     assert {"calm", "high-contrast"} <= set(catalogue.theme_names())
     assert catalogue.task("keyboard").name == "keyboard"
@@ -120,14 +120,14 @@ def test_a_task_is_loaded_once(catalogue: Catalogue) -> None:
     assert catalogue.task("keyboard") is catalogue.task("keyboard")
 
 
-def test_a_task_in_a_folder_of_ones_own_is_found_and_may_import_from_beside_it(with_taps: Catalogue, own: Path) -> None:
+def test_a_task_in_a_named_folder_is_found_and_may_import_its_neighbours(with_taps: Catalogue, own: Path) -> None:
     assert {"keyboard", "taps"} <= set(with_taps.task_names())
     taps = with_taps.task("taps")
     assert taps(build(taps.Parameters, {})).instructions() == "Tap as often as you can."
     assert task_folder(taps) == own / "taps"
 
 
-def test_a_task_in_the_users_own_folder_is_found() -> None:
+def test_a_task_in_the_users_data_folder_is_found() -> None:
     write(user_folder() / "tasks", "minimal", MINIMAL)
     try:
         assert Catalogue().task("minimal").title == "Minimal"
@@ -135,23 +135,23 @@ def test_a_task_in_the_users_own_folder_is_found() -> None:
         shutil.rmtree(user_folder() / "tasks")
 
 
-def test_a_folder_named_by_the_user_comes_before_what_ships(own: Path) -> None:
+def test_a_named_folder_takes_precedence_over_shipped_tasks(own: Path) -> None:
     write(own, "keyboard", MINIMAL.replace('"minimal"', '"keyboard"'))
     assert Catalogue(tasks=(own,)).task("keyboard").title == "Minimal"
     assert Catalogue().task("keyboard").title == "Keyboard reaction"
 
 
-def test_folders_without_a_task_are_passed_over(own: Path) -> None:
+def test_folders_without_a_task_are_skipped(own: Path) -> None:
     (own / "notes").mkdir()
     assert "notes" not in Catalogue(tasks=(own,)).task_names()
 
 
-def test_a_folder_that_is_not_there_is_told(tmp_path: Path) -> None:
+def test_a_missing_folder_is_reported(tmp_path: Path) -> None:
     with pytest.raises(PluginError, match=r"There is no folder .*nowhere to find tasks in"):
         Catalogue(tasks=(tmp_path / "nowhere",))
 
 
-def test_an_unknown_name_is_told_with_those_there_are(catalogue: Catalogue) -> None:
+def test_an_unknown_name_is_reported_with_the_known_ones(catalogue: Catalogue) -> None:
     with pytest.raises(PluginError, match=r"There is no task chess\. There is: .*keyboard"):
         catalogue.task("chess")
     with pytest.raises(PluginError, match=r"There is no theme loud\. There is: calm, high-contrast"):
@@ -160,51 +160,51 @@ def test_an_unknown_name_is_told_with_those_there_are(catalogue: Catalogue) -> N
         load_task(Path("nowhere"))
 
 
-def test_a_task_that_raises_on_import_is_told(own: Path) -> None:
+def test_a_task_that_raises_on_import_is_reported(own: Path) -> None:
     write(own, "broken", "1 / 0\n")
     assert sentence(own, "broken") == "The task broken cannot be loaded: ZeroDivisionError: division by zero."
 
 
-def test_a_task_that_cannot_be_parsed_is_told_with_its_line(own: Path) -> None:
+def test_a_syntax_error_in_a_task_is_reported_with_its_line(own: Path) -> None:
     write(own, "garbled", "import math\nclass Garbled(:\n")
     assert sentence(own, "garbled").startswith("The task garbled cannot be loaded: line 2 of task.py: ")
 
 
-def test_a_task_that_needs_what_is_not_installed_is_told(own: Path) -> None:
+def test_a_missing_dependency_of_a_task_is_reported(own: Path) -> None:
     write(own, "needy", "import nothing_of_that_name\n")
     assert "No module named 'nothing_of_that_name'" in sentence(own, "needy")
 
 
-def test_a_task_that_was_mended_is_loaded_the_next_time(own: Path) -> None:
+def test_a_fixed_task_is_loaded_the_next_time(own: Path) -> None:
     folder = write(own, "minimal", "1 / 0\n")
     assert "cannot be loaded" in sentence(own, "minimal")
     (folder / "task.py").write_text(MINIMAL, encoding="utf-8")
     assert Catalogue(tasks=(own,)).task("minimal").title == "Minimal"
 
 
-def test_two_tasks_in_one_file_are_told(own: Path) -> None:
+def test_two_tasks_in_one_file_are_reported(own: Path) -> None:
     write(own, "minimal", MINIMAL + "\n\nclass Other(Minimal):\n    name = 'other'\n")
     assert sentence(own, "minimal").endswith("task.py has to define one Task; it defines 2.")
 
 
-def test_a_file_without_a_task_is_told(own: Path) -> None:
+def test_a_file_without_a_task_is_reported(own: Path) -> None:
     write(own, "empty", "from sar_tui.framework.task import Task\n")
     assert sentence(own, "empty").endswith("task.py has to define one Task; it defines 0.")
 
 
-def test_a_task_that_calls_itself_otherwise_than_its_folder_is_told(own: Path) -> None:
+def test_a_task_whose_name_differs_from_its_folder_is_reported(own: Path) -> None:
     write(own, "renamed", MINIMAL)
     assert sentence(own, "renamed") == "The task in renamed calls itself minimal; the two have to be the same."
 
 
 @pytest.mark.parametrize("declaration", ["name", "title", "metric"])
-def test_a_missing_declaration_is_told(own: Path, declaration: str) -> None:
+def test_a_missing_declaration_is_reported(own: Path, declaration: str) -> None:
     lines = [line for line in MINIMAL.splitlines() if not line.strip().startswith(f"{declaration} = ")]
     write(own, "minimal", "\n".join(lines))
     assert sentence(own, "minimal") == f"The task minimal does not declare its {declaration}."
 
 
-def test_a_folder_whose_name_python_cannot_import_is_told(own: Path) -> None:
+def test_a_folder_name_that_cannot_be_imported_is_reported(own: Path) -> None:
     write(own, "my-task", MINIMAL)
     assert sentence(own, "my-task") == "A task's folder is named like a Python name; my-task is not."
 
@@ -232,14 +232,14 @@ def test_an_installed_task_is_found_by_its_entry_point(installed: Path) -> None:
 
 
 @pytest.mark.usefixtures("installed")
-def test_an_installed_task_that_cannot_be_loaded_is_told() -> None:
+def test_an_installed_task_that_cannot_be_loaded_is_reported() -> None:
     with pytest.raises(PluginError, match="The task chess cannot be loaded: ModuleNotFoundError"):
         Catalogue().task("chess")
     with pytest.raises(PluginError, match=r"The entry point draughts .* is not a Task"):
         Catalogue().task("draughts")
 
 
-def test_a_theme_in_a_folder_of_ones_own_is_found(tmp_path: Path, catalogue: Catalogue) -> None:
+def test_a_theme_in_a_named_folder_is_found(tmp_path: Path, catalogue: Catalogue) -> None:
     shutil.copytree(catalogue.theme_folder("calm"), tmp_path / "mine")
     themes = Catalogue(themes=(tmp_path,))
     assert {"calm", "mine"} <= set(themes.theme_names())
@@ -258,9 +258,7 @@ def run(
     return sessions.rows(connect(data), "attempts", session)
 
 
-def test_a_task_whose_metric_is_no_time_and_where_higher_is_better_adapts_the_right_way(
-    with_taps: Catalogue, data: Path
-) -> None:
+def test_a_task_with_a_higher_is_better_metric_adapts_in_the_right_direction(with_taps: Catalogue, data: Path) -> None:
     attempts = run(with_taps, "taps", data, attempts=12, threshold=6)
     assert len(attempts) == 12
     outcomes = set()
@@ -275,7 +273,7 @@ def test_a_task_whose_metric_is_no_time_and_where_higher_is_better_adapts_the_ri
     assert {attempt["metric_unit"] for attempt in attempts} == {"taps"}
 
 
-def test_a_better_person_reaches_a_higher_level_at_it(with_taps: Catalogue, data: Path) -> None:
+def test_a_better_simulated_participant_reaches_a_higher_level(with_taps: Catalogue, data: Path) -> None:
     levels = {}
     for person in PEOPLE:
         attempts = run(with_taps, "taps", data, person, attempts=12, threshold=6)
@@ -283,7 +281,7 @@ def test_a_better_person_reaches_a_higher_level_at_it(with_taps: Catalogue, data
     assert levels["competent"] > levels["average"] > levels["poor"]
 
 
-def test_its_own_details_and_words_reach_the_tables(with_taps: Catalogue, data: Path) -> None:
+def test_the_details_and_texts_of_the_task_are_stored(with_taps: Catalogue, data: Path) -> None:
     settings = {"attempts": 3, "difficulty_policy": "fixed", "feedback_form": "quantitative"}
     plan = make_plan(with_taps, "taps", ["SIM"], settings, seed=5, mode="simulated")
     session = simulate(plan, PEOPLE["poor"], data, with_taps)
@@ -299,7 +297,7 @@ def test_its_own_details_and_words_reach_the_tables(with_taps: Catalogue, data: 
 @pytest.mark.parametrize(
     ("method", "signature"), [("stimulus", "self, situation"), ("perceived", "self, trial, percept")]
 )
-def test_a_task_that_raises_at_work_is_told_and_what_was_done_is_kept(
+def test_a_task_that_raises_in_a_session_is_reported_and_finished_trials_are_stored(
     own: Path, data: Path, method: str, signature: str
 ) -> None:
     write(own, "minimal", MINIMAL + f"\n    def {method}({signature}):\n        raise KeyError('missing')\n")
@@ -313,14 +311,14 @@ def test_a_task_that_raises_at_work_is_told_and_what_was_done_is_kept(
     assert len(faults) == 1
 
 
-def test_a_task_that_cannot_be_set_up_is_told_and_leaves_no_session_behind(own: Path, data: Path) -> None:
+def test_a_task_that_cannot_be_set_up_is_reported_and_leaves_no_session(own: Path, data: Path) -> None:
     write(own, "minimal", MINIMAL + "\n    def __init__(self, parameters):\n        raise KeyError('missing')\n")
     with pytest.raises(Failed, match=r"The task minimal cannot be set up \(KeyError: 'missing'\)\."):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
     assert sessions.listing(connect(data), data) == []
 
 
-def test_words_for_change_hold_whichever_way_is_better() -> None:
+def test_change_is_described_correctly_in_either_direction() -> None:
     for better in ("lower", "higher"):
         metric = Metric("errors", unit="errors", better=better)  # type: ignore[arg-type]
         assert (metric.improved, metric.worsened) == ("better", "worse")

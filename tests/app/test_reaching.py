@@ -56,7 +56,7 @@ async def sensor(driver: AppDriver, state: SensorState, detail: str = "") -> Non
     await driver.settle()
 
 
-async def test_it_leads_from_the_instructions_through_reaches_to_the_summary(data: Path, catalogue: Catalogue) -> None:
+async def test_a_session_of_reaches_from_the_instructions_to_the_summary(data: Path, catalogue: Catalogue) -> None:
     async with at_the_table(data, catalogue) as driver:
         await driver.press("enter")
         assert driver.sees("To marker 1 (15 cm) and back.")

@@ -69,17 +69,17 @@ def quoted(words: dict[str, str]) -> dict[str, str]:
     return {english: f'"{own}"' for english, own in words.items()}
 
 
-def test_a_task_in_english_alone_lacks_nothing(call: Call, folder: Path) -> None:
+def test_a_task_in_english_only_passes(call: Call, folder: Path) -> None:
     assert problem(call, folder) == ""
 
 
-def test_a_task_with_all_of_its_words_passes_and_need_not_repeat_the_frameworks(call: Call, folder: Path) -> None:
+def test_a_complete_translation_passes_without_the_frameworks_texts(call: Call, folder: Path) -> None:
     translate(folder, quoted(WORDS))
     assert problem(call, folder) == ""
 
 
 @pytest.mark.parametrize("text", WORDS)
-def test_each_text_that_is_not_translated_is_told(call: Call, folder: Path, text: str) -> None:
+def test_each_untranslated_text_is_reported(call: Call, folder: Path, text: str) -> None:
     translate(folder, quoted({english: own for english, own in WORDS.items() if english != text}))
     assert problem(call, folder) == f"words.es.toml has no translation of {text!r}."
 
@@ -92,23 +92,23 @@ def test_each_text_that_is_not_translated_is_told(call: Call, folder: Path, text
         ('"Pulse: {key"', "has broken slots (expected '}' before end of string)."),
     ],
 )
-def test_slots_that_are_not_those_of_the_english_are_told(call: Call, folder: Path, own: str, told: str) -> None:
+def test_translations_with_other_slots_are_reported(call: Call, folder: Path, own: str, told: str) -> None:
     translate(folder, {**quoted(WORDS), "Press: {key}": own})
     assert problem(call, folder) == f"The translation of 'Press: {{key}}' in words.es.toml {told}"
     assert call("tasks", "check", folder).code == 1
 
 
-def test_a_translation_that_is_no_text_is_told(call: Call, folder: Path) -> None:
+def test_a_translation_that_is_not_text_is_reported(call: Call, folder: Path) -> None:
     translate(folder, {**quoted(WORDS), "Arrows": "5"})
     assert problem(call, folder) == "The translation of 'Arrows' in words.es.toml is not a text."
 
 
-def test_a_file_that_is_no_toml_is_told(call: Call, folder: Path) -> None:
+def test_an_invalid_toml_file_is_reported(call: Call, folder: Path) -> None:
     (folder / "words.es.toml").write_text("Pulse = = {")
     assert problem(call, folder).startswith("words.es.toml cannot be read: ")
 
 
-def test_a_participant_reads_english_where_the_words_are_broken(call: Call, folder: Path, tmp_path: Path) -> None:
+def test_a_broken_translation_is_shown_in_english(call: Call, folder: Path, tmp_path: Path) -> None:
     translate(folder, {**quoted(WORDS), "Press: {key}": '"Pulse: {tecla}"'})
     settings = ("--set", "language=es", "--attempts", 1, "--tasks", folder.parent)
     assert call("simulate", "arrows", "--user", "competent", *settings).code == 0
@@ -129,7 +129,7 @@ def numbers(call: Call, folder: Path) -> str:
     return str(next(row["problem"] for row in checks if row["check"] == NUMBERS))
 
 
-def test_a_task_that_tells_how_it_went_in_words_alone_passes(call: Call, folder: Path) -> None:
+def test_remarks_without_numbers_pass(call: Call, folder: Path) -> None:
     (folder / "task.py").write_text(TASK.replace("Once more.", "That slipped."))
     assert numbers(call, folder) == ""
 
@@ -145,9 +145,7 @@ def test_a_task_that_tells_how_it_went_in_words_alone_passes(call: Call, folder:
         ("class A", 'SWAY = Quality("s", "lower", "steadier", "in one go", 1.0)\n\nclass A', "in one go"),
     ],
 )
-def test_a_number_in_what_is_said_of_how_it_went_is_told(
-    call: Call, folder: Path, old: str, new: str, told: str
-) -> None:
+def test_a_number_in_a_remark_is_reported(call: Call, folder: Path, old: str, new: str, told: str) -> None:
     source = TASK.replace("Once more.", "That slipped.") if old != '"gap": "Once more."' else TASK
     source = source.replace("import Metric, ", "import Mark, Metric, ").replace(old, new)
     declared = "    marks = (MARK,)\n" if "MARK" in source else "    qualities = (SWAY,)\n" if "SWAY" in source else ""
@@ -157,7 +155,7 @@ def test_a_number_in_what_is_said_of_how_it_went_is_told(
     assert call("tasks", "check", folder).code == 1
 
 
-def test_a_number_in_a_translation_of_it_is_told_with_its_language(call: Call, folder: Path) -> None:
+def test_a_number_in_a_translated_remark_is_reported_with_its_language(call: Call, folder: Path) -> None:
     (folder / "task.py").write_text(TASK.replace("Once more.", "That slipped."))
     translate(folder, quoted({**WORDS, "That slipped.": "Se soltaron dos."}))
     assert numbers(call, folder) == "'Se soltaron dos.' holds a number (es); feedback in words has none."
@@ -174,7 +172,7 @@ def test_a_number_in_a_translation_of_it_is_told_with_its_language(call: Call, f
         ('Other("k", tr("a"))', set()),
     ],
 )
-def test_a_remark_is_found_however_it_is_made(source: str, texts: set[str]) -> None:
+def test_remarks_are_found_however_they_are_built(source: str, texts: set[str]) -> None:
     assert remarks_in(source) == texts
 
 
@@ -198,5 +196,5 @@ def test_a_remark_is_found_however_it_is_made(source: str, texts: set[str]) -> N
         ('tr(x.title)\ntr()\nother("a")\ntr("")', set()),
     ],
 )
-def test_a_text_is_found_however_it_is_handed_over(source: str, texts: set[str]) -> None:
+def test_texts_are_found_however_they_are_passed(source: str, texts: set[str]) -> None:
     assert texts_in(source) == texts

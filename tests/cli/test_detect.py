@@ -60,7 +60,7 @@ def test_the_recording_that_ships_holds_the_eight_reaches_of_table_4_1(call: Cal
 
 
 @pytest.mark.parametrize("name", ["fixed-threshold", "thesis"])
-def test_the_detector_can_be_chosen_also_by_its_earlier_name(call: Call, name: str) -> None:
+def test_the_earlier_name_of_the_detector_is_accepted(call: Call, name: str) -> None:
     printed = call("detect", SAMPLE, "--detector", name, "--json").json
     assert (printed["detector"], len(printed["reaches"])) == ("fixed-threshold", 8)
     for reach, line in zip(printed["reaches"], TABLE_4_1, strict=True):
@@ -77,7 +77,7 @@ def test_people_read_a_table_the_flags_in_words_and_a_sentence(call: Call, write
     )
 
 
-def test_every_flag_can_be_told_even_one_that_is_new() -> None:
+def test_every_flag_is_described_even_an_unknown_one() -> None:
     assert list(explain_flags(["gap", "new", "gap"])) == ["gap: samples are missing in it", "new"]
 
 
@@ -88,7 +88,7 @@ def test_a_recording_without_a_reach_is_no_error(call: Call, write: Write, recor
 
 
 @pytest.mark.parametrize("begin", [5, -20, 1_700_000_000])
-def test_times_are_those_of_the_file(call: Call, write: Write, recorded: list[Row], begin: float) -> None:
+def test_times_are_relative_to_the_file(call: Call, write: Write, recorded: list[Row], begin: float) -> None:
     late = write([row | {"t": row["t"] + begin} for row in recorded])
     for now, then in zip(
         call("detect", late, "--json").json["reaches"], call("detect", SAMPLE, "--json").json["reaches"], strict=True
@@ -121,7 +121,7 @@ def test_the_units_of_a_file_can_be_named(call: Call, write: Write, recorded: li
         assert now["reach_time_s"] == pytest.approx(then["reach_time_s"], abs=1e-6)
 
 
-def test_on_the_left_hand_out_is_the_other_way(call: Call) -> None:
+def test_the_outward_direction_is_reversed_for_the_left_hand(call: Call) -> None:
     right, left = (call("detect", SAMPLE, "--hand", hand, "--json").json["reaches"] for hand in ("right", "left"))
     assert all("reversed" in reach["flags"] for reach in left)
     assert not any("reversed" in reach["flags"] for reach in right)
@@ -200,7 +200,7 @@ def test_npz_files_are_read_too(call: Call, tmp_path: Path, recorded: list[Row])
     ],
     ids=["empty", "header", "column", "semicolons", "short line", "word", "nan", "back", "slow", "hole"],
 )
-def test_a_bad_file_is_2_and_one_sentence(call: Call, tmp_path: Path, text: str, says: str) -> None:
+def test_a_bad_file_exits_with_2_and_one_sentence(call: Call, tmp_path: Path, text: str, says: str) -> None:
     path = tmp_path / "bad.csv"
     path.write_text(text)
     called = call("detect", path)
@@ -211,13 +211,13 @@ def test_a_bad_file_is_2_and_one_sentence(call: Call, tmp_path: Path, text: str,
 
 
 @pytest.mark.parametrize("data", [b"\xff\xfe\x00\x01", b"PK\x03\x04 no archive"], ids=["csv", "npz"])
-def test_what_is_no_recording_at_all_is_2(call: Call, tmp_path: Path, data: bytes) -> None:
+def test_a_file_that_is_not_a_recording_exits_with_2(call: Call, tmp_path: Path, data: bytes) -> None:
     path = tmp_path / f"bad.{'npz' if data.startswith(b'PK') else 'csv'}"
     path.write_bytes(data)
     assert call("detect", path).code == 2
 
 
-def test_a_file_that_is_not_there_is_2(call: Call, tmp_path: Path) -> None:
+def test_a_missing_file_exits_with_2(call: Call, tmp_path: Path) -> None:
     called = call("detect", tmp_path / "none.csv")
     assert (called.code, called.err) == (2, f"There is no file {tmp_path / 'none.csv'}.\n")
     assert call("detect", tmp_path).code == 2
@@ -229,7 +229,7 @@ def test_an_unknown_detector_is_bad_usage(call: Call) -> None:
     assert "There is no detector 'best'; there are single-axis and fixed-threshold." in called.err
 
 
-def test_what_can_be_named_is_what_there_is() -> None:
+def test_the_choices_are_the_available_detectors() -> None:
     assert set(STORED_NAMES) == set(DETECTORS)
     for name, choices in (("rate", Rate), ("acceleration", Acceleration)):
         for choice in choices:

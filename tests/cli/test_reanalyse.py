@@ -55,7 +55,7 @@ def test_the_same_detector_gives_exactly_what_was_recorded(call: Call, reached: 
     ],
     ids=["fixed threshold", "earlier name", "go signal", "left", "time-out"],
 )
-def test_so_it_does_however_the_session_was_set(call: Call, settings: tuple[str, ...]) -> None:
+def test_the_results_are_the_same_for_any_settings(call: Call, settings: tuple[str, ...]) -> None:
     options = [word for setting in settings for word in ("--set", setting)]
     call("simulate", "reaching", "--user", "average", "--seed", 5, "--attempts", 4, *options)
     trials = call("reanalyse", "last", "--json").json["trials"]
@@ -104,7 +104,7 @@ def test_samples_that_were_never_stored_are_reported(call: Call, tmp_path: Path,
     assert "samples" in first["flags"]
 
 
-def test_what_a_sensor_told_before_it_was_attached_anew_is_not_taken(call: Call, tmp_path: Path, reached: str) -> None:
+def test_samples_from_before_a_reattachment_are_not_used(call: Call, tmp_path: Path, reached: str) -> None:
     change(
         tmp_path,
         """UPDATE events SET topic='input/sensor', message='{"state": "attached"}' WHERE seq=
@@ -122,7 +122,7 @@ def test_damaged_samples_are_a_failure_in_words(call: Call, tmp_path: Path, reac
     assert called.err == f"Block 3 of sensor stream 1 of session {reached} is damaged.\n"
 
 
-def test_reaches_of_two_are_refused_and_it_is_reported_why(call: Call) -> None:
+def test_sessions_of_two_are_refused_with_a_reason(call: Call) -> None:
     few = ("--attempts", 1, "--set", "prompts_per_attempt=2", "--set", "respond_with=reaches", "--seed", 1, "--json")
     session = call("simulate", "pairs", "--user", "average", "--user", "average", *few).json["session"]
     called = call("reanalyse", session)
@@ -139,7 +139,7 @@ def test_a_session_without_reaches_is_bad_input(call: Call, simulated: str) -> N
     assert called.err.startswith(f"The session {simulated} (keyboard) has no reach that can be found again")
 
 
-def test_a_detector_that_is_not_known_any_more_is_bad_input(call: Call, tmp_path: Path, reached: str) -> None:
+def test_a_detector_that_no_longer_exists_is_bad_input(call: Call, tmp_path: Path, reached: str) -> None:
     details = recorded(call, reached)[0]["details"] | {"detector": "clairvoyant"}
     change(tmp_path, "UPDATE trials SET details=? WHERE attempt=1", json.dumps(details))
     called = call("reanalyse", reached)
@@ -148,5 +148,5 @@ def test_a_detector_that_is_not_known_any_more_is_bad_input(call: Call, tmp_path
     assert call("reanalyse", reached, "--detector", "single-axis").code == 0
 
 
-def test_a_session_that_is_not_there_is_bad_input(call: Call) -> None:
+def test_an_unknown_session_is_bad_input(call: Call) -> None:
     assert call("reanalyse", "zzz").code == 2

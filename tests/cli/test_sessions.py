@@ -108,7 +108,7 @@ def test_show_a_session_without_attempts(call: Call, tmp_path: Path, simulated: 
 
 
 @pytest.mark.parametrize("name", ["zzz", "last"])
-def test_a_session_that_is_not_there_is_bad_input(call: Call, name: str) -> None:
+def test_an_unknown_session_is_bad_input(call: Call, name: str) -> None:
     called = call("show", name)
     assert (called.code, called.err) == (2, f"There is no session {name}. `sar-tui sessions` lists them.\n")
 

@@ -60,7 +60,7 @@ def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, change:
     assert call("simulate", "tapping", "--user", "poor", "--tasks", folder).code == 2
 
 
-def test_a_task_shows_what_can_be_set(call: Call) -> None:
+def test_a_task_shows_its_parameters(call: Call) -> None:
     called = call("tasks", "show", "keyboard")
     assert called.code == 0
     for part in ("prompts_per_attempt", "1 to 200", "Number of keys that an attempt asks for.", "100 to 60000 ms"):
@@ -70,7 +70,7 @@ def test_a_task_shows_what_can_be_set(call: Call) -> None:
     assert own < heading < common
 
 
-def test_what_can_be_set_as_json(call: Call) -> None:
+def test_parameters_as_json(call: Call) -> None:
     printed = call("tasks", "show", "keyboard", "--json").json
     assert printed["task"]["name"] == "keyboard"
     prompts = next(row for row in printed["parameters"] if row["name"] == "prompts_per_attempt")
@@ -93,7 +93,7 @@ def test_a_new_task_passes_its_check_and_runs(call: Call, tapping: Path) -> None
     assert len({row["level"] for row in rows["attempts"]}) > 1
 
 
-def test_a_new_task_tells_how_to_try_it(call: Call, tapping: Path) -> None:
+def test_creating_a_task_prints_how_to_try_it(call: Call, tapping: Path) -> None:
     readme = (tapping / "README.md").read_text()
     assert f"sar-tui tasks check {tapping}" in readme
     assert f"sar-tui run tapping -p P01 --tasks {tapping.parent}" in readme
@@ -110,14 +110,14 @@ def test_people_tap_at_their_own_rate(call: Call, tapping: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["Two words", "1st", "Tapping", "../up"])
-def test_a_name_that_cannot_be_is_bad_input(call: Call, tmp_path: Path, name: str) -> None:
+def test_an_invalid_name_is_bad_input(call: Call, tmp_path: Path, name: str) -> None:
     called = call("tasks", "new", name, "--to", tmp_path / "mine")
     assert called.code == 2
     assert "small letters" in called.err
     assert not (tmp_path / "mine").exists()
 
 
-def test_a_folder_that_exists_is_never_written_over(call: Call, tapping: Path) -> None:
+def test_an_existing_folder_is_never_overwritten(call: Call, tapping: Path) -> None:
     (tapping / "task.py").write_text("mine")
     called = call("tasks", "new", "tapping", "--to", tapping.parent)
     assert called.code == 2
@@ -128,7 +128,7 @@ def test_a_folder_that_exists_is_never_written_over(call: Call, tapping: Path) -
 # --- checked -------------------------------------------------------------------------------------------------
 
 
-def test_the_bundled_task_keeps_the_contract(call: Call) -> None:
+def test_the_bundled_task_passes_its_check(call: Call) -> None:
     from sar_tui.plugins import Catalogue, task_folder
 
     called = call("tasks", "check", task_folder(Catalogue().task("keyboard")))
@@ -166,14 +166,14 @@ def test_checks_as_json(call: Call, tapping: Path) -> None:
         ("value=right / seconds", "value=right / seconds + __import__('time').monotonic()", "✗ comes out the same"),
     ],
 )  # fmt: skip
-def test_what_breaks_the_contract_is_named(call: Call, change: Change, old: str, new: str, says: str) -> None:
+def test_each_breach_of_the_contract_is_named(call: Call, change: Change, old: str, new: str, says: str) -> None:
     called = call("tasks", "check", change(old, new))
     assert called.code == 1
     assert says in called.out
     assert called.err == ""
 
 
-def test_empty_words_are_named(call: Call, change: Change) -> None:
+def test_empty_texts_are_named(call: Call, change: Change) -> None:
     folder = change("    def stimulus", "    def goal(self, level: int) -> str:\n        return ''\n\n    def stimulus")
     assert "The goal is empty at level 1." in call("tasks", "check", folder).out
 
@@ -190,5 +190,5 @@ def test_a_task_in_a_folder_of_another_name_is_named(call: Call, tapping: Path) 
     assert "calls itself tapping" in called.out
 
 
-def test_checking_a_folder_that_is_not_there_is_bad_input(call: Call, tmp_path: Path) -> None:
+def test_checking_a_missing_folder_is_bad_input(call: Call, tmp_path: Path) -> None:
     assert call("tasks", "check", tmp_path / "nowhere").code == 2

@@ -64,7 +64,7 @@ def test_themes_json(call: Call) -> None:
     }
 
 
-def test_a_theme_that_is_not_whole_is_listed_with_what_to_do(call: Call, own_themes: Path, change: Change) -> None:
+def test_an_incomplete_theme_is_listed_with_what_to_do(call: Call, own_themes: Path, change: Change) -> None:
     shutil.copytree(change("theme.toml", "sleeping = '''", "asleep = '''"), own_themes / "evening")
     assert "! evening is not whole, and is filled up from another: sar-tui themes check evening" in call("themes").out
     row = next(row for row in call("themes", "--json").json["themes"] if row["name"] == "evening")
@@ -95,7 +95,7 @@ def test_a_new_theme_passes_its_check(call: Call, tmp_path: Path, model: str) ->
     assert tomllib.loads((tmp_path / "warm-light" / "theme.toml").read_text(encoding="utf-8"))["title"] == "Warm light"
 
 
-def test_a_new_theme_keeps_the_comments_of_its_model(catalogue: Catalogue, evening: Path) -> None:
+def test_a_new_theme_keeps_the_comments_of_its_template(catalogue: Catalogue, evening: Path) -> None:
     model = catalogue.theme_folder("playful")
     for file in model.iterdir():
         copy = (evening / file.name).read_text(encoding="utf-8")
@@ -103,7 +103,7 @@ def test_a_new_theme_keeps_the_comments_of_its_model(catalogue: Catalogue, eveni
         assert "# " in copy
 
 
-def test_a_new_theme_is_made_where_it_is_found_unless_told_otherwise(call: Call, own_themes: Path) -> None:
+def test_a_new_theme_is_created_in_the_users_folder_by_default(call: Call, own_themes: Path) -> None:
     called = call("themes", "new", "evening")
     assert called.code == 0
     assert "sar-tui themes check evening" in called.out
@@ -113,13 +113,13 @@ def test_a_new_theme_is_made_where_it_is_found_unless_told_otherwise(call: Call,
     assert (own_themes / "evening" / "theme.toml").is_file()
 
 
-def test_a_new_theme_made_elsewhere_tells_how_it_is_found(call: Call, tmp_path: Path) -> None:
+def test_creating_a_theme_elsewhere_prints_how_to_use_it(call: Call, tmp_path: Path) -> None:
     called = call("themes", "new", "dusk", "--to", tmp_path)
     assert f"sar-tui themes check {tmp_path / 'dusk'}" in called.out
     assert f"To choose it in a session, move it to {user_folder() / 'themes'}." in called.out
 
 
-def test_images_and_folders_of_the_model_are_copied_and_can_be_changed(
+def test_images_and_folders_of_the_template_are_copied_and_can_be_edited(
     call: Call, own_themes: Path, change: Change, tmp_path: Path
 ) -> None:
     model = change("theme.toml", "[tones]", '[images]\nhappy = "faces/happy.png"\n[tones]')
@@ -135,14 +135,14 @@ def test_images_and_folders_of_the_model_are_copied_and_can_be_changed(
 
 
 @pytest.mark.parametrize("name", ["Two words", "1st", "Evening", "../up", "a--b", "évening", ""])
-def test_a_name_that_cannot_be_is_bad_input(call: Call, tmp_path: Path, name: str) -> None:
+def test_an_invalid_name_is_bad_input(call: Call, tmp_path: Path, name: str) -> None:
     called = call("themes", "new", name, "--to", tmp_path / "mine")
     assert called.code == 2
     assert "small letters" in called.err
     assert not (tmp_path / "mine").exists()
 
 
-def test_a_folder_that_exists_is_never_written_over(call: Call, evening: Path) -> None:
+def test_an_existing_folder_is_never_overwritten(call: Call, evening: Path) -> None:
     (evening / "theme.toml").write_text("mine", encoding="utf-8")
     called = call("themes", "new", "evening", "--to", evening.parent)
     assert called.code == 2
@@ -150,20 +150,20 @@ def test_a_folder_that_exists_is_never_written_over(call: Call, evening: Path) -
     assert (evening / "theme.toml").read_text(encoding="utf-8") == "mine"
 
 
-def test_a_new_theme_does_not_take_the_place_of_another(call: Call, tmp_path: Path) -> None:
+def test_a_new_theme_does_not_replace_another(call: Call, tmp_path: Path) -> None:
     called = call("themes", "new", "calm", "--to", tmp_path)
     assert called.code == 2
     assert called.err == "There is a theme calm already. Choose another name.\n"
     assert not (tmp_path / "calm").exists()
 
 
-def test_a_model_that_there_is_not_is_bad_input(call: Call, tmp_path: Path) -> None:
+def test_an_unknown_template_is_bad_input(call: Call, tmp_path: Path) -> None:
     called = call("themes", "new", "evening", "--from", "noon", "--to", tmp_path)
     assert called.code == 2
     assert called.err == "There is no theme noon. There is: calm, high-contrast, playful.\n"
 
 
-def test_a_place_that_cannot_be_written_is_told(call: Call, tmp_path: Path) -> None:
+def test_an_unwritable_place_is_reported(call: Call, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     called = call("themes", "new", "evening", "--to", tmp_path / "file")
     assert called.code == 1
@@ -174,7 +174,7 @@ def test_a_place_that_cannot_be_written_is_told(call: Call, tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
-def test_the_bundled_themes_keep_the_contract(call: Call, name: str) -> None:
+def test_the_bundled_themes_pass_their_check(call: Call, name: str) -> None:
     called = call("themes", "check", name)
     assert called.code == 0
     assert f"{name} keeps the contract." in called.out
@@ -232,7 +232,7 @@ def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change)
         ("theme.toml", "minimum_contrast = 4.5", "minimum_contrast = 1", "    minimum_contrast is 1; it has to be at"),
     ],
 )  # fmt: skip
-def test_what_breaks_the_contract_is_named(
+def test_each_breach_of_the_contract_is_named(
     call: Call, change: Change, file: str, old: str, new: str, says: str
 ) -> None:
     folder = change(file, old, new)
@@ -243,9 +243,7 @@ def test_what_breaks_the_contract_is_named(
     assert call("themes", "check", folder, "--json").json["passed"] is False
 
 
-def test_a_themes_words_for_the_screens_are_checked_whether_or_not_it_speaks_the_language(
-    call: Call, evening: Path
-) -> None:
+def test_screen_texts_of_a_theme_are_checked_in_every_language(call: Call, evening: Path) -> None:
     (evening / "words.es.toml").write_text('"Press: {key}" = "¡Pulsa {key}!"\n"Help" = "¿Qué es esto?"\n', "utf-8")
     called = call("themes", "check", evening)
     assert (called.code, "✓ words the screens in es (2 texts)" in called.out) == (0, True)
@@ -263,7 +261,7 @@ def test_a_themes_words_for_the_screens_are_checked_whether_or_not_it_speaks_the
         assert told in called.out
 
 
-def test_each_language_is_checked_though_another_cannot_be_read(call: Call, change: Change) -> None:
+def test_each_language_is_checked_even_if_another_cannot_be_read(call: Call, change: Change) -> None:
     folder = change("phrases.es.toml", "greeting = [", "greeting = ")
     assert "✓ can say everything in en" in call("themes", "check", folder).out
 
@@ -284,13 +282,13 @@ def test_a_folder_without_a_theme_fails_its_check(call: Call, tmp_path: Path) ->
     assert called.out == "✗ can be read\n    There is no theme.toml.\n"
 
 
-def test_checking_what_there_is_not_is_bad_input(call: Call) -> None:
+def test_checking_an_unknown_theme_is_bad_input(call: Call) -> None:
     called = call("themes", "check", "noon")
     assert called.code == 2
     assert called.err == "There is no theme noon, and no such folder. There is: calm, high-contrast, playful.\n"
 
 
-def test_what_looks_like_a_slot_or_markup_is_printed_as_it_is(call: Call, change: Change) -> None:
+def test_slots_and_markup_are_printed_literally(call: Call, change: Change) -> None:
     folder = change("phrases.en.toml", '"You got there!"', '"[bold]Two {value}[/bold]"')
     out = call("themes", "check", folder).out
     assert "holds a number: '[bold]Two {value}[/bold]'." in out

@@ -12,7 +12,7 @@ from tests.program import Call
 pytestmark = pytest.mark.usefixtures("simulated_once")
 
 
-def test_table_4_1_is_printed_beside_what_is_found(call: Call) -> None:
+def test_table_4_1_is_printed_beside_the_results(call: Call) -> None:
     printed = call("validate", "--only", "table-4.1", "--json").json
     assert set(printed) == {"table-4.1"}
     rows = printed["table-4.1"]
@@ -39,7 +39,7 @@ def test_people_read_tables_and_claims(call: Call) -> None:
     assert "✗" not in called.out
 
 
-def test_reaches_are_tried_under_each_difficulty(call: Call) -> None:
+def test_detection_is_validated_under_each_difficulty(call: Call) -> None:
     called = call("validate", "--only", "reach", "--reaches", 3, "--json")
     assert called.code == 0
     rows = {row["scenario"]: row for row in called.json["reach"]}
@@ -71,7 +71,7 @@ def three_seeds(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("three_seeds")
-def test_the_thesis_feedback_is_drawn_counted_and_judged(call: Call) -> None:
+def test_the_feedback_of_the_thesis_is_plotted_counted_and_judged(call: Call) -> None:
     called = call("validate", "--only", "figure-4.14")
     assert (called.code, called.err) == (0, "")
     assert called.out.count("reaction time (ms)") == 2
@@ -91,7 +91,7 @@ def test_people_see_one_example_of_each_kind_and_programs_see_all(call: Call) ->
     assert len(lines) == len(kinds)
 
 
-def test_several_can_be_asked_for_in_any_order(call: Call) -> None:
+def test_several_validations_can_be_named_in_any_order(call: Call) -> None:
     printed = call("validate", "--only", "reach, table-4.1", "--reaches", 1, "--json").json
     assert list(printed) == ["table-4.1", "reach"]
 
@@ -104,14 +104,14 @@ def test_several_can_be_asked_for_in_any_order(call: Call) -> None:
         (",", "Name a validation"),
     ],
 )
-def test_an_unknown_name_lists_what_there_is(call: Call, only: str, says: str) -> None:
+def test_an_unknown_name_lists_the_validations(call: Call, only: str, says: str) -> None:
     called = call("validate", "--only", only)
     assert (called.code, called.out) == (2, "")
     assert says in called.err
     assert all(name in called.err for name in VALIDATIONS)
 
 
-def test_a_claim_that_does_not_hold_is_1_and_told(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_claim_is_reported_and_exits_with_1(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(table_4_1.TIME_MS, "fixed-threshold", 100.0)
     called = call("validate", "--only", "table-4.1")
     assert called.code == 1
@@ -125,7 +125,7 @@ def test_a_claim_that_does_not_hold_is_1_and_told(call: Call, monkeypatch: pytes
     assert as_json.err.startswith("✗ The fixed-threshold detector's reach times")
 
 
-def test_a_difficulty_that_a_claim_fails_in_is_named(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_difficulty_in_which_a_claim_fails_is_named(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reach, "MEDIAN_MS", 10.0)
     called = call("validate", "--only", "reach", "--reaches", 2)
     assert called.code == 1
@@ -141,7 +141,7 @@ def test_a_detector_that_finds_too_few_fails_its_claim(call: Call, monkeypatch: 
     assert "reach 8: none" in called.out
 
 
-def test_rows_and_what_is_printed_can_be_kept(call: Call, tmp_path: Path) -> None:
+def test_rows_and_output_can_be_saved(call: Call, tmp_path: Path) -> None:
     to = tmp_path / "new" / "results"
     called = call("validate", "--only", "table-4.1,policies", "--to", to)
     assert called.code == 0
@@ -159,7 +159,7 @@ def test_rows_and_what_is_printed_can_be_kept(call: Call, tmp_path: Path) -> Non
     assert "✓ The fixed-threshold detector finds eight reaches." in (to / "table-4.1.txt").read_text(encoding="utf-8")
 
 
-def test_nothing_is_written_over(call: Call, tmp_path: Path) -> None:
+def test_existing_files_are_not_overwritten(call: Call, tmp_path: Path) -> None:
     (tmp_path / "table-4.1.csv").write_text("mine")
     called = call("validate", "--only", "table-4.1", "--to", tmp_path)
     assert (called.code, called.out) == (2, "")
@@ -168,7 +168,7 @@ def test_nothing_is_written_over(call: Call, tmp_path: Path) -> None:
     assert not (tmp_path / "table-4.1.txt").exists()
 
 
-def test_a_folder_that_cannot_be_made_is_reported(call: Call, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_created_is_reported(call: Call, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     called = call("validate", "--only", "table-4.1", "--to", tmp_path / "file" / "results")
     assert (called.code, called.out) == (1, "")

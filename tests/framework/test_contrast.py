@@ -39,7 +39,7 @@ def test_contrast_agrees_with_the_definition(one: str, other: str) -> None:
     assert contrast(one, other) == pytest.approx(wcag_ratio(one, other))
 
 
-def test_a_ratio_that_falls_short_of_a_bound_is_not_told_as_reaching_it() -> None:
+def test_a_ratio_below_a_bound_is_not_rounded_up_to_it() -> None:
     assert cut(4.4999) == 4.49
     assert cut(4.5) == 4.5
     assert cut(contrast("#000000", "#ffffff")) == 21.0
@@ -51,5 +51,5 @@ def test_a_colour_is_six_hexadecimal_digits_after_a_hash(value: str) -> None:
 
 
 @pytest.mark.parametrize("value", ["red", "#12345", "#1234567", "#12345g", "112233", "", "#112233\n", "#١١٢٢٣٣"])
-def test_anything_else_is_no_colour(value: str) -> None:
+def test_anything_else_is_not_a_colour(value: str) -> None:
     assert not is_color(value)

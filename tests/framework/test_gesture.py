@@ -47,7 +47,7 @@ def test_between_two_keyframes_no_joint_is_beyond_either(gesture: Gesture, start
 
 
 @given(gestures(), poses, moments, st.floats(0, 5))
-def test_it_never_leaps_and_is_nowhere_faster_than_its_easing_makes_it(
+def test_it_never_jumps_or_exceeds_the_speed_of_its_easing(
     gesture: Gesture, start: Pose, ms: float, later: float
 ) -> None:
     places = [start, *(frame.pose for frame in gesture.keyframes)]
@@ -67,7 +67,7 @@ def test_it_stands_still_for_a_moment_at_every_keyframe(gesture: Gesture, start:
         assert all(abs(getattr(near, j) - getattr(frame, j)) <= 3e-6 * way + 1e-12 for j in JOINTS)
 
 
-def test_half_way_it_is_in_the_middle() -> None:
+def test_it_is_in_the_middle_at_half_time() -> None:
     gesture = Gesture((Keyframe(at_ms=400, nod=0.8), Keyframe(at_ms=800)))
     assert gesture.pose_at(200).nod == pytest.approx(0.4)
     assert gesture.pose_at(200, Pose(nod=-0.8)).nod == pytest.approx(0.0)
@@ -75,7 +75,7 @@ def test_half_way_it_is_in_the_middle() -> None:
 
 
 @given(gestures())
-def test_a_gesture_that_a_theme_may_have_has_no_problems(gesture: Gesture) -> None:
+def test_a_valid_gesture_has_no_problems(gesture: Gesture) -> None:
     assert gesture.problems("wave") == []
 
 
@@ -92,7 +92,7 @@ def test_a_gesture_that_a_theme_may_have_has_no_problems(gesture: Gesture) -> No
         ((Keyframe(at_ms=100, nod=1), Keyframe(at_ms=200, nod=0.1)), "has to end at rest"),
     ],
 )
-def test_what_is_wrong_with_a_gesture_is_told_once_with_its_name(keyframes: tuple[Keyframe, ...], told: str) -> None:
+def test_a_fault_of_a_gesture_is_reported_once_with_its_name(keyframes: tuple[Keyframe, ...], told: str) -> None:
     [problem] = Gesture(keyframes).problems("wave")
     assert told in problem
     assert "wave" in problem

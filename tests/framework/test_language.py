@@ -23,7 +23,7 @@ def words(folder: Path, code: str, text: str) -> Path:
 # --- the framework's own words -----------------------------------------------------------------------------------
 
 
-def test_every_text_of_the_framework_is_translated_and_no_translation_is_of_a_text_that_is_gone() -> None:
+def test_every_text_of_the_framework_is_translated_and_no_translation_is_obsolete() -> None:
     code = (path.read_text("utf-8") for path in FRAMEWORK.rglob("*.py"))
     usual = Metric("x", unit="", better="lower")
     texts = {Task.trials, usual.improved, usual.worsened}.union(*map(texts_in, code))
@@ -40,7 +40,7 @@ def test_a_language_without_a_file_shows_english(tmp_path: Path) -> None:
     assert language("de", folder)("Press {key}.", key="f") == "Press f."
 
 
-def test_what_a_language_has_no_words_for_is_english_and_the_rest_is_not(tmp_path: Path) -> None:
+def test_only_untranslated_texts_are_in_english(tmp_path: Path) -> None:
     tr = language("es", words(tmp_path / "task", "es", '"Press {key}." = "Pulse {key}."'))
     assert tr("Press {key}.", key="f") == "Pulse f."
     assert tr("Well done, {name}.", name="P1") == "Well done, P1."
@@ -62,9 +62,7 @@ def test_what_a_language_has_no_words_for_is_english_and_the_rest_is_not(tmp_pat
         ("Ready?", "¿Listo, {goal}?", "has {goal}, which the English does not have"),
     ],
 )
-def test_a_translation_with_other_slots_than_its_english_is_told_and_not_used(
-    english: str, own: str, problem: str
-) -> None:
+def test_a_translation_with_other_slots_is_reported_and_not_used(english: str, own: str, problem: str) -> None:
     assert slot_problem(english, own).startswith(problem)
     filled = {"goal": "5 s"} if "{goal}" in english else {}
     assert Language("es", {english: own})(english, **filled) == english.format(**filled)
@@ -79,27 +77,27 @@ def test_a_translation_with_other_slots_than_its_english_is_told_and_not_used(
         ("{{{share}}}", "({{{share}}})", "({0.5})"),
     ],
 )
-def test_a_slot_may_be_written_as_python_allows_if_both_write_it_alike(english: str, own: str, said: str) -> None:
+def test_slots_may_have_format_specifications_if_both_texts_agree(english: str, own: str, said: str) -> None:
     assert slot_problem(english, own) == ""
     assert Language("es", {english: own})(english, share=0.5) == said
 
 
-def test_a_brace_that_is_no_slot_stands_as_it_is() -> None:
+def test_a_brace_that_is_not_a_slot_is_left_unchanged() -> None:
     assert Language("es", {"Press {": "Pulse la llave"})("Press {") == "Pulse la llave"
     assert Language("es")("Press {") == "Press {"
 
 
 @pytest.mark.parametrize("text", ["no = = toml", '"Ready?" = "\\ud800"', "= 1"])
-def test_a_file_that_cannot_be_read_leaves_english(tmp_path: Path, text: str) -> None:
+def test_an_unreadable_file_falls_back_to_english(tmp_path: Path, text: str) -> None:
     assert language("es", words(tmp_path / "task", "es", text))("Ready?") == "Ready?"
 
 
-def test_a_value_that_is_no_text_leaves_the_others(tmp_path: Path) -> None:
+def test_a_value_that_is_not_text_does_not_affect_the_others(tmp_path: Path) -> None:
     tr = language("es", words(tmp_path / "task", "es", '"Ready?" = "¿Todo listo?"\n"Go on" = 5'))
     assert (tr("Ready?"), tr("Go on")) == ("¿Todo listo?", "Go on")
 
 
-def test_an_editor_that_marks_its_files_does_no_harm(tmp_path: Path) -> None:
+def test_a_byte_order_mark_is_ignored(tmp_path: Path) -> None:
     tr = language("es", words(tmp_path / "task", "es", '\ufeff"Ready?" = "¿Todo listo?"'))
     assert tr("Ready?") == "¿Todo listo?"
 
@@ -107,14 +105,14 @@ def test_an_editor_that_marks_its_files_does_no_harm(tmp_path: Path) -> None:
 # --- whose words go before whose -----------------------------------------------------------------------------------
 
 
-def test_a_tasks_words_go_before_the_frameworks_and_a_themes_before_both(tmp_path: Path) -> None:
+def test_texts_of_a_theme_precede_those_of_the_task_and_the_framework(tmp_path: Path) -> None:
     framework = words(tmp_path / "framework", "es", '"a" = "a1"\n"b" = "b1"\n"c" = "c1"')
     task = words(tmp_path / "task", "es", '"b" = "b2"\n"c" = "c2"')
     tr = language("es", framework, task).including({"c": "c3"})
     assert [tr(text) for text in "abc"] == ["a1", "b2", "c3"]
 
 
-def test_the_words_of_a_region_go_before_those_of_its_language(tmp_path: Path) -> None:
+def test_regional_texts_precede_those_of_the_language(tmp_path: Path) -> None:
     folder = words(tmp_path / "task", "es", '"key" = "tecla"\n"computer" = "ordenador"')
     words(folder, "es-mx", '"computer" = "computadora"')
     assert [language("es-mx", folder)(text) for text in ("key", "computer")] == ["tecla", "computadora"]
@@ -135,12 +133,12 @@ def test_the_words_of_a_region_go_before_those_of_its_language(tmp_path: Path) -
         ("de", "0,85 s"),
     ],
 )
-def test_figures_in_words_are_written_as_the_language_writes_them(code: str, figures: str) -> None:
+def test_numbers_are_formatted_for_the_language(code: str, figures: str) -> None:
     assert Language(code).figures("0.85 s") == figures
     assert Language(code)("It took {time}.", time="0.85 s") == f"It took {figures}."
 
 
-def test_a_full_stop_is_no_decimal_point() -> None:
+def test_a_full_stop_is_not_a_decimal_point() -> None:
     tr = Language("es")
     assert tr("Press: {key}", key=".") == "Press: ."
     assert tr("{first} {next}", first="Marker 1.", next="Then 2.") == "Marker 1. Then 2."

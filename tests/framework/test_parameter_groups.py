@@ -23,29 +23,29 @@ def names(heading: str) -> list[str]:
 
 
 @pytest.mark.parametrize("field", fields(TaskParameters), ids=lambda field: field.name)
-def test_every_common_parameter_stands_under_a_heading(field: Field) -> None:
+def test_every_common_parameter_has_a_heading(field: Field) -> None:
     assert field.group
 
 
-def test_the_tasks_own_come_first_then_its_own_headings_then_those_of_every_task() -> None:
+def test_headings_are_ordered_from_the_tasks_own_to_the_common_ones() -> None:
     common = ["Session", "Difficulty", "Feedback", "Agent", "Operator", "Timing"]
     assert list(grouped(TaskParameters)) == sorted(grouped(TaskParameters), key=common.index)
     assert list(grouped(Parameters)) == ["", "Music", *grouped(TaskParameters)]
     assert names("") == ["reach"]
 
 
-def test_each_parameter_stands_under_one_heading() -> None:
+def test_each_parameter_has_exactly_one_heading() -> None:
     assert sorted(name for heading in grouped(Parameters) for name in names(heading)) == sorted(
         field.name for field in fields(Parameters)
     )
 
 
-def test_a_task_puts_a_parameter_under_a_common_heading_or_moves_one() -> None:
+def test_a_task_may_add_or_move_a_parameter_to_a_common_heading() -> None:
     assert names("Timing")[0] == "slack_ms"
     assert names("Music") == ["drum", "rest_every"]
 
 
-def test_a_common_parameter_that_is_declared_anew_keeps_its_heading_and_its_place() -> None:
+def test_a_redeclared_common_parameter_keeps_its_heading_and_position() -> None:
     assert names("Difficulty") == [field.name for field in grouped(TaskParameters)["Difficulty"]]
     goal = grouped(Parameters)["Difficulty"][0]
     assert (goal.name, goal.unit, goal.default) == ("threshold", "cm", 20.0)

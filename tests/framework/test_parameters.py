@@ -55,7 +55,7 @@ def values_of(field: Field) -> st.SearchStrategy[Any]:
 ONE_OF_THE_TASKS = st.sampled_from(["reach", "repetitions", "hand", "mirrored", "words", "nickname", "undescribed"])
 
 
-def test_a_declared_field_knows_all_that_a_form_needs() -> None:
+def test_a_declared_field_has_all_that_a_form_needs() -> None:
     assert FIELDS["reach"] == Field("reach", "Reach", "cm", "How far.", 30.5, "float", 0, 100)
     assert FIELDS["hand"] == Field(
         "hand", "Hand", "", "", "right", "choice", choices=("right", "left"), renamed={"sinister": "left"}
@@ -71,27 +71,27 @@ def test_the_tasks_own_parameters_come_first() -> None:
 
 
 @pytest.mark.parametrize("field", fields(TaskParameters), ids=lambda field: field.name)
-def test_every_common_parameter_has_a_title_and_a_default_that_can_be(field: Field) -> None:
+def test_every_common_parameter_has_a_title_and_a_valid_default(field: Field) -> None:
     assert field.title != field.name
     assert getattr(build(TaskParameters, {field.name: show(field.default)}), field.name) == field.default
 
 
 @given(st.data())
-def test_what_is_shown_can_be_typed_again(data: st.DataObject) -> None:
+def test_a_formatted_value_can_be_parsed_again(data: st.DataObject) -> None:
     name = data.draw(ONE_OF_THE_TASKS)
     value = data.draw(values_of(FIELDS[name]))
     assert getattr(build(Parameters, {name: show(value)}), name) == value
 
 
 @given(st.data())
-def test_typed_and_given_values_come_to_the_same(data: st.DataObject) -> None:
+def test_typed_and_given_values_are_equal(data: st.DataObject) -> None:
     name = data.draw(ONE_OF_THE_TASKS)
     value = data.draw(values_of(FIELDS[name]))
     assert build(Parameters, {name: value}) == build(Parameters, {name: show(value)})
 
 
 @given(st.floats(), st.sampled_from(["reach", "threshold", "neutral_band", "min_accuracy"]))
-def test_a_number_is_within_its_bounds_or_refused(value: float, name: str) -> None:
+def test_numbers_outside_their_bounds_are_refused(value: float, name: str) -> None:
     field = FIELDS[name]
     assert field.ge is not None
     assert field.le is not None
@@ -103,7 +103,7 @@ def test_a_number_is_within_its_bounds_or_refused(value: float, name: str) -> No
 
 
 @given(st.text(), st.sampled_from([field.name for field in fields(Parameters)]))
-def test_anything_may_be_typed_and_nothing_but_a_sentence_comes_of_it(text: str, name: str) -> None:
+def test_any_invalid_input_raises_one_sentence(text: str, name: str) -> None:
     problems: dict[str, str] = {}
     value: object = None
     try:
@@ -150,22 +150,22 @@ def test_the_bounds_are_inclusive() -> None:
         ),
     ],
 )
-def test_what_cannot_be_is_told_in_one_sentence(values: dict[str, object], sentence: str) -> None:
+def test_each_invalid_value_is_reported_in_one_sentence(values: dict[str, object], sentence: str) -> None:
     assert problem(**values) == sentence
 
 
-def test_every_problem_is_told_and_not_only_the_first() -> None:
+def test_every_problem_is_reported_not_only_the_first() -> None:
     with pytest.raises(ParameterError) as caught:
         build(Parameters, {"repetitions": 0, "hand": "both", "nonsense": 1})
     assert set(caught.value.problems) == {"repetitions", "hand", "nonsense"}
 
 
-def test_a_list_is_typed_with_spaces_or_commas() -> None:
+def test_list_items_are_separated_by_spaces_or_commas() -> None:
     assert read(FIELDS["words"], " fj, dfjk  asdf ") == ["fj", "dfjk", "asdf"]
 
 
 @given(st.data())
-def test_only_what_differs_from_the_defaults_is_kept_and_brings_the_rest_back(data: st.DataObject) -> None:
+def test_only_values_that_differ_from_the_defaults_are_stored(data: st.DataObject) -> None:
     name = data.draw(ONE_OF_THE_TASKS)
     value = data.draw(values_of(FIELDS[name]))
     built = build(Parameters, {name: value})

@@ -20,21 +20,21 @@ from sar_tui.framework.phrase_keys import (
 )
 
 
-def test_every_situation_is_either_in_words_or_in_figures() -> None:
+def test_every_phrase_key_is_either_verbal_or_numeric() -> None:
     assert set(QUALITATIVE) | set(QUANTITATIVE) == set(PHRASE_KEYS)
     assert not set(QUALITATIVE) & set(QUANTITATIVE)
     assert {"positive", "negative_strong", "accuracy", "performance_improved", "greeting"} <= set(QUALITATIVE)
     assert {"positive_first", "accuracy_figures", "performance_same_figures", "summary_figures"} <= set(QUANTITATIVE)
 
 
-def test_performance_is_told_in_words_and_in_figures_of_the_same_situations() -> None:
+def test_verbal_and_numeric_performance_have_the_same_phrase_keys() -> None:
     in_words = [name for name in PERFORMANCE if not name.endswith("_figures")]
     assert in_words == ["performance_first", "performance_improved", "performance_worsened", "performance_same"]
     for name in in_words:
         assert PHRASE_KEYS[name] < PHRASE_KEYS[f"{name}_figures"]
 
 
-def test_the_page_on_themes_lists_every_situation_with_its_slots() -> None:
+def test_the_page_on_themes_lists_every_phrase_key_with_its_slots() -> None:
     page = (Path(__file__).parents[2] / "docs" / "themes-and-words.md").read_text(encoding="utf-8")
     rows = [line.strip("|").split("|") for line in page.splitlines() if line.count("|") == 4]
     listed = {
@@ -55,7 +55,7 @@ def test_the_page_on_themes_lists_every_situation_with_its_slots() -> None:
         ("performance_first", "Next time: {aim}."),
     ],
 )
-def test_a_wording_that_can_be_said_has_no_problems(situation: str, wording: str) -> None:
+def test_a_valid_wording_has_no_problems(situation: str, wording: str) -> None:
     assert wording_problems(situation, wording, "en") == []
 
 
@@ -78,7 +78,7 @@ def test_a_wording_that_can_be_said_has_no_problems(situation: str, wording: str
         ("neutral_first", "At {value.real}", " uses the slot {value.real}, which it does not have."),
     ],
 )
-def test_a_wording_that_cannot_be_is_told_in_one_sentence(situation: str, wording: str, problem: str) -> None:
+def test_an_invalid_wording_is_reported_in_one_sentence(situation: str, wording: str, problem: str) -> None:
     told, *_ = wording_problems(situation, wording, "en")
     assert told.startswith(f"A wording for {situation} (en){problem}")
 
@@ -91,14 +91,14 @@ def test_number_words_are_those_of_the_language() -> None:
 
 
 @given(st.text(max_size=60), st.sampled_from(sorted(PHRASE_KEYS)), st.sampled_from(["en", "es"]))
-def test_a_wording_without_problems_can_be_said(wording: str, situation: str, language: str) -> None:
+def test_a_wording_without_problems_can_be_formatted(wording: str, situation: str, language: str) -> None:
     if not wording_problems(situation, wording, language):
         said = wording.format(**{slot: "12 ms" if slot in FIGURES else "faster" for slot in PHRASE_KEYS[situation]})
         assert holds_number(said, language) == (situation in QUANTITATIVE)
 
 
 @given(st.lists(st.sampled_from(["{", "}", "{{", "}}", "value", "goal", "!", ":", "r", "12", "[0]", ".x", " "])))
-def test_whatever_is_done_with_braces_a_wording_is_refused_or_can_be_said(parts: list[str]) -> None:
+def test_wordings_with_any_braces_are_refused_or_can_be_formatted(parts: list[str]) -> None:
     wording = "".join(parts)
     if not wording_problems("neutral_first", wording, "en"):
         assert wording.format(value="12 ms", goal="12 ms")
@@ -174,12 +174,12 @@ def test_spanish_numbers_are_found_with_and_without_accents(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["Everyone is often at tension.", "Well done.", "Attend to the phone", ""])
-def test_a_number_word_inside_another_word_is_none(text: str) -> None:
+def test_a_number_word_inside_another_word_is_not_a_number(text: str) -> None:
     assert not holds_number(text)
 
 
 @pytest.mark.parametrize("text", ["Un poco más, una vez más.", "Muy bien, sonríe.", "Familia, oncología, parada"])
-def test_the_spanish_article_and_parts_of_words_are_no_numbers(text: str) -> None:
+def test_the_spanish_article_and_parts_of_words_are_not_numbers(text: str) -> None:
     assert not holds_number(text, "es")
 
 
@@ -190,7 +190,7 @@ def test_each_language_has_its_own_numbers() -> None:
     assert not holds_number("seven", "es")
 
 
-def test_of_an_unknown_language_digits_are_found() -> None:
+def test_digits_are_found_in_an_unknown_language() -> None:
     assert holds_number("7 fois", "fr")
     assert not holds_number("sept fois", "fr")
 

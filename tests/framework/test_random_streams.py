@@ -43,7 +43,7 @@ def test_streams_and_keys_are_independent() -> None:
 
 
 @given(KEYS, KEYS)
-def test_a_number_lies_between_nought_and_one(key: list[int | str], stream: list[int | str]) -> None:
+def test_a_number_lies_between_zero_and_one(key: list[int | str], stream: list[int | str]) -> None:
     assert 0 <= RandomStreams(*key).uniform(*stream) < 1
 
 

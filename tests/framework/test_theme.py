@@ -71,14 +71,14 @@ def words_of(theme: Theme) -> str:
 # --- whole -----------------------------------------------------------------------------------------------------------
 
 
-def test_the_shipped_themes_are_these(catalogue: Catalogue) -> None:
+def test_names_of_the_shipped_themes(catalogue: Catalogue) -> None:
     assert not (user_folder() / "themes").exists()
     assert tuple(catalogue.theme_names()) == NAMES
     for name in NAMES:
         assert languages(catalogue.theme_folder(name)) == LANGUAGES
 
 
-def test_every_shipped_theme_is_whole_in_every_language(theme: Theme) -> None:
+def test_every_shipped_theme_is_complete_in_every_language(theme: Theme) -> None:
     assert theme.repairs == ()
     assert set(theme.phrases) == set(PHRASE_KEYS)
     assert set(theme.faces) == set(FACES)
@@ -94,12 +94,12 @@ def test_there_is_more_than_one_way_to_say_anything(theme: Theme) -> None:
         assert len(set(wordings)) == len(wordings) >= (3 if situation.startswith(("positive", "negative")) else 2)
 
 
-def test_each_degree_of_praise_and_consolation_has_words_of_its_own(theme: Theme) -> None:
+def test_each_degree_of_praise_and_consolation_has_its_own_wording(theme: Theme) -> None:
     for one, other in combinations((*DEGREES, "neutral"), 2):
         assert not set(theme.phrases[one]) & set(theme.phrases[other])
 
 
-def test_consolation_is_warmer_the_farther_the_goal_and_so_takes_more_words(theme: Theme) -> None:
+def test_consolation_is_longer_the_farther_the_goal(theme: Theme) -> None:
     slight, plain, strong = (sum(map(len, theme.phrases[f"negative{degree}"])) for degree in ("_slight", "", "_strong"))
     assert slight < plain < strong
 
@@ -127,7 +127,7 @@ def test_every_wording_is_whole_sentences(theme: Theme) -> None:
             assert text.count("¿") == (text.count("?") if theme.language == "es" else 0), text
 
 
-def test_words_and_figures_that_are_said_together_do_not_repeat_each_other(theme: Theme) -> None:
+def test_combined_phrases_do_not_repeat_each_other(theme: Theme) -> None:
     together = [(name, f"{name}_figures") for name in ("accuracy", "empty")]
     for valence in ("positive", "neutral", "negative"):
         graded = [name for name in ("neutral", *DEGREES) if name.split("_")[0] == valence]
@@ -180,7 +180,7 @@ def spells_a_number(text: str, language: str) -> bool:
 @pytest.mark.parametrize(("name", "language"), [(name, language) for name in NAMES for language in LANGUAGES])
 @given(data=st.data())
 @examples(25)
-def test_words_hold_no_number_and_figures_always_do_whatever_the_result(
+def test_verbal_wordings_contain_no_number_and_numeric_ones_always_do(
     name: str, language: str, data: st.DataObject, catalogue: Catalogue
 ) -> None:
     theme = read_theme(catalogue.theme_folder(name), language)
@@ -195,7 +195,7 @@ def test_words_hold_no_number_and_figures_always_do_whatever_the_result(
                 )
 
 
-def test_the_wordings_in_words_fill_no_slot_with_a_figure() -> None:
+def test_verbal_wordings_have_no_numeric_slot() -> None:
     assert all(not PHRASE_KEYS[situation] & FIGURES for situation in QUALITATIVE)
 
 
@@ -220,7 +220,7 @@ def test_units_after_numbers_are_spoken_in_full(catalogue: Catalogue, language: 
     assert catalogue.theme("calm", language).spoken(text) == spoken
 
 
-def test_a_theme_without_units_speaks_as_it_writes(calm: Theme) -> None:
+def test_a_theme_without_units_speaks_its_written_text(calm: Theme) -> None:
     from msgspec.structs import replace
 
     assert replace(calm, units={}).spoken("412 ms") == "412 ms"
@@ -238,24 +238,24 @@ def test_every_text_colour_stands_out(catalogue: Catalogue, name: str, ratio: fl
     assert min(contrasts.values()) >= ratio
 
 
-def test_success_and_failure_are_told_by_more_than_red_and_green(theme: Theme) -> None:
+def test_success_and_failure_differ_in_more_than_red_and_green(theme: Theme) -> None:
     assert theme.faces["happy"] != theme.faces["encouraging"] != theme.faces["neutral"]
     assert not set(theme.phrases["positive"]) & set(theme.phrases["negative"])
 
 
-def test_the_faces_are_all_of_one_size_so_that_nothing_jumps(theme: Theme) -> None:
+def test_all_faces_have_the_same_size(theme: Theme) -> None:
     lines = [face.split("\n") for face in theme.faces.values()]
     assert {len(face) for face in lines} == {4}
     assert {cell_len(line) for face in lines for line in face} == {11}
 
 
-def test_the_faces_are_told_apart_by_eyes_or_mouth_alone(theme: Theme) -> None:
+def test_faces_differ_in_eyes_or_mouth(theme: Theme) -> None:
     assert len(set(theme.faces.values())) == len(FACES)
     frames = {(face.split("\n")[0], face.split("\n")[-1]) for face in theme.faces.values()}
     assert len(frames) == 1
 
 
-def test_a_face_speaks_by_the_mouth_of_the_speaking_one(theme: Theme) -> None:
+def test_a_speaking_face_has_the_mouth_of_the_speaking_expression(theme: Theme) -> None:
     mouths = {name: face.split("\n")[theme.mouth_line] for name, face in theme.faces.items()}
     assert all(mouth != mouths["speaking"] for name, mouth in mouths.items() if name != "speaking")
 
@@ -274,7 +274,7 @@ def test_calm_moves_the_least_and_playful_the_quickest(catalogue: Catalogue) -> 
     assert pace(playful) < min(pace(calm), pace(plain))
 
 
-def test_every_joint_is_used_by_some_gesture(theme: Theme) -> None:
+def test_every_joint_is_used_by_a_gesture(theme: Theme) -> None:
     for name, gesture in theme.gestures.items():
         assert any(getattr(frame, joint) for frame in gesture.keyframes for joint in JOINTS), name
 
@@ -282,14 +282,14 @@ def test_every_joint_is_used_by_some_gesture(theme: Theme) -> None:
 # --- manner, tones ---------------------------------------------------------------------------------------------------
 
 
-def test_what_a_theme_does_not_set_goes_as_usual(catalogue: Catalogue) -> None:
+def test_a_theme_inherits_defaults_that_it_does_not_set(catalogue: Catalogue) -> None:
     calm, playful = catalogue.theme("calm"), catalogue.theme("playful")
     assert calm.manner("positive") == MANNERS["positive"] == Manner("happy", "nod", tone="success")
     assert playful.manner("positive") == Manner("happy", "cheer", tone="success")
     assert calm.manner("there is no such kind") == Manner()
 
 
-def test_a_theme_may_have_tones_of_its_own(catalogue: Catalogue) -> None:
+def test_a_theme_may_define_tones(catalogue: Catalogue) -> None:
     calm, playful = catalogue.theme("calm"), catalogue.theme("playful")
     assert calm.notes("go") == (Note(880, 120),)
     assert playful.notes("go") == (Note(784, 80), Note(1047, 120))

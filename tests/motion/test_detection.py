@@ -28,7 +28,7 @@ def the_reach(shape: ReachShape, profile: Profile = PROFILES["clean"], detector:
 
 
 @pytest.mark.parametrize("detector", NAMES)
-def test_the_table_s_eight_have_its_amplitudes(detector: str) -> None:
+def test_the_eight_reaches_of_the_table_have_its_amplitudes(detector: str) -> None:
     reaches = detect(table_4_1_recording().recording, detector)
     assert len(reaches) == 8
     for reach, row in zip(reaches, TABLE_4_1, strict=True):
@@ -51,13 +51,13 @@ def test_every_time_of_a_reach_is_measured() -> None:
 
 @pytest.mark.parametrize("detector", NAMES)
 @pytest.mark.parametrize("dwell_s", [0.0, 0.3, 0.6])
-def test_phases_and_dwell_make_up_the_whole(detector: str, dwell_s: float) -> None:
+def test_phases_and_dwell_sum_to_the_whole_reach(detector: str, dwell_s: float) -> None:
     reach = the_reach(msgspec.structs.replace(REACH, dwell_s=dwell_s), detector=detector)
     assert reach.out_s + reach.dwell_s + reach.back_s == pytest.approx(reach.reach_time_s)
     assert reach.onset_s < reach.turn_s < reach.end_s
 
 
-def test_smoothness_is_of_each_phase_alone() -> None:
+def test_smoothness_is_measured_per_phase() -> None:
     smooth, halting = the_reach(REACH), the_reach(ReachShape(out_s=2, back_s=2, submovements=6, seed=2))
     for reach in (smooth, halting):
         assert None not in (reach.sparc_out, reach.sparc_back, reach.ldlj_out, reach.ldlj_back)
@@ -86,13 +86,13 @@ def test_extension_is_positive_and_return_negative_for_either_hand(hand: Literal
         assert ("reversed" in reach.flags) == (hand == "right")
 
 
-def test_peaks_of_a_tilted_sensor_are_about_the_reach_s_own_axis() -> None:
+def test_peaks_of_a_tilted_sensor_are_about_the_axis_of_the_reach() -> None:
     reach = the_reach(REACH, PROFILES["tilted"])
     assert reach.peak_extension_rad_s == pytest.approx(2.0, rel=0.03)
     assert reach.peak_return_rad_s == pytest.approx(-2.4, rel=0.03)
 
 
-def test_what_is_wrong_with_the_recording_is_said_of_its_reaches() -> None:
+def test_faults_of_the_recording_are_flagged_on_its_reaches() -> None:
     assert "saturated" in the_reach(REACH, Profile(saturation_rad_s=2.2)).flags
     elsewhere = msgspec.structs.replace(simulate([REACH]).recording, flags=("gap",))
     assert detect(elsewhere)[0].flags == ()
@@ -109,7 +109,7 @@ def test_a_movement_without_a_return_is_measured_as_far_as_it_goes(detector: str
 
 
 @pytest.mark.parametrize("detector", NAMES)
-def test_of_nothing_there_is_no_reach(detector: str) -> None:
+def test_an_empty_recording_has_no_reach(detector: str) -> None:
     assert detect(Recording(np.empty(0), np.empty((0, 3))), detector) == ()
     assert detect(Recording(np.arange(500) / 250, np.full((500, 3), math.nan)), detector) == ()
 
@@ -117,7 +117,7 @@ def test_of_nothing_there_is_no_reach(detector: str) -> None:
 @pytest.mark.parametrize("detector", NAMES)
 @given(seed=st.integers(0, 10_000), count=st.integers(2, 900), size=st.sampled_from([0.02, 0.3, 4.0]))
 @examples(60)
-def test_of_any_wandering_rate_every_measure_is_a_number_in_its_place(
+def test_every_measure_of_a_random_walk_is_finite_and_in_range(
     detector: str, seed: int, count: int, size: float
 ) -> None:
     generator = np.random.default_rng(seed)
@@ -135,7 +135,7 @@ def test_of_any_wandering_rate_every_measure_is_a_number_in_its_place(
         assert all(math.isfinite(value) for value in measured.values() if isinstance(value, float))
 
 
-def test_each_detector_tells_its_version_and_takes_its_own_parameters() -> None:
+def test_each_detector_has_a_version_and_its_own_parameters() -> None:
     assert {name: detector.parameters for name, detector in DETECTORS.items()} == {
         "single-axis": SingleAxisParameters,
         "fixed-threshold": FixedThresholdParameters,
@@ -148,7 +148,7 @@ def test_each_detector_tells_its_version_and_takes_its_own_parameters() -> None:
         detect(recording, "single-axis", FixedThresholdParameters())
 
 
-def test_an_unknown_detector_is_refused_with_those_there_are() -> None:
+def test_an_unknown_detector_is_refused_with_the_known_ones() -> None:
     with pytest.raises(ValueError, match="no detector named 'best'; there are: single-axis, fixed-threshold"):
         detect(simulate([REACH]).recording, "best")
 

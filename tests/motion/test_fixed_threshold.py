@@ -24,13 +24,13 @@ def times(reaches: tuple[Bounds, ...]) -> list[tuple[float, float]]:
     return [(round(reach.onset_s, 6), round(reach.end_s, 6)) for reach in reaches]
 
 
-def test_a_reach_begins_above_the_threshold_and_ends_where_its_quiet_begins() -> None:
+def test_a_reach_lasts_from_the_threshold_to_the_beginning_of_the_rest() -> None:
     found = find(turning((1, 0.1), (0.5, 0.11), (1, 0.1)))
     assert times(found.reaches) == [(1.0, 1.5)]
     assert found.reaches[0].flags == ()
 
 
-def test_a_quiet_of_just_800_ms_ends_a_reach_and_a_shorter_one_does_not() -> None:
+def test_a_rest_of_800_ms_ends_a_reach_and_a_shorter_one_does_not() -> None:
     assert times(find(turning((1, 0), (1, 1), (0.8, 0), (1, -1), (1, 0))).reaches) == [(1.0, 2.0), (2.8, 3.8)]
     assert times(find(turning((1, 0), (1, 1), (0.79, 0), (1, -1), (1, 0))).reaches) == [(1.0, 3.79)]
 
@@ -51,7 +51,7 @@ def test_movement_from_the_first_to_the_last_sample_is_one_endless_reach() -> No
     assert times(find(turning((2, 1.0))).reaches) == [(0.0, 1.99)]
 
 
-def test_stillness_and_nothing_are_no_reach() -> None:
+def test_rest_and_empty_recordings_have_no_reach() -> None:
     assert find(turning((2, 0.0))).reaches == ()
     assert find(Recording(np.empty(0), np.empty((0, 3)))).reaches == ()
 
@@ -71,13 +71,13 @@ def test_a_left_hand_reaches_the_other_way() -> None:
     assert right.flags == ("reversed",)
 
 
-def test_samples_that_are_no_number_are_left_out() -> None:
+def test_samples_that_are_not_a_number_are_left_out() -> None:
     recording = turning((1, 0), (1, 1), (1, 0))
     recording.rate[150] = np.nan
     assert times(find(recording).reaches) == [(1.0, 2.0)]
 
 
-def test_it_finds_the_table_s_eight_each_up_to_130_ms_short() -> None:
+def test_it_finds_the_eight_reaches_of_the_table_up_to_130_ms_short() -> None:
     found = find(table_4_1_recording().recording).reaches
     assert len(found) == 8
     for reach, row in zip(found, TABLE_4_1, strict=True):
@@ -93,7 +93,7 @@ def test_bias_tremor_or_noise_make_it_endless(profile: Profile) -> None:
     assert find(simulate([REACH], profile).recording).reaches[-1].flags[0] == "endless"
 
 
-def test_a_pause_splits_and_a_twitch_adds() -> None:
+def test_a_pause_splits_a_reach_and_a_twitch_adds_one() -> None:
     pause = ReachShape(out_s=0.6, back_s=0.5, dwell_s=1.0)
     twitch = ReachShape(out_s=0.6, back_s=0.5, twitch=True, seed=1)
     assert len(find(simulate([pause]).recording).reaches) == 2

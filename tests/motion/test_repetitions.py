@@ -61,7 +61,7 @@ def test_a_short_rest_after_every_repetition_is_part_of_the_rhythm() -> None:
     assert counted(noisy(np.tile(once, (9, 1)), seed=3)).count == 9
 
 
-def test_the_size_may_change_on_the_way() -> None:
+def test_the_amplitude_may_change() -> None:
     rate = swinging(np.arange(0, 12, 0.005), 100)
     assert counted(noisy(rate * np.linspace(1.0, 0.6, len(rate))[:, np.newaxis], seed=4)).count == 12
 
@@ -72,7 +72,7 @@ def test_tremor_on_top_adds_no_repetitions() -> None:
     assert counted(noisy(rate + tremor, seed=5)).count == 10
 
 
-def test_tremor_alone_is_no_exercise() -> None:
+def test_tremor_alone_has_no_repetitions() -> None:
     tremor = np.sin(2 * np.pi * 5 * np.arange(2000) / 100)[:, np.newaxis] * np.ones(3)
     assert counted(noisy(tremor, seed=6)) == Repetitions(0)
 
@@ -87,12 +87,12 @@ def test_too_short_a_recording_has_no_repetitions(length: int) -> None:
     assert counted(np.ones((length, 3))) == Repetitions(0)
 
 
-def test_the_rate_of_sampling_does_not_matter() -> None:
+def test_the_count_is_independent_of_the_sampling_rate() -> None:
     for rate_hz in (25.0, 50.0, 120.0, 250.0):
         assert counted(swinging(np.arange(0, 9, 1 / (2 * rate_hz)), rate_hz), rate_hz).count == 9
 
 
-def test_a_sample_that_is_no_number_is_refused() -> None:
+def test_a_sample_that_is_not_a_number_is_refused() -> None:
     rate = swinging(np.arange(0, 5, 0.005), 100)
     rate[7, 1] = np.nan
     with pytest.raises(ValueError, match="not a number"):
@@ -174,7 +174,7 @@ def test_the_count_of_real_exercise_is_exact_in_85_and_within_one_in_95_of_100_c
 
 
 @pytest.mark.parametrize("exercise", REGULAR)
-def test_no_exercise_is_left_behind(exercise: str) -> None:
+def test_repetitions_of_every_exercise_are_counted(exercise: str) -> None:
     assert np.mean(misses()[exercise] == 0) >= 0.8
     assert np.mean(misses()[exercise] <= 1) >= 0.95
 

@@ -54,7 +54,7 @@ def test_one_reach_is_found_as_one_and_timed_without_bias(scenario: Scenario) ->
     assert abs(median(errors)) < 0.05
 
 
-def test_the_table_s_eight_are_within_40_ms() -> None:
+def test_the_eight_reaches_of_the_table_are_timed_within_40_ms() -> None:
     found = find(table_4_1_recording().recording).reaches
     assert len(found) == 8
     for reach, row in zip(found, TABLE_4_1, strict=True):
@@ -103,11 +103,11 @@ def test_a_hand_at_rest_does_not_reach(name: str) -> None:
     ],
     ids=["a flick of the wrist", "out and never back", "hardly any turning", "a rest of 4 s between"],
 )
-def test_this_is_no_reach(shape: ReachShape) -> None:
+def test_other_movements_are_not_reaches(shape: ReachShape) -> None:
     assert find(simulate([shape], NOISY).recording).reaches == ()
 
 
-def test_nothing_and_next_to_nothing_hold_no_reach() -> None:
+def test_empty_and_very_short_recordings_have_no_reach() -> None:
     for count in (0, 1, 2, 5):
         assert find(Recording(np.arange(count) / 250, np.zeros((count, 3)))).reaches == ()
 
@@ -132,7 +132,7 @@ def test_the_hand_arrives_rests_and_departs() -> None:
         ((-0.6, 0.8, 0.0), "left", ()),
     ],
 )
-def test_the_way_out_is_positive_about_the_axis_whatever_the_side(
+def test_the_outward_phase_is_positive_about_the_axis_for_either_side(
     axis: tuple[float, float, float], hand: str, flags: tuple[str, ...]
 ) -> None:
     made = simulate([REACH], Profile(noise_rad_s=0.005, axis=axis))
@@ -173,7 +173,7 @@ def test_a_reach_longer_than_the_longest_is_ended() -> None:
     assert reach.departure_s <= reach.end_s
 
 
-def test_a_hole_in_the_reach_is_flagged_and_one_in_the_rest_is_not() -> None:
+def test_a_gap_in_the_reach_is_flagged_and_one_at_rest_is_not() -> None:
     recording = simulate([REACH], NOISY).recording
     for from_s, flags in ((2.3, ("gap",)), (1.0, ())):
         kept = (recording.time_s < from_s) | (recording.time_s >= from_s + 0.12)
@@ -181,7 +181,7 @@ def test_a_hole_in_the_reach_is_flagged_and_one_in_the_rest_is_not() -> None:
         assert reach.flags == flags
 
 
-def test_samples_that_are_no_number_are_left_out() -> None:
+def test_samples_that_are_not_a_number_are_left_out() -> None:
     recording = simulate([REACH], NOISY).recording
     recording.rate[::7, 1] = np.nan
     (reach,) = find(recording).reaches
@@ -194,7 +194,7 @@ def test_samples_that_are_no_number_are_left_out() -> None:
     )
 )
 @examples(40)
-def test_whatever_comes_reaches_are_in_order_and_within_the_recording(rate: list[tuple[float, float, float]]) -> None:
+def test_reaches_in_any_signal_are_ordered_and_within_the_recording(rate: list[tuple[float, float, float]]) -> None:
     time = np.arange(len(rate)) / 50
     reaches = find(Recording(time, np.array(rate, dtype=float).reshape(-1, 3))).reaches
     for reach in reaches:
@@ -214,7 +214,7 @@ def test_a_low_pass_keeps_a_bias_and_halves_the_power_at_its_cutoff() -> None:
     assert passed[1000:].max() == pytest.approx(math.sqrt(0.5), abs=0.005)
 
 
-def test_looking_both_ways_delays_nothing_and_a_notch_takes_out_a_tremor() -> None:
+def test_filters_add_no_delay_and_a_notch_removes_a_tremor() -> None:
     time = np.arange(2000)[:, None] / 250
     bump = np.exp(-0.5 * ((time - 4) / 0.15) ** 2)
     assert smooth(bump, 250, 8.0) == pytest.approx(bump, abs=0.002)
@@ -262,7 +262,7 @@ def watched(made: Simulation) -> tuple[list[float], Segmenter]:
     [scenario for scenario in scenarios() if scenario.name != "all combined"],
     ids=lambda scenario: scenario.name,
 )
-def test_a_reach_is_seen_to_be_over_when_it_is(scenario: Scenario) -> None:
+def test_the_end_of_a_reach_is_detected_in_time(scenario: Scenario) -> None:
     for seed in range(4):
         made = scenario.make(seed)
         over, segmenter = watched(made)
@@ -276,7 +276,7 @@ def test_a_pause_at_the_target_is_not_the_end() -> None:
     assert watched(made)[0][0] > 4.3 + 0.7
 
 
-def test_a_reach_of_before_does_not_count() -> None:
+def test_an_earlier_reach_does_not_count() -> None:
     made = simulate([REACH], NOISY)
     _, segmenter = watched(made)
     assert segmenter.has_reached(1.8)

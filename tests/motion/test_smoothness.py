@@ -44,7 +44,7 @@ def test_a_gaussian_movement_has_its_known_smoothness() -> None:
     assert ldlj(speed, 100) == pytest.approx(-5.81636, abs=5e-6)
 
 
-def test_any_profile_is_as_smooth_as_monalysa_says() -> None:
+def test_smoothness_agrees_with_monalysa() -> None:
     for number, speed in enumerate(random_profiles(50)):
         rate_hz = 50.0 + 4 * number
         assert sparc(speed, rate_hz) == pytest.approx(monalysa.sparc(speed, rate_hz)[0], abs=1e-6)
@@ -72,7 +72,7 @@ def test_a_correction_makes_a_movement_less_smooth_and_adds_a_unit() -> None:
     assert (movement_units(smooth, 100), movement_units(corrected, 100)) == (1, 2)
 
 
-def test_a_wobble_below_a_tenth_of_the_peak_is_no_movement_unit() -> None:
+def test_a_wobble_below_a_tenth_of_the_peak_is_not_a_movement_unit() -> None:
     time_s = np.arange(0, 1, 0.01)
     wobbling = minimum_jerk(1.0, 100) + 0.05 * (1 + np.sin(2 * np.pi * 5 * time_s))
     assert movement_units(wobbling, 100) == 1
@@ -97,7 +97,7 @@ def test_the_stronger_the_tremor_the_larger_its_share() -> None:
     assert shares[-1] > 0.99
 
 
-def test_the_bias_of_a_gyroscope_is_no_movement() -> None:
+def test_the_bias_of_a_gyroscope_is_not_movement() -> None:
     reach = about_one_axis(np.concatenate([minimum_jerk(1.2, 250), -minimum_jerk(1.2, 250)]))
     assert tremor_index(reach + np.array([0.1, -0.2, 0.3]), 250) == pytest.approx(tremor_index(reach, 250))
 
@@ -107,7 +107,7 @@ def test_the_bias_of_a_gyroscope_is_no_movement() -> None:
     [np.array([]), np.ones(4), np.zeros(200), np.full(200, np.nan), np.append(np.ones(200), np.inf)],
     ids=["empty", "short", "still", "nan", "infinite"],
 )
-def test_where_nothing_can_be_measured_there_is_no_number(speed: Floats) -> None:
+def test_smoothness_is_none_if_it_cannot_be_measured(speed: Floats) -> None:
     assert sparc(speed, 250) is None
     assert ldlj(speed, 250) is None
     assert movement_units(speed, 250) == 0
@@ -123,7 +123,7 @@ def test_a_steady_speed_has_no_jerk_to_measure() -> None:
     st.lists(st.floats(0, 1e300), max_size=80),
     st.sampled_from([0.0, 10.0, 50.0, 100.0, 250.0]),
 )
-def test_whatever_is_measured_is_a_finite_number(values: list[float], rate_hz: float) -> None:
+def test_every_measure_is_finite(values: list[float], rate_hz: float) -> None:
     speed = np.array(values)
     for value in (sparc(speed, rate_hz), ldlj(speed, rate_hz), tremor_index(about_one_axis(speed), rate_hz)):
         assert value is None or math.isfinite(value)

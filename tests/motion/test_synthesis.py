@@ -31,14 +31,14 @@ def a_hand(profile: str = "patient", seed: int = 3, rate_hz: float = 250.0) -> S
 
 @given(cuts=st.lists(st.integers(0, 5 * SECOND), max_size=8), rate_hz=st.sampled_from([60.0, 250.0, 1000.0]))
 @examples(30)
-def test_the_samples_are_the_same_however_they_are_asked_for(cuts: list[int], rate_hz: float) -> None:
+def test_samples_do_not_depend_on_how_they_are_requested(cuts: list[int], rate_hz: float) -> None:
     whole = a_hand(rate_hz=rate_hz).samples(0, 5 * SECOND)
     hand, edges = a_hand(rate_hz=rate_hz), [0, *sorted(cuts), 5 * SECOND]
     parts = [hand.samples(begin, end) for begin, end in itertools.pairwise(edges)]
     assert np.concatenate(parts).tobytes() == whole.tobytes()
 
 
-def test_another_seed_is_another_noise() -> None:
+def test_another_seed_gives_other_noise() -> None:
     assert a_hand(seed=1).samples(0, SECOND).tobytes() != a_hand(seed=2).samples(0, SECOND).tobytes()
 
 
@@ -52,7 +52,7 @@ def test_samples_lie_on_the_grid_of_the_first_call() -> None:
     assert hand.samples(SECOND, 2 * SECOND)["at"][0] == 1_000_000_007
 
 
-def test_a_clean_hand_turns_as_it_was_reported_and_only_then() -> None:
+def test_a_noiseless_hand_moves_exactly_during_its_reaches() -> None:
     made = simulate([REACH])
     (onset, end), time, turning = made.truth[0], made.recording.time_s, made.recording.rate[:, 2]
     assert turning.max() == pytest.approx(2.0, rel=1e-3)
@@ -92,7 +92,7 @@ def test_a_reach_without_time_or_with_one_submovement_is_refused() -> None:
         hand.move(0, ReachShape(out_s=1.0, back_s=1.0, submovements=1))
 
 
-def test_gravity_is_all_a_hand_at_rest_feels_and_it_turns_with_the_hand() -> None:
+def test_a_hand_at_rest_measures_gravity_which_turns_with_it() -> None:
     profile = Profile(axis=(1.0, 0.0, 0.0))
     turn = ReachShape(out_s=0.5, back_s=0.5, peak_out=2.0, peak_back=-1e-9)
     acceleration = simulate([turn], profile).recording.acceleration
@@ -111,7 +111,7 @@ def test_a_sensor_shows_its_noise_and_bias_at_rest() -> None:
     assert rate.std(axis=0) == pytest.approx([0.05] * 3, rel=0.05)
 
 
-def test_a_drifting_sensor_is_off_by_more_as_time_goes() -> None:
+def test_the_error_of_a_drifting_sensor_grows() -> None:
     rate = SimulatedHand(Profile(drift_rad_s_per_s=0.01)).samples(0, 10 * SECOND)["rate"]
     assert rate[-1] == pytest.approx([0.1] * 3, abs=0.001)
 
@@ -134,7 +134,7 @@ def test_a_lossy_sensor_loses_its_share() -> None:
     assert len(samples) == pytest.approx(2250, abs=60)
 
 
-def test_what_is_beyond_the_range_is_not_delivered_and_flagged() -> None:
+def test_samples_beyond_the_range_are_dropped_and_flagged() -> None:
     profile = Profile(saturation_rad_s=1.5)
     recording = simulate([REACH], profile).recording
     assert np.abs(recording.rate).max() <= 1.5
@@ -147,7 +147,7 @@ def test_an_axis_of_no_length_is_refused() -> None:
         SimulatedHand(Profile(axis=(0.0, 0.0, 0.0)))
 
 
-def test_the_table_s_reaches_have_its_times_and_amplitudes() -> None:
+def test_the_reaches_of_the_table_have_its_times_and_amplitudes() -> None:
     made = table_4_1_recording()
     time, turning = made.recording.time_s, made.recording.rate[:, 2]
     for row, (onset, end) in zip(TABLE_4_1, made.truth, strict=True):

@@ -44,7 +44,7 @@ def translations(name: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("name", TASKS)
-def test_every_text_of_a_task_is_translated_and_no_translation_is_of_a_text_that_is_gone(name: str) -> None:
+def test_every_text_of_a_task_is_translated_and_no_translation_is_obsolete(name: str) -> None:
     kind = Catalogue().task(name)
     folder = task_folder(kind)
     texts = declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in folder.glob("*.py")))
@@ -58,11 +58,11 @@ def test_every_text_of_a_task_is_translated_and_no_translation_is_of_a_text_that
 
 
 @pytest.mark.parametrize("name", Catalogue().task_names())
-def test_what_a_task_adds_to_feedback_in_words_holds_no_number_in_any_language(name: str) -> None:
+def test_remarks_of_a_task_contain_no_number_in_any_language(name: str) -> None:
     assert numbers(Catalogue().task(name)) == []
 
 
-def test_the_remarks_of_reaching_are_among_what_is_looked_at_and_none_asks_for_what_will_not_come() -> None:
+def test_the_remarks_of_reaching_are_checked_and_none_asks_for_a_trial_that_will_not_come() -> None:
     folder = task_folder(Catalogue().task("reaching"))
     remarks = remarks_in((folder / "task.py").read_text("utf-8"))
     assert {"The sensor missed a part of that reach, so it does not count."} < remarks
@@ -75,9 +75,7 @@ def test_the_remarks_of_reaching_are_among_what_is_looked_at_and_none_asks_for_w
 @pytest.mark.parametrize("code", ["en", "es"])
 @pytest.mark.parametrize("person", first(1, PEOPLE))
 @pytest.mark.parametrize("name", TASKS)
-def test_whoever_does_a_task_hears_no_number_in_feedback_in_words(
-    name: str, person: str, code: str, data: Path
-) -> None:
+def test_feedback_in_words_contains_no_number_in_a_session(name: str, person: str, code: str, data: Path) -> None:
     catalogue = Catalogue()
     wanted = {"language": code, "feedback_form": "qualitative", "feedback_schedule": "every"}
     plan = make_plan(catalogue, name, ["P1"], {**SETTINGS[name], **wanted}, seed=3, mode="simulated")
@@ -119,7 +117,7 @@ def told(data: Path, name: str, person: str, code: str = "es") -> Iterator[str]:
 
 @pytest.mark.parametrize("person", first(1, ["poor", "competent"]))
 @pytest.mark.parametrize("name", TASKS)
-def test_a_session_in_spanish_says_nothing_in_english(name: str, person: str, data: Path) -> None:
+def test_a_session_in_spanish_contains_no_english(name: str, person: str, data: Path) -> None:
     shown = list(told(data, name, person))
     said = phrases(Catalogue().theme("calm"), Catalogue().theme("calm", "es"))
     assert english_in(shown, translations(name) | said) == []
@@ -128,7 +126,7 @@ def test_a_session_in_spanish_says_nothing_in_english(name: str, person: str, da
 
 
 @pytest.mark.parametrize("name", TASKS)
-def test_the_same_session_in_english_is_full_of_it(name: str, data: Path) -> None:
+def test_the_same_session_in_english_contains_the_english_texts(name: str, data: Path) -> None:
     found = {text for text, _ in english_in(told(data, name, "poor", "en"), translations(name))}
     assert {"attempt {number} of {total}", "practice {number} of {total}"} <= found
 
@@ -140,12 +138,12 @@ def stimulus(task: Task, level: int = 1, trial: int = 1) -> Stimulus:
     return task.stimulus(Situation(1, trial, level, RandomStreams(1, 1, trial), RandomStreams(1)))
 
 
-def test_a_key_is_asked_for_in_one_plain_run_of_characters() -> None:
+def test_a_key_prompt_is_one_plain_line() -> None:
     shown = stimulus(make("keyboard"))
     assert shown.text == f"Pulse: {shown.expected}"
 
 
-def test_an_arrow_is_called_by_its_name() -> None:
+def test_an_arrow_key_is_named() -> None:
     task = make("keyboard", choice_set="arrow keys")
     shown = {stimulus(task, 3, trial).text for trial in range(40)}
     assert shown == {"Pulse: izquierda", "Pulse: derecha", "Pulse: arriba", "Pulse: abajo"}
@@ -153,7 +151,7 @@ def test_an_arrow_is_called_by_its_name() -> None:
 
 
 @pytest.mark.parametrize(("go_signal", "glyph"), [(True, "YA"), (False, "ALCANCE")])
-def test_a_reach_is_asked_for_in_large_letters_that_fit(go_signal: bool, glyph: str) -> None:
+def test_a_reach_prompt_fits_in_large_letters(go_signal: bool, glyph: str) -> None:
     shown = stimulus(make("reaching", go_signal=go_signal, marker_distances_cm=[22.5]))
     assert (shown.text, shown.glyph, shown.name) == ("Alcance: 22,5 cm", glyph, "22.5 cm")
     assert len(draw(glyph, 78, 12)) > 1
@@ -172,16 +170,16 @@ def test_a_reach_is_asked_for_in_large_letters_that_fit(go_signal: bool, glyph: 
         ),
     ],
 )
-def test_a_goal_has_its_figures_and_its_plural_as_spanish_has_them(parameters: dict[str, object], goal: str) -> None:
+def test_numbers_and_plurals_of_a_goal_follow_spanish_rules(parameters: dict[str, object], goal: str) -> None:
     assert make("keyboard", **parameters).goal(1) == goal
 
 
 @pytest.mark.parametrize(("prompts", "asks"), [(1, "pide 1 tecla."), (20, "pide 20 teclas.")])
-def test_the_instructions_count_keys_as_spanish_does(prompts: int, asks: str) -> None:
+def test_the_instructions_use_spanish_plurals(prompts: int, asks: str) -> None:
     assert asks in make("keyboard", prompts_per_attempt=prompts).instructions()
 
 
-def test_a_reach_has_its_goal_its_start_and_its_notice_in_spanish() -> None:
+def test_the_texts_of_a_reach_are_in_spanish() -> None:
     task = make("reaching")
     assert task.goal(2) == "Hasta el marcador 2 (20 cm) y vuelta.\nSu meta: menos de 1,39 segundos."
     assert task.start(1) == "Apoye la mano en el punto de salida.\nDespués vaya hasta el marcador 1 (15 cm) y vuelva."
@@ -189,7 +187,7 @@ def test_a_reach_has_its_goal_its_start_and_its_notice_in_spanish() -> None:
     assert task.notice(1, 2) == "Ahora el marcador 1: un poco más cerca"
 
 
-def test_no_instruction_is_longer_than_the_screen_has_room_for() -> None:
+def test_every_instruction_fits_on_the_screen() -> None:
     for name in TASKS:
         lines = make(name).instructions().split("\n")
         assert sum(1 + len(line) // 72 for line in lines) <= 9

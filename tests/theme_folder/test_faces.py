@@ -26,11 +26,11 @@ def test_a_face_that_fits_has_no_problems() -> None:
         ("o o\no\to\n===", r"The face happy is drawn with what does not fill one column: '\t'."),
     ],
 )
-def test_a_face_that_does_not_fit_is_told(face: str, problem: str) -> None:
+def test_a_face_that_does_not_fit_is_reported(face: str, problem: str) -> None:
     assert drawing_problems("happy", face, 2) == [problem]
 
 
-def test_faces_of_different_size_are_filled_up_so_that_nothing_jumps() -> None:
+def test_faces_are_padded_to_one_size() -> None:
     assert fitted({"happy": "o o\n =", "sleeping": "- - z\n  -\n..."}) == {
         "happy": "o o  \n =   \n     ",
         "sleeping": "- - z\n  -  \n...  ",
@@ -39,6 +39,6 @@ def test_faces_of_different_size_are_filled_up_so_that_nothing_jumps() -> None:
 
 
 @given(st.characters(exclude_characters="\n"))
-def test_what_may_be_drawn_fills_one_column(character: str) -> None:
+def test_allowed_characters_fill_one_column(character: str) -> None:
     if not drawing_problems("happy", f".\n.\n.{character}", 2):
         assert cell_len(character) == 1

@@ -72,7 +72,7 @@ def worn(folder: Path, language: str = "en") -> Theme:
     return theme
 
 
-def test_a_whole_theme_needs_no_repair(mine: Path) -> None:
+def test_a_complete_theme_needs_no_repair(mine: Path) -> None:
     theme = worn(mine)
     assert theme.repairs == ()
     assert (theme.name, theme.title, theme.language, theme.languages) == ("mine", "Playful", "en", ("en", "es"))
@@ -82,14 +82,14 @@ def test_a_whole_theme_needs_no_repair(mine: Path) -> None:
 # --- phrases ---------------------------------------------------------------------------------------------------------
 
 
-def test_a_missing_phrase_is_the_default_themes(mine: Path, calm: Theme) -> None:
+def test_a_missing_phrase_is_taken_from_the_default_theme(mine: Path, calm: Theme) -> None:
     without(mine, "goodbye", "en")
     theme = worn(mine)
     assert theme.phrases["goodbye"] == calm.phrases["goodbye"]
     assert theme.repairs == ("There is no wording for goodbye (en).",)
 
 
-def test_a_phrase_missing_in_spanish_alone_is_english(mine: Path, catalogue: Catalogue) -> None:
+def test_a_phrase_missing_only_in_spanish_is_taken_from_english(mine: Path, catalogue: Catalogue) -> None:
     without(mine, "rest", "es")
     theme = worn(mine, "es")
     assert theme.phrases["rest"] == catalogue.theme("playful").phrases["rest"]
@@ -99,19 +99,19 @@ def test_a_phrase_missing_in_spanish_alone_is_english(mine: Path, catalogue: Cat
     assert worn(mine, "en").repairs == ()
 
 
-def test_a_phrase_missing_in_both_languages_is_the_default_themes_in_spanish(mine: Path, catalogue: Catalogue) -> None:
+def test_a_phrase_missing_in_both_languages_is_the_default_themes_spanish(mine: Path, catalogue: Catalogue) -> None:
     without(mine, "rest", "es")
     without(mine, "rest", "en")
     assert worn(mine, "es").phrases["rest"] == catalogue.theme("calm", "es").phrases["rest"]
 
 
-def test_an_english_phrase_that_stands_in_is_held_against_english_numbers(mine: Path, change: Change) -> None:
+def test_a_substituted_english_phrase_is_checked_for_english_numbers(mine: Path, change: Change) -> None:
     without(mine, "goodbye", "es")
     change("phrases.en.toml", "We are done! I liked", "Par for the course! I liked")
     assert any("Par for" in wording for wording in worn(mine, "es").phrases["goodbye"])
 
 
-def test_a_bad_wording_is_left_out_and_the_others_are_said(mine: Path, change: Change) -> None:
+def test_an_invalid_wording_is_left_out_and_the_others_are_used(mine: Path, change: Change) -> None:
     change("phrases.en.toml", '"Hi there! Let us play together."', '"Hi {name}!", "We play twice."')
     theme = worn(mine)
     assert len(theme.phrases["greeting"]) == 2
@@ -122,7 +122,7 @@ def test_a_bad_wording_is_left_out_and_the_others_are_said(mine: Path, change: C
 
 
 @pytest.mark.parametrize("value", ['"Hello!"', "3", "[1, 2]", "{ a = 1 }"])
-def test_wordings_that_are_no_list_of_texts_are_the_default_themes(mine: Path, calm: Theme, value: str) -> None:
+def test_wordings_that_are_not_a_list_of_texts_are_replaced(mine: Path, calm: Theme, value: str) -> None:
     without(mine, "goodbye", "en")
     file = mine / "phrases.en.toml"
     file.write_text(f"goodbye = {value}\n" + file.read_text(encoding="utf-8"), encoding="utf-8")
@@ -131,12 +131,12 @@ def test_wordings_that_are_no_list_of_texts_are_the_default_themes(mine: Path, c
     assert theme.repairs[0] == "The wordings for goodbye (en) have to be a list of texts."
 
 
-def test_an_unknown_situation_is_named(mine: Path, change: Change) -> None:
+def test_an_unknown_phrase_key_is_named(mine: Path, change: Change) -> None:
     change("phrases.en.toml", "\ngoodbye = [", "\nfarewell = ['Bye.']\ngoodbye = [")
     assert worn(mine).repairs == ("farewell is not a situation (en).",)
 
 
-def test_words_of_the_vocabulary_fall_back_too(mine: Path, change: Change, calm: Theme) -> None:
+def test_vocabulary_falls_back_too(mine: Path, change: Change, calm: Theme) -> None:
     change("phrases.es.toml", 'goal = "la meta"\n', "")
     assert worn(mine, "es").vocabulary["goal"] == "the goal"
     assert worn(mine, "es").repairs == ("The vocabulary lacks goal (es).",)
@@ -150,16 +150,14 @@ def test_words_of_the_vocabulary_fall_back_too(mine: Path, change: Change, calm:
     )
 
 
-def test_the_vocabulary_holds_no_number_for_it_fills_wordings_in_words(mine: Path, change: Change) -> None:
+def test_the_vocabulary_contains_no_number(mine: Path, change: Change) -> None:
     change("phrases.es.toml", "tu promedio de hoy", "tu media de hoy")
     theme = worn(mine, "es")
     assert theme.repairs == ("session_mean in vocabulary (es) holds a number.",)
     assert theme.vocabulary["session_mean"] == worn(mine).vocabulary["session_mean"]
 
 
-def test_a_number_in_the_english_vocabulary_is_left_out_for_the_default_themes_word(
-    mine: Path, change: Change, calm: Theme
-) -> None:
+def test_an_english_vocabulary_entry_with_a_number_is_replaced(mine: Path, change: Change, calm: Theme) -> None:
     change("phrases.en.toml", 'goal = "the goal"', 'goal = "half the goal"')
     assert worn(mine).vocabulary["goal"] == calm.vocabulary["goal"]
 
@@ -180,7 +178,7 @@ def test_a_unit_that_cannot_be_spoken_is_left_out(mine: Path, change: Change, un
     assert theme.spoken("412 ms, and 3 more; 2 kg") == "412 milliseconds, and 3 more; 2 kg"
 
 
-def test_a_table_of_words_that_is_none_is_told(mine: Path, change: Change) -> None:
+def test_a_vocabulary_that_is_not_a_table_is_reported(mine: Path, change: Change) -> None:
     change("phrases.en.toml", "[units]\n", "[other]\n")
     change("phrases.en.toml", "\ngoodbye = [", "\nunits = 'none'\ngoodbye = [")
     theme = worn(mine)
@@ -191,14 +189,14 @@ def test_a_table_of_words_that_is_none_is_told(mine: Path, change: Change) -> No
 # --- languages -------------------------------------------------------------------------------------------------------
 
 
-def test_of_a_language_that_there_is_not_the_theme_speaks_english(mine: Path) -> None:
+def test_a_theme_without_a_language_speaks_english(mine: Path) -> None:
     theme = worn(mine, "fr")
     assert theme.language == "en"
     assert theme.phrases == worn(mine).phrases
     assert theme.repairs == ("There is no phrases.fr.toml; the agent speaks English.",)
 
 
-def test_a_language_of_a_country_is_that_of_the_language_unless_it_has_its_own(mine: Path, change: Change) -> None:
+def test_a_regional_language_falls_back_to_its_base_language(mine: Path, change: Change) -> None:
     assert worn(mine, "es-mx").phrases == worn(mine, "es").phrases
     assert worn(mine, "es-mx").language == "es-mx"
     assert worn(mine, "en-gb").repairs == ()
@@ -207,7 +205,7 @@ def test_a_language_of_a_country_is_that_of_the_language_unless_it_has_its_own(m
     assert languages(mine) == ("en", "es", "es-mx")
 
 
-def test_a_theme_without_english_is_told_and_filled_up(mine: Path) -> None:
+def test_a_theme_without_english_is_reported_and_completed(mine: Path) -> None:
     (mine / "phrases.en.toml").unlink()
     theme = worn(mine, "es")
     assert theme.language == "es"
@@ -216,7 +214,7 @@ def test_a_theme_without_english_is_told_and_filled_up(mine: Path) -> None:
         load_theme(mine)
 
 
-def test_a_theme_may_word_the_screens_in_its_own_way(mine: Path) -> None:
+def test_a_theme_may_replace_screen_texts(mine: Path) -> None:
     (mine / "words.es.toml").write_text('"Press Enter" = "Pulsa Intro"\nodd = 3\n', encoding="utf-8")
     (mine / "words.es-mx.toml").write_text('"Press Enter" = "Oprime Enter"\n', encoding="utf-8")
     assert worn(mine, "es").texts == {"Press Enter": "Pulsa Intro"}
@@ -225,7 +223,7 @@ def test_a_theme_may_word_the_screens_in_its_own_way(mine: Path) -> None:
     assert worn(mine, "es").repairs == ("The wording of 'odd' in words.es.toml is not a text.",)
 
 
-def test_words_for_the_screens_with_other_slots_than_their_english_are_left_out(mine: Path) -> None:
+def test_screen_texts_with_other_slots_are_left_out(mine: Path) -> None:
     (mine / "words.en.toml").write_text('"level {level}" = "step {step}"\n"Help" = "What is this?"\n', encoding="utf-8")
     theme = worn(mine)
     assert theme.texts == {"Help": "What is this?"}
@@ -236,16 +234,14 @@ def test_words_for_the_screens_with_other_slots_than_their_english_are_left_out(
 
 
 @pytest.mark.parametrize("value", ['"red"', '"#12345"', "3", '""', "[]"])
-def test_a_colour_that_is_none_is_the_default_themes_if_it_can_be_read_there(
-    mine: Path, change: Change, value: str
-) -> None:
+def test_an_invalid_colour_is_replaced_by_a_legible_default(mine: Path, change: Change, value: str) -> None:
     change("theme.toml", 'accent = "#a33b00"', f"accent = {value}")
     theme = worn(mine)
     assert theme.repairs[0].startswith("accent is not a colour like #a0b1c2: ")
     assert min(theme.colors.contrasts().values()) >= 4.5
 
 
-def test_a_missing_and_an_unknown_colour_are_told(mine: Path, change: Change, calm: Theme) -> None:
+def test_missing_and_unknown_colours_are_reported(mine: Path, change: Change, calm: Theme) -> None:
     change("theme.toml", "background = ", "backdrop = ")
     theme = worn(mine)
     assert theme.colors.background == calm.colors.background
@@ -253,7 +249,7 @@ def test_a_missing_and_an_unknown_colour_are_told(mine: Path, change: Change, ca
     assert theme.repairs[1] == "background is not a colour like #a0b1c2: nothing."
 
 
-def test_text_too_faint_to_read_is_black_or_white_and_told_with_its_contrast(mine: Path, change: Change) -> None:
+def test_a_text_colour_of_low_contrast_is_replaced_and_reported(mine: Path, change: Change) -> None:
     change("theme.toml", 'muted = "#6b5138"', 'muted = "#d0c0a0"')
     theme = worn(mine)
     assert theme.colors.muted == "#000000"
@@ -265,14 +261,14 @@ def test_text_too_faint_to_read_is_black_or_white_and_told_with_its_contrast(min
 
 @given(st.lists(st.from_regex("#[0-9a-f]{6}", fullmatch=True), min_size=8, max_size=8))
 @examples(30)
-def test_whatever_the_colours_text_can_be_read_on_its_background(mine: Path, calm: Theme, values: list[str]) -> None:
+def test_text_has_enough_contrast_with_any_colours(mine: Path, calm: Theme, values: list[str]) -> None:
     colors = dict(zip(msgspec.structs.asdict(calm.colors), values, strict=True))
     colors["surface"] = colors["background"]
     (mine / "theme.toml").write_text(f"colors = {as_toml(colors)}", encoding="utf-8")
     assert min(worn(mine).colors.contrasts().values()) >= 4.5
 
 
-def test_a_missing_and_an_unknown_face_are_told(mine: Path, change: Change, calm: Theme) -> None:
+def test_missing_and_unknown_faces_are_reported(mine: Path, change: Change, calm: Theme) -> None:
     change("theme.toml", "sleeping = '''", "asleep = '''")
     theme = worn(mine)
     assert theme.faces["sleeping"] == calm.faces["sleeping"]
@@ -281,7 +277,7 @@ def test_a_missing_and_an_unknown_face_are_told(mine: Path, change: Change, calm
 
 
 @pytest.mark.parametrize("drawing", ["(o_o)", "'''\nx\n'''", "'''\n😀\n😀\n😀\n'''", "'''\n123456789012\n.\n.\n'''"])
-def test_a_face_that_does_not_fit_is_the_default_themes(mine: Path, change: Change, calm: Theme, drawing: str) -> None:
+def test_a_face_that_does_not_fit_is_replaced(mine: Path, change: Change, calm: Theme, drawing: str) -> None:
     text = (mine / "theme.toml").read_text(encoding="utf-8")
     cat = text[text.index("sleeping = '''") : text.index("'''", text.index("sleeping = '''") + 15) + 3]
     change("theme.toml", cat, f"sleeping = {drawing}" if drawing[0] == "'" else f'sleeping = "{drawing}"')
@@ -290,7 +286,7 @@ def test_a_face_that_does_not_fit_is_the_default_themes(mine: Path, change: Chan
     assert "face sleeping" in theme.repairs[0]
 
 
-def test_spaces_that_an_editor_took_off_the_ends_of_lines_do_no_harm(mine: Path) -> None:
+def test_trailing_spaces_stripped_by_an_editor_are_restored(mine: Path) -> None:
     whole = worn(mine).faces
     lines = (mine / "theme.toml").read_text(encoding="utf-8").split("\n")
     (mine / "theme.toml").write_text("\n".join(map(str.rstrip, lines)), encoding="utf-8")
@@ -298,7 +294,7 @@ def test_spaces_that_an_editor_took_off_the_ends_of_lines_do_no_harm(mine: Path)
     assert worn(mine).repairs == ()
 
 
-def test_faces_of_different_height_are_told(mine: Path, change: Change) -> None:
+def test_faces_of_different_height_are_reported(mine: Path, change: Change) -> None:
     change("theme.toml", "│  = ‿ =  │\n ╰───────╯ \n", "│  = ‿ =  │\n")
     assert worn(mine).repairs == ("The faces have 3 and 4 lines; all have to have the same number.",)
     assert {face.count("\n") for face in worn(mine).faces.values()} == {3}
@@ -318,7 +314,7 @@ def test_faces_of_different_height_are_told(mine: Path, change: Change) -> None:
         ("nod = [\n", "bow = [\n", "There is no gesture nod."),
     ],
 )  # fmt: skip
-def test_a_gesture_that_cannot_be_made_is_the_default_themes(
+def test_an_invalid_gesture_is_replaced(
     mine: Path, change: Change, calm: Theme, old: str, new: str, repair: str
 ) -> None:
     change("theme.toml", old, new)
@@ -327,7 +323,7 @@ def test_a_gesture_that_cannot_be_made_is_the_default_themes(
     assert [told for told in theme.repairs if told.startswith(repair)] == list(theme.repairs) != []
 
 
-def test_a_theme_may_have_gestures_of_its_own(mine: Path, change: Change) -> None:
+def test_a_theme_may_define_gestures(mine: Path, change: Change) -> None:
     change("theme.toml", "[gestures]\n", "[gestures]\nbow = [{ at_ms = 300, nod = 1 }, { at_ms = 600 }]\n")
     change("theme.toml", "[manner.positive]\n", '[manner.goodbye]\ngesture = "bow"\n[manner.positive]\n')
     theme = worn(mine)
@@ -346,7 +342,7 @@ def test_a_theme_may_have_gestures_of_its_own(mine: Path, change: Change) -> Non
         ('smell = "nice"', "manner.positive in theme.toml cannot be used: Object contains unknown field `smell`"),
     ],
 )
-def test_a_manner_that_there_is_not_goes_as_usual(mine: Path, change: Change, manner: str, repair: str) -> None:
+def test_an_unknown_manner_falls_back_to_the_default(mine: Path, change: Change, manner: str, repair: str) -> None:
     change("theme.toml", '[manner.positive]\ngesture = "cheer"', f"[manner.positive]\n{manner}")
     theme = worn(mine)
     assert theme.manner("positive") == MANNERS["positive"]
@@ -371,9 +367,7 @@ def test_a_manner_that_there_is_not_goes_as_usual(mine: Path, change: Change, ma
         ("mouth_line = 2", "mouth_line = 'two'", "mouth_line in theme.toml cannot be used: Expected `int`"),
     ],
 )  # fmt: skip
-def test_anything_else_that_is_wrong_is_told_and_does_no_harm(
-    mine: Path, change: Change, old: str, new: str, repair: str
-) -> None:
+def test_other_faults_are_reported_and_harmless(mine: Path, change: Change, old: str, new: str, repair: str) -> None:
     change("theme.toml", old, new)
     theme = worn(mine)
     assert theme.repairs[0].startswith(repair)
@@ -381,7 +375,7 @@ def test_anything_else_that_is_wrong_is_told_and_does_no_harm(
     assert theme.title
 
 
-def test_a_voice_that_cannot_be_is_the_usual_one(mine: Path, change: Change) -> None:
+def test_an_invalid_voice_is_replaced(mine: Path, change: Change) -> None:
     change("theme.toml", "rate = 160", "rate = 'fast'")
     assert worn(mine).voice == Voice()
     change("theme.toml", "[voice]\nrate = 'fast'", "[other]")
@@ -390,7 +384,7 @@ def test_a_voice_that_cannot_be_is_the_usual_one(mine: Path, change: Change) -> 
     assert "voice in theme.toml cannot be used: Expected `object`, got `int`." in worn(mine).repairs
 
 
-def test_a_table_that_is_none_is_told(mine: Path, calm: Theme) -> None:
+def test_a_value_in_place_of_a_table_is_reported(mine: Path, calm: Theme) -> None:
     tables = ("colors", "faces", "gestures", "manner", "tones", "images")
     (mine / "theme.toml").write_text("".join(f"{table} = 3\n" for table in tables), encoding="utf-8")
     theme = worn(mine)
@@ -398,7 +392,7 @@ def test_a_table_that_is_none_is_told(mine: Path, calm: Theme) -> None:
     assert {f"{table} in theme.toml has to be a table." for table in tables} < set(theme.repairs)
 
 
-def test_images_have_to_lie_in_the_folder(mine: Path, change: Change) -> None:
+def test_images_must_be_in_the_themes_folder(mine: Path, change: Change) -> None:
     (mine / "happy.png").write_bytes(b"\x89PNG")
     (mine.parent / "outside.png").write_bytes(b"\x89PNG")
     images = (
@@ -416,9 +410,7 @@ def test_images_have_to_lie_in_the_folder(mine: Path, change: Change) -> None:
 
 
 @pytest.mark.parametrize("name", ["a\\u0000b.png", "a" * 300 + ".png", "a/" * 3000])
-def test_an_image_that_no_file_can_be_called_is_left_out_and_told_in_a_short_sentence(
-    mine: Path, change: Change, name: str
-) -> None:
+def test_an_impossible_image_name_is_left_out_and_reported_briefly(mine: Path, change: Change, name: str) -> None:
     change("theme.toml", "[tones]", f'[images]\nhappy = "{name}"\n[tones]')
     theme = worn(mine)
     assert theme.images == {}
@@ -428,14 +420,14 @@ def test_an_image_that_no_file_can_be_called_is_left_out_and_told_in_a_short_sen
     assert len(told) < 100
 
 
-def test_a_ring_of_links_is_no_image(mine: Path, change: Change) -> None:
+def test_a_symlink_loop_is_not_an_image(mine: Path, change: Change) -> None:
     (mine / "happy.png").symlink_to(mine / "happy.png")
     change("theme.toml", "[tones]", '[images]\nhappy = "happy.png"\n[tones]')
     assert worn(mine).repairs == ("There is no image happy.png for happy.",)
 
 
 @pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte"), OverflowError("too large")])
-def test_whatever_goes_wrong_in_reading_a_theme_is_one_sentence(
+def test_any_error_reading_a_theme_is_one_sentence(
     mine: Path, monkeypatch: pytest.MonkeyPatch, fault: Exception
 ) -> None:
     def fail(*_: object) -> None:
@@ -447,7 +439,7 @@ def test_whatever_goes_wrong_in_reading_a_theme_is_one_sentence(
 
 
 @pytest.mark.parametrize("asked", ["1", "4.49", "-3", "-inf", "-1" + "0" * 400])
-def test_no_theme_may_be_content_with_text_that_is_hard_to_read(mine: Path, change: Change, asked: str) -> None:
+def test_a_theme_cannot_lower_the_required_contrast(mine: Path, change: Change, asked: str) -> None:
     change("theme.toml", 'muted = "#6b5138"', 'muted = "#d0c0a0"')
     change("theme.toml", "minimum_contrast = 4.5", f"minimum_contrast = {asked}")
     theme = worn(mine)
@@ -457,7 +449,7 @@ def test_no_theme_may_be_content_with_text_that_is_hard_to_read(mine: Path, chan
     assert theme.repairs[0].endswith("; it has to be at least 4.5, below which text is hard to read.")
 
 
-def test_whether_a_theme_may_have_images_is_known_without_reading_it(mine: Path, change: Change) -> None:
+def test_the_presence_of_images_is_known_without_reading_the_theme(mine: Path, change: Change) -> None:
     assert not may_have_images(mine)
     change("theme.toml", "[tones]", '[images]\nhappy = "happy.png"\n[tones]')
     assert may_have_images(mine)
@@ -465,7 +457,7 @@ def test_whether_a_theme_may_have_images_is_known_without_reading_it(mine: Path,
     assert not may_have_images(mine)
 
 
-def test_an_empty_theme_is_the_default_one_under_its_own_name(tmp_path: Path, calm: Theme) -> None:
+def test_an_empty_theme_equals_the_default_under_its_own_name(tmp_path: Path, calm: Theme) -> None:
     folder = tmp_path / "bare"
     folder.mkdir()
     for name in ("theme.toml", "phrases.en.toml"):
@@ -480,13 +472,13 @@ def test_an_empty_theme_is_the_default_one_under_its_own_name(tmp_path: Path, ca
 # --- files that cannot be read ---------------------------------------------------------------------------------------
 
 
-def test_an_empty_folder_is_no_theme(tmp_path: Path) -> None:
+def test_an_empty_folder_is_not_a_theme(tmp_path: Path) -> None:
     with pytest.raises(ThemeError, match=r"^There is no theme\.toml\.$"):
         read_theme(tmp_path)
 
 
 @pytest.mark.parametrize("name", ["theme.toml", "phrases.en.toml"])
-def test_a_file_that_is_no_toml_is_told_with_the_place(mine: Path, name: str) -> None:
+def test_invalid_toml_is_reported_with_its_position(mine: Path, name: str) -> None:
     (mine / name).write_text('title = "Mine"\ngreeting = [\n', encoding="utf-8")
     with pytest.raises(PluginError) as caught:
         load_theme(mine)
@@ -496,7 +488,7 @@ def test_a_file_that_is_no_toml_is_told_with_the_place(mine: Path, name: str) ->
         load_theme(mine)
 
 
-def test_letters_in_another_encoding_are_told_with_the_line(mine: Path) -> None:
+def test_another_encoding_is_reported_with_the_line(mine: Path) -> None:
     (mine / "phrases.es.toml").write_bytes('greeting = [\n"¡Hola!"]\n'.encode("latin-1"))
     with pytest.raises(PluginError) as caught:
         load_theme(mine, "es")
@@ -504,14 +496,14 @@ def test_letters_in_another_encoding_are_told_with_the_line(mine: Path) -> None:
     assert worn(mine, "en").repairs == ()
 
 
-def test_a_mark_that_some_editors_put_before_the_text_does_no_harm(mine: Path) -> None:
+def test_a_byte_order_mark_is_ignored(mine: Path) -> None:
     for file in files(mine):
         file.write_bytes(b"\xef\xbb\xbf" + file.read_bytes().replace(b"\n", b"\r\n"))
     assert worn(mine).repairs == ()
     assert worn(mine).faces == load_theme(mine, "es").faces
 
 
-def test_a_folder_where_a_file_should_be_is_told(mine: Path) -> None:
+def test_a_folder_in_place_of_a_file_is_reported(mine: Path) -> None:
     (mine / "theme.toml").unlink()
     (mine / "theme.toml").mkdir()
     with pytest.raises(PluginError, match=r"theme\.toml cannot be read: Is a directory\."):
@@ -527,9 +519,7 @@ JUNK = st.recursive(
 
 @given(data=st.data())
 @examples(60)
-def test_whatever_stands_in_its_files_a_theme_that_can_be_read_is_whole(
-    mine: Path, catalogue: Catalogue, data: st.DataObject
-) -> None:
+def test_any_theme_that_can_be_read_is_complete(mine: Path, catalogue: Catalogue, data: st.DataObject) -> None:
     for name in ("theme.toml", "phrases.en.toml"):
         table = tomllib.loads((catalogue.theme_folder("playful") / name).read_text(encoding="utf-8"))
         for key in data.draw(st.lists(st.sampled_from(sorted(table)), max_size=3)):

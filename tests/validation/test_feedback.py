@@ -41,7 +41,7 @@ def failed(report: Report) -> list[Claim]:
 # --- Figures 4.11 and 4.12 ------------------------------------------------------------------------------------
 
 
-def test_a_poor_user_gets_an_answer_to_each_of_twenty_attempts(conditions: Conditions) -> None:
+def test_a_poor_user_gets_feedback_on_each_of_twenty_attempts(conditions: Conditions) -> None:
     report = feedback.poor(conditions)
     assert not failed(report)
     assert [row["attempt"] for row in report.rows] == list(range(1, 21)) * 3
@@ -61,9 +61,7 @@ def test_a_competent_user_gets_more_praise_than_a_poor_one(conditions: Condition
     assert praised["competent"] > praised["poor"]
 
 
-def test_users_who_do_alike_fail_the_claim_that_they_differ(
-    conditions: Conditions, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_similar_users_fail_the_claim_that_they_differ(conditions: Conditions, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(PEOPLE, "competent", PEOPLE["poor"])
     against = [claim.against for claim in failed(feedback.competent(conditions))]
     positives = sum(row["feedback"] == "positive" for row in feedback.poor(conditions).rows if row["seed"] == 1)
@@ -81,7 +79,7 @@ def test_users_who_do_alike_fail_the_claim_that_they_differ(
         ({"metric": None, "accuracy": 0.9, "feedback": "positive"}, "nothing measured, and praised"),
     ],
 )
-def test_an_answer_that_does_not_fit_its_result_fails_the_claim(
+def test_feedback_that_contradicts_its_result_fails_the_claim(
     conditions: Conditions, sessions_become: Callable[[Change], None], attempt: dict[str, Any], given: str
 ) -> None:
     sessions_become(lambda done: done._replace(attempts=[done.attempts[0] | attempt, *done.attempts[1:]]))
@@ -115,7 +113,7 @@ def test_examples_are_of_both_forms_and_each_degree(conditions: Conditions) -> N
         ("quantitative", "That took 17 ms.", "Every figure is the result"),
     ],
 )
-def test_an_answer_in_the_wrong_form_or_with_a_wrong_figure_fails_a_claim(
+def test_feedback_in_the_wrong_form_or_with_a_wrong_number_fails_a_claim(
     conditions: Conditions, sessions_become: Callable[[Change], None], form: str, text: str, sentence: str
 ) -> None:
     def say(done: Simulated) -> Simulated:
@@ -133,7 +131,7 @@ def test_an_answer_in_the_wrong_form_or_with_a_wrong_figure_fails_a_claim(
 # --- Figure 4.14 ---------------------------------------------------------------------------------------------------
 
 
-def test_with_every_three_feedback_stands_on_every_third_attempt(conditions: Conditions) -> None:
+def test_feedback_every_three_attempts_is_on_every_third_attempt(conditions: Conditions) -> None:
     report = feedback.frequency(conditions)
     assert not failed(report)
     for seed in (1, 2, 3):
@@ -171,7 +169,7 @@ def row(time: float | None, answer: str) -> dict[str, Any]:
     return {"reaction_time_ms": time, "goal_ms": 1000.0, "feedback": answer}
 
 
-def test_each_answer_has_its_mark_and_the_goal_its_line() -> None:
+def test_each_feedback_has_a_marker_and_the_goal_a_line() -> None:
     rows = [row(700, "positive"), row(1200, "negative"), row(1005, "neutral"), row(800, "none"), row(600, "positive")]
     title, legend, *lines = draw(rows, "Someone").split("\n")
     body = "\n".join(lines)
@@ -186,7 +184,7 @@ def test_each_answer_has_its_mark_and_the_goal_its_line() -> None:
     assert "\x1b" not in body
 
 
-def test_an_attempt_without_a_result_stands_at_the_bottom() -> None:
+def test_an_attempt_without_a_result_is_plotted_at_the_bottom() -> None:
     drawn = draw([row(900, "positive"), row(None, "negative"), row(800, "positive")], "Someone").split("\n")
     bottom = next(number for number, line in enumerate(drawn) if line.lstrip().startswith("└"))
     assert "▼" in drawn[bottom - 1]

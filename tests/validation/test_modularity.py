@@ -29,7 +29,7 @@ def test_a_session_of_the_reaching_task_loads_the_sensor_and_not_the_simulated_h
     assert not {"sar_tui.inputs.simulated", "sar_tui.motion.synthesis", "sar_tui.simulation.participant"} & loaded
 
 
-def test_all_that_lies_in_a_tasks_folder_is_its_own_and_the_app_is_nobodys(tmp_path: Path) -> None:
+def test_modules_of_a_tasks_folder_are_its_own_and_those_of_the_app_shared(tmp_path: Path) -> None:
     loaded = Loaded(
         modules={
             "sar_tui.framework.bus": file(tmp_path, "bus.py", 10),
@@ -45,12 +45,12 @@ def test_all_that_lies_in_a_tasks_folder_is_its_own_and_the_app_is_nobodys(tmp_p
     assert counted.own == {"task.py": 3, "view.py": 2}
 
 
-def test_of_a_task_from_elsewhere_its_loaded_modules_are_its_own(tmp_path: Path) -> None:
+def test_modules_loaded_by_an_external_task_are_its_own(tmp_path: Path) -> None:
     modules = {"lab": file(tmp_path, "lab.py", 4), "laboratory": file(tmp_path, "laboratory.py", 9)}
     assert code(Loaded(modules=modules, package="lab", folder=str(tmp_path))).own == {"lab": 4}
 
 
-def test_strictly_what_one_task_alone_uses_is_that_tasks_own(
+def test_in_the_strict_count_modules_used_by_one_task_are_its_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
 ) -> None:
     both = {"sar_tui.framework.bus": file(tmp_path, "bus.py", 60)}

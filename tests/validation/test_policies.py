@@ -31,11 +31,11 @@ def test_all_claims_hold_and_every_schedule_has_twenty_attempts(report: Report) 
         assert len(rows(report, schedule)) == 20
 
 
-def test_whatever_is_said_the_participant_does_the_same(report: Report) -> None:
+def test_the_participant_performs_the_same_under_every_schedule(report: Report) -> None:
     assert len({tuple(row["reaction_time_ms"] for row in rows(report, name)) for name in policies.SCHEDULES}) == 1
 
 
-def test_every_and_summary_keep_to_their_number(report: Report) -> None:
+def test_every_and_summary_answer_at_their_interval(report: Report) -> None:
     assert answered(report, "every") == list(range(2, 21, 2))
     assert answered(report, "summary") == [5, 10, 15, 20]
     assert {row["attempts"] for row in rows(report, "summary") if row["feedback"]} == {5}
@@ -49,13 +49,13 @@ def test_faded_feedback_becomes_rarer_with_success(report: Report) -> None:
     assert max(row["interval"] for row in rows(report, "faded")) > min(row["interval"] for row in rows(report, "faded"))
 
 
-def test_bandwidth_answers_the_poor_and_the_very_good_results_alone(report: Report) -> None:
+def test_bandwidth_answers_only_results_outside_the_tolerance(report: Report) -> None:
     for row in rows(report, "bandwidth"):
         assert row["tolerance"] == 100
         assert (abs(row["reaction_time_ms"] - row["goal_ms"]) > 100) == bool(row["feedback"])
 
 
-def test_on_request_some_attempts_are_asked_about_and_those_alone_are_answered(report: Report) -> None:
+def test_on_request_only_requested_attempts_are_answered(report: Report) -> None:
     asked = [row["attempt"] for row in rows(report, "request") if row["asked"]]
     assert 0 < len(asked) < 20
     assert answered(report, "request") == asked
@@ -66,7 +66,7 @@ def test_without_feedback_nothing_is_said(report: Report) -> None:
     assert {(row["feedback"], row["text"], row["due"]) for row in rows(report, "none")} == {(None, "", False)}
 
 
-def test_people_see_a_line_a_schedule_with_its_reasons(report: Report) -> None:
+def test_the_table_has_one_line_per_schedule_with_its_reasons(report: Report) -> None:
     assert report.seen is not None
     seen = {row["schedule"]: row for row in report.seen}
     assert seen["summary"]["answered"] == "5, 10, 15, 20"
@@ -113,7 +113,7 @@ def reworded(done: Simulated) -> Simulated:
         (reworded, "summary", "A summary is of 5 attempts", "summary, attempt 5; summary, attempt 10; "),
     ],
 )
-def test_a_log_that_says_otherwise_fails_the_claim(
+def test_a_contradicting_log_fails_the_claim(
     catalogue: Catalogue,
     monkeypatch: pytest.MonkeyPatch,
     change: Callable[[Simulated], Simulated],

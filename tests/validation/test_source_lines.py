@@ -24,7 +24,7 @@ from sar_tui.validation.source_lines import count, source_lines
         ("a = 1; b = 2\n", 1),
     ],
 )
-def test_code_counts_and_nothing_else_does(source: str, lines: int) -> None:
+def test_only_code_is_counted(source: str, lines: int) -> None:
     assert count(source) == lines
 
 

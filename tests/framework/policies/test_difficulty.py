@@ -50,7 +50,7 @@ def test_the_level_never_leaves_its_bounds_and_moves_by_one(
 
 
 @given(set_ups(), OUTCOMES)
-def test_the_level_moves_exactly_when_so_many_in_a_row_are_reached(
+def test_the_level_changes_exactly_after_the_required_number_in_a_row(
     set_up: tuple[TaskParameters, int], outcomes: list[Outcome]
 ) -> None:
     parameters, count = set_up
@@ -76,12 +76,12 @@ def test_a_fixed_level_stays(start: int, outcomes: list[Outcome]) -> None:
     assert set(levels(parameters, 10, outcomes)) == {start}
 
 
-def test_by_default_every_success_raises_and_every_failure_lowers() -> None:
+def test_by_default_every_success_raises_and_every_failure_lowers_the_level() -> None:
     parameters = build(TaskParameters, {})
     assert levels(parameters, 10, ["success", "success", "failure", "success"]) == [1, 2, 3, 2, 3]
 
 
-def test_a_task_with_fewer_levels_than_asked_for_begins_and_stays_at_its_last() -> None:
+def test_an_initial_level_beyond_the_last_starts_and_stays_at_the_last() -> None:
     parameters = build(TaskParameters, {"start_level": 5, "min_level": 4})
     assert difficulty.start(parameters, 3) == Difficulty(3)
     assert levels(parameters, 3, ["success", "failure", "failure"]) == [3, 3, 3, 3]

@@ -35,9 +35,7 @@ def test_the_first_attempt_is_not_called_hard(level: int) -> None:
 
 
 @given(ATTEMPTS.filter(bool), LEVELS)
-def test_an_attempt_is_hard_at_a_level_never_reached_before_or_after_failing_twice_running(
-    attempts: list[AttemptEnded], level: int
-) -> None:
+def test_an_attempt_is_hard_at_a_new_level_or_after_two_failures(attempts: list[AttemptEnded], level: int) -> None:
     new = all(earlier.level < level for earlier in attempts)
     failing = len(attempts) > 1 and all(earlier.outcome == "failure" for earlier in attempts[-2:])
     assert is_hard(attempts, level) == (new or failing)
@@ -50,5 +48,5 @@ def test_one_failure_is_not_two() -> None:
 
 
 @given(st.integers(0, 200), st.integers(0, 200))
-def test_a_rest_is_offered_after_each_so_many_attempts_never_before_the_first(attempts: int, every: int) -> None:
+def test_a_rest_is_suggested_every_n_attempts_but_never_before_the_first(attempts: int, every: int) -> None:
     assert rest_due(attempts, every) == (every > 0 and attempts in range(every, 201, every))

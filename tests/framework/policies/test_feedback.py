@@ -24,7 +24,7 @@ def judged(score: Score, metric: Metric, parameters: TaskParameters) -> Judgemen
     return judge(score, metric, Target(parameters.threshold, parameters.neutral_band), parameters.min_accuracy)
 
 
-def test_exactly_the_threshold_is_failure() -> None:
+def test_a_result_equal_to_the_threshold_is_failure() -> None:
     sharp = build(TaskParameters, {"threshold": 1000, "neutral_band": 0})
     assert judged(score(1000.0), TIME, sharp).outcome == "failure"
     assert judged(score(1000.0), TAPS, sharp).outcome == "failure"
@@ -43,9 +43,7 @@ def test_exactly_the_threshold_is_failure() -> None:
         (1010.001, Judgement("failure", "negative", "missed")),
     ],
 )
-def test_within_the_band_bounds_included_feedback_is_neutral_whatever_the_outcome(
-    metric: float, expected: Judgement
-) -> None:
+def test_feedback_within_the_band_including_its_bounds_is_neutral(metric: float, expected: Judgement) -> None:
     assert judged(score(metric), TIME, P) == expected
 
 
@@ -58,7 +56,7 @@ def test_within_the_band_bounds_included_feedback_is_neutral_whatever_the_outcom
         (989.999, Judgement("failure", "negative", "missed")),
     ],
 )
-def test_where_higher_is_better_above_the_threshold_is_success(metric: float, expected: Judgement) -> None:
+def test_above_the_threshold_is_success_if_higher_is_better(metric: float, expected: Judgement) -> None:
     assert judged(score(metric), TAPS, P) == expected
 
 
@@ -71,7 +69,7 @@ def test_exactly_the_minimum_accuracy_is_enough() -> None:
     assert judged(score(500.0, 16 / 20), TIME, P).outcome == "success"
 
 
-def test_nothing_to_average_is_failure() -> None:
+def test_an_attempt_without_results_is_failure() -> None:
     assert judged(score(None, 1.0), TIME, P) == Judgement("failure", "negative", "empty")
 
 
@@ -112,14 +110,12 @@ def test_praise_is_never_given_for_failure_nor_blame_for_success(
         (5000.0, "strong"),
     ],
 )
-def test_the_degree_tells_how_far_a_result_lies_from_its_goal(metric: float, expected: str) -> None:
+def test_the_degree_grows_with_the_distance_from_the_goal(metric: float, expected: str) -> None:
     assert degree(metric, Target(1000.0, 10.0)) == expected
 
 
 @pytest.mark.parametrize(("metric", "goal"), [(None, 1000.0), (12.0, 0.0)])
-def test_without_a_result_or_a_goal_to_hold_it_against_the_degree_is_in_the_middle(
-    metric: float | None, goal: float
-) -> None:
+def test_without_a_result_or_a_goal_the_degree_is_the_middle_one(metric: float | None, goal: float) -> None:
     assert degree(metric, Target(goal, 0.0)) == "clear"
 
 

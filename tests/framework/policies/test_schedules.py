@@ -58,7 +58,7 @@ def due(choices: list[FeedbackChoice]) -> list[int]:
 
 
 @given(st.integers(1, 100), RESULTS, st.sampled_from(["every", "summary"]))
-def test_every_nth_attempt_is_answered_and_none_between_whatever_came_of_them(
+def test_every_nth_attempt_is_answered_whatever_the_outcomes(
     every: int, results: list[float | None], schedule: str
 ) -> None:
     choices = chosen(settings(schedule, feedback_every=every), [judged(result) for result in results])
@@ -66,7 +66,7 @@ def test_every_nth_attempt_is_answered_and_none_between_whatever_came_of_them(
 
 
 @given(st.integers(1, 20), RESULTS)
-def test_a_summary_is_of_exactly_the_attempts_since_the_last(every: int, results: list[float | None]) -> None:
+def test_a_summary_covers_exactly_the_attempts_since_the_last_one(every: int, results: list[float | None]) -> None:
     parameters = settings("summary", feedback_every=every)
     history = History()
     for number, result in enumerate(results, 1):
@@ -87,7 +87,7 @@ def test_a_summary_is_of_exactly_the_attempts_since_the_last(every: int, results
         max_size=20,
     )
 )
-def test_a_summary_holds_the_means_of_what_was_measured_and_counts_what_reached_its_goal(
+def test_a_summary_contains_the_means_and_counts_the_successes(
     attempts: list[tuple[float | None, float, float]],
 ) -> None:
     recent = tuple(judged(metric, accuracy, goal) for metric, goal, accuracy in attempts)
@@ -111,7 +111,7 @@ def test_a_summary_holds_the_means_of_what_was_measured_and_counts_what_reached_
         max_size=12,
     )
 )
-def test_a_summary_neither_praises_what_was_mostly_missed_nor_consoles_for_what_was_mostly_reached(
+def test_a_summary_takes_its_valence_from_the_majority_of_attempts(
     attempts: list[tuple[float | None, float]],
 ) -> None:
     recent = tuple(judged(metric, accuracy) for metric, accuracy in attempts)
@@ -126,7 +126,7 @@ def test_a_summary_neither_praises_what_was_mostly_missed_nor_consoles_for_what_
 
 
 @given(OUTCOMES, st.integers(1, 50))
-def test_faded_feedback_never_grows_denser_with_success_nor_rarer_with_failure_and_is_bounded(
+def test_faded_feedback_thins_with_success_and_returns_with_failure_within_bounds(
     outcomes: list[bool], fade: int
 ) -> None:
     parameters = settings("faded", feedback_fade=fade)
@@ -140,7 +140,7 @@ def test_faded_feedback_never_grows_denser_with_success_nor_rarer_with_failure_a
 
 
 @given(st.integers(1, 6))
-def test_with_nothing_but_success_faded_feedback_grows_rarer_until_it_is_as_rare_as_it_gets(fade: int) -> None:
+def test_faded_feedback_thins_to_its_maximum_interval_with_constant_success(fade: int) -> None:
     answered = due(chosen(settings("faded", feedback_fade=fade), [judged(500.0)] * 200))
     gaps = [later - earlier for earlier, later in zip([0, *answered], answered, strict=False)]
     assert gaps == sorted(gaps)
@@ -148,16 +148,14 @@ def test_with_nothing_but_success_faded_feedback_grows_rarer_until_it_is_as_rare
 
 
 @given(OUTCOMES, st.integers(1, 10))
-def test_after_enough_failure_each_attempt_is_answered_again(outcomes: list[bool], fade: int) -> None:
+def test_after_enough_failures_each_attempt_is_answered_again(outcomes: list[bool], fade: int) -> None:
     attempts = [judged(500.0 if success else 2000.0) for success in outcomes]
     choices = chosen(settings("faded", feedback_fade=fade), attempts + [judged(2000.0)] * (len(outcomes) + RAREST))
     assert all(choice.due and choice.interval == 1 for choice in choices[-RAREST // 2 :])
 
 
 @given(RESULTS, st.integers(1, 10))
-def test_faded_feedback_is_due_once_as_many_attempts_have_gone_unanswered_as_its_interval_says(
-    results: list[float | None], fade: int
-) -> None:
+def test_faded_feedback_is_due_after_its_interval(results: list[float | None], fade: int) -> None:
     unanswered = 0
     for choice in chosen(settings("faded", feedback_fade=fade), [judged(result) for result in results]):
         unanswered += 1
@@ -174,29 +172,27 @@ def test_faded_feedback_is_due_once_as_many_attempts_have_gone_unanswered_as_its
     ("metric", "is_due"),
     [(899.9, True), (900.0, False), (1000.0, False), (1100.0, False), (1100.1, True), (None, True)],
 )
-def test_bandwidth_feedback_is_given_only_outside_the_tolerance_bounds_excluded(
-    metric: float | None, is_due: bool
-) -> None:
+def test_bandwidth_feedback_is_given_only_strictly_outside_the_tolerance(metric: float | None, is_due: bool) -> None:
     (choice,) = chosen(settings("bandwidth", feedback_tolerance=10), [judged(metric)])
     assert (choice.due, choice.tolerance) == (is_due, 100.0)
 
 
 @given(st.integers(1, 2000), st.integers(0, 100), st.integers(-150, 150))
-def test_the_tolerance_is_the_same_on_both_sides_of_any_goal(goal: int, percent: int, off: int) -> None:
+def test_the_tolerance_is_symmetric_around_any_goal(goal: int, percent: int, off: int) -> None:
     """In hundredths of the goal, so that what lies on the bound lies exactly on it."""
     parameters = settings("bandwidth", feedback_tolerance=percent, min_accuracy=0)
     choices = [chosen(parameters, [judged(goal * (1 + side * off / 100), goal=float(goal))])[0] for side in (1, -1)]
     assert [choice.due for choice in choices] == [abs(off) > percent] * 2
 
 
-def test_a_goal_in_fractions_has_its_bounds_inside_as_well() -> None:
+def test_bounds_of_a_fractional_goal_are_within_the_tolerance() -> None:
     parameters = settings("bandwidth", feedback_tolerance=10)
     assert 0.7 * 1.1 - 0.7 > 0.07, "a sum of fractions that is not what it says"
     assert not chosen(parameters, [judged(0.7 * 1.1, goal=0.7)])[0].due
 
 
 @given(st.floats(900, 1100), st.floats(0, 0.79))
-def test_too_few_right_responses_are_always_outside(metric: float, accuracy: float) -> None:
+def test_an_inaccurate_attempt_is_always_outside_the_tolerance(metric: float, accuracy: float) -> None:
     (choice,) = chosen(settings("bandwidth"), [judged(metric, accuracy)])
     assert choice.due
     assert "right" in choice.why
@@ -206,7 +202,7 @@ def test_too_few_right_responses_are_always_outside(metric: float, accuracy: flo
 
 
 @given(RESULTS, st.sampled_from(["request", "none"]), st.booleans())
-def test_on_request_and_none_are_never_due_by_themselves_not_even_in_practice(
+def test_on_request_and_none_never_give_feedback_unasked(
     results: list[float | None], schedule: str, practice: bool
 ) -> None:
     history = History()
@@ -219,7 +215,7 @@ def test_on_request_and_none_are_never_due_by_themselves_not_even_in_practice(
 
 
 @given(RESULTS, st.sampled_from(["every", "faded", "bandwidth", "summary"]), st.integers(1, 10))
-def test_practice_is_answered_each_time_and_leaves_no_trace(
+def test_practice_is_always_answered_and_does_not_affect_the_schedule(
     results: list[float | None], schedule: str, every: int
 ) -> None:
     parameters = settings(schedule, feedback_every=every)
@@ -235,7 +231,7 @@ def test_practice_is_answered_each_time_and_leaves_no_trace(
 
 
 @given(RESULTS, st.sampled_from(SCHEDULES), st.integers(1, 10), st.floats(0, 1), st.booleans())
-def test_every_attempt_says_whether_it_is_answered_how_and_why(
+def test_every_attempt_records_its_feedback_decision_and_reason(
     results: list[float | None], schedule: str, every: int, accuracy: float, practice: bool
 ) -> None:
     parameters = settings(
@@ -258,9 +254,7 @@ def test_every_attempt_says_whether_it_is_answered_how_and_why(
 
 
 @given(st.integers(2, 50), RESULTS)
-def test_why_an_attempt_is_not_answered_tells_how_many_there_were_since(
-    every: int, results: list[float | None]
-) -> None:
+def test_the_reason_for_no_feedback_counts_the_attempts_since_the_last(every: int, results: list[float | None]) -> None:
     choices = chosen(settings("every", feedback_every=every), [judged(result) for result in results])
     for number, choice in enumerate(choices, 1):
         since = (number - 1) % every + 1
