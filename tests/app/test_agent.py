@@ -44,7 +44,7 @@ def mouth(theme: Theme, face: str) -> str:
 # --- while it speaks ---------------------------------------------------------------------------------------
 
 
-async def test_the_mouth_moves_while_a_voice_sounds_and_only_then(
+async def test_the_mouth_moves_only_while_a_voice_sounds(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme, voice: Voice
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
@@ -61,7 +61,7 @@ async def test_the_mouth_moves_while_a_voice_sounds_and_only_then(
         assert voice.asked[1][1] == driver.session.task.instructions()
 
 
-async def test_a_trial_goes_on_when_the_agent_has_spoken_and_its_words_stand_till_then(
+async def test_a_trial_continues_when_the_agent_has_spoken_and_its_text_stays_until_then(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
@@ -83,7 +83,7 @@ async def test_a_trial_goes_on_when_the_agent_has_spoken_and_its_words_stand_til
         await driver.to_prompt()
 
 
-async def test_a_voice_that_sounds_on_into_a_response_window_draws_nothing(
+async def test_a_voice_that_continues_into_a_response_window_draws_nothing(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
@@ -102,7 +102,7 @@ async def test_a_voice_that_sounds_on_into_a_response_window_draws_nothing(
         assert agent.is_moving
 
 
-async def test_the_goodbye_is_spoken_while_the_summary_stands_and_the_voice_is_let_go_of_after(
+async def test_the_goodbye_is_spoken_on_the_summary_and_the_voice_released_afterwards(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1, **SPOKEN)) as driver:
@@ -124,7 +124,7 @@ async def test_the_goodbye_is_spoken_while_the_summary_stands_and_the_voice_is_l
 # --- when it cannot be heard --------------------------------------------------------------------------------
 
 
-async def test_a_voice_that_fails_is_told_beside_its_words_and_at_the_top_until_it_speaks_again(
+async def test_a_failed_voice_is_reported_until_it_speaks_again(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
@@ -142,7 +142,7 @@ async def test_a_voice_that_fails_is_told_beside_its_words_and_at_the_top_until_
         assert "no voice" not in driver.rows[0]
 
 
-async def test_without_the_screen_the_agent_is_only_there_while_its_words_have_to_be_read(
+async def test_without_the_screen_output_the_agent_is_shown_only_while_its_text_must_be_read(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
@@ -166,7 +166,7 @@ async def test_without_the_screen_the_agent_is_only_there_while_its_words_have_t
         assert not agent.display
 
 
-async def test_who_holds_a_key_is_asked_to_let_go_of_it_also_where_the_agent_is_not_seen(
+async def test_a_participant_who_holds_a_key_is_asked_to_release_it_even_without_an_agent(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
@@ -183,7 +183,7 @@ async def test_who_holds_a_key_is_asked_to_let_go_of_it_also_where_the_agent_is_
         assert not agent.display
 
 
-async def test_a_voice_that_fails_in_a_trial_is_told_when_the_trial_is_over(
+async def test_a_voice_that_fails_in_a_trial_is_reported_after_it(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
@@ -203,7 +203,7 @@ async def test_a_voice_that_fails_in_a_trial_is_told_when_the_trial_is_over(
 # --- an answer that comes later, or is asked for --------------------------------------------------------------
 
 
-async def test_an_answer_that_comes_later_is_waited_for_with_a_thinking_face(
+async def test_delayed_feedback_is_awaited_with_a_thinking_face(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, feedback_delay_ms=3000)) as driver:
@@ -219,7 +219,7 @@ async def test_an_answer_that_comes_later_is_waited_for_with_a_thinking_face(
         assert mouth(calm, "thinking") not in robot(driver)
 
 
-async def test_who_thinks_and_has_nothing_to_say_listens_again(
+async def test_the_agent_listens_again_if_it_has_nothing_to_say(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme
 ) -> None:
     settings = {"feedback_delay_ms": 3000, "feedback_every": 2, "attempts": 3, "encouragement": False}
@@ -231,9 +231,7 @@ async def test_who_thinks_and_has_nothing_to_say_listens_again(
         assert driver.said == ""
 
 
-async def test_who_wants_to_know_how_it_went_asks_with_tab(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
+async def test_tab_requests_feedback(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(keyboard, feedback_schedule="request", encouragement=False)) as driver:
         await driver.press("enter")
         assert "Tab" not in driver.text
@@ -279,7 +277,7 @@ async def test_f2_stops_the_agent_on_every_screen_of_a_session(
         assert driver.stored("SELECT count(*) FROM trials") == [(int(where == "summary"),)]
 
 
-async def test_what_was_stopped_is_still_at_once_and_the_log_has_how_long_each_output_took(
+async def test_a_stop_is_immediate_and_the_latency_of_each_output_is_logged(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme, voice: Voice
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
@@ -295,7 +293,7 @@ async def test_what_was_stopped_is_still_at_once_and_the_log_has_how_long_each_o
         assert all(took < 100 * MS for took in told.values())
 
 
-async def test_the_stop_key_is_offered_where_there_is_a_voice_to_stop(
+async def test_the_stop_key_is_shown_only_with_a_voice(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
@@ -310,7 +308,7 @@ async def test_the_stop_key_is_offered_where_there_is_a_voice_to_stop(
         assert not driver.app.screen.query_one(Agent).is_moving
 
 
-async def test_without_a_session_f2_is_the_screens_own(data: Path, catalogue: Catalogue) -> None:
+async def test_outside_a_session_f2_belongs_to_the_screen(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("enter")
         await driver.write(*"p01")
@@ -330,7 +328,7 @@ def longest(theme: Theme, among: list[str]) -> str:
 
 @pytest.mark.parametrize("valence", ["positive", "neutral", "negative", None])
 @pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
-async def test_words_have_the_colour_of_their_valence_and_what_joins_them_has_none(
+async def test_text_has_the_colour_of_its_valence_and_joined_text_has_none(
     name: str, valence: str | None, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     colors = catalogue.theme(name).colors
@@ -346,7 +344,7 @@ async def test_words_have_the_colour_of_their_valence_and_what_joins_them_has_no
 
 @pytest.mark.parametrize("language", ["en", "es"])
 @pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
-async def test_the_longest_words_fit_beside_the_agent_and_leave_room_for_what_to_press(
+async def test_the_longest_text_fits_beside_the_agent_and_the_key_hints(
     name: str, language: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     theme = catalogue.theme(name, language)

@@ -122,14 +122,14 @@ def said(text: str, **more: Any) -> Action:
     return Action(**(given | more), text=text, decision="accepted", actor="agent")
 
 
-async def test_until_there_is_a_session_it_sleeps(calm: Theme) -> None:
+async def test_the_agent_sleeps_until_there_is_a_session(calm: Theme) -> None:
     async with watching(calm) as watcher:
         assert "One moment…" in await watcher.see()
         watcher.link.welcome()
         assert "One moment…" not in await watcher.see()
 
 
-async def test_its_words_and_face_are_shown(calm: Theme) -> None:
+async def test_its_text_and_face_are_shown(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
         watcher.link.tell(WAITING, BETWEEN)
@@ -139,7 +139,7 @@ async def test_its_words_and_face_are_shown(calm: Theme) -> None:
         assert "◠   ◠" in seen
 
 
-async def test_no_words_stand_while_a_response_is_awaited_and_nothing_moves(calm: Theme) -> None:
+async def test_while_a_response_is_awaited_there_is_no_text_and_no_movement(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
         watcher.link.tell(ACTION, said("Well done!", gesture="wave"))
@@ -149,7 +149,7 @@ async def test_no_words_stand_while_a_response_is_awaited_and_nothing_moves(calm
         assert not watcher.moves
 
 
-async def test_one_who_comes_during_a_trial_is_shown_no_words_of_before(calm: Theme) -> None:
+async def test_a_view_that_joins_during_a_trial_shows_no_earlier_text(calm: Theme) -> None:
     """Kept topics and what happened last are told in any order; their numbers say which came first."""
     async with watching(calm) as watcher:
         watcher.link.welcome()
@@ -158,7 +158,7 @@ async def test_one_who_comes_during_a_trial_is_shown_no_words_of_before(calm: Th
         assert "Well done!" not in await watcher.see()
 
 
-async def test_what_was_said_long_ago_can_be_read_but_is_not_said_again(calm: Theme) -> None:
+async def test_an_old_utterance_is_shown_but_not_spoken_again(calm: Theme) -> None:
     async with watching(calm, speaks=True) as watcher:
         watcher.link.welcome(outputs=["screen"])
         watcher.link.heard.clear()
@@ -167,7 +167,7 @@ async def test_what_was_said_long_ago_can_be_read_but_is_not_said_again(calm: Th
         assert watcher.link.heard == []
 
 
-async def test_the_browsers_voice_says_the_spoken_words_in_the_sessions_language_and_is_stopped(calm: Theme) -> None:
+async def test_the_browsers_voice_speaks_the_sessions_language_and_can_be_stopped(calm: Theme) -> None:
     async with watching(calm, speaks=True) as watcher:
         watcher.link.welcome(outputs=["screen"], language="es")
         watcher.link.heard.clear()
@@ -180,7 +180,7 @@ async def test_the_browsers_voice_says_the_spoken_words_in_the_sessions_language
     ("how", "told"),
     [("lose", "Fuera de alcance por ahora; vuelve solo."), ("end", "Aquí hemos terminado. Gracias.")],
 )
-async def test_when_the_link_goes_it_sleeps_and_is_silent(calm: Theme, how: str, told: str) -> None:
+async def test_the_agent_sleeps_silently_when_the_link_is_lost(calm: Theme, how: str, told: str) -> None:
     async with watching(calm, speaks=True) as watcher:
         watcher.link.welcome(language="es")
         watcher.link.tell(ACTION, said("Well done!"))
@@ -194,7 +194,7 @@ async def test_when_the_link_goes_it_sleeps_and_is_silent(calm: Theme, how: str,
         assert watcher.link.heard == [("hush",)]
 
 
-async def test_a_filler_is_gone_when_the_wait_that_it_covered_is_over_but_not_an_answer(calm: Theme) -> None:
+async def test_a_filler_disappears_after_its_wait_and_feedback_stays(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
         watcher.link.tell(ACTION, said("Just a moment, please.", kind="filler"))
@@ -206,7 +206,7 @@ async def test_a_filler_is_gone_when_the_wait_that_it_covered_is_over_but_not_an
         assert "Well done!" in await watcher.see()
 
 
-async def test_it_looks_to_a_side_with_the_participants_screen_until_the_response_is_there(calm: Theme) -> None:
+async def test_it_looks_to_a_side_until_the_response(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
         watcher.link.tell(WAITING, FOREPERIOD)
@@ -219,7 +219,7 @@ async def test_it_looks_to_a_side_with_the_participants_screen_until_the_respons
         assert await watcher.see() == ahead
 
 
-async def test_one_that_is_not_let_in_says_why(calm: Theme) -> None:
+async def test_a_refused_view_says_why(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.refuse("Somebody who is there already has this name.")
         seen = await watcher.see()
@@ -227,7 +227,7 @@ async def test_one_that_is_not_let_in_says_why(calm: Theme) -> None:
         assert "Somebody who is there already has this name." in seen
 
 
-async def test_it_wears_the_sessions_theme(calm: Theme, catalogue: Catalogue) -> None:
+async def test_it_applies_the_sessions_theme(calm: Theme, catalogue: Catalogue) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
         watcher.link.tell(THEME, ThemeApplied(theme=catalogue.theme("playful")))
@@ -246,7 +246,7 @@ async def test_a_voice_moves_the_mouth(calm: Theme) -> None:
         assert not watcher.moves
 
 
-async def test_a_voice_of_the_browsers_own_moves_the_mouth_where_the_session_has_none(calm: Theme) -> None:
+async def test_the_browsers_voice_moves_the_mouth_if_the_session_has_none(calm: Theme) -> None:
     async with watching(calm, speaks=True) as watcher:
         watcher.link.welcome(outputs=["screen"])
         watcher.link.tell(ACTION, said("Well done!", face="speaking"))
@@ -255,7 +255,7 @@ async def test_a_voice_of_the_browsers_own_moves_the_mouth_where_the_session_has
         assert not watcher.moves
 
 
-async def test_its_mouth_shuts_at_the_end_of_its_words_however_late_that_is_reported(calm: Theme) -> None:
+async def test_its_mouth_shuts_at_the_end_of_an_utterance_even_if_reported_late(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
         voice: dict[str, Any] = {"action": "a1", "output": "speech", "part": "say", "at": 0}

@@ -16,7 +16,7 @@ from sar_tui.store.database import StoreError
 from tests.app.app_driver import AppDriver, known, open_app, plan, stored
 
 
-async def test_a_disk_that_refuses_sends_for_the_experimenter_and_the_session_goes_on_after(
+async def test_a_failed_write_asks_for_the_experimenter_and_the_session_continues_afterwards(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
@@ -39,7 +39,7 @@ async def test_a_disk_that_refuses_sends_for_the_experimenter_and_the_session_go
         assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
 
 
-async def test_a_task_that_raises_sends_for_the_experimenter_and_the_app_fails(
+async def test_a_task_that_raises_asks_for_the_experimenter_and_the_app_fails(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     class Loose(keyboard):  # type: ignore[valid-type, misc]
@@ -64,7 +64,7 @@ async def test_a_task_that_raises_sends_for_the_experimenter_and_the_app_fails(
     assert stored(data, "SELECT count(*) FROM trials") == [(1,)]
 
 
-async def test_a_task_that_cannot_be_set_up_is_told_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
+async def test_a_task_that_cannot_be_set_up_is_reported_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
     class Missing(Catalogue):
         def task(self, name: str) -> type[Task]:
             class Unplugged(catalogue.task(name)):  # type: ignore[misc]
@@ -80,9 +80,7 @@ async def test_a_task_that_cannot_be_set_up_is_told_on_the_home_screen(data: Pat
         assert driver.sees("cannot be set up (OSError: no sensor)")
 
 
-async def test_a_session_that_cannot_be_gone_on_with_ends_the_app_with_a_sentence(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_a_session_that_cannot_be_resumed_ends_the_app_with_a_sentence(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, "nosuchsession") as driver:
         assert not driver.app.is_running
         assert driver.app.return_code == 1
@@ -108,7 +106,7 @@ async def test_a_window_that_is_too_small_from_the_start_says_so_and_recovers(
 
 
 @pytest.mark.parametrize("key", ["f1", "ctrl+p"])
-async def test_a_window_that_grows_under_the_help_or_the_palette_recovers_when_they_are_closed(
+async def test_a_window_enlarged_under_help_or_palette_recovers_when_they_close(
     key: str, data: Path, catalogue: Catalogue
 ) -> None:
     async with open_app(data, catalogue, size=(70, 20)) as driver:
@@ -118,7 +116,7 @@ async def test_a_window_that_grows_under_the_help_or_the_palette_recovers_when_t
         assert driver.screen_name == "HomeScreen"
 
 
-async def test_a_window_that_shrinks_again_under_the_help_is_covered_once(data: Path, catalogue: Catalogue) -> None:
+async def test_a_window_that_shrinks_twice_under_the_help_is_covered_once(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, size=(70, 20)) as driver:
         await driver.press("f1")
         await driver.resize(60, 20)
@@ -134,7 +132,7 @@ def _refuse(driver: AppDriver) -> None:
     driver.app.database.execute("PRAGMA query_only=ON")
 
 
-async def test_a_disk_that_refuses_the_settings_is_told_and_the_form_stays(data: Path, catalogue: Catalogue) -> None:
+async def test_a_failure_to_save_settings_is_reported_and_the_form_stays(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -145,7 +143,7 @@ async def test_a_disk_that_refuses_the_settings_is_told_and_the_form_stays(data:
         assert driver.sees("not saved")
 
 
-async def test_a_disk_that_refuses_is_told_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
+async def test_a_failed_write_is_reported_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
         _refuse(driver)
@@ -154,7 +152,7 @@ async def test_a_disk_that_refuses_is_told_on_the_home_screen(data: Path, catalo
         assert driver.sees("is read-only")
 
 
-async def test_a_disk_that_refuses_a_new_session_is_told_on_the_home_screen(
+async def test_a_failure_to_store_a_new_session_is_reported_on_the_home_screen(
     data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object, **__: object) -> None:
@@ -168,7 +166,7 @@ async def test_a_disk_that_refuses_a_new_session_is_told_on_the_home_screen(
         assert driver.sees("disk I/O error")
 
 
-async def test_a_disk_that_refuses_a_participant_is_told_and_the_code_stays(
+async def test_a_failure_to_store_a_participant_is_reported_and_the_code_stays(
     data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object) -> None:
@@ -184,7 +182,7 @@ async def test_a_disk_that_refuses_a_participant_is_told_and_the_code_stays(
         assert driver.sees("P07")
 
 
-async def test_messages_that_the_disk_never_took_are_told_when_the_session_is_left(
+async def test_unsaved_messages_are_reported_when_the_session_is_left(
     data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse() -> None:
@@ -221,7 +219,7 @@ async def test_a_session_whose_disk_is_too_slow_stays_locked_and_unsaved(
 
 
 @pytest.mark.parametrize(("failure", "code"), [("", 0), ("The task failed.", 1)])
-def test_the_exit_code_tells_of_a_failure_however_the_app_was_left(
+def test_the_exit_code_reports_a_failure_however_the_app_was_left(
     failure: str, code: int, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def left_with_ctrl_q(app: SarTui) -> None:
@@ -232,7 +230,7 @@ def test_the_exit_code_tells_of_a_failure_however_the_app_was_left(
     assert run_app(data, catalogue) == code
 
 
-def test_a_keyboard_that_nobody_listens_to_yet_lets_everything_pass() -> None:
+def test_keys_without_a_listener_pass() -> None:
     keyboard = Keyboard()
     keyboard.pressed("f", "f", 1.0)
     keyboard.pasted(3, 1.0)

@@ -10,7 +10,7 @@ from tests.app.app_driver import known, open_app, plan
 
 
 @pytest.mark.parametrize("key", ["f1", "?"])
-async def test_help_tells_what_a_screen_is_for_and_its_keys(key: str, data: Path, catalogue: Catalogue) -> None:
+async def test_help_describes_a_screen_and_its_keys(key: str, data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press(key)
         assert driver.sees("Choose who takes part, the task and the theme; then Start.")
@@ -22,7 +22,7 @@ async def test_help_tells_what_a_screen_is_for_and_its_keys(key: str, data: Path
         assert driver.screen_name == "HomeScreen"
 
 
-async def test_the_footer_offers_a_pause_where_there_is_something_to_pause(
+async def test_the_footer_shows_pause_only_where_a_pause_is_possible(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
@@ -41,7 +41,7 @@ async def test_every_key_of_the_settings_fits_into_the_footer(data: Path, catalo
             assert words in driver.rows[-1]
 
 
-async def test_the_palette_offers_help_the_themes_and_the_way_out(data: Path, catalogue: Catalogue) -> None:
+async def test_the_palette_lists_help_themes_and_quit(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("ctrl+p")
         for words in ("Help", "Theme: Calm", "Theme: High contrast", "Quit"):

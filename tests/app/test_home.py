@@ -33,7 +33,7 @@ async def test_a_known_participant_needs_nothing_but_arrows_and_enter(data: Path
 
 
 @pytest.mark.parametrize("code", ["Peter Maier", "-1", "P/01", "Jürgen"])
-async def test_what_cannot_be_a_code_is_explained_and_not_taken(code: str, data: Path, catalogue: Catalogue) -> None:
+async def test_an_invalid_code_is_explained_and_refused(code: str, data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("enter")
         await driver.write(*code)
@@ -43,7 +43,7 @@ async def test_what_cannot_be_a_code_is_explained_and_not_taken(code: str, data:
     assert stored(data, "SELECT code FROM participants") == []
 
 
-async def test_a_code_that_is_taken_is_told_as_taken(data: Path, catalogue: Catalogue) -> None:
+async def test_an_existing_code_is_reported(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
         await driver.press("down", "enter")
@@ -65,9 +65,7 @@ async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catal
         assert driver.screen_name == "HomeScreen"
 
 
-async def test_a_theme_is_worn_as_soon_as_it_is_chosen_and_kept_for_its_participant(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     known(data, "P02")
     async with open_app(data, catalogue) as driver:
@@ -86,7 +84,7 @@ async def test_a_theme_is_worn_as_soon_as_it_is_chosen_and_kept_for_its_particip
         assert driver.app.theme == "sar-high-contrast"
 
 
-async def test_a_theme_that_was_chosen_stands_through_a_look_at_the_settings(data: Path, catalogue: Catalogue) -> None:
+async def test_a_chosen_theme_survives_a_visit_to_the_settings(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "down")
@@ -106,7 +104,9 @@ async def test_a_participants_settings_are_used_by_their_next_session(data: Path
         assert driver.sees("Press Enter to begin attempt 1 of 3.")
 
 
-async def test_settings_that_no_longer_fit_are_told_and_no_session_begins(data: Path, catalogue: Catalogue) -> None:
+async def test_settings_that_became_invalid_are_reported_and_no_session_starts(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", attempts=9999)
     async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
@@ -115,7 +115,7 @@ async def test_settings_that_no_longer_fit_are_told_and_no_session_begins(data: 
     assert stored(data, "SELECT id FROM sessions") == []
 
 
-async def test_an_interrupted_session_stands_first_and_enter_goes_on_with_it(
+async def test_an_interrupted_session_is_listed_first_and_enter_resumes_it(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, "P01")) as driver:
@@ -167,7 +167,7 @@ async def test_a_completed_session_is_shown_with_its_plot(
         assert driver.screen_name == "HomeScreen"
 
 
-async def test_a_session_whose_task_is_gone_is_shown_as_it_was(
+async def test_a_session_of_a_removed_task_is_still_shown(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, attempts=1)) as driver:
@@ -182,7 +182,7 @@ async def test_a_session_whose_task_is_gone_is_shown_as_it_was(
         assert driver.sees("goal 1000")
 
 
-async def test_a_participant_in_another_window_cannot_sit_down_twice(
+async def test_a_participant_cannot_have_two_sessions_at_once(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)), open_app(data, catalogue) as second:
@@ -191,7 +191,7 @@ async def test_a_participant_in_another_window_cannot_sit_down_twice(
         assert second.sees("in a live session already")
 
 
-async def test_a_terminal_that_blurs_timing_is_told_as_such(
+async def test_a_terminal_with_imprecise_timing_is_reported(
     data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("SSH_CONNECTION", "somewhere")

@@ -10,7 +10,7 @@ from sar_tui.plugins import Catalogue
 from tests.app.app_driver import known, open_app, plan, stored
 
 
-async def test_what_is_typed_into_a_form_is_never_among_the_events(data: Path, catalogue: Catalogue) -> None:
+async def test_characters_typed_into_a_form_are_never_recorded(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("enter")
         await driver.write(*"secret7")
@@ -41,7 +41,7 @@ async def test_nothing_is_recorded_after_a_session_is_left(data: Path, catalogue
         assert driver.stored("SELECT count(*) FROM events") == before
 
 
-async def test_what_is_typed_into_the_palette_is_never_among_the_events(
+async def test_characters_typed_into_the_palette_are_never_recorded(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
@@ -52,7 +52,7 @@ async def test_what_is_typed_into_the_palette_is_never_among_the_events(
         assert [press["key"] for press in driver.messages("input/key")] == ["enter", "enter"]
 
 
-async def test_a_question_mark_asks_for_help_but_in_a_trial_it_is_a_response(
+async def test_a_question_mark_opens_help_except_in_a_trial(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, levels="?x")) as driver:
@@ -70,7 +70,7 @@ async def test_a_question_mark_asks_for_help_but_in_a_trial_it_is_a_response(
 
 
 @pytest.mark.parametrize("key", ["q", "space", "tab", "left", "backspace"])
-async def test_any_other_key_in_a_trial_is_a_response_and_nothing_else(
+async def test_any_other_key_in_a_trial_is_only_a_response(
     key: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
@@ -82,7 +82,7 @@ async def test_any_other_key_in_a_trial_is_a_response_and_nothing_else(
         assert driver.app.focused is None
 
 
-async def test_pasted_text_is_a_paste_and_no_response_and_only_its_length_is_kept(
+async def test_pasted_text_is_no_response_and_only_its_length_is_stored(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
@@ -108,7 +108,7 @@ async def test_a_window_that_loses_the_focus_is_an_event_and_flags_the_trial(
         assert "focus_lost" in flags
 
 
-async def test_quitting_in_a_trial_leaves_a_session_to_go_on_with(
+async def test_quitting_in_a_trial_leaves_a_resumable_session(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:

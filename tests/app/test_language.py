@@ -62,7 +62,7 @@ class Tour:
 # --- the app's own words -----------------------------------------------------------------------------------------
 
 
-def test_every_text_of_the_app_is_translated_and_no_translation_is_of_a_text_that_is_gone() -> None:
+def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() -> None:
     package = APP.parent
     rooms = (APP, package / "widgets", package / "tui")
     code = [*(path for room in rooms for path in room.rglob("*.py")), package / "reports" / "attempts_plot.py"]
@@ -74,12 +74,12 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_of_a_text_tha
     assert [problem for text, own in translations.items() if (problem := slot_problem(text, own))] == []
 
 
-def test_a_themes_own_words_go_before_the_apps() -> None:
+def test_texts_of_a_theme_precede_those_of_the_app() -> None:
     tr = app_language("es", {"Welcome": "¡Hola!"})
     assert (tr("Welcome"), tr("Go on")) == ("¡Hola!", "Seguir")
 
 
-def test_a_language_that_nobody_translated_is_english() -> None:
+def test_an_untranslated_language_is_english() -> None:
     assert app_language("de")("Press {key} to start.", key="Space") == "Press Space to start."
 
 
@@ -171,7 +171,7 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
         assert tour.found(catalogue) == []
 
 
-async def test_an_interrupted_session_is_gone_on_with_in_its_language(data: Path, catalogue: Catalogue) -> None:
+async def test_an_interrupted_session_is_resumed_in_its_language(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, plan(catalogue, "keyboard", prompts_per_attempt=2)) as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.wait(300)
@@ -182,9 +182,7 @@ async def test_an_interrupted_session_is_gone_on_with_in_its_language(data: Path
         assert tour.found(catalogue) == []
 
 
-async def test_the_help_and_the_footer_of_the_first_screen_stay_english_after_a_session_in_spanish(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_home_stays_english_after_a_session_in_spanish(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", language="es")
     async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
@@ -199,7 +197,7 @@ async def test_the_help_and_the_footer_of_the_first_screen_stay_english_after_a_
         assert driver.sees("Press Enter to close this.")
 
 
-async def test_a_theme_may_call_things_by_its_own_words(
+async def test_a_theme_may_replace_texts_of_the_app(
     data: Path, tmp_path: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     theme = catalogue.theme("calm", "es")
@@ -211,5 +209,5 @@ async def test_a_theme_may_call_things_by_its_own_words(
         assert driver.session.task.tr("Your goal: less than {goal}.", goal="5 s") == "Meta: 5 s."
 
 
-def test_degrees_a_second_are_written_as_spanish_writes_them() -> None:
+def test_degrees_per_second_are_in_spanish_format() -> None:
     assert app_language("es")("bias deg/s") == "sesgo °/s"

@@ -31,7 +31,7 @@ async def decide(driver: AppDriver, offer: m.PendingApproval, verdict: str, **ho
 
 
 @pytest.mark.parametrize("verdict", ["accept", "veto"])
-async def test_what_covered_the_wait_is_gone_with_it_and_only_what_was_decided_stands(
+async def test_a_filler_disappears_after_the_wait_and_only_the_decision_is_shown(
     data: Path, catalogue: Catalogue, keyboard: type[Task], verdict: str
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **APPROVE)) as driver:
@@ -43,7 +43,7 @@ async def test_what_covered_the_wait_is_gone_with_it_and_only_what_was_decided_s
         assert "Press Enter to begin attempt 2 of 2." in driver.text
 
 
-async def test_what_is_edited_stands_there_in_the_operators_words_alone(
+async def test_edited_feedback_is_shown_in_the_operators_words_only(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **APPROVE)) as driver:

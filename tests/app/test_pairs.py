@@ -53,7 +53,7 @@ async def press_theirs(driver: AppDriver, prompt: Prompt, left_ms: float = 300, 
         await driver.press(right)
 
 
-async def test_in_turn_a_letter_stands_in_the_half_of_whose_turn_it_is(
+async def test_in_turn_the_letter_is_in_the_half_of_the_participant_whose_turn_it_is(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
     async with open_app(data, catalogue, play("alternate")) as driver:
@@ -75,7 +75,9 @@ async def test_in_turn_a_letter_stands_in_the_half_of_whose_turn_it_is(
         assert [fault.error for fault in driver.session.faults] == []
 
 
-async def test_in_a_race_each_has_a_letter_and_sees_who_was_ahead(data: Path, catalogue: Catalogue, play: Play) -> None:
+async def test_in_a_race_each_half_has_a_letter_and_shows_who_was_ahead(
+    data: Path, catalogue: Catalogue, play: Play
+) -> None:
     async with open_app(data, catalogue, play("race")) as driver:
         prompt = await driver.to_first_prompt()
         left, right = halves(driver)
@@ -98,7 +100,7 @@ async def test_in_a_race_each_has_a_letter_and_sees_who_was_ahead(data: Path, ca
         assert [fault.error for fault in driver.session.faults] == []
 
 
-async def test_the_agent_looks_to_a_side_in_one_frame_and_is_still_while_the_response_is_awaited(
+async def test_the_agent_looks_to_a_side_in_one_frame_and_then_is_still(
     data: Path, catalogue: Catalogue, play: Play, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with open_app(data, catalogue, play("joint attention", cue_by="both", foreperiod_min_ms=900)) as driver:
@@ -127,7 +129,7 @@ async def test_the_agent_looks_to_a_side_in_one_frame_and_is_still_while_the_res
             assert [one["state"] for one in reports if one["deed"] == part] == ["queued", "started", "done"]
 
 
-async def test_nothing_tells_before_the_prompt_on_which_side_it_will_come_but_the_agents_look(
+async def test_only_the_agents_gaze_announces_the_side_of_a_prompt(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
     async with open_app(data, catalogue, play("joint attention")) as driver:
@@ -138,7 +140,7 @@ async def test_nothing_tells_before_the_prompt_on_which_side_it_will_come_but_th
         assert "your turn" not in "".join(halves(driver))
 
 
-async def test_two_are_spoken_to_in_spanish(data: Path, catalogue: Catalogue, play: Play) -> None:
+async def test_a_session_of_two_in_spanish(data: Path, catalogue: Catalogue, play: Play) -> None:
     async with open_app(data, catalogue, play("alternate", language="es")) as driver:
         assert driver.sees("Me alegra verles.") or driver.sees("Les doy la bienvenida.")
         prompt = await driver.to_first_prompt()
@@ -146,9 +148,7 @@ async def test_two_are_spoken_to_in_spanish(data: Path, catalogue: Catalogue, pl
         assert driver.sees(f"Izquierda: {prompt.expected}")
 
 
-async def test_the_first_screen_asks_who_sits_on_the_right_and_offers_nobody_twice(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(data: Path, catalogue: Catalogue) -> None:
     database = connect(data)
     for code in ("P01", "P02"):
         participants.add(database, code)
@@ -188,7 +188,7 @@ async def test_a_past_session_of_two_shows_the_results_of_both(data: Path, catal
         assert driver.sees("P02: You did 1 attempt")
 
 
-async def test_who_is_called_by_code_reads_their_place_and_code_over_their_half_and_the_code_elsewhere(
+async def test_participants_addressed_by_code_see_seat_and_code_over_their_half(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
     async with open_app(data, catalogue, play("alternate", address="code")) as driver:
@@ -200,7 +200,7 @@ async def test_who_is_called_by_code_reads_their_place_and_code_over_their_half_
         assert not driver.sees("Left:")
 
 
-async def test_a_code_too_long_to_stand_beside_the_place_stands_alone(
+async def test_a_code_too_long_to_fit_beside_the_seat_is_shown_alone(
     data: Path, catalogue: Catalogue, pairs: type[Task]
 ) -> None:
     code = "LONG-LONG-LONG-LONGER"
@@ -213,7 +213,7 @@ async def test_a_code_too_long_to_stand_beside_the_place_stands_alone(
         assert "Right · P02" in right
 
 
-async def test_the_summary_of_two_who_play_together_tells_how_often_they_were(
+async def test_the_summary_of_synchrony_counts_the_joint_responses(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
     async with open_app(data, catalogue, play("cooperative", window_ms=400)) as driver:
@@ -223,7 +223,7 @@ async def test_the_summary_of_two_who_play_together_tells_how_often_they_were(
         assert driver.sees("Together in 1 of 2.")
 
 
-async def test_the_plots_of_two_have_the_same_axis_and_stand_apart(
+async def test_the_plots_of_two_have_the_same_axis_and_are_separate(
     data: Path, catalogue: Catalogue, play: Play
 ) -> None:
     async with open_app(data, catalogue, play("race", response_timeout_ms=9000)) as driver:
@@ -240,9 +240,7 @@ async def test_the_plots_of_two_have_the_same_axis_and_stand_apart(
         assert ["4000"] in [left for left, _ in ticks]
 
 
-async def test_the_summary_tells_what_a_look_to_the_other_side_cost(
-    data: Path, catalogue: Catalogue, play: Play
-) -> None:
+async def test_the_summary_reports_the_cost_of_an_invalid_cue(data: Path, catalogue: Catalogue, play: Play) -> None:
     async with open_app(data, catalogue, play("joint attention", prompts_per_attempt=12)) as driver:
         prompt = await driver.to_first_prompt()
         for number in range(12):

@@ -9,7 +9,7 @@ from sar_tui.plugins import Catalogue
 from tests.app.app_driver import open_app, plan, stored
 
 
-async def test_escape_pauses_at_once_in_mid_trial_and_the_trial_is_repeated(
+async def test_escape_pauses_at_once_in_a_trial_and_the_trial_is_repeated(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
@@ -27,7 +27,7 @@ async def test_escape_pauses_at_once_in_mid_trial_and_the_trial_is_repeated(
         assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
 
 
-async def test_escape_pauses_before_an_attempt_too_and_leads_back_there(
+async def test_escape_pauses_before_an_attempt_and_returns_there(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
@@ -40,9 +40,7 @@ async def test_escape_pauses_before_an_attempt_too_and_leads_back_there(
             await driver.press("enter")
 
 
-async def test_the_menu_is_gone_through_with_arrows_and_enter(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
+async def test_the_menu_is_used_with_arrows_and_enter(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("escape")
@@ -66,7 +64,7 @@ async def test_a_second_escape_changes_nothing(data: Path, catalogue: Catalogue,
 
 
 @pytest.mark.parametrize(("keys", "goes_on"), [(["enter"], True), (["down", "enter"], False)])
-async def test_only_ending_asks_again(
+async def test_only_ending_asks_for_confirmation(
     keys: list[str], goes_on: bool, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:

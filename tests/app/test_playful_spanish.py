@@ -35,18 +35,16 @@ def shipped(catalogue: Catalogue) -> dict[str, str]:
     return language("es", *folders, *(task_folder(catalogue.task(name)) for name in TASKS)).texts
 
 
-def test_the_forms_of_usted_are_known(shipped: dict[str, str]) -> None:
+def test_the_forms_of_usted_are_recognised(shipped: dict[str, str]) -> None:
     assert len(spoken_to(list(shipped.values()))) > 60
 
 
-def test_whatever_says_usted_has_its_form_of_tu(catalogue: Catalogue, shipped: dict[str, str]) -> None:
+def test_every_text_with_usted_has_a_form_with_tu(catalogue: Catalogue, shipped: dict[str, str]) -> None:
     own = catalogue.theme("playful", "es").texts
     assert spoken_to(list({**shipped, **own}.values())) == []
 
 
-def test_each_has_the_slots_of_its_english_and_is_of_a_text_that_there_is(
-    catalogue: Catalogue, shipped: dict[str, str]
-) -> None:
+def test_each_form_with_tu_has_the_slots_of_its_english_text(catalogue: Catalogue, shipped: dict[str, str]) -> None:
     written = read_words(catalogue.theme_folder("playful") / "words.es.toml")
     assert [problem for english, own in written.items() if (problem := slot_problem(english, own))] == []
     assert set(written) - set(shipped) == set()
@@ -70,7 +68,7 @@ class Child:
         self.look(*words)
 
 
-async def test_a_session_of_keys_says_tu_from_the_welcome_to_the_summary(data: Path, catalogue: Catalogue) -> None:
+async def test_a_session_of_keys_uses_tu_from_the_welcome_to_the_summary(data: Path, catalogue: Catalogue) -> None:
     settings = {"language": "es", "attempts": 1, "prompts_per_attempt": 2}
     plan = make_plan(catalogue, "keyboard", ["P01"], settings, theme="playful", seed=7)
     async with open_app(data, catalogue, plan) as driver:

@@ -56,7 +56,7 @@ async def test_a_prompt_repaints_its_own_region_only(
         assert all(stage.contains_region(Region(left, y, right - left, 1)) for y, left, right in spans)
 
 
-async def test_no_widget_of_a_session_moves_by_itself(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_no_widget_of_a_session_is_animated(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
         await driver.to_first_prompt()
         assert not driver.app.animator._animations
@@ -81,7 +81,7 @@ async def test_no_garbage_is_collected_while_a_response_is_awaited(
     assert gc.get_freeze_count() == 0
 
 
-async def test_no_color_is_respected_and_the_screens_say_the_same(
+async def test_no_color_is_respected_and_the_text_stays_the_same(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
@@ -99,7 +99,7 @@ async def test_no_color_is_respected_and_the_screens_say_the_same(
         assert grey == [True] * 4
 
 
-async def test_there_is_colour_where_it_is_not_refused(data: Path, catalogue: Catalogue) -> None:
+async def test_there_is_colour_without_no_color(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         assert not _is_grey(driver)
 

@@ -105,7 +105,7 @@ async def test_a_participant_may_take_their_time_before_each_reach(data: Path, c
         assert driver.stored("SELECT count(*) FROM trials") == [(0,)]
 
 
-async def test_whoever_takes_enter_for_space_is_told_which_it_is(data: Path, catalogue: Catalogue) -> None:
+async def test_a_participant_who_presses_enter_is_asked_for_space(data: Path, catalogue: Catalogue) -> None:
     async with at_the_table(data, catalogue) as driver:
         await driver.press("enter")
         await driver.wait(300)
@@ -119,7 +119,7 @@ async def test_whoever_takes_enter_for_space_is_told_which_it_is(data: Path, cat
         assert driver.sees("Press Space to start. (Enter comes later.)")
 
 
-async def test_a_sensor_that_comes_loose_is_told_of_and_the_session_goes_on_by_itself(
+async def test_a_detached_sensor_is_reported_and_the_session_continues_by_itself(
     data: Path, catalogue: Catalogue
 ) -> None:
     async with at_the_table(data, catalogue) as driver:
@@ -143,7 +143,7 @@ async def test_a_sensor_that_comes_loose_is_told_of_and_the_session_goes_on_by_i
         assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
 
 
-async def test_a_sensor_that_comes_loose_between_attempts_is_told_of_too(data: Path, catalogue: Catalogue) -> None:
+async def test_a_sensor_detached_between_attempts_is_reported_too(data: Path, catalogue: Catalogue) -> None:
     async with at_the_table(data, catalogue) as driver:
         await driver.press("enter")
         await sensor(driver, "stalled")
@@ -153,7 +153,7 @@ async def test_a_sensor_that_comes_loose_between_attempts_is_told_of_too(data: P
         assert driver.sees("Press Enter to begin attempt 1 of 2.")
 
 
-async def test_a_reach_that_the_sensor_missed_is_asked_for_once_more(data: Path, catalogue: Catalogue) -> None:
+async def test_a_reach_that_the_sensor_missed_is_repeated(data: Path, catalogue: Catalogue) -> None:
     async with at_the_table(data, catalogue) as driver:
         await to_start(driver)
         await driver.press("space")

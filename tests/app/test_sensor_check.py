@@ -125,7 +125,7 @@ def axis(driver: AppDriver, name: str) -> tuple[str, ...]:
 # --- the way through ---------------------------------------------------------------------------------------
 
 
-async def test_a_session_of_a_task_with_a_sensor_begins_with_a_look_at_it(
+async def test_a_session_with_a_sensor_begins_with_the_sensor_check(
     data: Path, catalogue: Catalogue, reaching: type[Task]
 ) -> None:
     async with open_app(data, catalogue, reaching_plan(reaching)) as driver:
@@ -140,7 +140,7 @@ async def test_a_session_of_a_task_with_a_sensor_begins_with_a_look_at_it(
     assert stored(data, "SELECT task, mode FROM sessions") == [("reaching", "live")]
 
 
-async def test_the_session_takes_over_the_sensor_as_it_runs(seated: Callable[..., Any]) -> None:
+async def test_the_session_takes_over_the_running_sensor(seated: Callable[..., Any]) -> None:
     source = Plugged()
     async with seated(source) as driver:
         await driver.wait(1000)
@@ -155,7 +155,9 @@ async def test_the_session_takes_over_the_sensor_as_it_runs(seated: Callable[...
     assert not source.running
 
 
-async def test_a_task_without_a_sensor_begins_as_ever(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_a_task_without_a_sensor_has_no_sensor_check(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
         assert driver.screen_name == "SessionScreen"
 
@@ -170,7 +172,7 @@ async def test_escape_leaves_an_app_that_was_opened_for_one_session(data: Path, 
     assert stored(data, "SELECT id FROM sessions") == []
 
 
-async def test_escape_leads_back_home_and_the_check_can_be_opened_anew(data: Path, catalogue: Catalogue) -> None:
+async def test_escape_leads_home_and_the_check_can_be_opened_again(data: Path, catalogue: Catalogue) -> None:
     database = connect(data)
     participants.add(database, "P01")
     kept = participants.Settings({"imu": "simulated"}, "high-contrast")
@@ -190,7 +192,7 @@ async def test_escape_leads_back_home_and_the_check_can_be_opened_anew(data: Pat
 
 
 @pytest.mark.parametrize(("key", "code"), [("ctrl+q", 0), ("ctrl+c", 130)])
-async def test_however_the_app_ends_the_sensor_is_let_go_of(
+async def test_the_sensor_is_released_however_the_app_ends(
     key: str, code: int, data: Path, seated: Callable[..., Any]
 ) -> None:
     source = Plugged()
@@ -203,7 +205,7 @@ async def test_however_the_app_ends_the_sensor_is_let_go_of(
     assert stored(data, "SELECT id FROM sessions") == []
 
 
-async def test_a_session_that_cannot_be_opened_lets_go_of_the_sensor(
+async def test_a_session_that_cannot_be_opened_releases_the_sensor(
     seated: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source = Plugged()
@@ -221,7 +223,7 @@ def refuse(*_: object) -> None:
     raise StoreError("The disk is full.")
 
 
-async def test_a_sensor_that_does_not_exist_is_refused_as_other_settings_are(
+async def test_an_unknown_sensor_is_refused_like_other_settings(
     data: Path, catalogue: Catalogue, reaching: type[Task]
 ) -> None:
     async with open_app(data, catalogue, reaching_plan(reaching, imu="wiimote")) as driver:
@@ -230,9 +232,7 @@ async def test_a_sensor_that_does_not_exist_is_refused_as_other_settings_are(
     assert stored(data, "SELECT id FROM sessions") == []
 
 
-async def test_a_session_that_is_gone_on_with_needs_no_look(
-    data: Path, catalogue: Catalogue, reaching: type[Task]
-) -> None:
+async def test_a_resumed_session_has_no_sensor_check(data: Path, catalogue: Catalogue, reaching: type[Task]) -> None:
     async with open_app(data, catalogue, reaching_plan(reaching)) as driver:
         await driver.press("enter", "enter")
         session = driver.session_id
@@ -240,7 +240,7 @@ async def test_a_session_that_is_gone_on_with_needs_no_look(
         assert driver.screen_name == "SessionScreen"
 
 
-async def test_a_recording_that_is_over_is_played_anew_by_the_session(seated: Callable[..., Any]) -> None:
+async def test_a_finished_recording_is_replayed_by_the_session(seated: Callable[..., Any]) -> None:
     source = Plugged()
     async with seated(source) as driver:
         await driver.wait(300)
@@ -253,7 +253,7 @@ async def test_a_recording_that_is_over_is_played_anew_by_the_session(seated: Ca
         assert [message["state"] for message in driver.messages("input/sensor")] == ["attached"]
 
 
-async def test_on_a_live_clock_the_check_has_a_worker_of_its_own_that_ends_with_it(
+async def test_on_a_live_clock_the_check_has_a_worker_that_ends_with_it(
     data: Path, catalogue: Catalogue, reaching: type[Task]
 ) -> None:
     app = SarTui(data, catalogue, reaching_plan(reaching))
@@ -270,7 +270,7 @@ async def test_on_a_live_clock_the_check_has_a_worker_of_its_own_that_ends_with_
 # --- what is seen of the sensor ----------------------------------------------------------------------------
 
 
-async def test_no_sensor_is_told_after_three_seconds_and_one_that_comes_later_is_seen(
+async def test_a_missing_sensor_is_reported_after_three_seconds_and_found_later(
     seated: Callable[..., Any],
 ) -> None:
     source = Plugged(at_once=False)
@@ -292,7 +292,7 @@ async def test_no_sensor_is_told_after_three_seconds_and_one_that_comes_later_is
         assert not driver.sees("Samples")
 
 
-async def test_what_the_sensor_waits_for_and_what_is_wrong_is_told_in_its_own_words(
+async def test_messages_of_the_sensor_are_shown_literally(
     seated: Callable[..., Any],
 ) -> None:
     source = Plugged(at_once=False)
@@ -313,9 +313,7 @@ async def test_what_the_sensor_waits_for_and_what_is_wrong_is_told_in_its_own_wo
         assert not driver.sees("packet lost")
 
 
-async def test_without_a_sensor_enter_asks_first_and_a_second_one_goes_on(
-    data: Path, seated: Callable[..., Any]
-) -> None:
+async def test_without_a_sensor_enter_must_be_pressed_twice(data: Path, seated: Callable[..., Any]) -> None:
     source = Plugged(at_once=False)
     async with seated(source) as driver:
         await driver.press("enter")
@@ -331,7 +329,7 @@ async def test_without_a_sensor_enter_asks_first_and_a_second_one_goes_on(
     assert len(stored(data, "SELECT id FROM sessions")) == 1
 
 
-async def test_samples_that_are_missing_are_counted(seated: Callable[..., Any]) -> None:
+async def test_missing_samples_are_counted(seated: Callable[..., Any]) -> None:
     async with seated(Plugged(PROFILES["lossy"])) as driver:
         await driver.wait(4000)
         row = next(row for row in driver.rows if "Samples" in row)
@@ -340,7 +338,7 @@ async def test_samples_that_are_missing_are_counted(seated: Callable[..., Any]) 
         assert driver.sees("Try another cable or port.")
 
 
-async def test_samples_that_are_no_numbers_are_counted_as_left_out(seated: Callable[..., Any]) -> None:
+async def test_samples_that_are_not_numbers_are_counted_as_left_out(seated: Callable[..., Any]) -> None:
     def spoil(sample: Sample) -> Sample:
         return sample._replace(rate=NOTHING) if round(sample.device_ms) % 400 == 0 else sample
 
@@ -350,7 +348,7 @@ async def test_samples_that_are_no_numbers_are_counted_as_left_out(seated: Calla
         assert driver.sees("Trouble ! The sensor reports an angular")
 
 
-async def test_a_sensor_that_falls_silent_is_told(seated: Callable[..., Any]) -> None:
+async def test_a_stalled_sensor_is_reported(seated: Callable[..., Any]) -> None:
     source = Plugged()
     async with seated(source) as driver:
         await driver.wait(500)
@@ -360,7 +358,7 @@ async def test_a_sensor_that_falls_silent_is_told(seated: Callable[..., Any]) ->
         assert not driver.sees("At rest")
 
 
-async def test_a_slow_sensor_is_told(seated: Callable[..., Any]) -> None:
+async def test_a_slow_sensor_is_reported(seated: Callable[..., Any]) -> None:
     source = Plugged(at_once=False)
     async with seated(source) as driver:
         source.info = Info(source="USB", model="Slow", rate_hz=4.0)
@@ -370,7 +368,7 @@ async def test_a_slow_sensor_is_told(seated: Callable[..., Any]) -> None:
         assert driver.sees("That is too few to see a reach.")
 
 
-async def test_the_bias_is_shown_while_the_hand_is_still_and_only_then(seated: Callable[..., Any]) -> None:
+async def test_the_bias_is_shown_only_while_the_hand_is_still(seated: Callable[..., Any]) -> None:
     source = Plugged(PROFILES["biased"])
     async with seated(source) as driver:
         assert axis(driver, "z") == ("────────┼────────", "–", "–", "–")
@@ -386,7 +384,7 @@ async def test_the_bias_is_shown_while_the_hand_is_still_and_only_then(seated: C
         assert bias == ["–", "–"]
 
 
-async def test_zero_asks_the_sensor_and_says_so_for_a_while(seated: Callable[..., Any]) -> None:
+async def test_zeroing_is_requested_and_confirmed_briefly(seated: Callable[..., Any]) -> None:
     source = Plugged(at_once=False)
     async with seated(source) as driver:
         await driver.press("z")
@@ -417,7 +415,7 @@ async def test_zero_asks_the_sensor_and_says_so_for_a_while(seated: Callable[...
         (None, "wait", "cannot be seen"),
     ],
 )  # fmt: skip
-def test_gravity_tells_which_axis_points_up(up: Any, mark: str, says: str) -> None:
+def test_the_axis_that_points_up_is_found_by_gravity(up: Any, mark: str, says: str) -> None:
     fact = placing(up)
     assert fact.mark == mark
     assert says in fact.text
@@ -426,7 +424,7 @@ def test_gravity_tells_which_axis_points_up(up: Any, mark: str, says: str) -> No
 @pytest.mark.parametrize(
     ("sign", "says"), [(1.0, "Placing ✓ z points up"), (-1.0, "! turned over"), (math.nan, "measures no acceleration")]
 )
-async def test_a_sensor_that_is_worn_turned_over_is_told(sign: float, says: str, seated: Callable[..., Any]) -> None:
+async def test_an_upside_down_sensor_is_reported(sign: float, says: str, seated: Callable[..., Any]) -> None:
     def turn(sample: Sample) -> Sample:
         x, y, z = sample.acceleration
         return sample._replace(acceleration=(sign * x, sign * y, sign * z))
@@ -437,14 +435,14 @@ async def test_a_sensor_that_is_worn_turned_over_is_told(sign: float, says: str,
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])
-async def test_the_hand_that_reaches_is_drawn_its_thumb_on_its_own_side(hand: str, seated: Callable[..., Any]) -> None:
+async def test_the_drawn_hand_has_its_thumb_on_the_correct_side(hand: str, seated: Callable[..., Any]) -> None:
     async with seated(Plugged(), hand=hand) as driver:
         thumb = next(row for row in driver.rows if "↑ y" in row).rstrip()
         beside = thumb[: thumb.index("↑")].split("│")[0] if hand == "right" else thumb[thumb.index("y") :]
         assert "╭─╮" in beside
 
 
-def test_both_hands_wear_the_sensor_alike() -> None:
+def test_the_sensor_is_drawn_the_same_on_both_hands() -> None:
     for mark in "xyz⊙↑→":
         assert DRAWN["right"].count(mark) == DRAWN["left"].count(mark) == 1
     for drawing in DRAWN.values():
@@ -457,7 +455,7 @@ def test_both_hands_wear_the_sensor_alike() -> None:
     [(0.0, "────┼────"), (0.5, "────┼╾───"), (2.0, "────┼━━──"), (-2.5, "─╼━━┼────"), (9.0, "────┼━━━━"),
      (-9.0, "━━━━┼────"), (math.nan, "────┼────")],
 )  # fmt: skip
-def test_a_bar_grows_to_its_side_by_half_a_cell(value: float, drawn: str) -> None:
+def test_a_bar_grows_in_steps_of_half_a_cell(value: float, drawn: str) -> None:
     assert bar(value, 4) == drawn
 
 
@@ -468,7 +466,7 @@ def test_a_number_has_a_sign_and_zero_is_never_negative() -> None:
 # --- the test reach ----------------------------------------------------------------------------------------
 
 
-async def test_a_simulated_hand_makes_the_test_reach_and_it_is_drawn_with_its_phases(
+async def test_the_test_reach_of_a_simulated_hand_is_drawn_with_its_phases(
     seated: Callable[..., Any],
 ) -> None:
     source = Moved(PROFILES["drifting"])
@@ -489,7 +487,7 @@ async def test_a_simulated_hand_makes_the_test_reach_and_it_is_drawn_with_its_ph
         assert len(source.moves) == 1
 
 
-async def test_a_persons_own_reach_is_seen_as_soon_as_the_hand_rests_again(seated: Callable[..., Any]) -> None:
+async def test_a_persons_test_reach_is_found_as_soon_as_the_hand_rests(seated: Callable[..., Any]) -> None:
     source = Plugged(PROFILES["noisy"])
     async with seated(source) as driver:
         await driver.wait(3000)
@@ -512,7 +510,7 @@ async def test_a_persons_own_reach_is_seen_as_soon_as_the_hand_rests_again(seate
     ],
     ids=["turned round", "other hand", "saturated"],
 )
-async def test_what_is_wrong_with_the_test_reach_is_said_beside_its_curve(
+async def test_flags_of_the_test_reach_are_shown_beside_its_curve(
     profile: Profile, parameters: dict[str, object], says: str, seated: Callable[..., Any]
 ) -> None:
     async with seated(Moved(profile), **parameters) as driver:
@@ -523,7 +521,7 @@ async def test_what_is_wrong_with_the_test_reach_is_said_beside_its_curve(
         assert any("├" in row and "out" in row for row in driver.rows)
 
 
-async def test_what_is_beyond_the_range_is_not_laid_on_the_cable(seated: Callable[..., Any]) -> None:
+async def test_saturation_is_not_attributed_to_the_cable(seated: Callable[..., Any]) -> None:
     source = Moved(PROFILES["saturating"])
     async with seated(source) as driver:
         await driver.wait(2000)
@@ -536,7 +534,7 @@ async def test_what_is_beyond_the_range_is_not_laid_on_the_cable(seated: Callabl
         assert not driver.sees("Trouble")
 
 
-async def test_a_hand_that_goes_out_and_stays_there_ends_the_test(seated: Callable[..., Any]) -> None:
+async def test_a_hand_that_does_not_return_ends_the_test(seated: Callable[..., Any]) -> None:
     source = Plugged()
     async with seated(source) as driver:
         await driver.wait(1500)
@@ -547,7 +545,7 @@ async def test_a_hand_that_goes_out_and_stays_there_ends_the_test(seated: Callab
         assert driver.sees(f"! {NO_REACH}")
 
 
-async def test_a_hand_that_never_reaches_ends_the_test_and_that_is_said(seated: Callable[..., Any]) -> None:
+async def test_a_hand_that_never_reaches_ends_the_test_with_a_message(seated: Callable[..., Any]) -> None:
     async with seated(Plugged()) as driver:
         await driver.wait(1500)
         await driver.press("t")
@@ -555,7 +553,7 @@ async def test_a_hand_that_never_reaches_ends_the_test_and_that_is_said(seated: 
         assert driver.sees(f"! {NO_REACH}")
 
 
-async def test_a_hand_that_never_rests_is_not_waited_for_for_ever(seated: Callable[..., Any]) -> None:
+async def test_waiting_for_a_hand_to_rest_is_limited(seated: Callable[..., Any]) -> None:
     def shake(sample: Sample) -> Sample:
         return sample._replace(rate=(0.0, 0.0, 2.0 * math.sin(sample.device_ms / 300)))
 
@@ -568,7 +566,7 @@ async def test_a_hand_that_never_rests_is_not_waited_for_for_ever(seated: Callab
         assert driver.sees("Now reach out")
 
 
-async def test_a_sensor_that_is_pulled_out_ends_the_test(seated: Callable[..., Any]) -> None:
+async def test_a_detached_sensor_ends_the_test(seated: Callable[..., Any]) -> None:
     source = Plugged()
     async with seated(source) as driver:
         await driver.wait(300)
@@ -581,7 +579,7 @@ async def test_a_sensor_that_is_pulled_out_ends_the_test(seated: Callable[..., A
 
 
 @pytest.mark.parametrize("flag", [*FLAGS, "something_new"])
-def test_every_flag_is_said_in_words(flag: str) -> None:
+def test_every_flag_has_a_description(flag: str) -> None:
     found = Finding(onset_ns=0, turn_ns=1, end_ns=2, details={"reach_time_ms": 900.0}, flags=(flag,))
     numbers, said = finding_text(found, "left")
     assert "Reach 0.90 s" in numbers[1]
@@ -592,7 +590,7 @@ def test_every_flag_is_said_in_words(flag: str) -> None:
 
 
 @pytest.mark.parametrize("invalid", ["", *INVALID])
-def test_where_nothing_was_found_it_is_said_why(invalid: str) -> None:
+def test_the_reason_for_no_reach_is_shown(invalid: str) -> None:
     ((mark, words),) = finding_text(Finding(details={}, invalid=invalid), "right")
     assert mark == "wrong"
     assert words == INVALID.get(invalid, NO_REACH)
@@ -601,7 +599,7 @@ def test_where_nothing_was_found_it_is_said_why(invalid: str) -> None:
 # --- how it looks -------------------------------------------------------------------------------------------
 
 
-async def test_help_tells_what_the_check_is_for(seated: Callable[..., Any]) -> None:
+async def test_help_describes_the_check(seated: Callable[..., Any]) -> None:
     async with seated(Plugged()) as driver:
         for words in ("T Test", "Z Zero", "Enter Begin", "Esc Back", "Ctrl-Q Quit", "F1 Help"):
             assert words in driver.rows[-1]
@@ -613,9 +611,7 @@ async def test_help_tells_what_the_check_is_for(seated: Callable[..., Any]) -> N
 
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
-async def test_the_check_looks_as_it_did(
-    theme: str, seated: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_snapshot_of_the_check(theme: str, seated: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(test_snapshots, "FOLDER", SNAPSHOTS)
     album, source = Album(theme), Moved(PROFILES["drifting"], at_once=False)
     async with seated(source, theme) as driver:

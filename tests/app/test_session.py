@@ -9,7 +9,7 @@ from sar_tui.plugins import Catalogue
 from tests.app.app_driver import open_app, plan, stored
 
 
-async def test_it_leads_from_the_instructions_to_the_summary(
+async def test_a_session_from_the_instructions_to_the_summary(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
@@ -53,7 +53,7 @@ async def test_it_leads_from_the_instructions_to_the_summary(
     ]
 
 
-async def test_the_plain_line_is_there_while_a_prompt_is_up_and_gone_between_prompts(
+async def test_the_plain_line_is_shown_only_with_a_prompt(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, prompts_per_attempt=3)) as driver:
@@ -71,9 +71,7 @@ async def test_the_plain_line_is_there_while_a_prompt_is_up_and_gone_between_pro
         assert "Press: " not in driver.text
 
 
-async def test_a_prompt_without_an_answer_goes_away_by_itself(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
+async def test_a_prompt_without_a_response_times_out(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(keyboard, response_timeout_ms=2000)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.wait(1999)
@@ -130,7 +128,7 @@ async def test_practice_comes_first_and_does_not_count(data: Path, catalogue: Ca
     assert stored(data, "SELECT attempt, practice FROM attempts") == [(1, 1), (2, 0), (3, 0)]
 
 
-async def test_a_wrong_key_is_a_response_and_the_agent_names_accuracy(
+async def test_a_wrong_key_is_a_response_and_the_agent_mentions_accuracy(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, attempts=1)) as driver:
@@ -147,14 +145,14 @@ async def test_a_wrong_key_is_a_response_and_the_agent_names_accuracy(
         assert driver.sees("○ missed")
 
 
-async def test_one_attempt_is_spoken_of_as_one(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_one_attempt_is_singular(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1)) as driver:
         assert driver.sees("An attempt asks for 1 key.")
         await driver.do_session()
         assert driver.sees("You did 1 attempt; goal reached in 1.")
 
 
-async def test_an_enter_that_bounces_on_the_last_answer_does_not_close_the_summary(
+async def test_a_repeated_enter_after_the_last_response_does_not_close_the_summary(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, attempts=1)) as driver:
@@ -171,7 +169,7 @@ async def test_an_enter_that_bounces_on_the_last_answer_does_not_close_the_summa
         assert not driver.app.is_running
 
 
-async def test_an_enter_that_bounces_when_the_session_is_ended_early_does_not_close_the_summary(
+async def test_a_repeated_enter_after_ending_early_does_not_close_the_summary(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
@@ -187,7 +185,7 @@ async def test_an_enter_that_bounces_when_the_session_is_ended_early_does_not_cl
         assert driver.sees("Press Enter to finish.")
 
 
-async def test_a_pause_after_the_last_attempt_leads_back_to_it_and_every_attempt_stays_counted(
+async def test_a_pause_after_the_last_attempt_returns_there_with_all_attempts_counted(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
@@ -203,7 +201,7 @@ async def test_a_pause_after_the_last_attempt_leads_back_to_it_and_every_attempt
         assert driver.sees("Press Enter to finish.")
 
 
-async def test_a_session_that_was_left_after_its_last_attempt_goes_on_there(
+async def test_a_session_left_after_its_last_attempt_is_resumed_there(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard)) as driver:
@@ -223,7 +221,7 @@ async def test_a_session_that_was_left_after_its_last_attempt_goes_on_there(
 
 
 @pytest.mark.parametrize("theme", ["calm", "high-contrast", "playful"])
-async def test_the_agent_looks_on_in_silence_while_an_attempt_lasts(
+async def test_the_agent_is_silent_during_an_attempt(
     theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     faces = catalogue.theme(theme).faces

@@ -121,7 +121,7 @@ async def test_tab_reaches_every_heading_and_every_field_under_it_in_order(data:
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_a_parameter_that_a_task_adds_has_a_field_with_no_other_change(
+async def test_a_new_parameter_has_a_field_without_further_changes(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     class More(keyboard.Parameters, frozen=True, kw_only=True):  # type: ignore[name-defined, misc]
@@ -163,7 +163,7 @@ async def test_a_value_is_checked_as_it_is_typed(data: Path, catalogue: Catalogu
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_settings_that_do_not_go_together_are_told_at_the_field(data: Path, catalogue: Catalogue) -> None:
+async def test_conflicting_settings_are_reported_at_the_field(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "foreperiod_min_ms", "1800")
@@ -177,7 +177,7 @@ async def test_settings_that_do_not_go_together_are_told_at_the_field(data: Path
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_what_is_wrong_is_not_saved_and_is_gone_to(data: Path, catalogue: Catalogue) -> None:
+async def test_an_invalid_value_is_not_saved_and_gets_the_focus(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "0")
@@ -189,7 +189,7 @@ async def test_what_is_wrong_is_not_saved_and_is_gone_to(data: Path, catalogue: 
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_a_sensor_that_there_is_not_is_told_where_it_is_set(data: Path, catalogue: Catalogue) -> None:
+async def test_an_unknown_sensor_is_reported_at_its_field(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         driver.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
         await driver.settle()
@@ -200,7 +200,7 @@ async def test_a_sensor_that_there_is_not_is_told_where_it_is_set(data: Path, ca
         assert "There is no" not in reads(driver, "imu")
 
 
-async def test_a_dot_marks_what_differs_from_the_default(data: Path, catalogue: Catalogue) -> None:
+async def test_a_dot_marks_values_that_differ_from_the_default(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", prompts_per_attempt=5)
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -235,7 +235,7 @@ async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogu
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_saved_settings_are_those_of_the_participants_next_session(data: Path, catalogue: Catalogue) -> None:
+async def test_saved_settings_apply_to_the_participants_next_session(data: Path, catalogue: Catalogue) -> None:
     known(data, "P02", attempts=2)
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -253,7 +253,7 @@ async def test_saved_settings_are_those_of_the_participants_next_session(data: P
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_leaving_asks_once_if_something_was_not_saved(data: Path, catalogue: Catalogue) -> None:
+async def test_leaving_with_unsaved_changes_asks_once(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "3")
@@ -269,7 +269,7 @@ async def test_leaving_asks_once_if_something_was_not_saved(data: Path, catalogu
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_yes_or_no_is_put_back_like_any_other(data: Path, catalogue: Catalogue) -> None:
+async def test_a_yes_or_no_field_is_reset_like_any_other(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await go_to(driver, "encouragement")
@@ -282,9 +282,7 @@ async def test_yes_or_no_is_put_back_like_any_other(data: Path, catalogue: Catal
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_a_language_that_the_participants_theme_lacks_is_told_where_it_is_set(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_a_language_that_the_theme_lacks_is_reported_at_its_field(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "language", "de")
@@ -299,7 +297,7 @@ async def test_a_language_that_the_participants_theme_lacks_is_told_where_it_is_
     assert kept(data)["language"] == "es-mx"
 
 
-async def test_a_theme_that_is_gone_keeps_nobody_from_setting_a_language(data: Path, catalogue: Catalogue) -> None:
+async def test_a_language_can_be_set_with_a_missing_theme(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", theme="gone")
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -309,7 +307,7 @@ async def test_a_theme_that_is_gone_keeps_nobody_from_setting_a_language(data: P
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_no_title_touches_its_value_and_no_unit_is_cut_off(data: Path, catalogue: Catalogue) -> None:
+async def test_titles_and_units_fit_beside_the_values(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         for name in ("keyboard", "reaching"):
             driver.app.push_screen(SettingsScreen("P01", catalogue.task(name)))
@@ -327,7 +325,7 @@ async def test_no_title_touches_its_value_and_no_unit_is_cut_off(data: Path, cat
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_the_form_opens_in_the_tasks_first_field_with_what_few_need_folded_away(
+async def test_the_form_opens_in_the_tasks_first_field_with_rare_settings_folded(
     data: Path, catalogue: Catalogue
 ) -> None:
     async with open_app(data, catalogue) as driver:
@@ -369,7 +367,7 @@ async def test_a_heading_opens_with_a_click(data: Path, catalogue: Catalogue) ->
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_page_keys_go_from_heading_to_heading_and_first_to_ones_own(data: Path, catalogue: Catalogue) -> None:
+async def test_page_keys_move_between_headings_starting_with_the_current_one(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         found = groups(driver)
@@ -387,7 +385,7 @@ async def test_page_keys_go_from_heading_to_heading_and_first_to_ones_own(data: 
         assert found[1].heading.has_focus
 
 
-async def test_a_folded_heading_tells_what_differs_from_the_defaults(data: Path, catalogue: Catalogue) -> None:
+async def test_a_folded_heading_shows_values_that_differ_from_the_defaults(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", operator_feedback="approve", operator_time_ms=6000, levels=["fj"])
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -402,7 +400,7 @@ async def test_a_folded_heading_tells_what_differs_from_the_defaults(data: Path,
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_emptied_settings_are_told_as_none(data: Path, catalogue: Catalogue) -> None:
+async def test_emptied_settings_are_shown_as_none(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         driver.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
         await driver.settle()
@@ -413,7 +411,7 @@ async def test_emptied_settings_are_told_as_none(data: Path, catalogue: Catalogu
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_what_is_wrong_unfolds_its_heading(data: Path, catalogue: Catalogue) -> None:
+async def test_an_invalid_value_unfolds_its_heading(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "foreperiod_max_ms", "400")
@@ -432,7 +430,7 @@ async def test_what_is_wrong_unfolds_its_heading(data: Path, catalogue: Catalogu
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_what_is_folded_away_is_saved_all_the_same(data: Path, catalogue: Catalogue) -> None:
+async def test_folded_settings_are_saved_too(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "quiet_ms", "700")
@@ -443,7 +441,7 @@ async def test_what_is_folded_away_is_saved_all_the_same(data: Path, catalogue: 
     assert kept(data) == {"quiet_ms": 700}
 
 
-async def test_what_was_never_unfolded_is_saved_and_put_back_as_well(data: Path, catalogue: Catalogue) -> None:
+async def test_settings_that_were_never_unfolded_are_saved_and_reset_too(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=700, operator_lost_ms=3000)
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -460,7 +458,7 @@ async def test_what_was_never_unfolded_is_saved_and_put_back_as_well(data: Path,
     assert kept(data) == {}
 
 
-async def test_what_is_kept_wrong_is_unfolded_as_the_form_opens(data: Path, catalogue: Catalogue) -> None:
+async def test_an_invalid_stored_value_is_unfolded_when_the_form_opens(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=9999)
     async with open_app(data, catalogue, size=(80, 200)) as driver:
         await driver.press("f2")
@@ -472,7 +470,7 @@ async def test_what_is_kept_wrong_is_unfolded_as_the_form_opens(data: Path, cata
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_a_choice_is_made_from_a_list_that_opens(data: Path, catalogue: Catalogue) -> None:
+async def test_choices_open_in_a_list(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await go_to(driver, "layout")
@@ -496,7 +494,7 @@ async def test_a_choice_is_made_from_a_list_that_opens(data: Path, catalogue: Ca
         assert choice.has_focus
 
 
-async def test_a_choice_that_there_is_no_more_is_told_and_another_can_be_made(data: Path, catalogue: Catalogue) -> None:
+async def test_a_choice_that_no_longer_exists_is_reported_and_can_be_changed(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=20, layout="sholes")
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")

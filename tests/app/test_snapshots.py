@@ -59,7 +59,7 @@ class Album:
 
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
-async def test_home_and_settings_look_as_they_did(theme: str, data: Path, catalogue: Catalogue) -> None:
+async def test_snapshots_of_home_and_settings(theme: str, data: Path, catalogue: Catalogue) -> None:
     album = Album(theme)
     async with open_app(data, catalogue) as driver:
         driver.app.screen.query_one("#theme").highlighted = THEMES.index(theme)  # type: ignore[attr-defined]
@@ -86,7 +86,7 @@ async def test_home_and_settings_look_as_they_did(theme: str, data: Path, catalo
 
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
-async def test_a_session_looks_as_it_did(theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_snapshots_of_a_session(theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     album = Album(theme)
     async with open_app(data, catalogue, plan(keyboard, theme=theme, attempts=4, practice_attempts=1)) as driver:
         album.take("instructions", driver)
@@ -127,6 +127,6 @@ async def test_a_session_looks_as_it_did(theme: str, data: Path, catalogue: Cata
     album.check()
 
 
-def test_there_is_no_snapshot_of_a_screen_that_is_gone() -> None:
+def test_there_is_no_obsolete_snapshot() -> None:
     names = {f"{name}.{theme}.txt" for name in (*HOME, *SESSION) for theme in THEMES}
     assert {path.name for path in FOLDER.iterdir()} == names

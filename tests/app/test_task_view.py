@@ -95,9 +95,7 @@ async def play(driver: AppDriver) -> list[str]:
     return [*seen, " ".join(driver.text.split())]
 
 
-async def test_a_task_outside_of_the_checkout_draws_its_prompt_between_attempts_and_in_the_summary(
-    data: Path, own_tasks: Path
-) -> None:
+async def test_a_task_outside_the_checkout_draws_in_all_places(data: Path, own_tasks: Path) -> None:
     (own_tasks / "sides" / "view.py").write_text(VIEW)
     catalogue = Catalogue(tasks=(own_tasks,))
     async with open_app(data, catalogue, plan(catalogue.task("sides"))) as driver:

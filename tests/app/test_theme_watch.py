@@ -63,7 +63,7 @@ class Editor:
 # --- the watch -----------------------------------------------------------------------------------------------
 
 
-def test_an_edited_theme_is_worn_once_when_its_files_have_come_to_rest(folder: Path, themes: Catalogue) -> None:
+def test_an_edited_theme_is_applied_once_when_its_files_stop_changing(folder: Path, themes: Catalogue) -> None:
     editor = Editor(themes)
     editor.watch.look()
     assert editor.worn == []
@@ -78,7 +78,7 @@ def test_an_edited_theme_is_worn_once_when_its_files_have_come_to_rest(folder: P
     assert editor.told == []
 
 
-def test_phrases_that_are_added_are_an_edit_and_the_language_is_kept(folder: Path, themes: Catalogue) -> None:
+def test_added_phrases_are_an_edit_and_the_language_stays(folder: Path, themes: Catalogue) -> None:
     spanish = (folder / "phrases.es.toml").read_text(encoding="utf-8")
     (folder / "phrases.es.toml").unlink()
     editor = Editor(themes)
@@ -89,9 +89,7 @@ def test_phrases_that_are_added_are_an_edit_and_the_language_is_kept(folder: Pat
     assert [theme.language for theme in editor.worn] == ["es"]
 
 
-def test_a_theme_that_cannot_be_read_is_told_once_and_not_worn_and_mended_it_is(
-    folder: Path, themes: Catalogue
-) -> None:
+def test_an_unreadable_theme_is_reported_once_and_applied_when_fixed(folder: Path, themes: Catalogue) -> None:
     editor = Editor(themes)
     edit(folder, "[colors]", "[colors")
     for _ in range(4):
@@ -115,7 +113,7 @@ def test_a_theme_that_cannot_be_read_is_told_once_and_not_worn_and_mended_it_is(
         (4, " And 2 more: see sar-tui themes check."),
     ],
 )
-def test_what_has_to_be_mended_is_told_and_the_theme_worn_all_the_same(
+def test_a_theme_with_problems_is_applied_and_the_problems_reported(
     problems: int, told: str, folder: Path, themes: Catalogue
 ) -> None:
     editor = Editor(themes)
@@ -127,7 +125,7 @@ def test_what_has_to_be_mended_is_told_and_the_theme_worn_all_the_same(
     assert told in editor.told[0]
 
 
-def test_a_theme_whose_folder_is_gone_is_told_and_stays_worn(folder: Path, themes: Catalogue) -> None:
+def test_a_theme_whose_folder_was_removed_is_reported_and_stays_applied(folder: Path, themes: Catalogue) -> None:
     editor = Editor(themes)
     shutil.rmtree(folder)
     for _ in range(3):
@@ -139,7 +137,7 @@ def test_a_theme_whose_folder_is_gone_is_told_and_stays_worn(folder: Path, theme
 # --- the app -------------------------------------------------------------------------------------------------
 
 
-async def test_at_home_the_colours_change_with_the_file(data: Path, folder: Path, themes: Catalogue) -> None:
+async def test_home_changes_its_colours_with_the_file(data: Path, folder: Path, themes: Catalogue) -> None:
     known(data, theme="mine")
     async with open_app(data, themes) as driver:
         assert driver.app.theme == "sar-mine"
@@ -149,7 +147,7 @@ async def test_at_home_the_colours_change_with_the_file(data: Path, folder: Path
         assert driver.app.theme == "sar-mine"
 
 
-async def test_in_a_session_the_face_the_colours_and_what_is_said_change_and_the_words_that_stand_stay(
+async def test_in_a_session_face_colours_and_later_utterances_change(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, themes, plan(keyboard, theme="mine", feedback_form="qualitative")) as driver:
@@ -182,7 +180,7 @@ async def test_a_session_in_spanish_stays_in_spanish_when_its_theme_is_edited(
         assert driver.session.theme.colors.background == "#30171e"
 
 
-async def test_at_home_what_is_wrong_with_an_edit_is_told_at_once(data: Path, folder: Path, themes: Catalogue) -> None:
+async def test_home_reports_a_faulty_edit_at_once(data: Path, folder: Path, themes: Catalogue) -> None:
     known(data, theme="mine")
     async with open_app(data, themes) as driver:
         edit(folder, "[colors]", "[colors")
@@ -190,7 +188,7 @@ async def test_at_home_what_is_wrong_with_an_edit_is_told_at_once(data: Path, fo
         assert driver.sees("The theme mine cannot be read")
 
 
-async def test_in_a_session_the_participant_reads_nothing_of_an_edit_that_is_wrong_and_home_tells_it_later(
+async def test_a_faulty_edit_during_a_session_is_reported_later_on_home(
     data: Path, folder: Path, themes: Catalogue
 ) -> None:
     known(data, theme="mine")
@@ -208,7 +206,7 @@ async def test_in_a_session_the_participant_reads_nothing_of_an_edit_that_is_wro
         assert driver.app.pending_notice == ""
 
 
-async def test_what_was_wrong_with_an_edit_is_kept_for_the_terminal_until_it_is_mended(
+async def test_a_faulty_edit_is_reported_on_the_terminal_unless_it_was_fixed(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, themes, plan(keyboard, theme="mine")) as driver:
@@ -221,7 +219,7 @@ async def test_what_was_wrong_with_an_edit_is_kept_for_the_terminal_until_it_is_
         assert driver.app.pending_notice == ""
 
 
-async def test_the_palette_offers_no_theme_while_a_session_is_open_so_that_its_own_is_still_followed(
+async def test_the_palette_lists_no_theme_while_a_session_is_open(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, themes, plan(keyboard, theme="mine")) as driver:
@@ -235,7 +233,7 @@ async def test_the_palette_offers_no_theme_while_a_session_is_open_so_that_its_o
 
 
 @pytest.mark.parametrize("name", ["a\\u0000b.png", "a" * 300])
-async def test_an_image_that_cannot_be_is_left_out_in_mid_session_and_at_the_beginning(
+async def test_an_invalid_image_is_left_out_at_any_time(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task], name: str
 ) -> None:
     async with open_app(data, themes, plan(keyboard, theme="mine")) as driver:
@@ -247,7 +245,7 @@ async def test_an_image_that_cannot_be_is_left_out_in_mid_session_and_at_the_beg
 
 
 @pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte")])
-def test_a_folder_that_cannot_even_be_looked_for_is_told(
+def test_a_folder_that_cannot_be_accessed_is_reported(
     folder: Path, themes: Catalogue, monkeypatch: pytest.MonkeyPatch, fault: Exception
 ) -> None:
     editor = Editor(themes)
@@ -261,7 +259,7 @@ def test_a_folder_that_cannot_even_be_looked_for_is_told(
     assert editor.told == [f"The theme mine cannot be read: {fault}. The previous version stays in use."]
 
 
-async def test_a_theme_without_english_is_worn_in_a_session_in_its_own_language(
+async def test_a_theme_without_english_is_applied_in_its_own_language(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
     (folder / "phrases.en.toml").unlink()
@@ -273,7 +271,7 @@ async def test_a_theme_without_english_is_worn_in_a_session_in_its_own_language(
 # --- the beginning -------------------------------------------------------------------------------------------
 
 
-async def test_only_the_worn_theme_is_read_before_the_first_screen_and_all_are_there_to_choose_on_it(
+async def test_only_the_applied_theme_is_read_before_the_first_screen(
     data: Path, folder: Path, themes: Catalogue
 ) -> None:
     assert list(SarTui(data, themes).themes) == ["calm"]
@@ -283,7 +281,7 @@ async def test_only_the_worn_theme_is_read_before_the_first_screen_and_all_are_t
         assert [option.id for option in options] == list(driver.app.themes)
 
 
-async def test_somebodys_own_calm_that_cannot_be_read_is_told_and_another_is_worn(
+async def test_an_unreadable_custom_calm_theme_is_reported_and_replaced(
     data: Path, folder: Path, themes: Catalogue
 ) -> None:
     edit(folder, "[colors]", "[colors")
@@ -293,7 +291,7 @@ async def test_somebodys_own_calm_that_cannot_be_read_is_told_and_another_is_wor
         assert driver.sees("The theme calm cannot be read")
 
 
-def test_what_only_a_session_needs_is_not_loaded_before_the_first_screen() -> None:
+def test_modules_that_only_a_session_needs_are_not_loaded_before_the_first_screen() -> None:
     script = "import sys, sar_tui.app.app, sar_tui.app.screens.home; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
     assert "sar_tui.theme_folder" in loaded
@@ -302,7 +300,7 @@ def test_what_only_a_session_needs_is_not_loaded_before_the_first_screen() -> No
     )
 
 
-async def test_no_file_is_looked_at_from_the_quiet_before_a_prompt_to_its_response(
+async def test_no_theme_file_is_checked_during_a_trial(
     data: Path, themes: Catalogue, keyboard: type[Task], folder: Path
 ) -> None:
     async with open_app(data, themes, plan(keyboard, theme=folder.name)) as driver:

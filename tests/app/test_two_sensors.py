@@ -38,7 +38,7 @@ def seated(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) ->
     return sit
 
 
-async def test_one_sensor_is_looked_at_after_the_other_and_then_the_session_begins(data: Path, seated: Sit) -> None:
+async def test_sensors_are_checked_one_after_the_other_before_the_session(data: Path, seated: Sit) -> None:
     left, right = Plugged(), Plugged(at_once=False)
     async with seated(left, right, hand_b="left") as driver:
         assert driver.screen_name == "SensorCheckScreen"
@@ -64,7 +64,7 @@ async def test_one_sensor_is_looked_at_after_the_other_and_then_the_session_begi
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
 
 
-async def test_a_test_reach_is_of_the_hand_that_is_looked_at(seated: Sit) -> None:
+async def test_a_test_reach_is_that_of_the_checked_hand(seated: Sit) -> None:
     left, right = Moved(), Moved()
     async with seated(left, right) as driver:
         await driver.wait(2500)
@@ -90,7 +90,7 @@ async def test_without_one_of_two_sensors_enter_asks_first(data: Path, seated: S
     assert stored(data, "SELECT id FROM sessions") == []
 
 
-async def test_all_that_is_known_of_two_sensors_fits_on_the_screen(seated: Sit) -> None:
+async def test_the_details_of_two_sensors_fit_on_the_screen(seated: Sit) -> None:
     async with seated(Moved(), Moved()) as driver:
         await driver.wait(3000)
         for words in ("T Test", "Z Zero", "Enter Begin", "Esc Back", "F1 Help"):
@@ -103,7 +103,7 @@ async def test_all_that_is_known_of_two_sensors_fits_on_the_screen(seated: Sit) 
         assert trace.region.bottom < len(driver.rows)
 
 
-async def test_whose_sensor_came_loose_stands_on_the_screen_and_it_goes_on_by_itself(seated: Sit) -> None:
+async def test_the_seat_of_a_detached_sensor_is_shown_and_the_session_continues_by_itself(seated: Sit) -> None:
     left, right = Plugged(), Plugged()
     async with seated(left, right) as driver:
         await driver.wait(500)
@@ -125,7 +125,7 @@ async def test_whose_sensor_came_loose_stands_on_the_screen_and_it_goes_on_by_it
         assert driver.sees("Press Enter to begin attempt 1 of 1.")
 
 
-async def test_whose_sensor_came_loose_is_told_by_code_where_they_are_called_so(seated: Sit) -> None:
+async def test_a_detached_sensor_is_reported_with_the_participants_code(seated: Sit) -> None:
     left, right = Plugged(), Plugged()
     async with seated(left, right, address="code") as driver:
         await driver.wait(500)
@@ -142,7 +142,7 @@ async def test_the_help_of_two_sensors_names_the_settings_of_both(seated: Sit) -
         assert "Motion sensor" not in told
 
 
-async def test_hands_that_are_simulated_play_by_themselves(data: Path, catalogue: Catalogue) -> None:
+async def test_simulated_hands_play_by_themselves(data: Path, catalogue: Catalogue) -> None:
     given = {"respond_with": "reaches", "imu": "simulated", "imu_b": "simulated", "policy": "race"}
     settings = given | {"attempts": 1, "prompts_per_attempt": 2}
     plan = make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=11)

@@ -8,7 +8,7 @@ from sar_tui.plugins import Catalogue
 from tests.app.app_driver import known, plan, stored
 
 
-async def test_session_and_storage_are_workers_and_none_is_left_when_the_app_has_ended(
+async def test_session_and_storage_are_workers_that_end_with_the_app(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     app = SarTui(data, catalogue, plan(keyboard))
@@ -23,7 +23,7 @@ async def test_session_and_storage_are_workers_and_none_is_left_when_the_app_has
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
 
 
-async def test_they_end_with_the_session_when_the_app_goes_on(data: Path, catalogue: Catalogue) -> None:
+async def test_workers_end_with_the_session_when_the_app_continues(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
     app = SarTui(data, catalogue)
     async with app.run_test() as pilot:

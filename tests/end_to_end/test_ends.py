@@ -41,7 +41,7 @@ def test_a_signal_ends_the_session_in_order(data: Path, number: int, code: int) 
 
 
 @pytest.mark.parametrize("moment", ["instructions", "trial"])
-def test_ctrl_c_ends_with_130_and_says_how_to_go_on(data: Path, moment: str) -> None:
+def test_ctrl_c_exits_with_130_and_says_how_to_resume(data: Path, moment: str) -> None:
     with Terminal(run_command(data, prompts_per_attempt=8, attempts=2)) as terminal:
         before = terminal.modes()
         terminal.wait_for("Press Enter to go on.")
@@ -53,7 +53,7 @@ def test_ctrl_c_ends_with_130_and_says_how_to_go_on(data: Path, moment: str) -> 
         assert b"Stopped with Ctrl-C." in terminal.output
 
 
-def test_a_terminal_that_vanishes_ends_the_program_and_loses_nothing(data: Path) -> None:
+def test_a_lost_terminal_ends_the_program_without_loss(data: Path) -> None:
     with Terminal(run_command(data, prompts_per_attempt=8, attempts=2)) as terminal:
         _answer(terminal, 3)
         terminal.settle()
@@ -73,7 +73,7 @@ def test_a_participant_cannot_be_in_two_live_sessions(data: Path) -> None:
             other.wait_for("Press Enter to go on.")
 
 
-def test_a_task_that_raises_tells_the_participant_and_keeps_what_was_done(data: Path, tmp_path: Path) -> None:
+def test_a_task_that_raises_is_reported_and_finished_trials_are_stored(data: Path, tmp_path: Path) -> None:
     task = tmp_path / "tasks" / "brittle"
     task.mkdir(parents=True)
     (task / "task.py").write_text(
@@ -115,7 +115,7 @@ class Brittle(Task):
     assert rows(data, "SELECT count(*) FROM events WHERE topic='framework/fault'") == [(1,)]
 
 
-def test_a_session_that_was_quit_is_offered_and_goes_on_at_the_next_trial(data: Path) -> None:
+def test_a_session_that_was_quit_is_listed_and_resumed_at_the_next_trial(data: Path) -> None:
     with Terminal(run_command(data, prompts_per_attempt=4, attempts=1)) as terminal:
         _answer(terminal, 2)
         terminal.settle()

@@ -27,7 +27,7 @@ def asked(terminal: Terminal, eyes: Eyes) -> list[str]:
 
 
 @pytest.mark.parametrize("policy", first(1, ["race", "joint attention"]))
-def test_two_play_in_a_real_terminal(tmp_path: Path, policy: str) -> None:
+def test_a_session_of_two_in_a_real_terminal(tmp_path: Path, policy: str) -> None:
     data = tmp_path / "data"
     settings = QUICK | {"policy": policy, "attempts": 1, "prompts_per_attempt": 2, "cue_lead_ms": 60}
     given = [f"--set={name}={value}" for name, value in settings.items()]

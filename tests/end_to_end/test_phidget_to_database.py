@@ -71,9 +71,7 @@ async def streamed(run: Run, driven: FakeSpatial, plugged: tuple[int, ...]) -> l
 
 
 @pytest.mark.parametrize("interval_ms", [4, 1])
-def test_five_seconds_of_samples_are_all_kept_and_a_sensor_that_is_plugged_in_again_is_a_new_stream(
-    tmp_path: Path, interval_ms: int
-) -> None:
+def test_all_samples_are_stored_and_a_reattached_sensor_is_a_new_stream(tmp_path: Path, interval_ms: int) -> None:
     count = 5000 // interval_ms
     driven = FakeSpatial(new_channel("Spatial"), interval_ms)
     catalogue = Catalogue()

@@ -110,7 +110,7 @@ def check_reaches(data: Path) -> None:
             assert 500 < trial["details"]["reach_time_ms"] < 3000
 
 
-def test_reaches_and_their_samples_are_in_the_database_and_say_the_same(data: Path) -> None:
+def test_stored_reaches_agree_with_their_samples(data: Path) -> None:
     with Terminal(run_command(data, attempts=2)) as terminal:
         begin(terminal)
         begin_attempt(terminal, reach(terminal))
@@ -131,7 +131,7 @@ def test_reaches_and_their_samples_are_in_the_database_and_say_the_same(data: Pa
     assert seqs[1] == seqs[2]
 
 
-def test_a_kill_in_mid_reach_loses_a_moment_of_samples_and_the_session_goes_on(data: Path) -> None:
+def test_a_kill_during_a_reach_loses_few_samples_and_the_session_is_resumed(data: Path) -> None:
     for kill in range(KILLS):
         words = (
             run_command(data, attempts=1) if kill == 0 else command("resume", only_session(data), "--data", str(data))

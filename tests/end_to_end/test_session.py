@@ -39,7 +39,7 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Press]]
     return data, presses
 
 
-def test_every_press_is_a_row_right_or_wrong_as_it_was_pressed(played: tuple[Path, list[Press]]) -> None:
+def test_every_press_is_stored_with_its_correctness(played: tuple[Path, list[Press]]) -> None:
     data, presses = played
     recorded = rows(data, "SELECT stimulus, response, correct FROM trials ORDER BY attempt, trial")
     assert recorded == [(press.expected, press.key, press.key == press.expected) for press in presses]
@@ -48,7 +48,7 @@ def test_every_press_is_a_row_right_or_wrong_as_it_was_pressed(played: tuple[Pat
     assert rows(data, "SELECT count(*) FROM attempts") == [(2,)]
 
 
-def test_each_trial_tells_how_well_it_was_timed(played: tuple[Path, list[Press]]) -> None:
+def test_each_trial_stores_its_timing_quality(played: tuple[Path, list[Press]]) -> None:
     data, _ = played
     for (text,) in rows(data, "SELECT timing FROM trials"):
         timing = json.loads(text)
@@ -57,7 +57,7 @@ def test_each_trial_tells_how_well_it_was_timed(played: tuple[Path, list[Press]]
         assert timing["loop_lag_ms"] is not None
 
 
-def test_the_prompt_line_stands_and_not_a_byte_arrives_while_a_response_is_awaited(data: Path) -> None:
+def test_no_byte_is_written_while_a_response_is_awaited(data: Path) -> None:
     with Terminal(run_command(data, prompts_per_attempt=2, attempts=1, **_slowly(700))) as t:
         eyes = Eyes(t)
         t.wait_for("Press Enter to go on.")
@@ -85,7 +85,7 @@ def test_the_prompt_line_stands_and_not_a_byte_arrives_while_a_response_is_await
         see_the_summary(t)
 
 
-def test_keys_that_answer_no_prompt_are_kept_as_keys_and_never_as_reaction_times(data: Path) -> None:
+def test_keys_without_a_prompt_are_stored_but_are_no_responses(data: Path) -> None:
     """A key in the wait, a paste, and a key held down before the prompt."""
     with Terminal(run_command(data, prompts_per_attempt=2, attempts=1, **_slowly(600))) as t:
         t.wait_for("Press Enter to go on.")
@@ -116,7 +116,7 @@ def test_keys_that_answer_no_prompt_are_kept_as_keys_and_never_as_reaction_times
     assert "paste" in json.loads(first[0])["flags"]
 
 
-def test_only_keys_of_the_task_reach_the_events(data: Path) -> None:
+def test_only_keys_of_the_task_are_recorded(data: Path) -> None:
     """Characters typed into a form are not stored as key presses."""
     with Terminal(command("--data", str(data))) as t:
         t.wait_for("New participant")

@@ -47,7 +47,7 @@ def said(data: Path) -> list[tuple[str, str]]:
 
 @needs_speech
 @pytest.mark.skipif(sys.platform != "linux", reason="finds the process in /proc")
-def test_the_session_goes_on_with_a_new_voice(data: Path, tmp_path: Path) -> None:
+def test_the_session_continues_with_a_new_voice(data: Path, tmp_path: Path) -> None:
     spoken = tmp_path / "spoken"
     outputs = {"outputs": "screen speech", "speech": f"file:{spoken}"}
     with Terminal(run_command(data, prompts_per_attempt=2, attempts=1, **outputs)) as terminal:

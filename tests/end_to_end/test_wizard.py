@@ -20,7 +20,7 @@ SETTINGS = {
 }
 
 
-def test_the_participant_gets_what_the_operator_decides_and_all_of_it_is_kept(data: Path) -> None:
+def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> None:
     with Room(data) as room:
         participant, panel = room.both(**SETTINGS)
         usual = participant.answers

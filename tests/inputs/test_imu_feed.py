@@ -67,7 +67,7 @@ def bench() -> Bench:
     return Bench()
 
 
-def test_samples_come_out_as_they_went_in_with_the_time_they_were_taken(bench: Bench) -> None:
+def test_samples_are_unchanged_and_stamped_with_their_measurement_time(bench: Bench) -> None:
     bench.source.sink(Sample(5 * MS, 100.0, (1.0, 2.0, 3.0), (0.1, 0.2, 0.3), (0.4, 0.5, 0.6)))
     bench.source.sink(Sample(8 * MS, 104.0, (1.0, 2.0, 3.0), (0.1, 0.2, 0.3)))
     samples = bench.feed.drain().samples
@@ -81,14 +81,14 @@ def test_samples_come_out_as_they_went_in_with_the_time_they_were_taken(bench: B
     assert np.isnan(samples["field"][1]).all()
 
 
-def test_nothing_new_is_an_empty_array_of_samples(bench: Bench) -> None:
+def test_a_drain_without_new_samples_is_an_empty_array(bench: Bench) -> None:
     bench.feed.drain()
     samples, statuses = bench.feed.drain()
     assert (len(samples), samples.dtype, statuses) == (0, SAMPLE, [])
 
 
 @given(st.lists(st.integers(0, 40), max_size=30))
-def test_however_it_is_drained_no_sample_is_lost_and_their_order_is_kept(blocks: list[int]) -> None:
+def test_no_drain_loses_or_reorders_samples(blocks: list[int]) -> None:
     bench, sent, come = Bench(), 0, []
     for block in blocks:
         bench.send(*(4.0 * (sent + index) for index in range(block)))
@@ -99,7 +99,7 @@ def test_however_it_is_drained_no_sample_is_lost_and_their_order_is_kept(blocks:
 
 
 @pytest.mark.parametrize("stamp", [4.0, 2.0, -math.inf, math.inf, math.nan, 1e13])
-def test_a_stamp_that_does_not_rise_is_left_out_and_told_once_a_run(bench: Bench, stamp: float) -> None:
+def test_samples_with_non_increasing_stamps_are_left_out_and_reported_once(bench: Bench, stamp: float) -> None:
     bench.send(0.0, 4.0, stamp, stamp, stamp, 8.0)
     samples, statuses = bench.feed.drain()
     assert samples["device_ms"].tolist() == [0.0, 4.0, 8.0]
@@ -112,9 +112,7 @@ def test_a_stamp_that_does_not_rise_is_left_out_and_told_once_a_run(bench: Bench
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300])
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_rate_that_is_no_number_is_left_out_and_the_hole_it_leaves_is_reported(
-    bench: Bench, bad: float, axis: int
-) -> None:
+def test_an_invalid_rate_is_left_out_and_its_gap_reported(bench: Bench, bad: float, axis: int) -> None:
     rate: Any = [0.0, 0.0, 0.0]
     rate[axis] = bad
     bench.send(0.0)
@@ -126,37 +124,37 @@ def test_a_rate_that_is_no_number_is_left_out_and_the_hole_it_leaves_is_reported
     assert (bench.feed.dropped, bench.feed.lost) == (2, 0)
 
 
-def test_an_acceleration_that_is_no_number_is_not_worth_a_sample(bench: Bench) -> None:
+def test_an_invalid_acceleration_does_not_drop_the_sample(bench: Bench) -> None:
     bench.send(0.0, acceleration=NOTHING)
     bench.send(4.0, acceleration=(1e300, 0.0, 0.0))
     assert len(bench.feed.drain().samples) == 2
 
 
-def test_a_hole_in_the_sensors_time_is_a_gap_at_the_sample_after_it(bench: Bench) -> None:
+def test_a_gap_in_the_sensors_time_is_reported_at_the_next_sample(bench: Bench) -> None:
     bench.send(0.0, 4.0, 24.0, 28.0)
     assert bench.told() == [Status(state="gap", at=24 * MS, count=4, duration_ms=20.0)]
     assert bench.feed.lost == 4
 
 
-def test_a_hole_between_two_drains_is_seen(bench: Bench) -> None:
+def test_a_gap_between_two_drains_is_reported(bench: Bench) -> None:
     bench.send(0.0)
     bench.feed.drain()
     bench.send(12.0)
     assert [(status.state, status.count) for status in bench.told()] == [("gap", 2)]
 
 
-def test_a_little_jitter_of_the_sensors_time_is_no_gap(bench: Bench) -> None:
+def test_small_jitter_of_the_sensors_time_is_no_gap(bench: Bench) -> None:
     bench.send(0.0, 5.9, 8.0, 13.5)
     assert bench.told() == []
 
 
-def test_a_sensor_that_does_not_tell_its_rate_has_no_gaps() -> None:
+def test_a_sensor_of_unknown_rate_has_no_gaps() -> None:
     bench = Bench(Info(source="test", model="By hand", rate_hz=0.0))
     bench.send(0.0, 4.0, 400.0)
     assert bench.told() == []
 
 
-def test_a_hole_is_saturation_where_the_sensor_said_so(bench: Bench) -> None:
+def test_a_gap_is_saturation_if_the_sensor_reported_it(bench: Bench) -> None:
     bench.send(0.0, 4.0)
     for at_ms in (8.0, 12.0, 16.0):
         bench.saturate(at_ms)
@@ -167,14 +165,14 @@ def test_a_hole_is_saturation_where_the_sensor_said_so(bench: Bench) -> None:
     assert [status.state for status in bench.told()] == ["gap"]
 
 
-def test_saturation_without_a_hole_is_reported_as_it_came(bench: Bench) -> None:
+def test_saturation_without_a_gap_is_passed_on(bench: Bench) -> None:
     bench.send(0.0)
     bench.saturate(3.0)
     bench.send(4.0)
     assert bench.told() == [Status(state="saturated", at=4 * MS, detail="Gyroscope.", count=1)]
 
 
-def test_saturation_is_not_forgotten_when_the_sensor_is_pulled_out(bench: Bench) -> None:
+def test_saturation_is_reported_although_the_sensor_was_detached(bench: Bench) -> None:
     bench.send(0.0)
     bench.saturate(4.0)
     bench.source.on_status(Status(state="detached", at=5 * MS))
@@ -182,7 +180,7 @@ def test_saturation_is_not_forgotten_when_the_sensor_is_pulled_out(bench: Bench)
 
 
 @pytest.mark.parametrize("vector", ["rate", "acceleration"])
-def test_samples_at_the_end_of_the_range_are_kept_and_told_once_a_drain(bench: Bench, vector: str) -> None:
+def test_samples_at_the_limit_of_the_range_are_kept_and_reported_once_per_drain(bench: Bench, vector: str) -> None:
     limit = {"rate": 5.0, "acceleration": 80.0}[vector]
     bench.send(0.0)
     bench.send(4.0, **{vector: (0.0, -limit, 0.0)})
@@ -193,7 +191,7 @@ def test_samples_at_the_end_of_the_range_are_kept_and_told_once_a_drain(bench: B
     assert [(status.state, status.count, status.at) for status in statuses[1:]] == [("saturated", 2, 4 * MS)]
 
 
-def test_a_sensor_that_falls_silent_is_stalled_once_and_flows_again(bench: Bench) -> None:
+def test_a_silent_sensor_is_stalled_once_and_flows_again(bench: Bench) -> None:
     bench.send(0.0)
     bench.feed.drain()
     bench.clock.advance(499 * MS)
@@ -206,13 +204,13 @@ def test_a_sensor_that_falls_silent_is_stalled_once_and_flows_again(bench: Bench
     assert [status.state for status in bench.told()] == ["flowing", "gap"]
 
 
-def test_a_sensor_that_never_says_a_thing_is_stalled(bench: Bench) -> None:
+def test_a_sensor_that_never_sends_is_stalled(bench: Bench) -> None:
     bench.feed.drain()
     bench.clock.advance(SECOND)
     assert [status.state for status in bench.told()] == ["stalled"]
 
 
-def test_a_sensor_that_only_tells_of_saturation_is_not_stalled(bench: Bench) -> None:
+def test_a_sensor_that_only_reports_saturation_is_not_stalled(bench: Bench) -> None:
     bench.send(0.0)
     for step in range(1, 20):
         bench.saturate(100.0 * step)
@@ -221,7 +219,7 @@ def test_a_sensor_that_only_tells_of_saturation_is_not_stalled(bench: Bench) -> 
 
 
 @pytest.mark.parametrize("state", ["detached", "ended"])
-def test_a_sensor_that_is_gone_does_not_stall(bench: Bench, state: Any) -> None:
+def test_a_detached_sensor_does_not_stall(bench: Bench, state: Any) -> None:
     bench.send(0.0)
     bench.source.on_status(Status(state=state, at=0))
     bench.feed.drain()
@@ -229,7 +227,7 @@ def test_a_sensor_that_is_gone_does_not_stall(bench: Bench, state: Any) -> None:
     assert bench.told() == []
 
 
-def test_a_sensor_that_is_plugged_in_again_begins_its_clock_anew_and_leaves_no_gap(bench: Bench) -> None:
+def test_a_reattached_sensor_restarts_its_clock_without_a_gap(bench: Bench) -> None:
     bench.send(60_000.0, 60_004.0)
     bench.source.on_status(Status(state="detached", at=60_010 * MS))
     bench.attach()
@@ -243,7 +241,7 @@ def test_a_sensor_that_is_plugged_in_again_begins_its_clock_anew_and_leaves_no_g
     assert after.samples["at"].tolist() == [70_000 * MS]
 
 
-def test_a_clock_that_begins_anew_untold_is_a_gap_of_unknown_size(bench: Bench) -> None:
+def test_an_unannounced_clock_restart_is_a_gap_of_unknown_size(bench: Bench) -> None:
     bench.send(60_000.0)
     bench.source.sink(Sample(60_500 * MS, 0.0, STILL, STILL))
     bench.source.sink(Sample(60_504 * MS, 4.0, STILL, STILL))
@@ -253,7 +251,7 @@ def test_a_clock_that_begins_anew_untold_is_a_gap_of_unknown_size(bench: Bench) 
     assert "began anew" in statuses[1].detail
 
 
-def test_errors_of_the_sensor_pass_through_in_their_order(bench: Bench) -> None:
+def test_errors_of_the_sensor_are_passed_on_in_order(bench: Bench) -> None:
     bench.send(0.0, 12.0)
     bench.source.on_status(Status(state="error", at=13 * MS, detail="packet lost"))
     bench.send(24.0)
@@ -275,7 +273,7 @@ def test_the_rate_is_measured_over_two_seconds(bench: Bench) -> None:
     assert bench.feed.rate_hz == 0.0
 
 
-def test_starting_again_begins_all_counts_at_zero(bench: Bench) -> None:
+def test_a_restart_resets_all_counts(bench: Bench) -> None:
     bench.send(0.0, 4.0, 4.0, 40.0)
     bench.feed.drain()
     bench.feed.stop()
@@ -284,12 +282,12 @@ def test_starting_again_begins_all_counts_at_zero(bench: Bench) -> None:
     assert (bench.feed.received, bench.feed.lost, bench.feed.dropped, bench.feed.is_running) == (0, 0, 0, True)
 
 
-def test_what_came_before_the_stop_can_still_be_drained(bench: Bench) -> None:
+def test_samples_from_before_a_stop_can_still_be_drained(bench: Bench) -> None:
     bench.send(0.0, 4.0)
     bench.feed.stop()
     drained: Drained = bench.feed.drain()
     assert len(drained.samples) == 2
 
 
-def test_a_feed_tells_what_its_sensor_is(bench: Bench) -> None:
+def test_a_feed_describes_its_sensor(bench: Bench) -> None:
     assert bench.feed.info == INFO

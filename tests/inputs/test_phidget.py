@@ -114,7 +114,7 @@ def bench() -> Iterator[Bench]:
     bench.source.stop()
 
 
-def test_a_sensor_that_is_plugged_in_tells_what_it_is_and_gives_as_much_as_it_can(bench: Bench) -> None:
+def test_an_attached_sensor_is_described_and_runs_at_its_highest_rate(bench: Bench) -> None:
     channel = bench.start()
     channel.plug_in()
     info = bench.source.info
@@ -128,7 +128,7 @@ def test_a_sensor_that_is_plugged_in_tells_what_it_is_and_gives_as_much_as_it_ca
     assert bench.statuses[1].detail == "Firmware 530."
 
 
-def test_until_then_it_says_what_it_waits_for(bench: Bench) -> None:
+def test_until_attached_it_reports_what_it_waits_for(bench: Bench) -> None:
     bench.start()
     assert bench.states == ["detached"]
     assert "plug it in" in bench.statuses[0].detail
@@ -149,7 +149,7 @@ def test_samples_are_in_metres_radians_and_gauss(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("sku", ["1041_0B", "1043_1B", "1049_0B"])
-def test_a_model_without_a_gyroscope_is_refused_and_let_go(bench: Bench, sku: str) -> None:
+def test_a_model_without_a_gyroscope_is_refused_and_released(bench: Bench, sku: str) -> None:
     channel = bench.start()
     channel.facts["DeviceSKU"] = sku
     channel.plug_in()
@@ -160,7 +160,7 @@ def test_a_model_without_a_gyroscope_is_refused_and_let_go(bench: Bench, sku: st
     assert bench.source.info is None
 
 
-def test_a_sensor_may_be_pulled_out_and_plugged_in_again(bench: Bench) -> None:
+def test_a_sensor_may_be_detached_and_attached_again(bench: Bench) -> None:
     channel = bench.start()
     channel.plug_in()
     channel.pull_out()
@@ -173,7 +173,7 @@ def test_a_sensor_may_be_pulled_out_and_plugged_in_again(bench: Bench) -> None:
     assert channel.facts["DataInterval"] == 1
 
 
-def test_ranges_it_cannot_tell_are_unknown(bench: Bench) -> None:
+def test_unavailable_ranges_are_unknown(bench: Bench) -> None:
     for name in ("getMaxAngularRate", "getMaxAcceleration", "getMaxMagneticField"):
         bench.failing[name] = PhidgetError(20, "Unsupported")
     bench.start().plug_in()
@@ -182,7 +182,7 @@ def test_ranges_it_cannot_tell_are_unknown(bench: Bench) -> None:
     assert (info.rate_range_rad_s, info.acceleration_range_m_s2, info.has_field) == (0.0, 0.0, False)
 
 
-def test_saturation_is_reported_as_such(bench: Bench) -> None:
+def test_saturation_is_reported(bench: Bench) -> None:
     channel = bench.start()
     channel.plug_in()
     channel.err(4105, "Gyroscope Saturation Detected.")
@@ -201,7 +201,7 @@ def test_an_error_is_reported_with_what_to_do(bench: Bench, code: int, advice: s
     assert advice in bench.statuses[-1].detail
 
 
-def test_an_error_that_has_passed_is_none(bench: Bench) -> None:
+def test_a_cleared_error_is_not_reported(bench: Bench) -> None:
     bench.start().err(4096, "All is well.")
     assert bench.states == ["detached"]
 
@@ -223,7 +223,7 @@ def test_a_sensor_that_cannot_be_set_up_is_reported(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("code", [1, 7])
-def test_a_sensor_that_one_may_not_open_is_reported_with_the_line_that_cures_it(bench: Bench, code: int) -> None:
+def test_missing_permission_is_reported_with_the_udev_rule(bench: Bench, code: int) -> None:
     bench.failing["open"] = PhidgetError(code, "Access Denied")
     bench.start()
     assert bench.statuses[-1] == Status(state="error", at=bench.statuses[-1].at, detail=NO_PERMISSION)
@@ -244,7 +244,7 @@ def test_any_other_failure_to_open_is_reported(bench: Bench) -> None:
         (OSError("libusb-1.0.so.0: cannot open shared object file"), "libusb-package"),
     ],
 )
-def test_a_driver_that_is_missing_is_reported_with_how_to_get_it(error: Exception, cure: str) -> None:
+def test_a_missing_driver_is_reported_with_how_to_install_it(error: Exception, cure: str) -> None:
     def make() -> Any:
         raise error
 
@@ -257,7 +257,7 @@ def test_a_driver_that_is_missing_is_reported_with_how_to_get_it(error: Exceptio
     source.stop()
 
 
-def test_a_sensor_plugged_in_that_one_may_not_use_is_reported_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_permission_for_an_attached_sensor_is_reported_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(phidget, "_LOOK_AGAIN_S", 0.0)
     looks = iter([False, True, False, True, True])
     bench = Bench(denied=lambda: next(looks))
@@ -271,7 +271,7 @@ def test_a_sensor_plugged_in_that_one_may_not_use_is_reported_once(monkeypatch: 
 @pytest.mark.parametrize(
     ("may", "vendor", "denied"), [(False, "06c2", True), (True, "06c2", False), (False, "046d", False)]
 )
-def test_who_may_use_what_is_plugged_in_is_looked_up_where_linux_lists_it(
+def test_permissions_are_read_from_the_linux_device_list(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, may: bool, vendor: str, denied: bool
 ) -> None:
     device = tmp_path / "devices" / "1-2"
@@ -286,7 +286,7 @@ def test_who_may_use_what_is_plugged_in_is_looked_up_where_linux_lists_it(
     assert not usb_denied(tmp_path / "nothing", tmp_path / "bus")
 
 
-def test_the_rest_is_measured_anew_when_asked_and_only_when_attached(bench: Bench) -> None:
+def test_zeroing_is_possible_only_when_attached(bench: Bench) -> None:
     bench.source.zero()
     channel = bench.start()
     bench.source.zero()
@@ -299,7 +299,7 @@ def test_the_rest_is_measured_anew_when_asked_and_only_when_attached(bench: Benc
     assert bench.states[-1] == "error"
 
 
-def test_stop_lets_go_and_nothing_is_heard_any_more(bench: Bench) -> None:
+def test_stop_releases_the_sensor_and_no_more_reports_arrive(bench: Bench) -> None:
     bench.source.stop()
     channel = bench.start()
     channel.plug_in()
@@ -310,7 +310,7 @@ def test_stop_lets_go_and_nothing_is_heard_any_more(bench: Bench) -> None:
     bench.source.stop()
 
 
-def test_stop_does_not_wait_for_a_driver_that_hangs(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stop_does_not_wait_for_a_hanging_driver(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(phidget, "_CLOSE_S", 0.01)
     free = threading.Event()
     bench = Bench()
@@ -321,7 +321,7 @@ def test_stop_does_not_wait_for_a_driver_that_hangs(monkeypatch: pytest.MonkeyPa
     free.set()
 
 
-def test_start_after_stop_begins_anew_with_a_channel_of_its_own(bench: Bench) -> None:
+def test_a_restart_opens_a_new_channel(bench: Bench) -> None:
     first = bench.start()
     bench.source.stop()
     second = bench.start()
@@ -330,7 +330,7 @@ def test_start_after_stop_begins_anew_with_a_channel_of_its_own(bench: Bench) ->
     assert bench.states == ["detached", "detached", "attached"]
 
 
-def test_the_first_sensor_on_a_usb_port_is_meant_or_the_one_with_a_serial_number() -> None:
+def test_the_first_sensor_or_that_with_the_serial_number_is_opened() -> None:
     first, second = Bench(""), Bench("473001")
     assert "DeviceSerialNumber" not in {name[3:] for name, _ in first.start().calls}
     channel = second.start()
@@ -368,7 +368,7 @@ def test_a_sensor_on_the_network_is_found_by_host_and_port(
 
 
 @pytest.mark.parametrize(("code", "states"), [(27, ["detached"]), (45, ["detached", "error"])])
-def test_a_server_that_cannot_be_named_is_reported_and_one_that_was_named_before_is_no_error(
+def test_an_invalid_server_is_reported_and_adding_one_twice_is_no_error(
     monkeypatch: pytest.MonkeyPatch, code: int, states: list[str]
 ) -> None:
     from Phidget22.Net import Net
@@ -386,12 +386,12 @@ def test_a_server_that_cannot_be_named_is_reported_and_one_that_was_named_before
 @pytest.mark.parametrize(
     "address", ["first", "-1", "//", "//host:port", "//host:99999", "//me:secret@host", "http://x", "//[::1"]
 )
-def test_an_address_that_is_none_is_refused_with_what_there_is(address: str) -> None:
+def test_an_invalid_address_is_refused_with_the_valid_forms(address: str) -> None:
     with pytest.raises(SourceError, match="phidget://HOST:PORT"):
         PhidgetSource(address)
 
 
-def test_phidget22_is_loaded_only_when_a_sensor_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_phidget22_is_loaded_only_when_a_sensor_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "Phidget22.Devices.Spatial", None)
     statuses: list[Status] = []
     source = PhidgetSource()
@@ -399,7 +399,7 @@ def test_phidget22_is_loaded_only_when_a_sensor_is_looked_for(monkeypatch: pytes
     assert "pip install phidget22" in statuses[-1].detail
 
 
-def test_a_native_library_that_does_not_load_is_reported_without_noise(
+def test_a_native_library_that_does_not_load_is_reported_without_other_output(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     from Phidget22.Phidget import Phidget

@@ -58,7 +58,7 @@ def test_five_seconds_of_samples_arrive_whole_in_order_and_in_our_units(interval
     assert np.allclose(samples["field"], [0.1, 0.2, 0.3])
 
 
-def test_with_no_device_there_is_a_hint_and_no_error_and_it_stops(capfd: pytest.CaptureFixture[str]) -> None:
+def test_without_a_device_there_is_a_hint_and_no_error(capfd: pytest.CaptureFixture[str]) -> None:
     feed = ImuFeed(PhidgetSource("1", denied=lambda: False), host_now)
     feed.start()
     feed.source.zero()
@@ -68,7 +68,7 @@ def test_with_no_device_there_is_a_hint_and_no_error_and_it_stops(capfd: pytest.
     assert capfd.readouterr().err == ""
 
 
-def test_a_server_on_the_network_that_is_not_there_is_waited_for() -> None:
+def test_a_missing_server_is_waited_for() -> None:
     feed = ImuFeed(PhidgetSource("//127.0.0.1:1"), host_now)
     for _ in range(2):
         feed.start()

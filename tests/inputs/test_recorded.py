@@ -59,7 +59,7 @@ def test_played_fast_samples_are_stamped_as_if_played_in_real_time() -> None:
     assert ended.at == played[-1].host_ns
 
 
-def test_a_source_tells_what_the_recording_holds() -> None:
+def test_a_source_describes_its_recording() -> None:
     source = RecordedSource(samples(10), "fast", name="walk.csv")
     assert source.info is None
     play(source)
@@ -68,7 +68,7 @@ def test_a_source_tells_what_the_recording_holds() -> None:
     assert (source.info.has_acceleration, source.info.has_field) == (False, False)
 
 
-def test_on_a_virtual_clock_an_hour_passes_at_its_pace() -> None:
+def test_an_hour_is_played_on_a_virtual_clock() -> None:
     clock = VirtualClock(5 * SECOND)
     feed = ImuFeed(RecordedSource(samples(100), clock=clock), clock.now)
     feed.start()
@@ -81,7 +81,7 @@ def test_on_a_virtual_clock_an_hour_passes_at_its_pace() -> None:
     assert not clock.step()
 
 
-def test_played_again_and_again_it_goes_on_without_a_gap() -> None:
+def test_a_looped_recording_has_no_gap() -> None:
     clock = VirtualClock()
     feed = ImuFeed(RecordedSource(samples(10), loop=True, clock=clock), clock.now)
     feed.start()
@@ -94,7 +94,7 @@ def test_played_again_and_again_it_goes_on_without_a_gap() -> None:
     assert not clock.step()
 
 
-def test_stop_returns_at_once_though_the_next_sample_is_an_hour_away() -> None:
+def test_stop_returns_at_once_although_the_next_sample_is_an_hour_away() -> None:
     source = RecordedSource(samples(3, step_ms=3_600_000))
     first = threading.Event()
     heard: list[Sample] = []
@@ -110,7 +110,7 @@ def test_stop_returns_at_once_though_the_next_sample_is_an_hour_away() -> None:
 
 
 @pytest.mark.parametrize("clock", [None, VirtualClock()])
-def test_who_hears_a_sample_may_stop_it(clock: VirtualClock | None) -> None:
+def test_a_listener_may_stop_the_recording(clock: VirtualClock | None) -> None:
     source = RecordedSource(samples(3 * BLOCK), "fast", clock=clock)
     over = threading.Event()
     states: list[str] = []
@@ -127,14 +127,14 @@ def test_who_hears_a_sample_may_stop_it(clock: VirtualClock | None) -> None:
     assert states == ["attached"]
 
 
-def test_started_again_it_is_played_from_the_beginning() -> None:
+def test_a_restarted_recording_is_played_from_the_beginning() -> None:
     source = RecordedSource(samples(5), "fast")
     assert [len(play(source)), len(play(source))] == [7, 7]
     source.stop()
     source.zero()
 
 
-def test_what_cannot_be_played_is_refused() -> None:
+def test_invalid_recordings_are_refused() -> None:
     with pytest.raises(SourceError, match="two samples"):
         RecordedSource(samples(1))
     with pytest.raises(SourceError, match="without end"):

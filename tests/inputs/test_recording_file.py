@@ -87,7 +87,7 @@ def test_degrees_and_g_are_converted(csv: Callable[..., Path]) -> None:
     assert samples["acceleration"][0, 1] == pytest.approx(2 * 9.80665)
 
 
-def test_acceleration_may_be_missing_and_further_columns_are_let_be(csv: Callable[..., Path]) -> None:
+def test_acceleration_is_optional_and_other_columns_are_ignored(csv: Callable[..., Path]) -> None:
     samples = read_recording(csv("label,wz,wy,wx,t", *(f"hand,3,2,1,{0.01 * index:.2f}" for index in range(30))))
     assert samples["rate"][0].tolist() == [1.0, 2.0, 3.0]
     assert np.isnan(samples["acceleration"]).all()
@@ -97,9 +97,7 @@ def test_acceleration_may_be_missing_and_further_columns_are_let_be(csv: Callabl
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("header", [HEADER, HEADER.replace(",", " , ")])
-def test_what_spreadsheets_make_of_a_table_is_read(
-    csv: Callable[..., Path], encoding: str, end: str, header: str
-) -> None:
+def test_tables_from_spreadsheets_are_read(csv: Callable[..., Path], encoding: str, end: str, header: str) -> None:
     assert len(read_recording(csv(header, *ROWS, "", " ", end=end, encoding=encoding))) == 40
 
 
@@ -134,11 +132,11 @@ def test_what_spreadsheets_make_of_a_table_is_read(
         ([HEADER, '0.00,"1' + "1" * 140_000, *ROWS[1:]], "this is no CSV: field larger than field limit"),
     ],
 )
-def test_a_fault_is_named_with_its_place(csv: Callable[..., Path], lines: list[str], said: str) -> None:
+def test_a_fault_is_reported_with_its_position(csv: Callable[..., Path], lines: list[str], said: str) -> None:
     assert said in fault(csv(*lines))
 
 
-def test_an_acceleration_that_was_not_measured_for_a_moment_is_no_fault(csv: Callable[..., Path]) -> None:
+def test_missing_acceleration_values_are_no_fault(csv: Callable[..., Path]) -> None:
     samples = read_recording(csv(HEADER, *ROWS[:3], "0.03,nan,nan,nan,4,5,6", *ROWS[4:]))
     assert np.isnan(samples["acceleration"]).any(axis=1).tolist().count(True) == 1
 
@@ -148,7 +146,7 @@ def test_text_that_is_not_utf_8_is_reported_with_its_line(csv: Callable[..., Pat
     assert "this is no UTF-8 text" in fault(csv(HEADER, *ROWS, encoding="utf-16"))
 
 
-def test_what_is_no_file_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_path_that_is_not_a_file_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert fault(tmp_path / "none.csv") == "There is no file FILE."
     assert fault(tmp_path) == "FILE is not a file: name a recording, FILE.csv or FILE.npz."
     secret = tmp_path / "secret.csv"
@@ -161,7 +159,7 @@ def test_what_is_no_file_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert fault(secret) == "FILE cannot be read: Permission denied."
 
 
-def test_a_file_that_would_fill_the_memory_is_refused(
+def test_a_file_too_large_for_memory_is_refused(
     csv: Callable[..., Path], npz: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     table = csv(HEADER, *ROWS)
@@ -188,7 +186,7 @@ def test_a_file_that_would_fill_the_memory_is_refused(
         ({"t": np.zeros(40)}, "FILE, sample 2: the time 0 is the same as"),
     ],
 )
-def test_a_fault_of_the_arrays_is_named(npz: Callable[..., Path], changed: dict[str, Any], said: str) -> None:
+def test_a_fault_of_the_arrays_is_reported(npz: Callable[..., Path], changed: dict[str, Any], said: str) -> None:
     assert said in fault(npz(**changed))
 
 
@@ -199,7 +197,7 @@ def test_a_damaged_archive_is_reported(npz: Callable[..., Path], keep: int) -> N
     assert "FILE is no NPZ file, or a damaged one" in fault(path)
 
 
-def test_an_array_that_claims_to_be_endless_is_reported(npz: Callable[..., Path]) -> None:
+def test_an_array_that_claims_an_impossible_size_is_reported(npz: Callable[..., Path]) -> None:
     path = npz()
     header = io.BytesIO()
     np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (1 << 50,)})
@@ -210,7 +208,7 @@ def test_an_array_that_claims_to_be_endless_is_reported(npz: Callable[..., Path]
 
 
 @given(st.binary(max_size=300))
-def test_no_rubbish_is_taken_for_a_recording(rubbish: bytes) -> None:
+def test_arbitrary_data_is_not_read_as_a_recording(rubbish: bytes) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for name in ("rubbish.csv", "rubbish.npz"):
             path = Path(folder) / name
@@ -219,7 +217,7 @@ def test_no_rubbish_is_taken_for_a_recording(rubbish: bytes) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz", ".CSV", ".NPZ"])
-def test_what_is_written_is_read_again(tmp_path: Path, suffix: str) -> None:
+def test_a_written_recording_can_be_read(tmp_path: Path, suffix: str) -> None:
     samples = some_samples()
     path = tmp_path / f"walk{suffix}"
     write_recording(path, samples)
@@ -234,7 +232,7 @@ def test_what_is_written_is_read_again(tmp_path: Path, suffix: str) -> None:
     st.integers(-(10**15), 10**15),
     st.integers(1, 50 * 10**6),
 )
-def test_not_a_bit_of_a_measurement_changes_on_its_way_through_a_table(rate: Any, start: int, step: int) -> None:
+def test_a_table_keeps_every_bit_of_a_measurement(rate: Any, start: int, step: int) -> None:
     samples = np.zeros(20, dtype=SAMPLE)
     samples["at"] = start + np.arange(20) * step
     samples["rate"] = rate
@@ -251,6 +249,6 @@ def test_not_a_bit_of_a_measurement_changes_on_its_way_through_a_table(rate: Any
 @pytest.mark.parametrize(
     ("name", "said"), [("walk.mat", "FILE.csv or FILE.npz"), ("none/walk.csv", "cannot be written: No such file")]
 )
-def test_what_cannot_be_written_is_reported(tmp_path: Path, name: str, said: str) -> None:
+def test_a_failed_write_is_reported(tmp_path: Path, name: str, said: str) -> None:
     with pytest.raises(SourceError, match=re.escape(said)):
         write_recording(tmp_path / name, some_samples())

@@ -109,9 +109,7 @@ def connect() -> Iterator[Callable[..., Bench]]:
 
 
 @pytest.mark.parametrize("ros", [1, 2])
-def test_samples_carry_the_sensors_clock_and_the_hosts_and_none_of_the_first_is_lost(
-    connect: Callable[..., Bench], ros: int
-) -> None:
+def test_samples_have_sensor_and_host_times_and_none_is_lost(connect: Callable[..., Bench], ros: int) -> None:
     bench = connect()
     before = host_now()
     bench.send(LOOKED_AT + 10, step_ns=4 * MS, ros=ros)
@@ -129,7 +127,7 @@ def test_samples_carry_the_sensors_clock_and_the_hosts_and_none_of_the_first_is_
     assert info.has_acceleration
 
 
-def test_it_tells_what_it_waits_for_until_samples_come(connect: Callable[..., Bench]) -> None:
+def test_it_reports_what_it_waits_for_until_samples_arrive(connect: Callable[..., Bench]) -> None:
     bench = connect()
     bench.wait_for("detached", 2)
     bench.send(LOOKED_AT)
@@ -142,7 +140,7 @@ def test_it_tells_what_it_waits_for_until_samples_come(connect: Callable[..., Be
     ]
 
 
-def test_a_rate_that_is_reported_need_not_be_seen(connect: Callable[..., Bench]) -> None:
+def test_a_declared_rate_is_not_measured(connect: Callable[..., Bench]) -> None:
     bench = connect("?rate=100")
     bench.send()
     wait_until(lambda: len(bench.samples) == 1)
@@ -150,7 +148,7 @@ def test_a_rate_that_is_reported_need_not_be_seen(connect: Callable[..., Bench])
     assert bench.source.info.rate_hz == 100.0
 
 
-def test_lost_samples_do_not_mislead_about_the_rate(connect: Callable[..., Bench]) -> None:
+def test_lost_samples_do_not_change_the_measured_rate(connect: Callable[..., Bench]) -> None:
     bench = connect()
     for _ in range(LOOKED_AT):
         bench.send(3)
@@ -160,7 +158,7 @@ def test_lost_samples_do_not_mislead_about_the_rate(connect: Callable[..., Bench
     assert bench.source.info.rate_hz == pytest.approx(100)
 
 
-def test_where_a_driver_leaves_the_stamp_at_zero_the_hosts_clock_stands_in(connect: Callable[..., Bench]) -> None:
+def test_the_hosts_clock_replaces_zero_stamps(connect: Callable[..., Bench]) -> None:
     bench = connect("?rate=100")
     for _ in range(3):
         bench.server.publish(TOPIC, imu(0))
@@ -202,7 +200,9 @@ def test_a_sensor_without_a_gyroscope_is_refused_in_words_once(connect: Callable
         imu(BORN_NS) | {"angular_velocity_covariance": "unknown"},
     ],
 )
-def test_what_is_no_imu_message_is_left_out_and_told_once_in_a_row(connect: Callable[..., Bench], wrong: Any) -> None:
+def test_messages_that_are_not_imu_are_left_out_and_reported_once_in_a_row(
+    connect: Callable[..., Bench], wrong: Any
+) -> None:
     bench = connect("?rate=100")
     bench.send()
     for _ in range(3):
@@ -216,9 +216,7 @@ def test_what_is_no_imu_message_is_left_out_and_told_once_in_a_row(connect: Call
 
 
 @pytest.mark.parametrize("nothing", [None, math.nan, math.inf, -math.inf, 1e300])
-def test_a_rate_that_is_not_a_number_is_left_out_and_told_by_the_feed(
-    connect: Callable[..., Bench], nothing: Any
-) -> None:
+def test_an_invalid_rate_is_left_out_and_reported_by_the_feed(connect: Callable[..., Bench], nothing: Any) -> None:
     bench = connect("?rate=100", by_feed=True)
     bench.send()
     bench.send(rate=(0.0, nothing, 0.0))
@@ -231,7 +229,7 @@ def test_a_rate_that_is_not_a_number_is_left_out_and_told_by_the_feed(
     assert bench.states == ["detached", "detached", "attached", "error", "gap"]
 
 
-def test_stamps_that_stand_still_are_reported(connect: Callable[..., Bench]) -> None:
+def test_constant_stamps_are_reported(connect: Callable[..., Bench]) -> None:
     bench = connect()
     bench.send(LOOKED_AT, step_ns=0)
     assert bench.wait_for("error").detail == (
@@ -240,7 +238,7 @@ def test_stamps_that_stand_still_are_reported(connect: Callable[..., Bench]) -> 
     assert bench.samples == []
 
 
-def test_when_the_bridge_goes_away_it_is_detached_and_attached_again_when_it_is_back(
+def test_it_is_detached_while_the_bridge_is_away(
     connect: Callable[..., Bench],
 ) -> None:
     bench = connect()
@@ -258,7 +256,7 @@ def test_when_the_bridge_goes_away_it_is_detached_and_attached_again_when_it_is_
     assert bench.samples[LOOKED_AT].device_ms == 0.0
 
 
-def test_after_a_stop_nothing_comes_and_a_start_begins_anew(connect: Callable[..., Bench]) -> None:
+def test_after_a_stop_nothing_arrives_until_a_restart(connect: Callable[..., Bench]) -> None:
     bench = connect("?rate=100")
     bench.send()
     wait_until(lambda: len(bench.samples) == 1)
@@ -276,7 +274,7 @@ def test_after_a_stop_nothing_comes_and_a_start_begins_anew(connect: Callable[..
     assert bench.samples[1].device_ms == 0.0
 
 
-def test_a_feed_finds_the_gap_of_a_sensor_that_goes_on(connect: Callable[..., Bench]) -> None:
+def test_a_feed_finds_the_gap_of_a_sensor_that_continues(connect: Callable[..., Bench]) -> None:
     bench = connect("?rate=100", by_feed=True)
     bench.send(5)
     bench.sent_ns += 100 * MS
@@ -310,6 +308,6 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
         "//robot/1mu",
     ],
 )
-def test_an_address_that_cannot_be_understood_is_refused_with_an_example(address: str) -> None:
+def test_an_invalid_address_is_refused_with_an_example(address: str) -> None:
     with pytest.raises(SourceError, match="Use ros://HOST/TOPIC"):
         RosImuSource(address)

@@ -78,7 +78,7 @@ def test_a_sensor_is_started_when_the_session_begins_and_not_before() -> None:
     assert bench.feed.is_running
 
 
-def test_all_that_came_is_one_block_every_ten_milliseconds(bench: Bench) -> None:
+def test_samples_are_published_in_one_block_every_ten_milliseconds(bench: Bench) -> None:
     assert DRAIN == 10 * MS
     bench.send(0, 4)
     bench.wait(9)
@@ -103,7 +103,7 @@ def test_a_block_holds_the_samples_as_the_feed_made_them(bench: Bench) -> None:
     assert np.isnan(sample["field"]).all()
 
 
-def test_an_attached_sensor_says_what_it_is(bench: Bench) -> None:
+def test_an_attached_sensor_is_described(bench: Bench) -> None:
     (told,) = [record.message for record in bench.records if record.topic is SENSOR]
     assert told == SensorChanged(
         state="attached",
@@ -116,13 +116,13 @@ def test_an_attached_sensor_says_what_it_is(bench: Bench) -> None:
     )
 
 
-def test_what_else_befalls_it_is_reported_in_its_own_words(bench: Bench) -> None:
+def test_other_reports_are_passed_on_literally(bench: Bench) -> None:
     bench.tell("error", detail="The cable is broken.")
     bench.wait(10)
     assert bench.records[-1].message == SensorChanged(state="error", at=1010 * MS, detail="The cable is broken.")
 
 
-def test_a_sensor_is_attached_before_its_samples_and_they_come_before_what_goes_wrong_after_them() -> None:
+def test_reports_are_published_in_order_with_the_samples() -> None:
     bench = Bench()
     bench.begin()
     bench.tell("attached")
@@ -141,7 +141,7 @@ def test_a_gap_is_reported_after_the_samples_that_it_lies_between(bench: Bench) 
     assert (gap.count, gap.duration_ms) == (8, 36.0)
 
 
-def test_a_sensor_that_falls_silent_and_speaks_again_is_reported_of_before_its_samples(bench: Bench) -> None:
+def test_a_stall_and_its_end_are_reported_before_the_samples(bench: Bench) -> None:
     bench.send(0)
     bench.wait(600)
     assert bench.heard[-1] == "stalled"
@@ -150,7 +150,7 @@ def test_a_sensor_that_falls_silent_and_speaks_again_is_reported_of_before_its_s
     assert bench.heard[3:] == ["flowing", [604], "gap"]
 
 
-def test_a_detached_node_is_silent_and_lets_go_of_the_sensor(bench: Bench) -> None:
+def test_a_detached_node_is_silent_and_releases_the_sensor(bench: Bench) -> None:
     bench.node.detach()
     assert (bench.source.stopped, bench.feed.is_running) == (1, False)
     bench.send(0)
@@ -172,7 +172,7 @@ def test_a_session_that_ends_before_it_has_begun_starts_no_sensor() -> None:
 # --- a sensor that has been looked at before -----------------------------------------------------------------------
 
 
-def test_a_sensor_that_runs_already_is_taken_over_without_being_started_anew() -> None:
+def test_a_running_sensor_is_taken_over_without_a_restart() -> None:
     bench = Bench(looked_at=True)
     bench.send(0, 4)
     received = bench.feed.drain().samples
@@ -188,7 +188,7 @@ def test_a_sensor_that_runs_already_is_taken_over_without_being_started_anew() -
     assert bench.heard == ["attached", [8]]
 
 
-def test_what_it_sent_before_the_session_is_no_part_of_it() -> None:
+def test_samples_from_before_the_session_are_discarded() -> None:
     bench = Bench(looked_at=True)
     bench.send(0, 4)
     bench.begin()
@@ -197,7 +197,7 @@ def test_what_it_sent_before_the_session_is_no_part_of_it() -> None:
     assert bench.heard == ["attached", [8]]
 
 
-def test_a_sensor_that_is_sought_still_is_reported_of_when_it_is_found() -> None:
+def test_a_sensor_found_during_the_session_is_reported() -> None:
     bench = Bench()
     bench.feed.start()
     bench.begin()
@@ -208,7 +208,7 @@ def test_a_sensor_that_is_sought_still_is_reported_of_when_it_is_found() -> None
     assert bench.heard == ["detached", "attached", [0]]
 
 
-def test_a_sensor_that_came_loose_while_it_was_looked_at_is_not_called_attached() -> None:
+def test_a_sensor_detached_during_the_check_is_not_reported_as_attached() -> None:
     bench = Bench(looked_at=True)
     bench.tell("detached")
     bench.begin()

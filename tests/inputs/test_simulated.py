@@ -35,7 +35,7 @@ def session(profile: str, seconds: int = 3) -> tuple[Samples, list[Status], Simu
     return np.concatenate(come), statuses, hand
 
 
-def test_on_a_virtual_clock_the_samples_are_the_hands_own() -> None:
+def test_on_a_virtual_clock_samples_are_those_of_the_hand() -> None:
     samples, statuses, hand = session("noisy")
     assert samples.tobytes() == hand.samples(9 * SECOND, 12 * SECOND).tobytes()
     assert [(status.state, status.at) for status in statuses] == [("attached", 9 * SECOND)]
@@ -45,21 +45,21 @@ def test_the_same_moves_give_the_same_samples_each_time() -> None:
     assert session("patient")[0].tobytes() == session("patient")[0].tobytes()
 
 
-def test_samples_that_get_lost_are_gaps() -> None:
+def test_lost_samples_are_gaps() -> None:
     samples, statuses, _ = session("lossy")
     gaps = [status for status in statuses if status.state == "gap"]
     assert sum(gap.count for gap in gaps) == pytest.approx(750 - len(samples), abs=1)
     assert len(gaps) > 30
 
 
-def test_what_is_beyond_the_sensors_range_is_missing_and_told_as_saturation() -> None:
+def test_samples_beyond_the_range_are_missing_and_reported_as_saturation() -> None:
     samples, statuses, _ = session("saturating")
     assert np.abs(samples["rate"]).max() <= 3.0
     assert {status.state for status in statuses} == {"attached", "saturated"}
     assert sum(status.count for status in statuses) == 750 - len(samples)
 
 
-def test_nothing_comes_after_the_stop() -> None:
+def test_nothing_arrives_after_a_stop() -> None:
     clock = VirtualClock()
     source = SimulatedSource(SimulatedHand(PROFILES["clean"]), clock)
     heard: list[Sample] = []
@@ -72,7 +72,7 @@ def test_nothing_comes_after_the_stop() -> None:
     assert (count, len(heard)) == (250, 250)
 
 
-def test_without_a_clock_it_lives_in_the_hosts_time_on_a_thread_of_its_own() -> None:
+def test_without_a_clock_it_runs_in_real_time_on_its_own_thread() -> None:
     source = SimulatedSource(SimulatedHand(PROFILES["clean"], 1000.0))
     begun, enough = host_now(), threading.Event()
     heard: list[Sample] = []

@@ -67,7 +67,7 @@ def test_a_simulated_hand_is_opened_by_its_profile(profile: str) -> None:
     assert source.hand.profile == PROFILES[profile]
 
 
-def test_a_simulated_hand_is_calm_unless_told_otherwise_and_drawn_from_the_seed() -> None:
+def test_a_simulated_hand_is_calm_by_default_and_seeded() -> None:
     source = open_source("simulated")
     assert isinstance(source, SimulatedSource)
     assert source.hand.profile == PROFILES["clean"]
@@ -82,7 +82,7 @@ def test_a_simulated_hand_is_calm_unless_told_otherwise_and_drawn_from_the_seed(
     assert noise(1) == noise(1) != noise(2)
 
 
-def test_a_recording_is_opened_with_what_stands_after_the_question_mark(walk: Path) -> None:
+def test_a_recording_is_opened_with_options_after_the_question_mark(walk: Path) -> None:
     clock = VirtualClock()
     source = open_source(f"recorded:{walk}?rate=deg/s&acceleration=g&speed=fast", clock=clock)
     assert isinstance(source, RecordedSource)
@@ -103,7 +103,7 @@ def test_options_of_a_recording_may_be_left_out(walk: Path, query: str) -> None:
 
 
 @pytest.mark.parametrize("query", ["rate=rpm", "speed", "colour=red", "loop=", "rate=deg/s&", "speed=fast;loop=yes"])
-def test_an_option_that_is_none_is_reported_with_those_there_are(walk: Path, query: str) -> None:
+def test_an_unknown_option_is_reported_with_the_known_ones(walk: Path, query: str) -> None:
     with pytest.raises(SourceError, match=r"After the file there may be: rate=rad/s or deg/s"):
         open_source(f"recorded:{walk}?{query}")
 
@@ -120,7 +120,7 @@ def test_an_option_that_is_none_is_reported_with_those_there_are(walk: Path, que
         ("", 'There is no sensor "". There is: '),
     ],
 )
-def test_a_name_that_is_none_is_reported_with_what_there_is(name: str, said: str) -> None:
+def test_an_unknown_name_is_reported_with_the_known_ones(name: str, said: str) -> None:
     with pytest.raises(SourceError) as caught:
         open_source(name)
     assert said in str(caught.value)
@@ -142,17 +142,17 @@ def test_a_plug_in_is_opened_by_its_name_with_the_text_after_the_colon() -> None
         ("absent", "cannot be loaded: AttributeError"),
     ],
 )
-def test_a_plug_in_that_does_not_work_is_reported(name: str, said: str) -> None:
+def test_a_faulty_plug_in_is_reported(name: str, said: str) -> None:
     with pytest.raises(SourceError) as caught:
         open_source(name)
     assert said in str(caught.value)
 
 
-def test_the_names_that_ship_are_always_there() -> None:
+def test_shipped_names_are_always_available() -> None:
     assert {"phidget", "recorded", "simulated"} <= set(source_names())
 
 
-def test_to_know_the_names_no_driver_is_loaded() -> None:
+def test_listing_the_names_loads_no_driver() -> None:
     look = "import sys, sar_tui.inputs.sources as s; s.open_source('phidget'); print('Phidget22' in sys.modules)"
     run: Any = subprocess.run([sys.executable, "-c", look], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "False"
