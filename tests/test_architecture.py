@@ -21,7 +21,7 @@ def test_every_package_has_a_row_and_every_row_a_package() -> None:
     assert modules == {"sar_tui/plugins.py"}, "a module at the top of sar_tui/ belongs into a package"
 
 
-def test_the_floors_are_those_that_are_enforced() -> None:
+def test_the_layers_are_those_that_are_enforced() -> None:
     linter = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]
     layers = next(contract["layers"] for contract in linter["contracts"] if contract["type"] == "layers")
     enforced = [{name.strip() for name in layer.split("|")} for layer in layers]

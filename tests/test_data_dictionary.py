@@ -46,23 +46,23 @@ def test_every_column_of_every_table_is_in_its_section(data: Path) -> None:
     assert {name: columns for name, columns in missing.items() if columns} == {}
 
 
-def test_every_topic_is_told_of() -> None:
+def test_every_topic_is_documented() -> None:
     assert sorted(set(ALL) - named(section("events"))) == []
 
 
-def test_every_field_of_a_choice_and_every_schedule_is_told_of() -> None:
+def test_every_field_of_a_choice_and_every_schedule_is_documented() -> None:
     told = named(section("attempts"))
     assert set(FeedbackChoice.__struct_fields__) - told == set()
     assert set(feedback.POLICIES) - told == set()
 
 
-def test_kinds_and_decisions_of_actions_are_told_of() -> None:
+def test_kinds_and_decisions_of_actions_are_documented() -> None:
     told = named(section("actions"))
     assert {*get_args(messages.Kind), *get_args(messages.Policy), "accepted", "dropped"} - told == set()
     assert set(messages.Proposal.__struct_fields__) - told == set()
 
 
-def test_every_state_and_deed_of_a_report_is_told_of() -> None:
+def test_every_part_and_state_of_a_report_is_documented() -> None:
     assert {*get_args(messages.PartState), *get_args(messages.ActionPart)} - named(section("events")) == set()
 
 
@@ -70,7 +70,7 @@ def test_every_state_and_deed_of_a_report_is_told_of() -> None:
     ("name", "validate"),
     [("figure-4.12", competent), ("figure-4.13", examples), ("figure-4.14", frequency), ("policies", policies)],
 )
-def test_every_field_of_a_validation_is_told_of(
+def test_every_field_of_a_validation_is_documented(
     name: str, validate: Callable[[Conditions], Report], request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.validation.feedback.SEEDS", range(1, 2))
@@ -79,7 +79,7 @@ def test_every_field_of_a_validation_is_told_of(
     assert fields - set().union(*map(named, lines)) == set()
 
 
-def test_the_query_of_who_decided_what_gives_each_action_with_the_time_of_day(
+def test_the_documented_query_lists_each_decision_with_the_time_of_day(
     data: Path, keyboard: type[Task], catalogue: Catalogue
 ) -> None:
     plan = make_plan(catalogue, keyboard, ["SIM"], {"attempts": 2}, seed=3, mode="simulated")

@@ -21,7 +21,7 @@ def first_lines(path: Path) -> Iterator[tuple[int, str]]:
 
 
 @pytest.mark.parametrize("folder", ["sar_tui", "tasks", "benchmarks"])
-def test_no_docstring_opens_as_a_riddle(folder: str) -> None:
+def test_docstrings_open_with_a_verb_or_a_noun_phrase(folder: str) -> None:
     found = [
         f"{path.relative_to(ROOT)}:{number}: {line}"
         for path in sorted((ROOT / folder).rglob("*.py"))

@@ -34,7 +34,7 @@ def test_the_framework_stands_alone() -> None:
 
 
 @pytest.mark.parametrize("package", ["sar_tui.store", "sar_tui.plugins", "sar_tui.runs.run"])
-def test_what_works_without_a_screen_loads_none(package: str) -> None:
+def test_packages_that_work_without_a_screen_load_none(package: str) -> None:
     run = subprocess.run(
         [sys.executable, "-c", f"import sys, {package}; print('textual' in sys.modules)"],
         capture_output=True,

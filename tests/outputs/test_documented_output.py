@@ -65,7 +65,7 @@ def line() -> Iterator[tuple[str, Callable[[int], str]]]:
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
-def test_it_keeps_the_contract(
+def test_it_fulfils_the_contract(
     serial_robot: ModuleType, line: tuple[str, Callable[[int], str]], check: Callable[[Rig], None]
 ) -> None:
     rig = Rig(serial_robot.SerialRobot(line[0]), VirtualClock(), ["gesture"])
@@ -73,7 +73,7 @@ def test_it_keeps_the_contract(
     rig.output.close()
 
 
-def test_it_tells_the_robot_what_to_do_and_when_to_stop(
+def test_it_sends_commands_and_stops_to_the_robot(
     serial_robot: ModuleType, line: tuple[str, Callable[[int], str]]
 ) -> None:
     path, come = line
@@ -86,7 +86,9 @@ def test_it_tells_the_robot_what_to_do_and_when_to_stop(
     assert come(2) == "nod 400\nstill\n"
 
 
-def test_a_robot_that_is_not_there_fails_in_words_and_may_come_later(serial_robot: ModuleType, tmp_path: Path) -> None:
+def test_a_missing_robot_fails_with_a_reason_and_may_be_connected_later(
+    serial_robot: ModuleType, tmp_path: Path
+) -> None:
     path = tmp_path / "ttyUSB0"
     rig = Rig(serial_robot.SerialRobot(str(path)), VirtualClock(), ["gesture"])
     rig.ask("gesture", "before")
@@ -99,13 +101,13 @@ def test_a_robot_that_is_not_there_fails_in_words_and_may_come_later(serial_robo
     assert rig.states("after", "gesture") == ["started", "done"]
 
 
-def test_it_says_what_its_address_lacks(serial_robot: ModuleType) -> None:
+def test_an_incomplete_address_is_reported(serial_robot: ModuleType) -> None:
     with pytest.raises(OutputError, match="Say which serial line"):
         outputs.check_outputs(["screen", "robot"])
     outputs.check_outputs(["screen", "robot:/dev/ttyUSB0"])
 
 
-def test_in_a_session_it_waves_at_both_ends_and_the_pages_query_tells_so(
+def test_in_a_session_it_waves_twice_and_the_query_of_the_page_finds_it(
     serial_robot: ModuleType,
     keyboard: type[Task],
     catalogue: Catalogue,
@@ -132,7 +134,7 @@ def test_in_a_session_it_waves_at_both_ends_and_the_pages_query_tells_so(
     assert f"robot:{robot}" in opened[0]
 
 
-def test_a_robot_that_cannot_be_told_to_stop_is_reported(serial_robot: ModuleType, tmp_path: Path) -> None:
+def test_a_robot_that_cannot_be_stopped_is_reported(serial_robot: ModuleType, tmp_path: Path) -> None:
     path = tmp_path / "ttyUSB0"
     path.touch()
     rig = Rig(serial_robot.SerialRobot(str(path)), VirtualClock(), ["gesture"])
@@ -147,7 +149,7 @@ def test_it_is_forty_lines() -> None:
     assert sum(bool(line.strip()) for line in block("python").splitlines()) <= 40
 
 
-def test_the_page_tells_how_long_an_output_may_be_silent() -> None:
+def test_the_page_names_the_time_limit_of_an_output() -> None:
     page = " ".join(PAGE.split())
     assert f"given up after {TIMEOUT // SECOND} seconds; for `say`, after {PER_CHARACTER // MS} ms a character" in page
     assert f"A part that is not over after {STOP_TIMEOUT // SECOND} seconds has failed." in page

@@ -109,12 +109,12 @@ EVERY_PART = {
 # --- what is asked of it --------------------------------------------------------------------------------------
 
 
-def test_it_announces_what_it_can_and_how_it_was_asked_for() -> None:
+def test_it_announces_its_abilities_and_its_address() -> None:
     (opened,) = Stage(Puppet(can=frozenset({"say", "gesture"}))).opened
     assert (opened.output, opened.address, opened.can) == ("puppet", "puppet:here", ("gesture", "say"))
 
 
-def test_an_action_is_done_look_and_tone_first() -> None:
+def test_gaze_and_tone_are_the_first_parts_of_an_action() -> None:
     stage = Stage(Puppet())
     stage.act(**EVERY_PART)
     assert asked(stage) == [
@@ -130,20 +130,20 @@ def test_an_action_is_done_look_and_tone_first() -> None:
 
 
 @pytest.mark.parametrize("part", sorted(EVERYTHING))
-def test_it_is_asked_only_for_what_it_can(part: ActionPart) -> None:
+def test_an_output_is_asked_only_for_parts_it_can_do(part: ActionPart) -> None:
     stage = Stage(Puppet(can=frozenset({part})))
     stage.act(**EVERY_PART)
     assert [what[0] for what in asked(stage)] == [part]
 
 
-def test_what_an_action_leaves_out_is_not_asked_for() -> None:
+def test_parts_that_an_action_lacks_are_not_requested() -> None:
     stage = Stage(Puppet())
     stage.act(spoken="Reach out.")
     stage.act("a2", face="happy")
     assert asked(stage) == [("say", "a1", "Reach out."), ("show", "a2", "", "happy")]
 
 
-def test_a_theme_that_is_edited_is_worn() -> None:
+def test_an_edited_theme_is_applied() -> None:
     stage = Stage(Puppet())
     stage.bus.publish(THEME, m.ThemeApplied(theme=msgspec.structs.replace(BARE, name="edited")))
     assert isinstance(stage.node.output, Puppet)
@@ -153,7 +153,7 @@ def test_a_theme_that_is_edited_is_worn() -> None:
 # --- what it reports ------------------------------------------------------------------------------------------
 
 
-def test_its_reports_are_passed_on_with_their_own_times() -> None:
+def test_reports_are_passed_on_with_their_times() -> None:
     stage = Stage(Puppet())
     stage.act(spoken="Well done.")
     begun = stage.clock.now() + 7 * MS
@@ -171,7 +171,7 @@ def test_its_reports_are_passed_on_with_their_own_times() -> None:
 
 
 @pytest.mark.parametrize("part", sorted(EVERYTHING))
-def test_what_raises_has_failed_and_the_rest_goes_on(part: ActionPart) -> None:
+def test_a_part_that_raises_has_failed_and_the_others_continue(part: ActionPart) -> None:
     stage = Stage(Puppet(breaks=(part,)))
     stage.act(**EVERY_PART)
     assert {what[0] for what in asked(stage)} == EVERYTHING
@@ -181,7 +181,7 @@ def test_what_raises_has_failed_and_the_rest_goes_on(part: ActionPart) -> None:
 
 
 @pytest.mark.parametrize("part", LASTING)
-def test_what_never_answers_has_failed_after_a_while_and_is_reported_to_stop(part: ActionPart) -> None:
+def test_a_part_without_a_report_fails_after_a_time_and_is_stopped(part: ActionPart) -> None:
     stage = Stage(Puppet(can=frozenset({part})))
     stage.act(**{**EVERY_PART, "spoken": "x" * 100})
     limit = TIMEOUT + (100 * PER_CHARACTER if part == "say" else 0)
@@ -193,7 +193,7 @@ def test_what_never_answers_has_failed_after_a_while_and_is_reported_to_stop(par
     assert asked(stage)[-1] == ("stop", "a1")
 
 
-def test_words_stand_for_as_long_as_nothing_takes_their_place() -> None:
+def test_text_stays_until_it_is_replaced() -> None:
     stage = Stage(Puppet())
     stage.act(text="Well done.", face="happy")
     stage.wait(3600 * SECOND)
@@ -201,7 +201,7 @@ def test_words_stand_for_as_long_as_nothing_takes_their_place() -> None:
 
 
 @pytest.mark.parametrize("end", ["done", "aborted", "failed"])
-def test_what_is_over_is_reported_once_whatever_is_said_after_that(end: str) -> None:
+def test_the_end_of_a_part_is_reported_once(end: str) -> None:
     stage = Stage(Puppet())
     stage.act(spoken="Well done.")
     for state in (end, "done", "aborted", "failed", "started"):
@@ -210,7 +210,7 @@ def test_what_is_over_is_reported_once_whatever_is_said_after_that(end: str) -> 
     assert stage.states() == ["queued", end]
 
 
-def test_a_report_of_what_nobody_asked_for_is_nothing() -> None:
+def test_reports_on_unrequested_parts_are_ignored() -> None:
     stage = Stage(Puppet())
     stage.act(spoken="Well done.")
     stage.tell("gesture", "done")
@@ -233,7 +233,7 @@ class Unreadable(Exception):
         (Unreadable(), "a Unreadable that cannot be read"),
     ],
 )
-def test_a_detail_is_kept_as_text_that_can_be_written(detail: Any, kept: str) -> None:
+def test_a_detail_is_stored_as_encodable_text(detail: Any, kept: str) -> None:
     stage = Stage(Puppet())
     stage.act(gesture="wave")
     stage.tell("gesture", "failed", detail=detail)
@@ -241,7 +241,7 @@ def test_a_detail_is_kept_as_text_that_can_be_written(detail: Any, kept: str) ->
     assert stage.states(part="gesture") == ["queued", "failed"]
 
 
-def test_an_exception_that_cannot_be_written_is_reported_so_that_it_can() -> None:
+def test_an_exception_that_cannot_be_encoded_is_reported_readably() -> None:
     class Jammed(Puppet):
         def gesture(self, action: str, name: str) -> None:
             raise OSError("\udcff" * 1000)
@@ -252,7 +252,7 @@ def test_an_exception_that_cannot_be_written_is_reported_so_that_it_can() -> Non
     assert stage.reports[-1].detail == f"OSError: {'?' * 491}."
 
 
-def test_a_time_that_is_no_whole_number_is_made_one() -> None:
+def test_a_fractional_time_is_rounded() -> None:
     stage = Stage(Puppet())
     stage.act(gesture="wave")
     stage.tell("gesture", "done", at=stage.clock.now() + 0.25)  # type: ignore[arg-type]
@@ -275,7 +275,7 @@ def test_a_time_that_is_no_whole_number_is_made_one() -> None:
         SimpleNamespace(action="a1", part="gesture"),
     ],
 )
-def test_a_report_that_cannot_be_understood_ends_what_it_is_about(report: Any) -> None:
+def test_an_invalid_report_fails_its_part(report: Any) -> None:
     stage = Stage(Puppet())
     stage.act(gesture="wave")
     stage.act("a2", gesture="wave")
@@ -289,7 +289,7 @@ def test_a_report_that_cannot_be_understood_ends_what_it_is_about(report: Any) -
 
 
 @pytest.mark.parametrize("report", [None, "done", ("a1", "gesture", "done", SECOND, ""), Report([], "say", "done", 0)])  # type: ignore[arg-type]
-def test_a_report_that_is_about_nothing_is_nothing(report: Any) -> None:
+def test_a_report_without_a_part_is_ignored(report: Any) -> None:
     stage = Stage(Puppet())
     stage.act(gesture="wave")
     stage.node.output._send_report(report)
@@ -297,7 +297,7 @@ def test_a_report_that_is_about_nothing_is_nothing(report: Any) -> None:
     assert stage.states(part="gesture") == ["queued"]
 
 
-def test_a_report_from_another_thread_arrives_on_the_loops_own() -> None:
+def test_a_report_from_another_thread_arrives_on_the_thread_of_the_loop() -> None:
     stage = Stage(Puppet())
     stage.act(spoken="Well done.")
     on_thread: list[int] = []
@@ -312,7 +312,7 @@ def test_a_report_from_another_thread_arrives_on_the_loops_own() -> None:
     assert (stage.reports[-1].at, on_thread) == (report.at, [threading.get_ident()])
 
 
-def test_after_it_is_let_go_of_nothing_is_heard_of_it_any_more() -> None:
+def test_nothing_is_reported_after_a_release() -> None:
     stage = Stage(Puppet())
     stage.act(spoken="Well done.")
     stage.halt()
@@ -325,7 +325,7 @@ def test_after_it_is_let_go_of_nothing_is_heard_of_it_any_more() -> None:
     assert asked(stage).count(("close",)) == 1
 
 
-def test_one_that_was_never_attached_can_be_let_go_of() -> None:
+def test_an_unattached_output_can_be_released() -> None:
     puppet = Puppet()
     OutputNode(puppet, "puppet", BARE).detach()
     assert puppet.asked == []
@@ -334,7 +334,7 @@ def test_one_that_was_never_attached_can_be_let_go_of() -> None:
 # --- one that is broken ---------------------------------------------------------------------------------------
 
 
-def test_one_that_cannot_be_opened_fails_at_everything_and_says_why() -> None:
+def test_an_output_that_cannot_be_opened_fails_every_part_with_the_reason() -> None:
     stage = Stage(Puppet(breaks=("apply_theme",)))
     stage.act(**EVERY_PART)
     assert len(stage.opened) == 1
@@ -346,13 +346,13 @@ def test_one_that_cannot_be_opened_fails_at_everything_and_says_why() -> None:
     assert asked(stage) == [], "nothing is asked of it"
 
 
-def test_one_that_raises_as_it_is_closed_keeps_nobody_from_leaving() -> None:
+def test_an_output_that_raises_on_close_does_not_block_the_exit() -> None:
     stage = Stage(Puppet(breaks=("close",)))
     stage.node.detach()
     assert asked(stage) == [("close",)]
 
 
-def test_one_that_never_answers_and_cannot_be_stopped_has_failed_all_the_same() -> None:
+def test_an_output_that_neither_reports_nor_stops_has_failed() -> None:
     stage = Stage(Puppet(breaks=("stop",)))
     stage.act(gesture="wave")
     stage.wait(TIMEOUT)
@@ -362,7 +362,7 @@ def test_one_that_never_answers_and_cannot_be_stopped_has_failed_all_the_same() 
 # --- being still ----------------------------------------------------------------------------------------------
 
 
-def test_a_stop_is_reported_when_the_last_of_what_was_under_way_is_over() -> None:
+def test_a_stop_is_reported_when_the_last_active_part_has_ended() -> None:
     stage = Stage(Puppet())
     stage.act(**EVERY_PART)
     asked_at = stage.clock.now() - 3 * MS
@@ -379,14 +379,14 @@ def test_a_stop_is_reported_when_the_last_of_what_was_under_way_is_over() -> Non
     assert stage.states(part="show") == ["queued"], "words may stay where they are"
 
 
-def test_a_stop_with_nothing_under_way_is_reported_at_once() -> None:
+def test_a_stop_without_active_parts_is_reported_at_once() -> None:
     stage = Stage(Puppet())
     stage.halt(asked=stage.clock.now() - 2 * MS)
     (stopped,) = stage.stopped
     assert stopped.at - stopped.asked == 2 * MS
 
 
-def test_two_stops_in_a_row_are_one_that_is_reported_once() -> None:
+def test_two_stops_in_a_row_are_reported_once() -> None:
     stage = Stage(Puppet())
     stage.act(spoken="Well done.")
     first = stage.clock.now()
@@ -399,7 +399,7 @@ def test_two_stops_in_a_row_are_one_that_is_reported_once() -> None:
 
 
 @pytest.mark.parametrize("reason", ["stopped", "interrupted", "left"])
-def test_what_does_not_become_still_has_failed_whatever_it_was_to_be_still_for(reason: str) -> None:
+def test_a_part_that_does_not_stop_has_failed_whatever_the_reason_of_the_stop(reason: str) -> None:
     stage = Stage(Puppet())
     stage.act(**EVERY_PART)
     stage.halt("" if reason == "stopped" else "a1", reason)
@@ -418,7 +418,7 @@ def test_what_does_not_become_still_has_failed_whatever_it_was_to_be_still_for(r
     )
 
 
-def test_one_that_did_not_become_still_can_be_stopped_again() -> None:
+def test_an_output_that_did_not_stop_can_be_stopped_again() -> None:
     stage = Stage(Puppet())
     stage.act(gesture="wave")
     stage.halt()
@@ -430,7 +430,7 @@ def test_one_that_did_not_become_still_can_be_stopped_again() -> None:
     assert [stopped.detail for stopped in stage.stopped] == ["It did not stop in time.", ""]
 
 
-def test_a_stop_says_what_failed_in_it_and_what_may_not_be_still_each_once() -> None:
+def test_a_stop_reports_each_failure_and_each_output_that_may_still_move_once() -> None:
     stage = Stage(Puppet())
     stage.act(**EVERY_PART)
     stage.halt()
@@ -445,7 +445,7 @@ def test_a_stop_says_what_failed_in_it_and_what_may_not_be_still_each_once() -> 
     assert stopped.detail == "The arm could not be made limp. The robot did not confirm that it stopped."
 
 
-def test_a_stop_is_reported_without_waiting_for_what_came_after_it() -> None:
+def test_a_stop_does_not_wait_for_later_parts() -> None:
     stage = Stage(Puppet())
     stage.act("a1", gesture="wave")
     stage.halt()
@@ -454,7 +454,7 @@ def test_a_stop_is_reported_without_waiting_for_what_came_after_it() -> None:
     assert len(stage.stopped) == 1
 
 
-def test_an_output_may_say_in_its_own_words_that_it_may_not_be_still() -> None:
+def test_an_output_may_report_why_it_may_still_be_moving() -> None:
     class Away(Puppet):
         def stop(self, action: str = "") -> None:
             raise OutputError("The robot could not be asked to stop.")
@@ -464,7 +464,7 @@ def test_an_output_may_say_in_its_own_words_that_it_may_not_be_still() -> None:
     assert [stopped.detail for stopped in stage.stopped] == ["The robot could not be asked to stop."]
 
 
-def test_one_that_raises_when_it_is_stopped_is_reported_not_to_be_still() -> None:
+def test_an_output_that_raises_on_stop_is_reported_as_possibly_moving() -> None:
     stage = Stage(Puppet(breaks=("stop",)))
     stage.act(gesture="wave", spoken="Well done.")
     stage.halt()
@@ -476,7 +476,7 @@ def test_one_that_raises_when_it_is_stopped_is_reported_not_to_be_still() -> Non
     assert len(stage.stopped) == 1
 
 
-def test_one_action_is_broken_off_without_the_others_and_without_a_time() -> None:
+def test_one_action_is_stopped_without_the_others() -> None:
     stage = Stage(Puppet(breaks=("stop",)))
     stage.act("a1", spoken="Welcome.")
     stage.act("a2", gesture="wave")
@@ -486,7 +486,7 @@ def test_one_action_is_broken_off_without_the_others_and_without_a_time() -> Non
     assert stage.stopped == []
 
 
-def test_after_a_stop_it_can_be_used_again() -> None:
+def test_an_output_can_be_used_after_a_stop() -> None:
     speaker = Speaker(takes_ms=800)
     stage = Stage(speaker)
     stage.act("a1", spoken="Welcome.")
@@ -560,7 +560,7 @@ def play(stage: Stage) -> None:
         (("end", "success"), ["end", "success"]),
     ],
 )
-def test_each_cue_sounds_once_for_what_it_stands_for_and_an_attempt_that_is_amended_does_not_end_again(
+def test_each_cue_sounds_once_per_event_and_not_again_for_an_amended_attempt(
     cues: tuple[str, ...], sounds: list[str]
 ) -> None:
     stage = Stage(Puppet(can=frozenset({"tone"})), cues)
@@ -578,7 +578,7 @@ def test_the_attempt_of_two_ends_once() -> None:
 
 
 @pytest.mark.parametrize(("can", "done"), [(("gaze",), ["gaze"]), (("gesture",), ["gesture"]), (("say",), [])])
-def test_a_look_before_a_prompt_is_done_at_once_by_whatever_can(can: tuple[str, ...], done: list[str]) -> None:
+def test_gaze_before_a_prompt_is_immediate_on_every_capable_output(can: tuple[str, ...], done: list[str]) -> None:
     stage = Stage(Puppet(can=frozenset(can)))
     stage.publish(m.CueGiven(attempt=1, trial=2, presentation=1, side="left", gaze="left", gesture="point_left"))
     assert [what[0] for what in asked(stage)] == done
@@ -587,13 +587,13 @@ def test_a_look_before_a_prompt_is_done_at_once_by_whatever_can(can: tuple[str, 
     ]
 
 
-def test_an_output_without_cues_sounds_only_what_an_action_asks_for() -> None:
+def test_an_output_without_cues_plays_only_tones_of_actions() -> None:
     stage = Stage(Puppet())
     play(stage)
     assert [what[0] for what in asked(stage)] == ["show", "tone"]
 
 
-def test_praise_is_announced_as_a_tone_only_where_it_sounds() -> None:
+def test_praise_is_announced_as_a_tone_only_by_outputs_that_play_it() -> None:
     def can(*cues: str) -> tuple[str, ...]:
         return Stage(Puppet(can=frozenset({"tone"})), cues).opened[0].can
 
@@ -603,7 +603,7 @@ def test_praise_is_announced_as_a_tone_only_where_it_sounds() -> None:
 # --- one after the other --------------------------------------------------------------------------------------
 
 
-def test_what_is_said_one_after_the_other_is_reported_one_after_the_other() -> None:
+def test_successive_utterances_are_reported_in_order() -> None:
     stage = Stage(Speaker())
     stage.act("a1", spoken="A thing.")
     stage.act("a2", spoken="Another.")

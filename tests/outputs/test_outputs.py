@@ -54,15 +54,15 @@ def problem(*addresses: str, speech: str = "sound") -> str:
 # --- by name --------------------------------------------------------------------------------------------------
 
 
-def test_these_are_there() -> None:
+def test_names_of_the_shipped_outputs() -> None:
     assert {"screen", "speech", "tones", "servo", "ros"} <= set(output_names())
 
 
-def test_the_screen_is_not_made_here() -> None:
+def test_the_screen_is_not_made_by_its_name() -> None:
     assert open_outputs(["screen"], "sound", BARE) == []
 
 
-def test_each_is_made_and_knows_what_it_can() -> None:
+def test_each_output_is_made_with_its_abilities() -> None:
     assert made("screen", "speech") == [("speech", ("say",))]
     ((name, can),) = made("servo")
     assert (name, "gesture" in can) == ("servo", True)
@@ -74,11 +74,11 @@ def test_each_is_made_and_knows_what_it_can() -> None:
     ("address", "can"),
     [("tones", ("tone",)), ("tones:success", ("tone",)), ("tones:go+end", ()), ("tones:", ("tone",))],
 )
-def test_tones_sound_with_praise_only_where_that_is_asked_for(address: str, can: tuple[str, ...]) -> None:
+def test_tones_accompany_praise_only_on_request(address: str, can: tuple[str, ...]) -> None:
     assert made(address) == [("tones", can)]
 
 
-def test_a_tone_goes_before_words_in_whatever_order_they_are_named() -> None:
+def test_tones_precede_speech_in_any_order_of_names() -> None:
     assert [name for name, _ in made("speech", "tones")] == [name for name, _ in made("tones", "speech")] == [
         "tones",
         "speech",
@@ -88,13 +88,13 @@ def test_a_tone_goes_before_words_in_whatever_order_they_are_named() -> None:
 # --- what cannot be -------------------------------------------------------------------------------------------
 
 
-def test_a_name_that_nobody_knows_is_reported_with_the_nearest_that_there_is() -> None:
+def test_an_unknown_name_is_reported_with_the_closest_match() -> None:
     assert problem("speach").startswith('There is no output "speach". Did you mean speech? There is: ')
     assert problem("").startswith('There is no output "".')
 
 
 @pytest.mark.parametrize("addresses", [("speech", "speech"), ("tones:go", "screen", "tones:end")])
-def test_none_is_there_twice(addresses: tuple[str, ...]) -> None:
+def test_no_output_is_made_twice(addresses: tuple[str, ...]) -> None:
     assert problem(*addresses) == f"The output {addresses[0].partition(':')[0]} is named twice."
 
 
@@ -105,24 +105,24 @@ def test_none_is_there_twice(addresses: tuple[str, ...]) -> None:
         ("speech:loud", "belongs to the setting speech"),
     ],
 )
-def test_what_follows_the_name_has_to_fit(address: str, says: str) -> None:
+def test_invalid_options_are_refused(address: str, says: str) -> None:
     assert says in problem(address)
 
 
-def test_nothing_follows_the_name_of_the_screen() -> None:
+def test_the_screen_has_no_options() -> None:
     assert problem("screen:big") == 'The screen has nothing after its name; it was given "big".'
     with pytest.raises(OutputError):
         open_outputs(["screen:big"], "sound", BARE)
 
 
 @pytest.mark.parametrize("address", ["servo:?joint=", "servo:x", "ros", "ros:", "ros://", "ros://host:port"])
-def test_an_address_that_cannot_be_is_reported_in_a_sentence(address: str) -> None:
+def test_an_invalid_address_is_reported_in_a_sentence(address: str) -> None:
     told = problem(address)
     assert told.endswith(".")
     assert "Error" not in told
 
 
-def test_where_speech_goes_has_to_be_somewhere(tmp_path: Path) -> None:
+def test_the_destination_of_speech_must_exist(tmp_path: Path) -> None:
     check_outputs(["speech"], f"file:{tmp_path / 'not yet'}")
     (tmp_path / "taken").write_text("")
     assert "is a file" in problem("speech", speech=f"file:{tmp_path / 'taken'}")
@@ -132,7 +132,7 @@ def test_where_speech_goes_has_to_be_somewhere(tmp_path: Path) -> None:
 # --- plug-ins -------------------------------------------------------------------------------------------------
 
 
-def test_an_output_of_a_plug_in_is_made_with_what_follows_its_name(plug_in: PlugIn) -> None:
+def test_an_output_of_a_plug_in_is_made_with_its_options(plug_in: PlugIn) -> None:
     given: list[str] = []
 
     def lamp(text: str) -> Output:
@@ -163,12 +163,12 @@ def _refuses(_: str) -> Output:
         (lambda text: Puppet(7), "The output lamp (somewhere:lamp) has no name."),  # type: ignore[arg-type]
     ],
 )
-def test_a_plug_in_that_cannot_be_used_is_reported_in_a_sentence(plug_in: PlugIn, make: Any, says: str) -> None:
+def test_an_unusable_plug_in_is_reported_in_a_sentence(plug_in: PlugIn, make: Any, says: str) -> None:
     plug_in("lamp", make)
     assert problem("lamp") == says
 
 
-def test_what_a_plug_in_makes_for_a_check_is_what_is_opened_and_then_it_makes_another(plug_in: PlugIn) -> None:
+def test_an_output_made_for_a_check_is_opened_once_and_then_a_new_one_is_made(plug_in: PlugIn) -> None:
     lamps: list[Puppet] = []
 
     def lamp(text: str) -> Output:
@@ -187,7 +187,7 @@ def test_what_a_plug_in_makes_for_a_check_is_what_is_opened_and_then_it_makes_an
     assert [lamp.name for lamp in lamps] == ["red", "red", "red", "blue"]
 
 
-def test_a_plug_in_that_is_installed_anew_makes_its_own(plug_in: PlugIn, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reinstalled_plug_in_makes_its_own_output(plug_in: PlugIn, monkeypatch: pytest.MonkeyPatch) -> None:
     plug_in("lamp", lambda text: Puppet("old"))
     check_outputs(["lamp"])
     new = [SimpleNamespace(name="lamp", value="somewhere:lamp", load=lambda: lambda text: Puppet("new"))]
@@ -196,14 +196,14 @@ def test_a_plug_in_that_is_installed_anew_makes_its_own(plug_in: PlugIn, monkeyp
 
 
 @pytest.mark.parametrize(("name", "beside"), [("servo", "servo"), ("screen", "screen"), ("twin", "other")])
-def test_two_that_are_called_the_same_are_refused(plug_in: PlugIn, name: str, beside: str) -> None:
+def test_two_plug_ins_of_one_name_are_refused(plug_in: PlugIn, name: str, beside: str) -> None:
     plug_in("lamp", lambda text: Puppet(name))
     plug_in("other", lambda text: Puppet("twin"))
     assert f'is called "{name}" as well as ' in problem(beside, "lamp")
     check_outputs(["speech", "lamp"])
 
 
-def test_a_plug_in_cannot_take_the_place_of_what_ships(plug_in: PlugIn) -> None:
+def test_a_plug_in_cannot_replace_a_shipped_output(plug_in: PlugIn) -> None:
     plug_in("speech", lambda text: Puppet("mine"))
     assert made("speech") == [("speech", ("say",))]
 
@@ -216,18 +216,18 @@ def plan(keyboard: type[Task], **parameters: Any) -> Plan:
     return make_plan(Catalogue(), keyboard, ["P01"], settings, seed=1, mode="simulated")
 
 
-def test_only_the_screen_needs_nothing_to_be_made(keyboard: type[Task], calm: Theme) -> None:
+def test_only_the_screen_needs_no_output_to_be_made(keyboard: type[Task], calm: Theme) -> None:
     assert output_nodes(keyboard(build(keyboard.Parameters, {})), calm) == []
 
 
 @pytest.mark.parametrize("named", [("speach",), ("speech", "speech"), ("screen", "tones:gong")])
-def test_a_session_is_not_begun_with_an_output_that_cannot_be(keyboard: type[Task], named: tuple[str, ...]) -> None:
+def test_a_session_does_not_start_with_an_invalid_output(keyboard: type[Task], named: tuple[str, ...]) -> None:
     with pytest.raises(ParameterError) as caught:
         plan(keyboard, outputs=named)
     assert set(caught.value.problems) == {"outputs"}
 
 
-def test_a_simulated_session_speaks_through_what_it_was_given_and_says_so(
+def test_a_simulated_session_uses_and_records_its_outputs(
     keyboard: type[Task], data: Path, catalogue: Catalogue, plug_in: PlugIn
 ) -> None:
     speaker = Speaker(700)
@@ -254,7 +254,7 @@ def test_a_simulated_session_speaks_through_what_it_was_given_and_says_so(
     )
 
 
-def test_the_names_of_tones_are_those_that_can_be_asked_for() -> None:
+def test_tone_names_are_those_of_the_message() -> None:
     check_outputs([f"tones:{'+'.join(TONES)}"])
 
 

@@ -37,7 +37,7 @@ def told(rig: Rig) -> list[tuple[str, str, str]]:
     return [(report.action, report.part, report.state) for report in rig.reports]
 
 
-def test_the_robot_is_reported_what_to_say_how_to_move_and_where_to_look() -> None:
+def test_the_robot_receives_speech_gesture_and_gaze() -> None:
     with robot_bench() as (rig, robot):
         rig.ask("say", "praise", "You were 40 milliseconds faster.")
         rig.ask("gesture", "praise", "nod")
@@ -66,7 +66,7 @@ def test_the_topics_are_those_of_the_address() -> None:
         assert set(robot.ops("advertise")) == {"/tts/say", "/sar_tui/gesture", "/sar_tui/gaze", "/halt"}
 
 
-def test_as_text_a_robot_gets_the_bare_words_and_answers_in_turn() -> None:
+def test_in_text_mode_a_robot_receives_plain_text_and_its_reports_are_in_order() -> None:
     with robot_bench("terse", 0, "?form=text") as (rig, robot):
         rig.ask("say", "a", "Hello.")
         rig.ask("say", "b", "Well done.")
@@ -80,7 +80,7 @@ def test_as_text_a_robot_gets_the_bare_words_and_answers_in_turn() -> None:
         wait_until(lambda: robot.data("/sar_tui/stop") == ["stop"])
 
 
-def test_what_is_not_acknowledged_in_time_has_failed_and_the_next_is_sent() -> None:
+def test_an_unacknowledged_part_fails_and_the_next_is_sent() -> None:
     with robot_bench("silent") as (rig, robot):
         rig.ask("say", "a", "Hello.")
         rig.ask("say", "b", "Well done.")
@@ -96,7 +96,7 @@ def test_what_is_not_acknowledged_in_time_has_failed_and_the_next_is_sent() -> N
         wait_until(lambda: len(asked(robot, "speech")) == 2)
 
 
-def test_a_robot_that_begins_and_never_tells_that_it_is_done_has_failed_after_a_time_that_grows_with_the_text() -> None:
+def test_a_robot_that_never_reports_the_end_fails_after_a_time_that_grows_with_the_text() -> None:
     with robot_bench("slow") as (rig, _):
         rig.ask("say", "short", "Hello.")
         rig.wait(lambda: rig.states("short", "say") == ["started"])
@@ -107,7 +107,7 @@ def test_a_robot_that_begins_and_never_tells_that_it_is_done_has_failed_after_a_
         assert "did not report that it was done" in rig.detail("short", "say")
 
 
-def test_a_robot_that_fails_is_quoted_fit_for_a_line() -> None:
+def test_a_failure_of_the_robot_is_quoted_in_one_line() -> None:
     with robot_bench("failing") as (rig, _):
         rig.ask("gesture", "a")
         rig.wait_for("gesture", "a")
@@ -115,7 +115,7 @@ def test_a_robot_that_fails_is_quoted_fit_for_a_line() -> None:
         assert rig.detail("a", "gesture") == "My arm is [2J stuck."
 
 
-def test_a_robot_that_breaks_off_by_itself_is_reported_of_as_that() -> None:
+def test_a_part_aborted_by_the_robot_itself_is_reported_as_such() -> None:
     with robot_bench("breaking off") as (rig, _):
         rig.ask("gesture", "a")
         rig.wait_for("gesture", "a")
@@ -123,7 +123,7 @@ def test_a_robot_that_breaks_off_by_itself_is_reported_of_as_that() -> None:
         assert rig.detail("a", "gesture") == "Somebody came too near."
 
 
-def test_reports_that_cannot_be_understood_are_no_answer_and_are_reported() -> None:
+def test_invalid_reports_are_ignored_and_reported() -> None:
     with robot_bench("muddled") as (rig, robot):
         rig.ask("say", "a", "Hello.")
         wait_until(lambda: asked(robot, "speech"))
@@ -151,7 +151,7 @@ def test_reports_that_cannot_be_understood_are_no_answer_and_are_reported() -> N
         {},
     ],
 )
-def test_a_report_that_is_not_of_what_is_under_way_changes_nothing(report: Any) -> None:
+def test_a_report_on_an_inactive_part_changes_nothing(report: Any) -> None:
     with robot_bench("slow") as (rig, robot):
         rig.ask("say", "praise", "Hello.")
         rig.wait(lambda: rig.states("praise", "say") == ["started"])
@@ -162,7 +162,7 @@ def test_a_report_that_is_not_of_what_is_under_way_changes_nothing(report: Any) 
         assert rig.states("praise", "say") == ["started", "aborted"]
 
 
-def test_a_stop_reaches_the_robot_and_what_it_did_is_aborted_when_it_says_so() -> None:
+def test_a_stop_reaches_the_robot_and_the_part_is_aborted_on_confirmation() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.ask("say", "a", "Hello.")
         rig.ask("say", "b", "Well done.")
@@ -187,7 +187,7 @@ def test_a_stop_reaches_the_robot_and_what_it_did_is_aborted_when_it_says_so() -
         assert [said["text"] for said in asked(robot, "speech")] == ["Hello."]
 
 
-def test_a_part_that_is_done_as_it_is_stopped_was_aborted_and_one_that_fails_then_has_failed() -> None:
+def test_a_part_that_ends_during_a_stop_is_aborted_or_failed() -> None:
     with robot_bench("slow") as (rig, robot):
         for action, state, detail in (("a", "done", ""), ("b", "failed", "My arm is stuck.")):
             robot.manner = "slow"
@@ -204,7 +204,7 @@ def test_a_part_that_is_done_as_it_is_stopped_was_aborted_and_one_that_fails_the
         assert rig.detail("b", "gesture") == "My arm is stuck."
 
 
-def test_a_stop_of_one_action_names_it_and_what_waits_comes_after_it() -> None:
+def test_a_stop_of_one_action_names_it_and_waiting_parts_follow() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.ask("say", "a", "Hello.")
         rig.ask("say", "b", "Well done.")
@@ -216,7 +216,7 @@ def test_a_stop_of_one_action_names_it_and_what_waits_comes_after_it() -> None:
         assert second["text"] == "Well done."
 
 
-def test_a_robot_that_does_not_confirm_a_stop_is_reported_of_and_what_comes_next_is_sent_after_that() -> None:
+def test_an_unconfirmed_stop_is_reported_and_the_next_part_is_sent() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.ask("gesture", "a")
         rig.wait(lambda: rig.states("a", "gesture") == ["started"])
@@ -237,11 +237,11 @@ def test_a_robot_that_does_not_confirm_a_stop_is_reported_of_and_what_comes_next
         assert rig.states("b", "gesture") == ["started", "done"]
 
 
-def test_the_output_itself_says_that_a_stop_was_not_confirmed_before_it_is_given_up() -> None:
+def test_the_output_reports_an_unconfirmed_stop_before_the_node_gives_up() -> None:
     assert CONFIRM < STOP_TIMEOUT
 
 
-def test_a_robot_that_is_lost_before_it_confirmed_a_stop_has_failed_and_is_stopped_when_it_is_back() -> None:
+def test_a_robot_lost_before_confirming_a_stop_has_failed_and_is_stopped_after_reconnecting() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.ask("gesture", "a")
         rig.wait(lambda: rig.states("a", "gesture") == ["started"])
@@ -255,7 +255,7 @@ def test_a_robot_that_is_lost_before_it_confirmed_a_stop_has_failed_and_is_stopp
         rig.wait(lambda: len(asked(robot, "stop")) == before + 1)
 
 
-def test_a_stop_of_a_robot_that_was_lost_as_it_moved_says_that_it_was_not_asked() -> None:
+def test_a_stop_of_a_lost_robot_reports_that_it_was_not_sent() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.clock.advance(PATIENCE)
         rig.output.stop()
@@ -281,7 +281,7 @@ def test_a_stop_that_cannot_be_sent_as_the_connection_breaks_has_failed() -> Non
 
 
 @pytest.mark.parametrize(("manner", "form"), [("obliging", "json"), ("terse", "text")])
-def test_a_stop_that_is_confirmed_is_no_matter_any_more(manner: Manner, form: str) -> None:
+def test_a_confirmed_stop_is_forgotten(manner: Manner, form: str) -> None:
     with robot_bench(manner, 60, f"?form={form}") as (rig, robot):
         rig.ask("gesture", "a")
         rig.ask("gaze", "a")
@@ -304,7 +304,7 @@ def test_a_stop_that_is_confirmed_is_no_matter_any_more(manner: Manner, form: st
         assert not any("confirm" in report.detail for report in rig.reports)
 
 
-def test_while_the_bridge_is_away_parts_fail_at_once_and_when_it_is_back_all_works_and_nothing_old_is_said() -> None:
+def test_without_the_bridge_parts_fail_at_once_and_are_not_sent_after_reconnecting() -> None:
     with robot_bench() as (rig, robot):
         rig.clock.advance(PATIENCE)
         rig.ask("say", "before", "One.")
@@ -334,7 +334,7 @@ def _fails(rig: Rig) -> bool:
     return bool(rig.reports) and rig.reports[-1].state == "failed"
 
 
-def test_what_was_under_way_when_the_bridge_was_lost_has_failed_and_what_waited_too() -> None:
+def test_active_and_waiting_parts_fail_when_the_bridge_is_lost() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.clock.advance(PATIENCE)
         rig.ask("say", "under way", "Hello.")
@@ -347,7 +347,7 @@ def test_what_was_under_way_when_the_bridge_was_lost_has_failed_and_what_waited_
         assert rig.states("waiting", "say") == ["failed"]
 
 
-def test_a_stop_that_cannot_be_sent_is_sent_first_of_all_when_the_bridge_is_back() -> None:
+def test_an_unsent_stop_is_sent_first_after_reconnecting() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.clock.advance(PATIENCE)
         rig.ask("gesture", "a")
@@ -361,7 +361,7 @@ def test_a_stop_that_cannot_be_sent_is_sent_first_of_all_when_the_bridge_is_back
         assert robot.received[-1]["topic"] == "/sar_tui/stop"
 
 
-def test_what_is_asked_for_in_the_first_moments_waits_for_the_connection() -> None:
+def test_early_requests_wait_for_the_connection() -> None:
     with ros_bridge() as robot:
         rig = RosRig(Ros(f"ros://{robot.host}"), BenchClock(), ("say",))
         rig.ask("say", "greeting", "Hello.")
@@ -373,7 +373,7 @@ def test_what_is_asked_for_in_the_first_moments_waits_for_the_connection() -> No
         rig.output.close()
 
 
-def test_without_a_bridge_the_first_parts_fail_when_patience_is_over() -> None:
+def test_without_a_bridge_early_requests_fail_after_a_time() -> None:
     rig = RosRig(Ros("ros://127.0.0.1:9"), BenchClock(), ("say",))
     rig.ask("say", "greeting", "Hello.")
     rig.clock.advance(PATIENCE - 1)
@@ -394,7 +394,7 @@ def test_without_the_package_parts_fail_with_what_to_install(monkeypatch: pytest
     rig.output.close()
 
 
-def test_one_output_serves_session_after_session_though_the_server_is_started_anew_in_between() -> None:
+def test_an_output_serves_several_sessions_across_a_restart_of_the_server() -> None:
     with ros_bridge() as robot:
         output = Ros(f"//{robot.host}")
         for session in ("first", "second", "third"):
@@ -412,7 +412,7 @@ def test_one_output_serves_session_after_session_though_the_server_is_started_an
         assert len({each["id"] for each in said}) == 3
 
 
-def test_closing_leaves_a_robot_that_was_reported_to_be_still() -> None:
+def test_closing_stops_the_robot() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.ask("gesture", "a")
         rig.wait(lambda: rig.states("a", "gesture") == ["started"])
@@ -422,7 +422,7 @@ def test_closing_leaves_a_robot_that_was_reported_to_be_still() -> None:
         wait_until(lambda: asked(robot, "stop") == [{"id": ""}])
 
 
-async def test_in_a_live_session_stamps_are_the_hosts() -> None:
+async def test_in_a_live_session_stamps_are_in_host_time() -> None:
     reports: list[Report] = []
     clock = LiveClock(asyncio.get_running_loop())
     running = asyncio.create_task(clock.run())
@@ -453,7 +453,7 @@ async def test_in_a_live_session_stamps_are_the_hosts() -> None:
         ("//robot:0x1", "Use ros://HOST"),
     ],
 )
-def test_an_address_that_cannot_be_understood_is_refused_with_what_there_may_be(address: str, words: str) -> None:
+def test_an_invalid_address_is_refused_with_the_valid_forms(address: str, words: str) -> None:
     with pytest.raises(OutputError, match=words) as refused:
         Ros(address)
     assert "ros://HOST:PORT" in str(refused.value)
@@ -478,7 +478,7 @@ class _Ros2:
         return SimpleNamespace(cancel=lambda: self.due.pop(ring))
 
 
-def test_the_robot_in_the_documentation_answers_what_it_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_robot_in_the_documentation_answers_commands(monkeypatch: pytest.MonkeyPatch) -> None:
     robots: list[Any] = []
     page = (Path(__file__).parents[2] / "docs" / "connect-a-robot.md").read_text(encoding="utf-8")
     program = page.split("```python\n")[1].split("```")[0]

@@ -48,7 +48,7 @@ def test_utterances_are_written_to_files_that_can_be_heard(calm: Theme, tmp_path
         assert 0.2 < len(samples) / RATE / words < 0.9
 
 
-def test_the_themes_voice_its_rate_and_volume_are_worn(calm: Theme, tmp_path: Path) -> None:
+def test_voice_rate_and_volume_of_the_theme_are_applied(calm: Theme, tmp_path: Path) -> None:
     clock = VirtualClock()
     with listening(Sound(f"file:{tmp_path}"), in_language(calm, "en", Voice(rate=120)), clock) as ear:
         ear.speech.say("a1", WORDS["en"])
@@ -78,7 +78,7 @@ def test_on_a_virtual_clock_speech_takes_its_time_on_that_clock_only(calm: Theme
     }
 
 
-def test_on_a_virtual_clock_nothing_is_heard_and_no_card_is_needed(calm: Theme) -> None:
+def test_on_a_virtual_clock_there_is_no_sound_and_no_sound_card(calm: Theme) -> None:
     clock = VirtualClock()
     with listening(Sound(backends=("WASAPI",)), calm, clock) as ear:
         ear.speech.say("a1", WORDS["en"])
@@ -139,7 +139,7 @@ def test_a_folder_that_cannot_take_files_fails_each_utterance_with_the_reason(ca
         ("👍", "The voice cannot read this text: it has neither letters nor digits."),
     ],
 )
-def test_what_cannot_be_said_fails_when_its_turn_comes(calm: Theme, text: str, says: str) -> None:
+def test_an_invalid_utterance_fails_in_its_turn(calm: Theme, text: str, says: str) -> None:
     with listening(Sound(backends=NOBODY), calm) as ear:
         ear.speech.say("a1", "Good.")
         ear.speech.say("a2", text)
@@ -147,7 +147,7 @@ def test_what_cannot_be_said_fails_when_its_turn_comes(calm: Theme, text: str, s
         assert [report.state for report in ear.reports] == ["started", "done", "failed"]
 
 
-def test_a_language_that_no_voice_speaks_fails_with_a_cure(calm: Theme) -> None:
+def test_a_language_without_a_voice_fails_with_what_to_do(calm: Theme) -> None:
     with listening(Sound(), in_language(calm, "xx"), VirtualClock()) as ear:
         ear.speech.say("a1", "Good.")
         assert ear.wait("a1", "failed").detail.startswith('There is no voice for the language "xx": ')

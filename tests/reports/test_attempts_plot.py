@@ -57,7 +57,7 @@ def test_a_better_attempt_stands_lower_and_levels_label_the_right_axis() -> None
     assert [line.rstrip()[-1] for line in lines if "├" in line] == ["2", "1"]
 
 
-def test_colour_changes_nothing_but_colour() -> None:
+def test_colour_does_not_change_the_characters() -> None:
     import plotext
 
     coloured = figure(color=True, outcomes=OUTCOMES)

@@ -58,14 +58,14 @@ async def enter(theme: Theme) -> AsyncIterator[Room]:
         yield room
 
 
-async def test_at_first_it_is_at_rest_and_silent_and_waits_for_nothing(calm: Theme) -> None:
+async def test_initially_it_is_at_rest_and_silent_without_timers(calm: Theme) -> None:
     async with enter(calm) as room:
         assert calm.faces["neutral"].splitlines()[1] in room.drawing[2]
         assert (room.words("said"), room.words("more"), room.words("note")) == ("", "", "")
         assert not room.draws_again()
 
 
-async def test_words_stand_until_the_next_and_without_any_only_the_face_changes(calm: Theme) -> None:
+async def test_text_stays_until_replaced_and_without_text_only_the_face_changes(calm: Theme) -> None:
     async with enter(calm) as room:
         room.agent.say("Well done.", "happy", "positive")
         room.agent.say("", "speaking")
@@ -78,7 +78,7 @@ async def test_words_stand_until_the_next_and_without_any_only_the_face_changes(
         assert calm.faces["speaking"].splitlines()[2] in room.drawing[3]
 
 
-async def test_words_that_join_stand_below_those_before_and_go_with_them(calm: Theme) -> None:
+async def test_joined_text_is_below_the_earlier_text_and_disappears_with_it(calm: Theme) -> None:
     async with enter(calm) as room:
         room.agent.say("Well done.", "happy", "positive")
         room.agent.say("Now have a rest.", "sleeping", joins=True)
@@ -91,13 +91,13 @@ async def test_words_that_join_stand_below_those_before_and_go_with_them(calm: T
         assert (room.words("said"), room.words("more")) == ("Again.", "")
 
 
-async def test_words_that_join_nothing_stand_alone(calm: Theme) -> None:
+async def test_joined_text_without_earlier_text_is_shown_alone(calm: Theme) -> None:
     async with enter(calm) as room:
         room.agent.say("Now have a rest.", "sleeping", joins=True)
         assert (room.words("said"), room.words("more")) == ("Now have a rest.", "")
 
 
-async def test_cleared_it_has_no_words_and_looks_ahead(calm: Theme) -> None:
+async def test_clearing_removes_the_text_and_resets_the_gaze(calm: Theme) -> None:
     async with enter(calm) as room:
         room.agent.gaze("left")
         room.agent.say("Well done.", "happy", "positive")
@@ -106,13 +106,13 @@ async def test_cleared_it_has_no_words_and_looks_ahead(calm: Theme) -> None:
         assert calm.faces["listening"].splitlines()[1] in room.drawing[2]
 
 
-async def test_an_expression_that_there_is_not_is_the_neutral_one(calm: Theme) -> None:
+async def test_an_unknown_expression_is_the_neutral_one(calm: Theme) -> None:
     async with enter(calm) as room:
         room.agent.say("Well done.", "delighted")
         assert calm.faces["neutral"].splitlines()[1] in room.drawing[2]
 
 
-async def test_a_gesture_moves_from_rest_to_rest_in_its_time_and_then_nothing_is_drawn(calm: Theme) -> None:
+async def test_a_gesture_starts_and_ends_at_rest_and_then_nothing_is_drawn(calm: Theme) -> None:
     async with enter(calm) as room:
         rest = room.drawing
         room.agent.gesture(ARMS_UP)
@@ -132,7 +132,7 @@ async def test_a_gesture_is_drawn_at_about_fifteen_frames_a_second(calm: Theme) 
         assert frames == pytest.approx(ARMS_UP.duration_ms * MS / FRAME, abs=1)
 
 
-async def test_a_gesture_takes_the_place_of_another_without_a_jump(calm: Theme) -> None:
+async def test_a_gesture_replaces_another_without_a_jump(calm: Theme) -> None:
     async with enter(calm) as room:
         room.agent.gesture(ARMS_UP)
         before = room.watch(400 * MS)[-1]
@@ -142,7 +142,7 @@ async def test_a_gesture_takes_the_place_of_another_without_a_jump(calm: Theme) 
         assert not room.draws_again()
 
 
-async def test_told_to_be_still_it_rests_at_once(calm: Theme) -> None:
+async def test_a_stop_puts_it_at_rest_at_once(calm: Theme) -> None:
     async with enter(calm) as room:
         rest = room.drawing
         room.agent.gesture(ARMS_UP)
@@ -174,7 +174,7 @@ async def test_the_mouth_opens_and_shuts_while_a_voice_sounds(name: str, face: s
         assert not room.draws_again()
 
 
-async def test_a_voice_that_sounds_on_moves_the_mouth_at_one_pace_however_often_it_is_told(calm: Theme) -> None:
+async def test_repeated_reports_of_a_voice_do_not_change_the_pace_of_the_mouth(calm: Theme) -> None:
     async with enter(calm) as room:
         room.agent.speaking(True)
         frames = 0
@@ -184,7 +184,7 @@ async def test_a_voice_that_sounds_on_moves_the_mouth_at_one_pace_however_often_
         assert frames == pytest.approx(SECOND / FRAME, abs=1)
 
 
-async def test_held_it_rests_with_its_mouth_shut_and_draws_nothing_whatever_it_is_told(calm: Theme) -> None:
+async def test_while_held_it_draws_nothing_whatever_it_is_asked(calm: Theme) -> None:
     async with enter(calm) as room:
         rest = room.drawing
         room.agent.gesture(ARMS_UP)
@@ -199,7 +199,7 @@ async def test_held_it_rests_with_its_mouth_shut_and_draws_nothing_whatever_it_i
         assert not room.draws_again()
 
 
-async def test_let_go_again_the_mouth_goes_on_with_the_voice(calm: Theme) -> None:
+async def test_after_a_hold_the_mouth_continues_with_the_voice(calm: Theme) -> None:
     async with enter(calm) as room:
         room.agent.speaking(True)
         room.agent.hold()
@@ -207,9 +207,7 @@ async def test_let_go_again_the_mouth_goes_on_with_the_voice(calm: Theme) -> Non
         assert len(room.watch(SECOND)) > 4
 
 
-async def test_another_theme_shows_the_face_that_stands_at_once_as_it_draws_it(
-    calm: Theme, catalogue: Catalogue
-) -> None:
+async def test_another_theme_redraws_the_current_face_at_once(calm: Theme, catalogue: Catalogue) -> None:
     plain = catalogue.theme("high-contrast")
     async with enter(calm) as room:
         room.agent.say("Well done.", "happy", "positive")
@@ -220,7 +218,7 @@ async def test_another_theme_shows_the_face_that_stands_at_once_as_it_draws_it(
         assert room.words("said") == "Well done."
 
 
-async def test_a_note_stands_below_the_words_and_goes_when_it_is_empty(calm: Theme) -> None:
+async def test_a_note_is_below_the_text_and_disappears_when_empty(calm: Theme) -> None:
     async with enter(calm) as room:
         room.agent.say("Well done.", "happy")
         room.agent.note("Please read.")
@@ -229,7 +227,7 @@ async def test_a_note_stands_below_the_words_and_goes_when_it_is_empty(calm: The
         assert room.words("note") == ""
 
 
-async def test_nothing_waits_for_its_time_when_the_agent_is_gone(calm: Theme) -> None:
+async def test_no_timer_is_left_when_the_agent_is_removed(calm: Theme) -> None:
     async with enter(calm) as room:
         room.agent.speaking(True)
     assert not room.draws_again()
@@ -239,7 +237,7 @@ async def test_nothing_waits_for_its_time_when_the_agent_is_gone(calm: Theme) ->
 
 
 @pytest.mark.parametrize(("gaze", "gesture"), [("left", None), ("right", None), ("", ARMS_UP), ("left", ARMS_UP)])
-async def test_a_cue_is_one_frame_while_it_is_held_and_gone_when_it_may_move_again(
+async def test_a_cue_is_one_frame_while_held_and_disappears_afterwards(
     calm: Theme, gaze: str, gesture: Gesture | None
 ) -> None:
     async with enter(calm) as room:
@@ -266,7 +264,7 @@ async def test_a_cue_to_one_side_is_the_mirror_of_one_to_the_other(calm: Theme) 
         assert [column + 2 for column in left] == right
 
 
-async def test_words_that_join_stand_below_all_that_stand(calm: Theme) -> None:
+async def test_joined_text_is_below_all_earlier_text(calm: Theme) -> None:
     async with enter(calm) as room:
         room.agent.say("One.")
         room.agent.say("Two.", joins=True)

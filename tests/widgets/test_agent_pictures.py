@@ -46,9 +46,7 @@ def shown(agent: Agent) -> list[str]:
     return [name for name in ("picture", "robot") for widget in agent.query(f".{name}") if widget.display]
 
 
-async def test_an_expression_with_a_picture_is_shown_as_that_and_the_others_are_drawn(
-    calm: Theme, folder: Path
-) -> None:
+async def test_expressions_with_a_picture_show_it_and_the_others_are_drawn(calm: Theme, folder: Path) -> None:
     agent, app = hang(calm, folder, happy="happy.png")
     async with app.run_test():
         assert shown(agent) == ["robot"]
@@ -59,7 +57,7 @@ async def test_an_expression_with_a_picture_is_shown_as_that_and_the_others_are_
         assert shown(agent) == ["robot"]
 
 
-async def test_a_file_that_is_no_picture_or_is_gone_leaves_the_drawing(calm: Theme, folder: Path) -> None:
+async def test_an_invalid_or_missing_picture_falls_back_to_the_drawing(calm: Theme, folder: Path) -> None:
     agent, app = hang(calm, folder, happy="broken.png", thinking="gone.png")
     async with app.run_test():
         for face in ("happy", "thinking"):
@@ -67,14 +65,14 @@ async def test_a_file_that_is_no_picture_or_is_gone_leaves_the_drawing(calm: The
             assert shown(agent) == ["robot"]
 
 
-async def test_a_terminal_that_shows_no_pictures_gets_the_drawing(calm: Theme, folder: Path) -> None:
+async def test_a_terminal_without_pictures_shows_the_drawing(calm: Theme, folder: Path) -> None:
     agent, app = hang(calm, folder, picture=None, happy="happy.png")
     async with app.run_test():
         agent.look("happy")
         assert shown(agent) == ["robot"]
 
 
-async def test_pictures_go_with_their_theme(calm: Theme, folder: Path) -> None:
+async def test_pictures_change_with_the_theme(calm: Theme, folder: Path) -> None:
     agent, app = hang(calm, folder, happy="happy.png")
     async with app.run_test():
         agent.look("happy")
@@ -99,7 +97,7 @@ def test_pictures_keep_their_proportions_and_have_one_size(folder: Path) -> None
 
 
 @pytest.mark.parametrize(("protocol", "is_found"), [("sixel", True), ("kitty", True), ("half blocks", False)])
-def test_pictures_are_shown_where_the_terminal_speaks_a_protocol_for_them(
+def test_pictures_are_shown_if_the_terminal_has_an_image_protocol(
     protocol: str, is_found: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     renderable, widget = ModuleType("textual_image.renderable"), ModuleType("textual_image.widget")

@@ -39,7 +39,7 @@ class Stage(App[None]):
 
 
 @pytest.mark.parametrize("size", [(80, 15), (40, 10), (200, 60), (20, 4)])
-async def test_a_prompt_is_drawn_large_above_its_plain_line_and_stays_inside(size: tuple[int, int]) -> None:
+async def test_a_prompt_is_drawn_large_above_its_plain_line(size: tuple[int, int]) -> None:
     app = Stage()
     async with app.run_test(size=size):
         app.query_one(BigPrompt).show(prompt("f", "Press: f", "with Shift"))
@@ -50,7 +50,7 @@ async def test_a_prompt_is_drawn_large_above_its_plain_line_and_stays_inside(siz
         assert stripped[0] == "" or size[1] < 15
 
 
-async def test_a_cleared_prompt_leaves_a_fixation_point_where_the_glyph_was() -> None:
+async def test_a_cleared_prompt_leaves_a_fixation_point() -> None:
     app = Stage()
     async with app.run_test(size=(80, 15)) as pilot:
         shown = app.query_one(BigPrompt)
@@ -67,7 +67,7 @@ async def test_a_cleared_prompt_leaves_a_fixation_point_where_the_glyph_was() ->
         assert 48 <= points[0] <= 51
 
 
-async def test_text_that_is_wider_than_the_screen_is_cut_not_wrapped() -> None:
+async def test_text_wider_than_the_screen_is_cut_not_wrapped() -> None:
     app = Stage()
     async with app.run_test(size=(10, 12)):
         app.query_one(BigPrompt).show(prompt("f", "Press: Backspace"))

@@ -46,17 +46,17 @@ def test_no_two_characters_of_a_level_are_drawn_alike(choice_set: str, layout: s
             assert draw(one, *STAGE) != draw(other, *STAGE), f"{one} looks like {other}"
 
 
-def test_a_glyph_grows_with_its_room_and_shrinks_to_plain_text() -> None:
+def test_a_glyph_scales_with_the_available_space() -> None:
     heights = [len(draw("f", columns, rows)) for columns, rows in ((78, 40), (78, 20), (78, 12), (10, 5), (3, 2))]
     assert heights == sorted(heights, reverse=True)
     assert heights[0] > heights[2]
     assert draw("f", 3, 2) == ("f",)
 
 
-def test_an_arrow_points_where_it_says() -> None:
+def test_an_arrow_points_in_its_direction() -> None:
     assert draw("→", *STAGE) == tuple(row[::-1] for row in draw("←", *STAGE))
     assert draw("↑", *STAGE) == draw("↓", *STAGE)[::-1]
 
 
-def test_what_the_font_does_not_know_stands_as_itself() -> None:
+def test_characters_missing_in_the_font_are_plain_text() -> None:
     assert draw("語", *STAGE) == ("語",)

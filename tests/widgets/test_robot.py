@@ -56,7 +56,7 @@ def _side_by_side(drawings: dict[str, list[str]]) -> list[str]:
 
 
 @pytest.mark.parametrize("name", THEMES)
-def test_every_expression_and_pose_looks_as_it_did(name: str, catalogue: Catalogue) -> None:
+def test_snapshots_of_every_expression_and_pose(name: str, catalogue: Catalogue) -> None:
     """``SAR_TUI_UPDATE_SNAPSHOTS=1`` draws them anew; then look at what has changed."""
     sheet, path = theme_sheet(catalogue.theme(name)), FOLDER / f"robot.{name}.txt"
     if os.environ.get("SAR_TUI_UPDATE_SNAPSHOTS"):
@@ -70,7 +70,7 @@ def test_there_is_a_snapshot_of_every_shipped_theme_and_no_other(catalogue: Cata
 
 @pytest.mark.parametrize("name", THEMES)
 @given(pose=poses, gaze=st.sampled_from(GAZES))
-def test_a_drawing_has_one_size_and_one_cell_a_character_whatever_the_pose(
+def test_drawings_of_all_poses_have_one_size_and_one_cell_per_character(
     name: str, pose: Pose, gaze: str, catalogue: Catalogue
 ) -> None:
     for face in faces(catalogue.theme(name)).values():
@@ -81,7 +81,7 @@ def test_a_drawing_has_one_size_and_one_cell_a_character_whatever_the_pose(
 
 @pytest.mark.parametrize("name", THEMES)
 @given(pose=poses)
-def test_the_eyes_and_the_mouth_are_seen_whole_in_every_pose(name: str, pose: Pose, catalogue: Catalogue) -> None:
+def test_eyes_and_mouth_are_complete_in_every_pose(name: str, pose: Pose, catalogue: Catalogue) -> None:
     for face in faces(catalogue.theme(name)).values():
         drawing = "\n".join(draw(face, pose))
         assert all(line.strip(" │|").strip() in drawing for line in face[1:3])
@@ -89,7 +89,7 @@ def test_the_eyes_and_the_mouth_are_seen_whole_in_every_pose(name: str, pose: Po
 
 @pytest.mark.parametrize("gesture", GESTURES)
 @pytest.mark.parametrize("name", THEMES)
-def test_every_gesture_is_seen_to_move_and_ends_at_rest(name: str, gesture: str, catalogue: Catalogue) -> None:
+def test_every_gesture_moves_visibly_and_ends_at_rest(name: str, gesture: str, catalogue: Catalogue) -> None:
     theme = catalogue.theme(name)
     face, way = faces(theme)["neutral"], theme.gestures[gesture]
     moments = [draw(face, way.pose_at(ms)) for ms in range(0, way.duration_ms, 66)]
@@ -98,53 +98,53 @@ def test_every_gesture_is_seen_to_move_and_ends_at_rest(name: str, gesture: str,
     assert draw(face, way.pose_at(way.duration_ms)) == draw(face, REST)
 
 
-def test_it_nods_downwards_and_looks_up_upwards(calm: Theme) -> None:
+def test_nods_go_down_and_looking_up_goes_up(calm: Theme) -> None:
     face = faces(calm)["neutral"]
     top = [_row_of(face[0], draw(face, pose)) for pose in (Pose(nod=-1), REST, Pose(nod=1))]
     assert top == [0, 1, 2]
 
 
-def test_it_turns_to_the_side_that_it_is_told_to(calm: Theme) -> None:
+def test_it_turns_to_the_given_side(calm: Theme) -> None:
     face = faces(calm)["neutral"]
     left, ahead, right = (draw(face, Pose(turn=turn))[2].index("●") for turn in (-0.5, 0, 0.5))
     assert left < ahead < right
 
 
-def test_a_face_without_room_to_the_side_keeps_all_of_its_drawing() -> None:
+def test_a_face_without_space_at_the_side_is_drawn_completely() -> None:
     face = ["+---+", "|o o|", "| - |", "+---+"]
     drawing = draw(face, Pose(turn=0.5))
     assert any("|o o|" in line for line in drawing)
     assert any("|  -|" in line for line in drawing)
 
 
-def test_the_participants_left_arm_rises_on_the_left_and_beside_the_head(calm: Theme) -> None:
+def test_the_arm_on_the_participants_left_rises_beside_the_head(calm: Theme) -> None:
     drawing = draw(faces(calm)["neutral"], Pose(left_arm=1))
     head = drawing[1].index("╭")
     assert drawing[0].index("●") < head
     assert all("│" in line[:head] for line in drawing[1:5])
 
 
-def test_leaning_in_it_is_broader_and_its_head_is_before_its_shoulders(calm: Theme) -> None:
+def test_leaning_in_is_drawn_broader_with_the_head_before_the_shoulders(calm: Theme) -> None:
     face = faces(calm)["neutral"]
     at_rest, leaning = draw(face, REST), draw(face, Pose(lean=0.5))
     assert len(leaning[-1].strip()) > len(at_rest[-1].strip())
     assert _row_of(face[-1], leaning) == _row_of(face[-1], at_rest) + 1
 
 
-def test_a_small_face_and_one_in_ascii_have_a_body_to_match() -> None:
+def test_small_and_ascii_faces_have_a_matching_body() -> None:
     drawing = draw(["(o_o)"], Pose(turn=1, right_arm=0.6))
     assert "".join(drawing).isascii()
     assert "(o_o)" in drawing[4]
     assert drawing[4].index("(o_o)") == (WIDTH - 5) // 2 + 1
 
 
-def test_looking_somewhere_adds_to_a_gesture_and_never_goes_beyond_a_joint() -> None:
+def test_gaze_adds_to_a_gesture_within_the_limits_of_joints() -> None:
     assert posed(Pose(turn=0.3, left_arm=0.7), "right") == Pose(turn=0.8, left_arm=0.7)
     assert posed(Pose(turn=0.8), "right").turn == 1
     assert posed(Pose(nod=0.2), "ahead") == Pose(nod=0.2)
 
 
-def test_a_mouth_is_taken_from_another_face_and_nothing_else() -> None:
+def test_only_the_mouth_is_taken_from_another_face() -> None:
     assert with_mouth(["a", "b", "c"], 1, ["x", "y", "z"]) == ["a", "y", "c"]
     assert with_mouth(["a"], 2, ["x", "y", "z"]) == ["a"]
 

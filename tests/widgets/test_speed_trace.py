@@ -61,7 +61,7 @@ def has_dots(line: str) -> bool:
 
 
 @pytest.mark.parametrize("profile", ["clean", "noisy", "biased", "drifting", "tilted", "lossy", "patient"])
-def test_however_the_sensor_is_worn_out_is_positive_and_rest_is_zero(profile: str) -> None:
+def test_outward_is_positive_and_rest_is_zero_in_any_orientation_of_the_sensor(profile: str) -> None:
     made = trace(FAST, profile)
     onset = round(made.onset_s * made.rate_hz)
     assert max(made.rate) == pytest.approx(FAST.peak_out, abs=0.35)
@@ -70,7 +70,7 @@ def test_however_the_sensor_is_worn_out_is_positive_and_rest_is_zero(profile: st
     assert np.mean(made.rate[: onset - 3]) == pytest.approx(0, abs=0.08)
 
 
-def test_a_sensor_that_is_turned_over_shows_the_same_curve() -> None:
+def test_an_upside_down_sensor_gives_the_same_curve() -> None:
     samples, finding = found(FAST, "clean")
     assert finding.onset_ns is not None
     assert finding.end_ns is not None
@@ -80,7 +80,7 @@ def test_a_sensor_that_is_turned_over_shows_the_same_curve() -> None:
     assert curves[0] == curves[1]
 
 
-def test_phases_last_as_long_as_the_analysis_says_and_come_in_their_order() -> None:
+def test_phases_have_the_analysed_durations_in_order() -> None:
     _, finding = found(DWELLING)
     made = trace(DWELLING)
     lasted = [made.arrival_s - made.onset_s, made.departure_s - made.arrival_s, made.end_s - made.departure_s]
@@ -91,14 +91,14 @@ def test_phases_last_as_long_as_the_analysis_says_and_come_in_their_order() -> N
 
 
 @pytest.mark.parametrize("seconds", [0.4, 2.0, 7.0])
-def test_a_curve_of_any_length_has_few_points_and_keeps_its_peak(seconds: float) -> None:
+def test_a_curve_is_downsampled_and_keeps_its_peak(seconds: float) -> None:
     made = trace(ReachShape(out_s=seconds, back_s=seconds, peak_out=2.0, peak_back=-2.0), "clean")
     assert len(made.rate) <= MOST_POINTS
     assert max(made.rate) == pytest.approx(2.0, rel=0.04)
     assert all(map(math.isfinite, made.rate))
 
 
-def test_of_a_reach_without_samples_there_is_no_curve() -> None:
+def test_a_reach_without_samples_has_no_curve() -> None:
     _, finding = found(FAST)
     empty = np.empty(0, SAMPLE)
     assert trace_of(empty, ONSET, ONSET + SECOND, finding.details) is None
@@ -111,18 +111,18 @@ def test_of_a_reach_without_samples_there_is_no_curve() -> None:
 
 @pytest.mark.parametrize("size", [(40, 6), (76, 6), (76, 9), (120, 30)])
 @pytest.mark.parametrize("count", [1, 3])
-def test_it_fills_the_room_it_is_given(size: tuple[int, int], count: int) -> None:
+def test_it_fills_the_available_space(size: tuple[int, int], count: int) -> None:
     lines = drawn(*[trace(DWELLING)] * count, width=size[0], height=size[1])
     assert len(lines) == size[1]
     assert {len(line) for line in lines} == {size[0]}
 
 
-def test_less_room_than_it_needs_is_not_filled_with_less() -> None:
+def test_it_has_a_minimum_size() -> None:
     assert drawn(trace(FAST), width=10, height=2) == drawn(trace(FAST), width=40, height=6)
 
 
 @pytest.mark.parametrize("width", [40, 76, 120])
-def test_the_phases_stand_above_the_curve_by_name_in_their_order(width: int) -> None:
+def test_the_phases_are_named_above_the_curve_in_order(width: int) -> None:
     names, *body = drawn(trace(DWELLING), width=width)
     places = [names.index(name) for name in ("out", "dwell", "back")]
     assert places == sorted(places)
@@ -141,7 +141,7 @@ def test_a_reach_without_a_rest_at_the_target_has_no_such_phase() -> None:
     assert names.index("out") < names.index("back")
 
 
-def test_rest_is_a_line_labelled_zero_and_out_is_above_it() -> None:
+def test_rest_is_a_line_labelled_zero_and_outward_is_above_it() -> None:
     lines = drawn(trace(FAST), height=14)
     (zero,) = [number for number, line in enumerate(lines) if line[5] == "┼"]
     assert lines[zero].startswith("    0┼⠤⠤")
@@ -152,14 +152,14 @@ def test_rest_is_a_line_labelled_zero_and_out_is_above_it() -> None:
     assert lines[0].startswith("rad/s")
 
 
-def test_time_is_in_seconds_since_the_onset() -> None:
+def test_time_is_in_seconds_since_onset() -> None:
     lines = drawn(trace(DWELLING))
     labels = re.findall(r"\S+ s", lines[-1])
     assert labels[:4] == ["0 s", "0.5 s", "1 s", "1.5 s"]
     assert abs(lines[-1].index("0 s") + 1 - lines[1].index("┊")) <= 1
 
 
-def test_the_newest_is_a_full_line_and_those_before_are_dots() -> None:
+def test_the_latest_reach_is_a_solid_line_and_earlier_ones_are_dotted() -> None:
     above, below = steady(1.0, "before"), steady(-1.0, "this reach")
     lines = drawn(above, below)
     fullest = [
@@ -168,13 +168,13 @@ def test_the_newest_is_a_full_line_and_those_before_are_dots() -> None:
     assert fullest == [1, 2]
 
 
-def test_several_reaches_have_a_legend_where_there_is_room_for_one() -> None:
+def test_several_reaches_have_a_legend_if_there_is_space() -> None:
     before, newest = steady(1.0, "reach 1"), steady(-1.0, "this reach")
     assert drawn(before, newest, height=9)[-1].split() == ["⠒⠒", "this", "reach", "⠂⠂", "reach", "1"]
     assert "this reach" not in "".join(drawn(before, newest, height=8) + drawn(newest, height=9)[:-1])
 
 
-def test_colour_changes_nothing_but_colour() -> None:
+def test_colour_does_not_change_the_characters() -> None:
     made = trace(DWELLING)
     coloured = draw_traces([made], 76, 10, STYLES)
     assert coloured.plain == draw_traces([made], 76, 10).plain
@@ -182,7 +182,7 @@ def test_colour_changes_nothing_but_colour() -> None:
 
 
 @pytest.mark.parametrize("rate", [[], [0.0], [0.0] * 50, [5.0] * 50, [-5.0] * 50])
-def test_whatever_was_measured_can_be_drawn(rate: list[float]) -> None:
+def test_any_measurement_can_be_drawn(rate: list[float]) -> None:
     odd = Trace(rate=rate, rate_hz=50.0, onset_s=0.0, arrival_s=0.0, departure_s=0.0, end_s=0.0)
     assert len(drawn(odd)) == 12
 
@@ -192,7 +192,7 @@ class PanelLayout(App[None]):
         yield SpeedTrace()
 
 
-async def test_the_widget_draws_what_it_is_shown_and_nothing_else() -> None:
+async def test_the_widget_draws_only_the_given_reaches() -> None:
     app = PanelLayout()
     async with app.run_test(size=(60, 10)) as pilot:
         widget = app.query_one(SpeedTrace)

@@ -56,7 +56,7 @@ def known_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LINES", "30")
 
 
-def test_nothing_wrong_is_0(call: Call) -> None:
+def test_without_problems_the_exit_code_is_0(call: Call) -> None:
     called = call("doctor")
     assert (called.code, called.err) == (0, "")
     assert "✗" not in called.out
@@ -64,7 +64,7 @@ def test_nothing_wrong_is_0(call: Call) -> None:
         assert name in called.out
 
 
-def test_json_has_a_row_a_finding(call: Call) -> None:
+def test_json_has_one_row_per_finding(call: Call) -> None:
     rows = call("doctor", "--json").json["checks"]
     assert all(set(row) == {"name", "state", "found", "mend"} for row in rows)
     assert {row["state"] for row in rows} <= {"ok", "care", "bad"}
@@ -76,7 +76,7 @@ def test_the_data_folder_is_made_and_named(call: Call, tmp_path: Path) -> None:
     assert str(tmp_path / "data") in data["found"]
 
 
-def test_a_broken_database_is_1_and_says_how_to_mend_it(call: Call, tmp_path: Path) -> None:
+def test_a_damaged_database_exits_with_1_and_says_how_to_fix_it(call: Call, tmp_path: Path) -> None:
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "sar-tui.db").write_text("no database at all")
     called = call("doctor")
@@ -86,7 +86,7 @@ def test_a_broken_database_is_1_and_says_how_to_mend_it(call: Call, tmp_path: Pa
     assert finding(call("doctor", "--json"), "Data")["state"] == "bad"
 
 
-def test_a_task_that_does_not_load_is_1(call: Call, tmp_path: Path) -> None:
+def test_a_task_that_does_not_load_exits_with_1(call: Call, tmp_path: Path) -> None:
     (tmp_path / "mine" / "broken").mkdir(parents=True)
     (tmp_path / "mine" / "broken" / "task.py").write_text("this is no Python")
     called = call("doctor", "--tasks", tmp_path / "mine")
@@ -94,7 +94,7 @@ def test_a_task_that_does_not_load_is_1(call: Call, tmp_path: Path) -> None:
     assert "✗ Tasks" in called.out
 
 
-def test_a_tasks_folder_that_is_not_there_is_a_finding(call: Call) -> None:
+def test_a_missing_tasks_folder_is_a_finding(call: Call) -> None:
     called = call("doctor", "--tasks", "/no/such", "--json")
     assert called.code == 1
     assert finding(called, "Tasks")["state"] == "bad"
@@ -114,7 +114,7 @@ def test_a_small_terminal_is_noticed(call: Call, monkeypatch: pytest.MonkeyPatch
     assert finding(call("doctor", "--json"), "Terminal size")["state"] == "care"
 
 
-def test_a_dumb_terminal_is_1(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_dumb_terminal_exits_with_1(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", "dumb")
     assert call("doctor").code == 1
 
@@ -161,7 +161,7 @@ def test_measured_timing_is_reported(call: Call, tmp_path: Path, text: str | Non
     assert says in found["mend"]
 
 
-def test_a_look_that_fails_is_a_finding_too(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_check_that_fails_is_a_finding(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     def break_down(_: str) -> None:
         raise ZeroDivisionError("no clock")
 
@@ -172,7 +172,7 @@ def test_a_look_that_fails_is_a_finding_too(call: Call, monkeypatch: pytest.Monk
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the driver of POSIX systems")
-def test_a_textual_without_the_file_we_watch_is_noticed(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_textual_without_the_expected_file_is_noticed(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     from textual.drivers.linux_driver import LinuxDriver
 
     monkeypatch.setattr(LinuxDriver, "__init__", lambda self: None)
@@ -195,14 +195,14 @@ def test_a_motion_sensor_is_named(call: Call, plugged: type[Plugged]) -> None:
     assert found["found"] == "PhidgetSpatial 3/3/3 (1044_1B), serial 629001, 250 samples a second"
 
 
-def test_a_motion_sensor_of_no_use_is_reported(call: Call, plugged: type[Plugged]) -> None:
+def test_an_unusable_motion_sensor_is_reported(call: Call, plugged: type[Plugged]) -> None:
     plugged.told = (Status(state="error", at=0, detail="It has no gyroscope."),)
     called = call("doctor", "--json")
     found = finding(called, "Motion sensor")
     assert (called.code, found["state"], found["found"]) == (0, "care", "It has no gyroscope.")
 
 
-def test_a_motion_sensor_that_may_not_be_used_is_1_and_says_what_to_write_where(
+def test_missing_permission_for_a_motion_sensor_exits_with_1_and_shows_the_udev_rule(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(phidget_driver, "usb_denied", lambda: True)
@@ -245,7 +245,7 @@ def test_a_udev_rule_is_known_by_its_vendor(tmp_path: Path) -> None:
     ],
     ids=["package", "library"],
 )
-def test_a_missing_driver_is_reported_with_its_cure(
+def test_a_missing_driver_is_reported_with_its_fix(
     call: Call, monkeypatch: pytest.MonkeyPatch, error: Exception, found: str, mend: str
 ) -> None:
     def fail(_kind: str) -> None:
@@ -293,12 +293,12 @@ def test_outputs_are_listed(call: Call) -> None:
     assert {"ros", "screen", "servo", "speech", "tones"} <= set(row["found"].split(", "))
 
 
-def test_a_plugged_in_output_is_among_them(call: Call, plugged_in: Callable[[Plugin], None]) -> None:
+def test_an_output_of_a_plug_in_is_listed(call: Call, plugged_in: Callable[[Plugin], None]) -> None:
     plugged_in(Plugin())
     assert "lamp" in finding(call("doctor", "--json"), "Outputs")["found"].split(", ")
 
 
-def test_a_plugged_in_output_that_does_not_load_is_1_and_reported(
+def test_an_output_of_a_plug_in_that_does_not_load_exits_with_1(
     call: Call, plugged_in: Callable[[Plugin], None]
 ) -> None:
     plugged_in(Plugin(ImportError("no lamp here")))

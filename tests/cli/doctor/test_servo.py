@@ -23,7 +23,7 @@ def motor(monkeypatch: pytest.MonkeyPatch) -> FakeServo:
     return motor
 
 
-def test_a_controller_with_a_failsafe_is_well(motor: FakeServo) -> None:
+def test_a_controller_with_a_failsafe_is_ok(motor: FakeServo) -> None:
     motor.during["open"] = motor.plug_in
     finding = servo_controller()
     assert finding.state == "ok"
@@ -32,7 +32,7 @@ def test_a_controller_with_a_failsafe_is_well(motor: FakeServo) -> None:
     assert motor.told("close") == [None]
 
 
-def test_a_controller_without_one_is_reported_with_what_that_means(motor: FakeServo) -> None:
+def test_a_controller_without_a_failsafe_is_reported_with_the_consequence(motor: FakeServo) -> None:
     motor.during["open"] = motor.plug_in
     motor.failing["enableFailsafe"] = UNSUPPORTED
     finding = servo_controller()
@@ -41,14 +41,14 @@ def test_a_controller_without_one_is_reported_with_what_that_means(motor: FakeSe
     assert "limp" in finding.advice
 
 
-def test_none_is_no_fault(motor: FakeServo) -> None:
+def test_a_missing_controller_is_no_fault(motor: FakeServo) -> None:
     finding = servo_controller()
     assert (finding.state, finding.advice) == ("ok", "")
     assert finding.found.startswith("none plugged in, or another program uses it.")
     assert motor.told("close") == [None]
 
 
-def test_where_the_system_lists_no_phidget_none_is_waited_for(
+def test_no_controller_is_waited_for_if_the_system_lists_none(
     motor: FakeServo, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(phidget, "plugged_in", lambda: False)
@@ -57,7 +57,7 @@ def test_where_the_system_lists_no_phidget_none_is_waited_for(
 
 
 @pytest.mark.parametrize(("vendor", "found"), [("06c2", True), ("046d", False)])
-def test_what_is_plugged_in_is_known_by_its_vendor(tmp_path: Path, vendor: str, found: bool) -> None:
+def test_an_attached_controller_is_known_by_its_vendor(tmp_path: Path, vendor: str, found: bool) -> None:
     assert phidget.plugged_in(tmp_path) is False
     device = tmp_path / "1-2"
     device.mkdir()
@@ -66,16 +66,14 @@ def test_what_is_plugged_in_is_known_by_its_vendor(tmp_path: Path, vendor: str, 
     assert phidget.plugged_in(tmp_path / "none") is None
 
 
-def test_one_that_may_not_be_used_points_to_where_that_is_mended(
-    motor: FakeServo, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_missing_permission_is_reported_with_where_to_fix_it(motor: FakeServo, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(phidget, "usb_denied", lambda: True)
     finding = servo_controller()
     assert (finding.state, finding.advice) == ("care", "See: Motion sensor.")
     assert motor.calls == []
 
 
-def test_a_driver_that_does_not_load_points_to_where_that_is_mended(
+def test_a_driver_that_does_not_load_is_reported_with_where_to_fix_it(
     motor: FakeServo, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(_kind: str) -> Any:
@@ -88,7 +86,7 @@ def test_a_driver_that_does_not_load_points_to_where_that_is_mended(
     assert "Sensor driver" in finding.advice
 
 
-def test_a_controller_that_another_program_uses_says_so(motor: FakeServo) -> None:
+def test_a_controller_in_use_by_another_program_is_reported(motor: FakeServo) -> None:
     motor.during["open"] = lambda: motor.err(2, "Channel is in use.")
     finding = servo_controller()
     assert finding.state == "ok"

@@ -9,19 +9,19 @@ from tests.outputs.voice_fixtures import ENGINE, NOBODY, program_with
 
 
 @needs_speech
-def test_an_engine_with_voices_for_each_language_is_fine() -> None:
+def test_an_engine_with_voices_for_each_language_is_ok() -> None:
     found = speech_engine()
     assert (found.name, found.state, found.advice) == ("Speech", "ok", "")
     assert found.found.endswith("voices, for English and Spanish too")
 
 
-def test_an_engine_without_a_spanish_voice_needs_care() -> None:
+def test_a_missing_spanish_voice_is_a_warning() -> None:
     found = speech_engine(program_with(ENGINE))
     assert (found.state, found.found) == ("care", "1 voice, but none for Spanish")
     assert "espeak-ng" in found.advice
 
 
-def test_no_engine_needs_care_and_says_what_to_install() -> None:
+def test_a_missing_engine_is_a_warning_with_what_to_install() -> None:
     found = speech_engine(program_with("def init(): raise RuntimeError"))
     assert found.state == "care"
     assert "speech engine" in found.found
@@ -32,13 +32,13 @@ def test_a_sound_card_is_named_by_its_system() -> None:
     assert sound_card(backends=NOBODY) == Finding("Sound card", "ok", "there is one, by Null")
 
 
-def test_no_sound_card_needs_care_and_says_what_to_do() -> None:
+def test_a_missing_sound_card_is_a_warning_with_what_to_do() -> None:
     found = sound_card(backends=("WASAPI",))
     assert (found.name, found.state) == ("Sound card", "care")
     assert found.advice.startswith("Connect loudspeakers")
 
 
-def test_a_voice_that_does_not_answer_needs_care() -> None:
+def test_a_voice_that_does_not_answer_is_a_warning() -> None:
     for look, name in ((speech_engine, "Speech"), (sound_card, "Sound card")):
         found = look([sys.executable, "-c", ""])
         assert (found.name, found.state) == (name, "care")

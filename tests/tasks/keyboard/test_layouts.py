@@ -30,14 +30,14 @@ def column(key: str, layout: str) -> int:
     return UNSHIFTED[layout].index(key) % 10
 
 
-def test_the_choices_offered_are_these(keyboard: type[Task]) -> None:
+def test_the_available_choices(keyboard: type[Task]) -> None:
     declared = {field.name: set(field.choices) for field in fields(keyboard.Parameters)}
     assert declared["choice_set"] == set(CHOICE_SETS)
     assert declared["layout"] == set(LAYOUTS)
 
 
 @pytest.mark.parametrize(("choice_set", "layout"), ALL)
-def test_a_level_names_no_key_twice(choice_set: str, layout: str) -> None:
+def test_a_level_contains_no_key_twice(choice_set: str, layout: str) -> None:
     for keys in levels(choice_set, layout):
         assert len(set(keys)) == len(keys)
 
@@ -55,7 +55,7 @@ def test_there_are_ten_levels_and_three_of_arrows(choice_set: str, layout: str) 
 
 
 @pytest.mark.parametrize(("hand", "layout"), [pair for pair in ALL if pair[0].endswith("hand")])
-def test_one_hand_never_needs_shift_and_never_crosses_over(hand: str, layout: str) -> None:
+def test_one_handed_levels_need_neither_shift_nor_the_other_half(hand: str, layout: str) -> None:
     own = range(5) if hand == "left hand" else range(5, 10)
     for keys in levels(hand, layout):
         assert all(key in UNSHIFTED[layout] for key in keys)
@@ -69,17 +69,17 @@ def test_one_handed_levels_ignore_case(keyboard: type[Task], hand: str, layout: 
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_both_hands_begin_at_the_forefingers_of_the_home_row(layout: str) -> None:
+def test_levels_for_both_hands_begin_at_the_index_fingers(layout: str) -> None:
     assert levels("both hands", layout)[0] == ("f", "j")
 
 
 @pytest.mark.parametrize(("layout", "home"), [("qwerty", "asdf"), ("azerty", "qsdf"), ("qwertz", "asdf")])
-def test_the_left_hand_begins_at_its_home_row_and_the_layout_says_what_stands_there(layout: str, home: str) -> None:
+def test_levels_for_the_left_hand_begin_at_its_home_row(layout: str, home: str) -> None:
     assert sorted(levels("left hand", layout)[2]) == sorted(home)
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_both_hands_go_from_home_row_by_letters_and_digits_to_capitals_and_signs(layout: str) -> None:
+def test_levels_for_both_hands_go_from_the_home_row_to_capitals_and_symbols(layout: str) -> None:
     steps = levels("both hands", layout)
     assert all("".join(keys).isalpha() and "".join(keys).islower() for keys in steps[:6])
     assert set("abcdefghijklmnopqrstuvwxyz") == set(steps[5])
@@ -90,7 +90,7 @@ def test_both_hands_go_from_home_row_by_letters_and_digits_to_capitals_and_signs
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_what_cannot_be_told_apart_is_not_mixed(layout: str) -> None:
+def test_characters_that_look_alike_are_not_mixed(layout: str) -> None:
     for keys in levels("both hands", layout)[6:]:
         for alike in ("1lI", "0oO", "iI"):
             assert not set(alike) & set(keys)

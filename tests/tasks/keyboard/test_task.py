@@ -41,7 +41,7 @@ def judged(
     return result
 
 
-def test_a_prompt_says_which_key_and_stands_there_as_plain_text() -> None:
+def test_a_prompt_names_the_key_in_plain_text() -> None:
     stimulus = make().stimulus(situation(1))
     assert stimulus.name == stimulus.expected == stimulus.glyph
     assert stimulus.text == f"Press: {stimulus.expected}"
@@ -60,9 +60,7 @@ def test_an_arrow_is_drawn_and_named() -> None:
 
 
 @given(st.permutations(range(1, 21)), st.integers(1, 10), st.sampled_from(["random", "repeating"]))
-def test_prompts_do_not_depend_on_the_order_in_which_they_are_asked_for(
-    order: list[int], level: int, sequence: str
-) -> None:
+def test_prompts_do_not_depend_on_the_order_of_requests(order: list[int], level: int, sequence: str) -> None:
     task = make(sequence=sequence)
     asked = {trial: task.stimulus(situation(trial, level=level)) for trial in order}
     assert [asked[trial].name for trial in range(1, 21)] == prompts(make(sequence=sequence), level=level)
@@ -84,18 +82,18 @@ def test_a_repeating_sequence_repeats_within_an_attempt_and_in_every_attempt(
     assert prompts(task, 45, level=level, seed=seed, attempt=7) == first
 
 
-def test_a_repeating_sequence_is_another_one_for_another_seed() -> None:
+def test_a_repeating_sequence_depends_on_the_seed() -> None:
     task = make(sequence="repeating")
     assert len({tuple(prompts(task, 10, level=6, seed=seed)) for seed in range(20)}) == 20
 
 
-def test_every_key_of_a_level_is_asked_for_about_as_often() -> None:
+def test_all_keys_of_a_level_are_about_equally_frequent() -> None:
     counts = Counter(prompts(make(), 4000, level=3))
     assert len(counts) == 6
     assert all(abs(count - 4000 / 6) < 120 for count in counts.values())
 
 
-def test_own_levels_are_used_as_given() -> None:
+def test_custom_levels_are_used_as_given() -> None:
     task = make(levels=["ab", "abc", "Ab1"])
     assert task.levels == 3
     assert set(prompts(task, 60, level=2)) == set("abc")
@@ -119,13 +117,13 @@ def test_own_levels_are_used_as_given() -> None:
         ({"layout": "dvorak"}, "layout", "qwerty, azerty, qwertz, not dvorak"),
     ],
 )
-def test_settings_that_cannot_be_are_told(parameters: dict[str, object], name: str, part: str) -> None:
+def test_invalid_settings_are_reported(parameters: dict[str, object], name: str, part: str) -> None:
     with pytest.raises(ParameterError) as caught:
         make(**parameters)
     assert part in caught.value.problems[name]
 
 
-def test_a_right_key_is_right_in_either_case_and_timed_from_onset() -> None:
+def test_the_correct_key_counts_in_either_case_and_is_timed_from_onset() -> None:
     task = make()
     result = judged(task, "F", Stimulus("f", "f", "Press: f", choices=2), after=432, gap=500 * MS)
     assert (result.correct, result.response, result.value) == (True, "F", 432.0)
@@ -140,7 +138,7 @@ def test_any_other_key_is_wrong(key: str) -> None:
 
 
 @given(st.integers(7, 10), st.integers(1, 200), st.sampled_from(["qwerty", "azerty", "qwertz"]))
-def test_where_shift_is_asked_for_case_matters(level: int, trial: int, layout: str) -> None:
+def test_case_matters_if_shift_is_required(level: int, trial: int, layout: str) -> None:
     task = make(layout=layout)
     stimulus = task.stimulus(situation(trial, level=level))
     assert judged(task, stimulus.expected, stimulus, level=level).correct
@@ -154,7 +152,7 @@ def test_where_shift_is_asked_for_case_matters(level: int, trial: int, layout: s
     [("qwerty", "A", "with Shift"), ("qwerty", "a", ""), ("qwerty", "?", "with Shift"), ("qwerty", "2", ""),
      ("azerty", "2", "with Shift"), ("azerty", "(", ""), ("qwertz", "!", "with Shift"), ("qwertz", "-", "")],
 )  # fmt: skip
-def test_the_hint_says_where_shift_is_needed(layout: str, key: str, hint: str) -> None:
+def test_the_hint_says_if_shift_is_needed(layout: str, key: str, hint: str) -> None:
     task = make(layout=layout)
     found = {s.name: s.hint for s in (task.stimulus(situation(trial, level=10)) for trial in range(3000))}
     assert found[key] == hint
@@ -170,13 +168,13 @@ def test_the_hint_says_where_shift_is_needed(layout: str, key: str, hint: str) -
         ({"min_accuracy": 0, "threshold": 2000}, "2 seconds", ""),
     ],
 )
-def test_the_goal_is_told_in_words(parameters: dict[str, object], seconds: str, right: str) -> None:
+def test_the_goal_is_described_in_words(parameters: dict[str, object], seconds: str, right: str) -> None:
     expected = f"Your goal: press the right key in less than {seconds} on average{right}."
     assert make(**parameters).goal(1) == expected
 
 
 @given(st.integers(1, 200), st.integers(0, 100))
-def test_the_goal_asks_for_exactly_as_many_as_success_needs(count: int, percent: int) -> None:
+def test_the_goal_asks_for_exactly_the_accuracy_that_success_needs(count: int, percent: int) -> None:
     accuracy = percent / 100
     goal = make(prompts_per_attempt=count, min_accuracy=accuracy).goal(1)
     needed = next(right for right in range(count + 1) if right / count >= accuracy)
@@ -190,7 +188,7 @@ def test_a_miss_keeps_the_number_of_choices() -> None:
     assert result.details == {"choices": 2, "key_gap_ms": None}
 
 
-def test_what_a_trial_keeps_is_what_is_declared() -> None:
+def test_a_trial_stores_the_declared_details() -> None:
     kind = Catalogue().task("keyboard")
     declared = set(kind.Details.__struct_fields__)
     assert declared == set(judged(make(), "f", Stimulus("f", "f", "Press: f")).details)
@@ -209,7 +207,7 @@ RESULTS = st.lists(
 
 
 @given(RESULTS)
-def test_the_score_is_the_mean_of_correct_responses_that_count_and_the_share_of_correct_ones(
+def test_the_score_is_the_mean_reaction_time_and_the_accuracy(
     results: list[Result],
 ) -> None:
     score = make().score(results)
@@ -229,7 +227,7 @@ def test_a_slip_is_never_the_right_key(expected: str, seed: int) -> None:
     assert make().rehearse(stimulus, Performance(400.0), RandomStreams(seed)) == [(400.0, expected)]
 
 
-def test_the_tasks_own_parameters_are_those_of_the_thesis() -> None:
+def test_the_default_parameters_are_those_of_the_thesis() -> None:
     defaults = {field.name: field.default for field in fields(Catalogue().task("keyboard").Parameters)}
     assert {name: defaults[name] for name in ("prompts_per_attempt", "attempts", "threshold", "neutral_band")} == {
         "prompts_per_attempt": 20,
@@ -245,7 +243,7 @@ def test_the_tasks_own_parameters_are_those_of_the_thesis() -> None:
 
 
 @pytest.mark.parametrize("field", fields(Catalogue().task("keyboard").Parameters), ids=lambda field: field.name)
-def test_every_parameter_is_described_for_the_people_who_set_it(field: Any) -> None:
+def test_every_parameter_has_a_description(field: Any) -> None:
     assert field.title
     assert field.help.endswith(".")
     assert field.kind in ("bool", "list", "text") or field.bounds

@@ -32,13 +32,13 @@ def sit(pairs: type[Task], calm: Theme) -> Sit:
     return sit_down
 
 
-def test_together_an_anticipation_is_no_response_however_near_the_other_is(sit: Sit) -> None:
+def test_together_an_anticipation_is_no_response_however_close_to_the_other(sit: Sit) -> None:
     rows = sit("cooperative", window_ms=300).both(a_ms=80, b_ms=200)
     assert [(rows[seat].correct, rows[seat].details["together"]) for seat in "AB"] == [(False, False)] * 2
     assert ["anticipation" in rows[seat].timing.flags for seat in "AB"] == [True, False]
 
 
-def test_together_nobody_answers_and_both_miss(sit: Sit) -> None:
+def test_together_both_miss_if_nobody_responds(sit: Sit) -> None:
     driver = sit("cooperative", response_timeout_ms=500)
     driver.to_prompt()
     driver.wait(600)
@@ -46,14 +46,14 @@ def test_together_nobody_answers_and_both_miss(sit: Sit) -> None:
     assert [(rows[seat].response, rows[seat].correct, rows[seat].value) for seat in "AB"] == [(None, False, None)] * 2
 
 
-def test_with_caps_lock_on_a_right_key_is_right(sit: Sit) -> None:
+def test_a_correct_key_counts_with_caps_lock_on(sit: Sit) -> None:
     driver = sit("race")
     left, right = driver.keys
     rows = driver.by_seat(driver.press_after((300, left.upper()), (400, right)))
     assert (rows["A"].correct, rows["A"].details["won"], rows["A"].response) == (True, True, left.upper())
 
 
-def test_how_long_ago_ones_last_key_was_is_kept_in_milliseconds_and_is_not_the_others(sit: Sit) -> None:
+def test_the_time_since_the_last_key_is_stored_per_seat_in_milliseconds(sit: Sit) -> None:
     driver = sit("race")
     first = driver.both(300, 350)
     second = driver.both(310, 400)
@@ -62,7 +62,7 @@ def test_how_long_ago_ones_last_key_was_is_kept_in_milliseconds_and_is_not_the_o
     assert first["B"].details["key_gap_ms"] is None
 
 
-def test_of_a_race_each_row_has_the_delay_of_ones_own_key(sit: Sit) -> None:
+def test_each_row_of_a_race_has_the_delay_of_its_seats_key(sit: Sit) -> None:
     driver = sit("race")
     left, right = driver.keys
     now = driver.clock.now()
@@ -73,7 +73,7 @@ def test_of_a_race_each_row_has_the_delay_of_ones_own_key(sit: Sit) -> None:
     assert [rows[seat].timing.handler_delay_ms for seat in "AB"] == pytest.approx([100, 50])
 
 
-def test_a_slow_response_without_result_is_no_part_of_the_effect_of_the_cue(pairs: type[Task]) -> None:
+def test_a_slow_response_without_result_is_excluded_from_the_cueing_effect(pairs: type[Task]) -> None:
     task = pairs(build(pairs.Parameters, {"policy": "joint attention"}))
     results = [
         Result(correct=True, value=300.0, details={"congruent": True}),
@@ -84,7 +84,7 @@ def test_a_slow_response_without_result_is_no_part_of_the_effect_of_the_cue(pair
     assert task.measures(results) == {"congruency_effect_ms": 40.0}
 
 
-def test_the_sides_come_in_another_order_in_each_attempt(pairs: type[Task]) -> None:
+def test_the_order_of_sides_differs_between_attempts(pairs: type[Task]) -> None:
     task = pairs(build(pairs.Parameters, {"policy": "joint attention", "prompts_per_attempt": 20}))
 
     def sides(attempt: int) -> list[str]:
@@ -97,7 +97,7 @@ def test_the_sides_come_in_another_order_in_each_attempt(pairs: type[Task]) -> N
     assert all(sorted(sides(attempt)) == ["A"] * 10 + ["B"] * 10 for attempt in range(1, 6))
 
 
-def test_a_key_before_the_cue_puts_the_cue_off_too_so_that_it_is_given_once(sit: Sit) -> None:
+def test_a_key_before_the_cue_delays_the_cue_which_is_given_once(sit: Sit) -> None:
     driver = sit("joint attention", cue_lead_ms=400, foreperiod_min_ms=1500, foreperiod_max_ms=1600)
     driver.press_after((300, "".join(driver.keys)))
     known = len(driver.all(CUE))
@@ -110,7 +110,7 @@ def test_a_key_before_the_cue_puts_the_cue_off_too_so_that_it_is_given_once(sit:
     assert len(driver.all(CUE)) == known + 1
 
 
-def test_a_second_key_is_not_taken_for_the_one_that_a_row_tells_of(sit: Sit) -> None:
+def test_a_second_key_does_not_change_the_row_of_the_first(sit: Sit) -> None:
     driver = sit("race")
     left, right = driver.keys
     driver.wait(300)
@@ -123,7 +123,7 @@ def test_a_second_key_is_not_taken_for_the_one_that_a_row_tells_of(sit: Sit) -> 
 
 
 @pytest.mark.parametrize("policy", ["alternate", "cooperative", "joint attention"])
-def test_where_nobody_races_nobody_is_told_how_often_they_won(sit: Sit, policy: str) -> None:
+def test_wins_are_mentioned_only_in_a_race(sit: Sit, policy: str) -> None:
     driver = sit(policy)
     for _ in range(2):
         left, right = driver.keys
@@ -132,7 +132,7 @@ def test_where_nobody_races_nobody_is_told_how_often_they_won(sit: Sit, policy: 
 
 
 @pytest.mark.parametrize("seat", ["A", "B"])
-def test_a_simulated_slip_is_another_key_of_ones_own_half(pairs: type[Task], seat: str) -> None:
+def test_a_simulated_slip_is_another_key_of_the_same_half(pairs: type[Task], seat: str) -> None:
     task = pairs(build(pairs.Parameters, {"policy": "race"}))
     stimulus = Stimulus("f j", "", "", seat=seat, halves=("f", "j"))
     for seed in range(50):
@@ -141,7 +141,7 @@ def test_a_simulated_slip_is_another_key_of_ones_own_half(pairs: type[Task], sea
         assert task.seat_of(key) == seat
 
 
-def test_who_wins_or_loses_a_race_is_told_so_plainly_however_far_off_the_goal(sit: Sit) -> None:
+def test_feedback_on_a_race_says_plainly_who_won(sit: Sit) -> None:
     driver = sit("race", threshold=5000)
     for _ in range(2):
         driver.both(300, 350)

@@ -30,7 +30,7 @@ def test_a_glyph_is_drawn_in_its_own_half_and_stays_inside(size: tuple[int, int]
         assert lines[-1].strip() == "Left: d  Right: k"
 
 
-def test_without_glyphs_the_fixation_point_is_on_the_wall() -> None:
+def test_without_glyphs_the_fixation_point_is_on_the_divider() -> None:
     lines = drawn((), "")
     assert [line.index(FIXATION) for line in lines if FIXATION in line] == [WALL]
     assert all("█" not in line for line in lines)

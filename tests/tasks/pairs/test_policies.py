@@ -40,7 +40,7 @@ def told(driver: PairsDriver, attempt: int = 1) -> dict[str, Any]:
 # --- alternate ---------------------------------------------------------------------------------------------------
 
 
-def test_in_turn_each_prompt_is_one_persons_and_who_begins_changes_with_the_attempt(sit: Sit) -> None:
+def test_in_turn_seats_alternate_and_so_does_the_first_seat(sit: Sit) -> None:
     driver = sit("alternate", prompts_per_attempt=3)
     driver.start()
     for _ in range(2):
@@ -56,7 +56,7 @@ def test_in_turn_each_prompt_is_one_persons_and_who_begins_changes_with_the_atte
     assert [prompt.seat for prompt in driver.all(PROMPT)] == [row.seat for row in driver.all(TRIAL)]
 
 
-def test_in_turn_the_others_keys_do_nothing_and_are_flagged(sit: Sit) -> None:
+def test_in_turn_keys_of_the_other_seat_are_ignored_and_flagged(sit: Sit) -> None:
     driver = sit("alternate")
     driver.start()
     left, _ = driver.keys
@@ -66,7 +66,7 @@ def test_in_turn_the_others_keys_do_nothing_and_are_flagged(sit: Sit) -> None:
     assert row.timing.flags == ("other_seat",)
 
 
-def test_in_turn_keys_of_nobody_do_nothing_either(sit: Sit) -> None:
+def test_in_turn_keys_of_neither_half_are_ignored(sit: Sit) -> None:
     driver = sit("alternate")
     driver.start()
     left, _ = driver.keys
@@ -75,7 +75,7 @@ def test_in_turn_keys_of_nobody_do_nothing_either(sit: Sit) -> None:
     assert (row.correct, row.timing.flags) == (True, ())
 
 
-def test_in_turn_it_is_told_before_the_prompt_whose_turn_it_is(sit: Sit) -> None:
+def test_in_turn_the_turn_is_announced_before_the_prompt(sit: Sit) -> None:
     driver = sit("alternate")
     driver.start()
     assert {waiting.seat for waiting in driver.all(WAITING) if waiting.stage == "trial"} == {"A"}
@@ -86,7 +86,7 @@ def test_in_turn_it_is_told_before_the_prompt_whose_turn_it_is(sit: Sit) -> None
     assert driver.waiting.seat == "B"
 
 
-def test_in_turn_a_wrong_key_of_ones_own_half_is_wrong_and_a_miss_is_a_miss(sit: Sit) -> None:
+def test_in_turn_wrong_keys_and_misses_are_stored(sit: Sit) -> None:
     driver = sit("alternate", response_timeout_ms=1000)
     driver.start()
     left, _ = driver.keys
@@ -97,7 +97,7 @@ def test_in_turn_a_wrong_key_of_ones_own_half_is_wrong_and_a_miss_is_a_miss(sit:
     assert (driver.last(TRIAL).seat, driver.last(TRIAL).response, driver.last(TRIAL).correct) == ("B", None, False)
 
 
-def test_in_turn_each_is_scored_and_answered_for_themselves_and_the_level_waits_for_both(sit: Sit) -> None:
+def test_in_turn_each_seat_has_its_score_and_feedback_and_the_level_is_shared(sit: Sit) -> None:
     driver = sit("alternate", prompts_per_attempt=4)
     driver.start()
     for _ in range(4):
@@ -112,7 +112,7 @@ def test_in_turn_each_is_scored_and_answered_for_themselves_and_the_level_waits_
     assert [(one.seat, one.valence) for one in driver.all(FEEDBACK)] == [("A", "positive"), ("B", "negative")]
 
 
-def test_the_level_rises_when_both_reached_the_goal(sit: Sit) -> None:
+def test_the_level_rises_if_both_reach_the_goal(sit: Sit) -> None:
     driver = sit("alternate")
     driver.start()
     for _ in range(2):
@@ -126,7 +126,7 @@ def test_the_level_rises_when_both_reached_the_goal(sit: Sit) -> None:
 # --- race ----------------------------------------------------------------------------------------------------------
 
 
-def test_in_a_race_both_are_recorded_and_the_fastest_right_response_wins(sit: Sit) -> None:
+def test_in_a_race_the_fastest_correct_response_wins_and_both_are_stored(sit: Sit) -> None:
     driver = sit("race")
     driver.start()
     rows = driver.both(a_ms=500, b_ms=400)
@@ -137,7 +137,7 @@ def test_in_a_race_both_are_recorded_and_the_fastest_right_response_wins(sit: Si
     assert {seat: round(row.reaction_time_ms or 0) for seat, row in rows.items()} == {"A": 500, "B": 400}
 
 
-def test_in_a_race_who_is_fast_and_wrong_loses_to_who_is_slow_and_right(sit: Sit) -> None:
+def test_in_a_race_a_slow_correct_key_wins_over_a_fast_wrong_one(sit: Sit) -> None:
     driver = sit("race")
     driver.start()
     left, right = driver.keys
@@ -146,7 +146,7 @@ def test_in_a_race_who_is_fast_and_wrong_loses_to_who_is_slow_and_right(sit: Sit
     assert (rows["B"].correct, rows["B"].details["won"]) == (True, True)
 
 
-def test_in_a_race_a_second_key_mends_nothing(sit: Sit) -> None:
+def test_in_a_race_a_second_key_corrects_nothing(sit: Sit) -> None:
     driver = sit("race")
     driver.start()
     left, right = driver.keys
@@ -164,7 +164,7 @@ def test_in_a_race_an_anticipation_does_not_win(sit: Sit) -> None:
     assert (rows["A"].value, round(rows["B"].value or 0)) == (None, 400)
 
 
-def test_in_a_race_who_does_not_answer_misses_and_the_other_wins(sit: Sit) -> None:
+def test_in_a_race_the_other_seat_wins_after_a_miss(sit: Sit) -> None:
     driver = sit("race", response_timeout_ms=1000)
     driver.start()
     left, _ = driver.keys
@@ -175,7 +175,7 @@ def test_in_a_race_who_does_not_answer_misses_and_the_other_wins(sit: Sit) -> No
     assert (rows["B"].response, rows["B"].correct, rows["B"].details["won"]) == (None, False, False)
 
 
-def test_in_a_race_at_the_same_moment_both_win(sit: Sit) -> None:
+def test_in_a_race_simultaneous_responses_both_win(sit: Sit) -> None:
     driver = sit("race")
     driver.start()
     assert [row.details["won"] for row in driver.both(400, 400).values()] == [True, True]
@@ -189,7 +189,7 @@ def test_in_a_race_at_the_same_moment_both_win(sit: Sit) -> None:
         ((400, 600), (500, 500), ("neutral", "neutral"), (1, 1)),
     ],
 )
-def test_the_answer_to_a_race_follows_winning_whatever_the_goal(
+def test_feedback_on_a_race_depends_on_winning_not_on_the_goal(
     sit: Sit, a_ms: tuple[int, int], b_ms: tuple[int, int], valences: tuple[str, str], won: tuple[int, int]
 ) -> None:
     driver = sit("race", feedback_form="quantitative")
@@ -205,7 +205,7 @@ def test_the_answer_to_a_race_follows_winning_whatever_the_goal(
     assert [feedback.won for feedback in driver.all(FEEDBACK)] == list(won)
 
 
-def test_the_level_of_a_race_follows_the_goal_not_the_winning(sit: Sit) -> None:
+def test_the_level_of_a_race_depends_on_the_goal_not_on_winning(sit: Sit) -> None:
     driver = sit("race")
     driver.start()
     for _ in range(2):
@@ -215,7 +215,7 @@ def test_the_level_of_a_race_follows_the_goal_not_the_winning(sit: Sit) -> None:
     assert [change.level for change in driver.all(LEVEL)] == [2]
 
 
-def test_a_race_that_nobody_won_is_answered_by_what_was_reached(sit: Sit) -> None:
+def test_feedback_on_a_race_without_a_winner_depends_on_the_goal(sit: Sit) -> None:
     driver = sit("race", response_timeout_ms=500)
     driver.start()
     for _ in range(2):
@@ -225,7 +225,7 @@ def test_a_race_that_nobody_won_is_answered_by_what_was_reached(sit: Sit) -> Non
     assert {feedback.reason for feedback in driver.all(FEEDBACK)} == {"accuracy"}
 
 
-def test_a_skipped_prompt_of_a_race_is_nobodys(sit: Sit) -> None:
+def test_a_skipped_prompt_of_a_race_has_no_winner(sit: Sit) -> None:
     driver = sit("race")
     driver.start()
     driver.operate("skip")
@@ -242,7 +242,7 @@ def test_a_skipped_prompt_of_a_race_is_nobodys(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize(("b_ms", "together"), [(650, True), (700, True), (701, False), (100, True), (90, False)])
-def test_together_is_right_only_if_both_are_right_and_within_the_window(sit: Sit, b_ms: int, together: bool) -> None:
+def test_together_is_correct_only_if_both_are_correct_within_the_window(sit: Sit, b_ms: int, together: bool) -> None:
     driver = sit("cooperative", window_ms=300)
     driver.start()
     rows = driver.both(a_ms=400, b_ms=b_ms)
@@ -254,7 +254,7 @@ def test_together_is_right_only_if_both_are_right_and_within_the_window(sit: Sit
     assert values == (pytest.approx([max(400, b_ms)] * 2) if together else [None, None])
 
 
-def test_together_one_wrong_key_is_both_ones_miss(sit: Sit) -> None:
+def test_together_one_wrong_key_fails_both(sit: Sit) -> None:
     driver = sit("cooperative")
     driver.start()
     left, right = driver.keys
@@ -276,7 +276,7 @@ def test_together_both_have_one_result_and_one_outcome(sit: Sit) -> None:
     assert {one.valence for one in told(driver).values()} == {"positive"}
 
 
-def test_together_without_the_other_nothing_is_right(sit: Sit) -> None:
+def test_together_one_response_alone_is_not_correct(sit: Sit) -> None:
     driver = sit("cooperative", response_timeout_ms=800)
     driver.start()
     left, _ = driver.keys
@@ -290,7 +290,7 @@ def test_together_without_the_other_nothing_is_right(sit: Sit) -> None:
 # --- joint attention -------------------------------------------------------------------------------------------------
 
 
-def test_the_agent_looks_to_a_side_so_long_before_the_prompt_and_the_lead_is_measured(sit: Sit) -> None:
+def test_the_agent_looks_to_a_side_before_the_prompt_and_the_lead_is_measured(sit: Sit) -> None:
     driver = sit("joint attention", cue_lead_ms=300)
     driver.start()
     left, right = driver.keys
@@ -307,7 +307,7 @@ def test_the_agent_looks_to_a_side_so_long_before_the_prompt_and_the_lead_is_mea
 @pytest.mark.parametrize(
     ("cue_by", "gaze", "gesture"), [("gaze", True, False), ("gesture", False, True), ("both", True, True)]
 )
-def test_the_cue_is_a_look_a_gesture_or_both(sit: Sit, cue_by: str, gaze: bool, gesture: bool) -> None:
+def test_the_cue_is_gaze_gesture_or_both(sit: Sit, cue_by: str, gaze: bool, gesture: bool) -> None:
     driver = sit("joint attention", cue_by=cue_by)
     driver.start()
     cue = driver.last(CUE)
@@ -315,14 +315,14 @@ def test_the_cue_is_a_look_a_gesture_or_both(sit: Sit, cue_by: str, gaze: bool, 
     assert cue.gesture == (f"point_{cue.side}" if gesture else "")
 
 
-def test_only_the_cue_tells_before_the_prompt_whose_turn_it_is(sit: Sit) -> None:
+def test_only_the_cue_announces_the_side_of_the_prompt(sit: Sit) -> None:
     driver = sit("joint attention")
     driver.start()
     assert {waiting.seat for waiting in driver.all(WAITING)} == {""}
     assert driver.last(PROMPT).seat in ("A", "B")
 
 
-def test_who_sits_where_the_prompt_comes_up_answers_and_the_others_keys_do_nothing(sit: Sit) -> None:
+def test_in_joint_attention_only_keys_on_the_side_of_the_prompt_count(sit: Sit) -> None:
     driver = sit("joint attention")
     driver.start()
     left, right = driver.keys
@@ -334,7 +334,7 @@ def test_who_sits_where_the_prompt_comes_up_answers_and_the_others_keys_do_nothi
 
 
 @pytest.mark.parametrize(("share", "congruent"), [(1.0, {True}), (0.0, {False})])
-def test_the_share_of_congruent_trials_is_as_set_and_both_sides_come_up_as_often(
+def test_the_share_of_congruent_trials_is_as_set_and_sides_are_balanced(
     sit: Sit, share: float, congruent: set[bool]
 ) -> None:
     driver = sit("joint attention", congruent_share=share, prompts_per_attempt=10)
@@ -346,7 +346,7 @@ def test_the_share_of_congruent_trials_is_as_set_and_both_sides_come_up_as_often
     assert [row.seat for row in driver.all(TRIAL)].count("A") == 5
 
 
-def test_a_key_after_the_cue_begins_the_wait_anew_with_a_cue_of_its_own(sit: Sit) -> None:
+def test_a_key_after_the_cue_restarts_the_foreperiod_with_a_new_cue(sit: Sit) -> None:
     driver = sit("joint attention")
     driver.enter()
     driver.press("enter")
@@ -360,7 +360,7 @@ def test_a_key_after_the_cue_begins_the_wait_anew_with_a_cue_of_its_own(sit: Sit
     assert row.timing.false_starts == 1
 
 
-def test_the_effect_of_the_cue_is_incongruent_minus_congruent(sit: Sit) -> None:
+def test_the_cueing_effect_is_incongruent_minus_congruent(sit: Sit) -> None:
     driver = sit("joint attention", prompts_per_attempt=20)
     driver.start()
     for _ in range(20):
@@ -372,7 +372,7 @@ def test_the_effect_of_the_cue_is_incongruent_minus_congruent(sit: Sit) -> None:
         assert one.qualities["congruency_effect_ms"] == pytest.approx(40, abs=0.1)
 
 
-def test_a_lead_that_is_longer_than_the_shortest_wait_is_refused(pairs: type[Task]) -> None:
+def test_a_lead_longer_than_the_shortest_foreperiod_is_refused(pairs: type[Task]) -> None:
     from sar_tui.framework.declaration import ParameterError
     from sar_tui.framework.parameters import build
 
@@ -383,7 +383,7 @@ def test_a_lead_that_is_longer_than_the_shortest_wait_is_refused(pairs: type[Tas
 # --- perception ------------------------------------------------------------------------------------------------------
 
 
-def test_presses_have_their_seat_and_repeats_and_gaps_are_each_ones_own(sit: Sit) -> None:
+def test_presses_repeats_and_gaps_are_counted_per_seat(sit: Sit) -> None:
     driver = sit("race")
     for at, key in ((0, "f"), (10, "j"), (30, "f"), (45, "j"), (50, "space"), (200, "f")):
         driver.press(key, at=driver.clock.now() + at * 1_000_000)

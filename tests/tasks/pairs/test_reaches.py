@@ -35,7 +35,7 @@ def near(ms: float) -> Any:
 # --- the four policies -------------------------------------------------------------------------------------------
 
 
-def test_in_turn_the_reach_is_of_whose_turn_it_is_and_its_onset_is_the_response() -> None:
+def test_in_turn_the_onset_of_the_reach_is_the_response() -> None:
     driver = PairsReachingDriver("alternate")
     assert driver.sit_down().seat == "A"
     (left,) = driver.reach(("A", 400)).values()
@@ -54,7 +54,7 @@ def test_in_turn_the_reach_is_of_whose_turn_it_is_and_its_onset_is_the_response(
     assert {one.seat: one.metric for one in driver.all(ATTEMPT_ENDED)} == {"A": near(400), "B": near(700)}
 
 
-def test_in_turn_a_reach_of_the_other_is_nothing_but_flagged() -> None:
+def test_in_turn_a_reach_of_the_other_seat_is_only_flagged() -> None:
     driver = PairsReachingDriver("alternate", response_timeout_ms=6000)
     driver.sit_down()
     rows = driver.reach(("B", 300), ("A", 1500))
@@ -63,7 +63,7 @@ def test_in_turn_a_reach_of_the_other_is_nothing_but_flagged() -> None:
     assert rows["A"].timing.flags == ("other_seat",)
 
 
-def test_in_a_race_who_sets_off_first_wins_though_the_other_is_back_first() -> None:
+def test_in_a_race_the_first_onset_wins_even_if_the_other_returns_first() -> None:
     driver = PairsReachingDriver("race", response_timeout_ms=6000)
     driver.sit_down()
     rows = driver.reach(("A", 700), ("B", 500, SLOW))
@@ -76,7 +76,7 @@ def test_in_a_race_who_sets_off_first_wins_though_the_other_is_back_first() -> N
     assert told == {"A": (0, "negative"), "B": (2, "positive")}
 
 
-def test_together_both_set_off_within_the_window_however_long_they_take() -> None:
+def test_together_both_onsets_must_be_within_the_window() -> None:
     driver = PairsReachingDriver("cooperative", window_ms=200, response_timeout_ms=6000)
     driver.sit_down()
     rows = driver.reach(("A", 500), ("B", 600, SLOW))
@@ -88,7 +88,7 @@ def test_together_both_set_off_within_the_window_however_long_they_take() -> Non
     assert [(row.correct, row.value, row.details["right"]) for row in rows.values()] == [(False, None, True)] * 2
 
 
-def test_in_joint_attention_who_is_asked_reaches_and_the_cue_is_kept() -> None:
+def test_in_joint_attention_the_prompted_seat_reaches_and_the_cue_is_stored() -> None:
     driver = PairsReachingDriver("joint attention", congruent_share=0.0)
     prompt = driver.sit_down()
     rows = driver.reach((prompt.seat, 450))
@@ -103,7 +103,7 @@ def test_in_joint_attention_who_is_asked_reaches_and_the_cue_is_kept() -> None:
 # --- what is no response ---------------------------------------------------------------------------------------
 
 
-def test_a_hand_that_sets_off_too_soon_is_kept_and_never_wins() -> None:
+def test_an_anticipating_reach_is_stored_and_never_wins() -> None:
     driver = PairsReachingDriver("race")
     driver.sit_down()
     rows = driver.reach(("A", 20), ("B", 800))
@@ -112,7 +112,7 @@ def test_a_hand_that_sets_off_too_soon_is_kept_and_never_wins() -> None:
     assert rows["A"].value is None
 
 
-def test_who_does_not_reach_in_time_has_missed_and_is_told_what_to_do() -> None:
+def test_a_missing_reach_is_a_miss_with_an_instruction() -> None:
     driver = PairsReachingDriver("alternate", prompts_per_attempt=2, attempts=1)
     driver.sit_down()
     (row,) = driver.reach().values()
@@ -123,7 +123,7 @@ def test_who_does_not_reach_in_time_has_missed_and_is_told_what_to_do() -> None:
     assert told["B"] == ""
 
 
-def test_keys_are_no_response_where_hands_are() -> None:
+def test_keys_are_no_response_in_a_session_of_reaches() -> None:
     driver = PairsReachingDriver("alternate")
     driver.sit_down()
     for key in ("f", "j", "space"):
@@ -133,7 +133,7 @@ def test_keys_are_no_response_where_hands_are() -> None:
     assert (row.response, row.timing.flags) == ("reach", ())
 
 
-def test_a_reach_that_a_sensor_missed_is_asked_for_again_of_both() -> None:
+def test_a_reach_that_a_sensor_missed_is_repeated_by_both() -> None:
     driver = PairsReachingDriver("race")
     driver.sit_down()
     onset = driver.clock.now()
@@ -151,7 +151,7 @@ def test_a_reach_that_a_sensor_missed_is_asked_for_again_of_both() -> None:
 # --- the sensors -----------------------------------------------------------------------------------------------
 
 
-def test_a_sensor_that_comes_loose_pauses_the_session_and_whose_it_is_is_told() -> None:
+def test_a_detached_sensor_pauses_the_session_and_its_seat_is_named() -> None:
     driver = PairsReachingDriver("alternate")
     driver.sit_down()
     driver.sensor("B", "detached", "Unplugged.")
@@ -166,7 +166,7 @@ def test_a_sensor_that_comes_loose_pauses_the_session_and_whose_it_is_is_told() 
     assert (row.seat, row.trial, row.correct, row.timing.presentation) == ("A", 1, True, 2)
 
 
-def test_with_keys_nobody_wears_a_sensor() -> None:
+def test_a_session_of_keys_has_no_sensor() -> None:
     keys, hands = make(), make(respond_with="reaches")
     assert (keys.sensor_seats(keys.parameters), keys.nodes()) == ((), ())
     assert hands.sensor_seats(hands.parameters) == ("A", "B")
@@ -176,7 +176,7 @@ def test_with_keys_nobody_wears_a_sensor() -> None:
 # --- prompts, levels, words ------------------------------------------------------------------------------------
 
 
-def test_go_stands_in_the_half_of_who_is_asked() -> None:
+def test_go_is_shown_in_the_half_of_the_prompted_seat() -> None:
     driver = PairsReachingDriver("alternate")
     driver.sit_down()
     driver.reach(("A", 400))
@@ -185,7 +185,7 @@ def test_go_stands_in_the_half_of_who_is_asked() -> None:
     assert shown == [(("GO", ""), "Left: reach out and back", 1), (("", "GO"), "Right: reach out and back", 1)]
 
 
-def test_each_level_asks_for_a_sooner_start() -> None:
+def test_each_level_has_an_earlier_goal() -> None:
     task = make(respond_with="reaches", threshold=800)
     assert [task.target(level).threshold for level in range(1, task.levels + 1)] == [800, 720, 640, 560, 480, 400]
     assert {make(threshold=800).target(level).threshold for level in range(1, 7)} == {800}
@@ -208,11 +208,11 @@ def test_each_level_asks_for_a_sooner_start() -> None:
         ),
     ],
 )
-def test_a_goal_has_its_plural(parameters: dict[str, Any], goal: str) -> None:
+def test_goals_have_a_singular_and_a_plural(parameters: dict[str, Any], goal: str) -> None:
     assert make(**parameters).goal(1) == goal
 
 
-def test_reaches_are_told_once_each() -> None:
+def test_each_reach_is_reported_once() -> None:
     driver = PairsReachingDriver("race")
     driver.sit_down()
     driver.reach(("A", 400), ("B", 500))

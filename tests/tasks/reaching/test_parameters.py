@@ -47,7 +47,7 @@ def make(**parameters: object) -> Task:
         ({"markers": [15]}, "markers", "no parameter markers"),
     ],
 )
-def test_settings_that_cannot_be_are_told(parameters: dict[str, object], name: str, part: str) -> None:
+def test_invalid_settings_are_reported(parameters: dict[str, object], name: str, part: str) -> None:
     with pytest.raises(ParameterError) as caught:
         make(**parameters)
     assert part in caught.value.problems[name]
@@ -63,18 +63,18 @@ def test_settings_that_cannot_be_are_told(parameters: dict[str, object], name: s
         {"imu": "recorded:reaches.csv?speed=fast"},
     ],
 )
-def test_settings_that_can_be_are_taken(parameters: dict[str, object]) -> None:
+def test_valid_settings_are_accepted(parameters: dict[str, object]) -> None:
     assert make(**parameters).levels >= 1
 
 
 @pytest.mark.parametrize("field", fields(Catalogue().task("reaching").Parameters), ids=lambda field: field.name)
-def test_every_parameter_is_described_for_the_people_who_set_it(field: Any) -> None:
+def test_every_parameter_has_a_description(field: Any) -> None:
     assert field.title
     assert field.help.endswith(".")
     assert field.kind in ("bool", "list", "text") or field.bounds
 
 
-def test_there_are_as_many_levels_as_markers() -> None:
+def test_each_marker_is_a_level() -> None:
     assert make().levels == 6
     assert make(marker_distances_cm=[10, 20, 30]).levels == 3
 
@@ -82,26 +82,26 @@ def test_there_are_as_many_levels_as_markers() -> None:
 # --- a goal for each marker ------------------------------------------------------------------------------------------
 
 
-def test_the_goal_to_the_nearest_marker_is_the_one_that_was_set_and_to_others_more() -> None:
+def test_the_set_goal_is_that_of_the_nearest_marker_and_others_are_longer() -> None:
     task = make(threshold=1200)
     goals = [task.target(level).threshold for level in range(1, 7)]
     assert goals == [1200, 1386, 1549, 1697, 1833, 1960]
 
 
-def test_a_marker_four_times_as_far_is_given_twice_the_time() -> None:
+def test_a_marker_at_four_times_the_distance_has_twice_the_time() -> None:
     task = make(marker_distances_cm=[10, 40], threshold=1000)
     assert task.target(2).threshold == 2 * task.target(1).threshold
 
 
 @given(st.lists(st.floats(1, 200), min_size=2, max_size=8, unique=True).map(sorted), st.floats(300, 5000))
-def test_a_farther_marker_is_never_given_less_time(markers: list[float], threshold: float) -> None:
+def test_a_farther_marker_never_has_less_time(markers: list[float], threshold: float) -> None:
     task = make(marker_distances_cm=markers, threshold=threshold)
     goals = [task.target(level).threshold for level in range(1, task.levels + 1)]
     assert all(near <= far for near, far in pairwise(goals))
     assert goals[0] == pytest.approx(threshold, abs=0.5)
 
 
-def test_goals_of_ones_own_are_used_as_given() -> None:
+def test_custom_goals_are_used_as_given() -> None:
     task = make(marker_distances_cm=[10, 20], goal_times_ms=[900, 800], threshold=5000)
     assert [task.target(level).threshold for level in (1, 2)] == [900, 800]
 

@@ -54,7 +54,7 @@ def again(driver: ReachingDriver, to_ns: int = 0) -> Any:
 # --- a reach between two presses -----------------------------------------------------------------------------------
 
 
-def test_one_reach_between_two_presses_is_one_row_timed_by_the_hand_and_not_by_the_keys() -> None:
+def test_a_reach_is_one_row_timed_by_the_hand_not_by_the_keys() -> None:
     driver = begun()
     driver.move(300)
     onset = driver.clock.now() + 300 * MS
@@ -74,7 +74,7 @@ def test_one_reach_between_two_presses_is_one_row_timed_by_the_hand_and_not_by_t
     assert len(driver.all(REACH)) == 1
 
 
-def test_a_reach_is_told_as_soon_as_the_hand_is_felt_to_rest_not_when_a_time_is_over() -> None:
+def test_a_reach_is_reported_as_soon_as_the_hand_rests() -> None:
     driver = begun()
     driver.move(300)
     driver.wait(1300 + 2000)
@@ -84,7 +84,7 @@ def test_a_reach_is_told_as_soon_as_the_hand_is_felt_to_rest_not_when_a_time_is_
     assert ms(driver.clock.now() - pressed) <= 20, "it had rested for long"
 
 
-def test_a_second_press_before_the_hand_is_back_shortens_nothing() -> None:
+def test_a_second_press_before_the_return_does_not_shorten_the_reach() -> None:
     driver = begun()
     driver.move(300, SLOW)
     driver.wait(300 + SLOW.duration_s * 1000 - 600)
@@ -96,7 +96,7 @@ def test_a_second_press_before_the_hand_is_back_shortens_nothing() -> None:
     assert (trial.details["closed"], trial.timing.flags) == ("key", ())
 
 
-def test_a_hand_that_moves_on_and_on_after_the_second_press_is_asked_to_do_it_once_more() -> None:
+def test_a_hand_that_keeps_moving_after_the_second_press_repeats_the_trial() -> None:
     driver = begun()
     driver.move(300, ReachShape(out_s=5.0, back_s=5.0))
     driver.wait(2000)
@@ -109,7 +109,7 @@ def test_a_hand_that_moves_on_and_on_after_the_second_press_is_asked_to_do_it_on
 
 
 @pytest.mark.parametrize("between_ms", first(1, [90, 300, 600]))
-def test_a_key_that_is_held_ends_nothing_before_the_hand_has_moved(between_ms: float) -> None:
+def test_a_held_key_does_not_end_a_trial_before_the_hand_has_moved(between_ms: float) -> None:
     driver = begun()
     for _ in range(6):
         driver.wait(between_ms)
@@ -122,7 +122,7 @@ def test_a_key_that_is_held_ends_nothing_before_the_hand_has_moved(between_ms: f
     assert driver.to_row().value == pytest.approx(1000, abs=20)
 
 
-def test_reaches_follow_each_other_each_with_its_own_window() -> None:
+def test_successive_reaches_have_separate_windows() -> None:
     driver = ReachingDriver(reaches_per_attempt=3, attempts=1)
     driver.sit_down()
     values = []
@@ -136,7 +136,7 @@ def test_reaches_follow_each_other_each_with_its_own_window() -> None:
     assert [trial.details["reaches"] for trial in driver.all(TRIAL)] == [1, 1, 1]
 
 
-def test_both_detectors_are_in_the_details_and_the_one_that_was_asked_for_scores() -> None:
+def test_both_detectors_are_stored_and_the_selected_one_scores() -> None:
     for name, stored in (("single-axis", "robust"), ("fixed-threshold", "thesis")):
         driver = ReachingDriver(detector=name)
         driver.sit_down()
@@ -150,7 +150,7 @@ def test_both_detectors_are_in_the_details_and_the_one_that_was_asked_for_scores
         assert ("threshold_rad_s" in parameters) == (name == "fixed-threshold")
 
 
-def test_what_is_kept_of_a_reach_is_what_is_declared() -> None:
+def test_a_reach_stores_the_declared_details() -> None:
     driver = ReachingDriver()
     driver.sit_down()
     kept = driver.reach().details
@@ -176,7 +176,7 @@ def test_the_same_samples_and_window_give_the_same_details() -> None:
 
 
 @pytest.mark.parametrize("still_ms", first(1, [1500, 2500, 6000]))
-def test_a_forgotten_second_press_is_made_up_for_by_rest(still_ms: int) -> None:
+def test_rest_replaces_a_forgotten_second_press(still_ms: int) -> None:
     driver = begun(still_ms=still_ms)
     driver.move(300)
     end = driver.clock.now() + 1300 * MS
@@ -186,7 +186,7 @@ def test_a_forgotten_second_press_is_made_up_for_by_rest(still_ms: int) -> None:
     assert still_ms - 100 <= ms(driver.clock.now() - end) <= still_ms + 600
 
 
-def test_a_hand_that_rests_before_its_reach_is_given_time() -> None:
+def test_rest_before_the_reach_does_not_end_it() -> None:
     driver = begun()
     driver.wait(9000)
     assert driver.all(REACH) == []
@@ -194,7 +194,7 @@ def test_a_hand_that_rests_before_its_reach_is_given_time() -> None:
     assert driver.to_row().correct
 
 
-def test_a_hand_that_rests_at_the_marker_has_not_come_back() -> None:
+def test_rest_at_the_marker_does_not_end_the_reach() -> None:
     driver = begun(still_ms=1000)
     driver.move(100, ReachShape(out_s=0.5, dwell_s=1.8, back_s=0.5, peak_out=1.5, peak_back=-1.5))
     driver.wait(100 + 500 + 1700)
@@ -203,7 +203,7 @@ def test_a_hand_that_rests_at_the_marker_has_not_come_back() -> None:
     assert trial.details["dwell_ms"] == pytest.approx(1800, abs=120)
 
 
-def test_nothing_outlasts_the_time_out() -> None:
+def test_every_trial_ends_at_the_time_out() -> None:
     driver = begun(response_timeout_ms=5000)
     prompted = [record.at for record in driver.records if record.topic is PROMPT][-1]
     trial = driver.to_row()
@@ -212,7 +212,7 @@ def test_nothing_outlasts_the_time_out() -> None:
     assert ms(driver.clock.now() - prompted) == 5000
 
 
-def test_a_reach_that_the_time_out_finds_over_but_not_at_rest_is_kept() -> None:
+def test_a_reach_completed_at_the_time_out_without_rest_is_stored() -> None:
     driver = begun(response_timeout_ms=3000, still_ms=6000)
     driver.move(300)
     trial = driver.to_row()
@@ -231,7 +231,7 @@ def test_a_press_right_before_the_time_out_still_ends_the_reach() -> None:
 
 
 @pytest.mark.parametrize("after_ms", first(1, [40, 120, 240]))
-def test_a_start_that_is_pressed_twice_ends_nothing(after_ms: float) -> None:
+def test_a_double_press_at_the_start_does_not_end_the_trial(after_ms: float) -> None:
     driver = begun()
     driver.wait(after_ms)
     driver.press("space")
@@ -243,7 +243,7 @@ def test_a_start_that_is_pressed_twice_ends_nothing(after_ms: float) -> None:
     assert driver.to_row().value == pytest.approx(1000, abs=20)
 
 
-def test_an_end_that_is_pressed_twice_starts_nothing() -> None:
+def test_a_double_press_at_the_end_does_not_start_a_trial() -> None:
     driver = begun(reaches_per_attempt=2)
     driver.move(300)
     driver.wait(1700)
@@ -257,7 +257,7 @@ def test_an_end_that_is_pressed_twice_starts_nothing() -> None:
 
 
 @pytest.mark.parametrize("key", ["enter", "x", "s"])
-def test_another_key_ends_no_reach(key: str) -> None:
+def test_another_key_does_not_end_a_reach(key: str) -> None:
     driver = begun()
     driver.move(300)
     driver.wait(1500)
@@ -293,7 +293,7 @@ def test_a_flick_does_not_end_the_wait_for_a_reach() -> None:
     assert trial.value == pytest.approx(1000, abs=20)
 
 
-def test_of_two_reaches_the_larger_is_meant_and_it_is_flagged() -> None:
+def test_the_larger_of_two_reaches_is_used_and_flagged() -> None:
     driver = begun()
     driver.move(300, SLOW)
     driver.move(4000)
@@ -306,7 +306,7 @@ def test_of_two_reaches_the_larger_is_meant_and_it_is_flagged() -> None:
 
 
 @pytest.mark.parametrize(("before_ms", "is_it"), [(50, True), (300, True), (450, True), (560, False), (900, False)])
-def test_a_reach_that_began_up_to_half_a_second_before_the_press_is_this_reach(before_ms: float, is_it: bool) -> None:
+def test_a_reach_may_begin_up_to_half_a_second_before_the_press(before_ms: float, is_it: bool) -> None:
     driver = ReachingDriver()
     driver.sit_down()
     driver.move(2000)
@@ -322,7 +322,7 @@ def test_a_reach_that_began_up_to_half_a_second_before_the_press_is_this_reach(b
         assert trial.value == pytest.approx(1000, abs=20)
 
 
-def test_a_reach_that_was_over_before_the_press_is_none_of_this_trial() -> None:
+def test_a_reach_that_ended_before_the_press_is_ignored() -> None:
     driver = ReachingDriver()
     driver.sit_down()
     driver.move()
@@ -338,7 +338,7 @@ def test_a_reach_that_was_over_before_the_press_is_none_of_this_trial() -> None:
 
 
 @pytest.mark.parametrize("reaction_ms", first(1, [180, 320]))
-def test_a_signal_to_go_gives_a_reaction_time(reaction_ms: float) -> None:
+def test_with_a_go_signal_there_is_a_reaction_time(reaction_ms: float) -> None:
     driver = begun(go_signal=True)
     driver.move(reaction_ms)
     driver.wait(reaction_ms + 1400)
@@ -355,7 +355,7 @@ def test_without_a_signal_there_is_no_reaction_time() -> None:
     assert driver.reach().reaction_time_ms is None
 
 
-def test_a_hand_that_moves_before_the_signal_has_anticipated_it() -> None:
+def test_movement_before_the_signal_is_an_anticipation() -> None:
     driver = begun(go_signal=True)
     driver.move(-200)
     driver.wait(1400)
@@ -386,7 +386,7 @@ def test_the_left_hand_turns_the_other_way(hand: str, shape: ReachShape, flagged
 @pytest.mark.parametrize(
     "name", first(3, ["clean", "noisy", "biased", "drifting", "tremor", "tilted", "lossy", "patient"])
 )
-def test_whatever_the_sensor_a_reach_is_found_and_timed(name: str) -> None:
+def test_a_reach_is_found_and_timed_with_every_sensor(name: str) -> None:
     driver = ReachingDriver(sensor=name)
     driver.sit_down()
     trial = driver.reach()
@@ -394,7 +394,7 @@ def test_whatever_the_sensor_a_reach_is_found_and_timed(name: str) -> None:
     assert trial.value == pytest.approx(1000, abs=60)
 
 
-def test_a_reach_beyond_the_sensors_range_is_timed_but_its_peaks_are_not_known() -> None:
+def test_a_reach_beyond_the_range_is_timed_without_peaks() -> None:
     driver = ReachingDriver(sensor="saturating")
     driver.sit_down()
     trial = driver.reach(FAST)
@@ -414,7 +414,7 @@ def test_a_reach_beyond_the_sensors_range_is_timed_but_its_peaks_are_not_known()
     assert slower.details["peak_extension_rad_s"] is not None
 
 
-def test_a_reach_of_which_a_part_is_missing_is_done_again() -> None:
+def test_a_reach_with_missing_samples_is_repeated() -> None:
     driver = begun()
     driver.move(300)
     driver.wait(600)
@@ -430,7 +430,7 @@ def test_a_reach_of_which_a_part_is_missing_is_done_again() -> None:
     assert driver.last(TRIAL).timing.presentation == 2
 
 
-def test_a_gap_while_the_hand_rests_spoils_nothing() -> None:
+def test_a_gap_at_rest_does_not_affect_the_reach() -> None:
     driver = begun()
     gagged(driver, 250)
     driver.wait(300)
@@ -442,7 +442,7 @@ def test_a_gap_while_the_hand_rests_spoils_nothing() -> None:
     assert trial.value == pytest.approx(1000, abs=20)
 
 
-def test_a_reach_of_which_nothing_was_measured_is_done_again() -> None:
+def test_a_reach_without_samples_is_repeated() -> None:
     driver = ReachingDriver()
     driver.sit_down()
     driver.session.bus.publish(SENSOR, SensorChanged(state="attached", at=driver.clock.now(), rate_hz=250.0))
@@ -456,7 +456,7 @@ def test_a_reach_of_which_nothing_was_measured_is_done_again() -> None:
     assert "told us nothing" in driver.waiting.notice
 
 
-def test_a_sensor_that_is_too_slow_to_see_a_reach_says_so_and_breaks_nothing() -> None:
+def test_a_sensor_too_slow_for_a_reach_is_reported() -> None:
     driver = begun(rate_hz=15.0)
     driver.move(300)
     driver.wait(1700)
@@ -467,7 +467,7 @@ def test_a_sensor_that_is_too_slow_to_see_a_reach_says_so_and_breaks_nothing() -
     assert "too slow" in driver.waiting.notice
 
 
-def test_a_sensor_that_comes_loose_in_a_reach_voids_it_and_old_samples_are_forgotten() -> None:
+def test_a_sensor_detached_during_a_reach_voids_it_and_old_samples_are_dropped() -> None:
     driver = begun()
     driver.move(300)
     driver.wait(800)

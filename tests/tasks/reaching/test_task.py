@@ -57,7 +57,7 @@ def judged(task: Task, what: Any, level: int = 1) -> Result | Again | None:
 
 
 @pytest.mark.parametrize("settings", SETTINGS, ids=str)
-def test_a_participant_is_told_nothing_in_jargon(settings: dict[str, object]) -> None:
+def test_texts_for_participants_contain_no_jargon(settings: dict[str, object]) -> None:
     for words in words_of(make(**settings)):
         assert not re.search(JARGON, words, re.IGNORECASE), words
         assert "_" not in words
@@ -71,7 +71,7 @@ def test_the_instructions_name_every_step_in_its_order() -> None:
     assert "Escape" in words
 
 
-def test_who_has_to_wait_for_a_signal_is_told_so_and_nobody_else() -> None:
+def test_waiting_for_a_signal_is_mentioned_only_if_there_is_one() -> None:
     with_signal, without = make(go_signal=True), make()
     assert "Wait for the signal" in with_signal.instructions()
     assert "GO" in with_signal.start(1)
@@ -81,7 +81,7 @@ def test_who_has_to_wait_for_a_signal_is_told_so_and_nobody_else() -> None:
     assert without.stimulus(situation()).glyph != "GO"
 
 
-def test_every_level_is_told_by_its_marker_and_its_goal() -> None:
+def test_every_level_is_described_by_its_marker_and_goal() -> None:
     task = make()
     for level, (far, seconds) in enumerate([("15 cm", "1.20"), ("20 cm", "1.39"), ("25 cm", "1.55")], 1):
         assert f"marker {level} ({far})" in task.goal(level)
@@ -96,13 +96,13 @@ def test_a_lone_marker_has_no_number() -> None:
     assert "marker 1" not in task.goal(1) + task.start(1)
 
 
-def test_a_level_that_changes_says_which_marker_is_next_and_which_way_it_lies() -> None:
+def test_a_new_level_names_its_marker_and_direction() -> None:
     task = make()
     assert "marker 3" in task.notice(3, 2)
     assert task.notice(3, 2) != task.notice(3, 4)
 
 
-def test_the_time_is_asked_for_in_seconds_and_kept_in_milliseconds() -> None:
+def test_the_goal_is_shown_in_seconds_and_stored_in_milliseconds() -> None:
     task = make()
     assert "ms" not in task.goal(1)
     assert task.metric.label == "reach time (ms)"
@@ -111,7 +111,7 @@ def test_the_time_is_asked_for_in_seconds_and_kept_in_milliseconds() -> None:
 # --- judging -------------------------------------------------------------------------------------------------
 
 
-def test_a_reach_is_timed_from_its_own_onset_to_its_own_end() -> None:
+def test_a_reach_is_timed_from_onset_to_end() -> None:
     seen = percept(
         onset=6 * SECOND, turn=6 * SECOND + 1, end=7 * SECOND, details={"reach_time_ms": 1000.0, "hand": "right"}
     )
@@ -128,7 +128,7 @@ def test_a_reach_is_timed_from_its_own_onset_to_its_own_end() -> None:
     }
 
 
-def test_where_no_reach_was_seen_there_is_no_response_and_it_is_said() -> None:
+def test_without_a_reach_there_is_no_response_and_a_notice() -> None:
     result = judged(make(), percept(closed="timeout", details={"samples": 500}, flags=("saturated",)))
     assert isinstance(result, Result)
     assert (result.correct, result.response, result.response_at, result.value) == (False, None, None, None)
@@ -137,7 +137,7 @@ def test_where_no_reach_was_seen_there_is_no_response_and_it_is_said() -> None:
 
 
 @pytest.mark.parametrize("reason", ["samples", "gap", "rate"])
-def test_a_reach_that_the_sensor_missed_is_done_again_with_a_word_that_blames_the_sensor(reason: str) -> None:
+def test_a_reach_that_the_sensor_missed_is_repeated_and_the_notice_blames_the_sensor(reason: str) -> None:
     again = judged(make(), percept(invalid=reason, onset=6 * SECOND, end=7 * SECOND))
     assert isinstance(again, Again)
     assert again.reason == reason
@@ -157,7 +157,7 @@ def test_only_a_signal_gives_reaction_times_and_a_random_wait() -> None:
         assert task.start_key == "space"
 
 
-def test_a_therapist_can_say_what_the_sensor_cannot_see() -> None:
+def test_a_therapist_can_report_faults_that_the_sensor_cannot_detect() -> None:
     marks = {mark.name: mark.counts for mark in make().marks}
     assert marks == {"missed": False, "compensated": True, "assisted": False}
     assert len({mark.key for mark in make().marks}) == 3
@@ -171,7 +171,7 @@ PERFORMANCES = st.builds(
 
 
 @given(PERFORMANCES, st.integers(1, 6), st.integers(0, 500))
-def test_a_rehearsed_reach_goes_out_and_back_before_the_key_is_pressed(
+def test_a_simulated_reach_is_completed_before_the_key_is_pressed(
     performance: Performance, level: int, seed: int
 ) -> None:
     task = make()
@@ -182,13 +182,13 @@ def test_a_rehearsed_reach_goes_out_and_back_before_the_key_is_pressed(
     assert shape.peak_out > 0 > shape.peak_back
 
 
-def test_who_slips_forgets_the_key() -> None:
+def test_a_simulated_slip_is_a_forgotten_key() -> None:
     task = make()
     acts = task.rehearse(task.stimulus(situation()), Performance(300.0, slips=True), RandomStreams(1))
     assert [type(act) for _, act in acts] == [ReachShape]
 
 
-def test_a_rehearsed_reach_to_a_farther_marker_takes_longer_and_at_a_slower_pace_too() -> None:
+def test_a_simulated_reach_to_a_farther_marker_takes_longer_at_any_pace() -> None:
     task = make()
 
     def takes(level: int, pace: float = 1.0) -> float:
@@ -200,7 +200,7 @@ def test_a_rehearsed_reach_to_a_farther_marker_takes_longer_and_at_a_slower_pace
     assert takes(1, pace=1.5) == pytest.approx(1.5 * takes(1))
 
 
-def test_the_same_chance_rehearses_the_same() -> None:
+def test_the_same_random_numbers_give_the_same_simulated_reach() -> None:
     task, performance = make(), Performance(300.0, unsteadiness=0.7)
     stimulus = task.stimulus(situation(3))
     assert task.rehearse(stimulus, performance, RandomStreams(4)) == task.rehearse(
@@ -211,7 +211,7 @@ def test_the_same_chance_rehearses_the_same() -> None:
     )
 
 
-def test_the_tasks_own_sensor_is_known_by_what_it_declares() -> None:
+def test_the_sensor_of_the_task_is_declared() -> None:
     task = make()
     assert task.sensors == ("imu",)
     (node,) = task.nodes()
