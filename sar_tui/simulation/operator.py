@@ -43,6 +43,22 @@ class OperatorProfile(msgspec.Struct, frozen=True):
     times (Luce 1986; see `simulation.participant_model`). Reading every word takes 252 ms a word on average
     (238 words a minute, Brysbaert 2019); an operator knows the texts and only recognises them. We know of no study
     with values for operators: these are assumed.
+
+    Args:
+        name: ``careful``, ``hasty`` or ``absent``.
+        ms_per_word: reading time.
+        mean_ms: mean of the choice time.
+        sigma_ms: standard deviation of its normal part.
+        tau_ms: mean of its exponential tail, part of the mean.
+        vetoes: share of proposals meant to be vetoed.
+        edits: share meant to be edited.
+        slips: share of decisions made with the wrong key.
+        misses: share of proposals without a decision.
+        remarks: share of attempts followed by a remark.
+        notes: share followed by a note.
+        levels: share followed by a level set by hand.
+        leaves: share followed by an absence.
+        away_s: mean duration of an absence.
     """
 
     name: str
