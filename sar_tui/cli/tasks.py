@@ -52,13 +52,18 @@ def show_task(
     tasks: Tasks = None,
 ) -> None:
     """Show what can be set for a task."""
+    import msgspec
+
     from sar_tui.framework.declaration import show
     from sar_tui.framework.parameters import fields, grouped
 
     task = Home.of(context, data, tasks).catalogue().task(name)
     if as_json:
         facts = {"name": name, "title": task.title, "summary": task.summary, "metric": task.metric}
-        print_json({"task": facts, "parameters": fields(task.Parameters)})
+        parameters = [msgspec.structs.asdict(field) for field in fields(task.Parameters)]
+        for parameter in parameters:
+            del parameter["renamed"]  # former spellings are no part of the output
+        print_json({"task": facts, "parameters": parameters})
         return
 
     from sar_tui.cli.tables import add, head, table
