@@ -38,7 +38,7 @@ class Catalogue:
     def __init__(self, tasks: tuple[Path, ...] = (), themes: tuple[Path, ...] = ()) -> None:
         for folder in tasks:
             if not folder.is_dir():
-                raise PluginError(f"There is no folder {folder} to find tasks in.")
+                raise PluginError(f"There is no folder {folder} for tasks.")
         self.extra_tasks = tasks
         self._tasks = (*tasks, user_folder() / "tasks", _shipped("tasks"))
         self._themes = (*themes, user_folder() / "themes", _shipped("themes"))
@@ -56,7 +56,7 @@ class Catalogue:
         for entry in entry_points(group="sar_tui.tasks"):
             if entry.name == name:
                 return _from_entry_point(entry)
-        raise PluginError(f"There is no task {name}. There is: {', '.join(self.task_names())}.")
+        raise PluginError(f"There is no task {name}. Choose one of: {', '.join(self.task_names())}.")
 
     def theme_names(self) -> list[str]:
         """Return the names of all themes."""
@@ -67,7 +67,7 @@ class Catalogue:
         for path in _children(self._themes, "theme.toml"):
             if path.parent.name == name:
                 return path.parent
-        raise PluginError(f"There is no theme {name}. There is: {', '.join(self.theme_names())}.")
+        raise PluginError(f"There is no theme {name}. Choose one of: {', '.join(self.theme_names())}.")
 
     def theme(self, name: str, language: str = ENGLISH) -> Theme:
         """Load a theme by name. Raises PluginError."""
@@ -102,7 +102,7 @@ def load_task(folder: Path) -> type[Task]:
     if not (folder / "task.py").is_file():
         raise PluginError(f"There is no task.py in {folder}.")
     if not folder.name.isidentifier():
-        raise PluginError(f"A task's folder is named like a Python name; {folder.name} is not.")
+        raise PluginError(f"{folder.name} cannot name a task's folder. Use a Python name, such as tapping.")
     name = _package_of(folder)
     try:
         importlib.invalidate_caches()
@@ -114,7 +114,7 @@ def load_task(folder: Path) -> type[Task]:
     if not found and (missing := _missing_methods(own)):
         raise PluginError(f"The task {folder.name} does not define {', '.join(missing)}.")
     if len(found) != 1:
-        raise PluginError(f"{folder / 'task.py'} has to define one Task; it defines {len(found)}.")
+        raise PluginError(f"{folder / 'task.py'} must define one Task; it defines {len(found)}.")
     return _checked(found[0], folder.name)
 
 
@@ -182,9 +182,9 @@ def _checked(task: type[Task], name: str) -> type[Task]:
     if missing:
         raise PluginError(f"The task {name} does not declare its {' or its '.join(missing)}.")
     if task.metric.better not in ("lower", "higher"):
-        raise PluginError(f"The metric of the task {name} is better lower or higher, not {task.metric.better}.")
+        raise PluginError(f"The metric of the task {name} has better={task.metric.better}; use lower or higher.")
     if task.name != name:
-        raise PluginError(f"The task in {name} calls itself {task.name}; the two have to be the same.")
+        raise PluginError(f"The task in the folder {name} has the name {task.name}; the two must be the same.")
     return task
 
 

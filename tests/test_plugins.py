@@ -147,14 +147,14 @@ def test_folders_without_a_task_are_skipped(own: Path) -> None:
 
 
 def test_a_missing_folder_is_reported(tmp_path: Path) -> None:
-    with pytest.raises(PluginError, match=r"There is no folder .*nowhere to find tasks in"):
+    with pytest.raises(PluginError, match=r"There is no folder .*nowhere for tasks"):
         Catalogue(tasks=(tmp_path / "nowhere",))
 
 
 def test_an_unknown_name_is_reported_with_the_known_ones(catalogue: Catalogue) -> None:
-    with pytest.raises(PluginError, match=r"There is no task chess\. There is: .*keyboard"):
+    with pytest.raises(PluginError, match=r"There is no task chess\. Choose one of: .*keyboard"):
         catalogue.task("chess")
-    with pytest.raises(PluginError, match=r"There is no theme loud\. There is: calm, high-contrast"):
+    with pytest.raises(PluginError, match=r"There is no theme loud\. Choose one of: calm, high-contrast"):
         catalogue.theme("loud")
     with pytest.raises(PluginError, match=r"There is no task\.py in"):
         load_task(Path("nowhere"))
@@ -184,17 +184,17 @@ def test_a_fixed_task_is_loaded_the_next_time(own: Path) -> None:
 
 def test_two_tasks_in_one_file_are_reported(own: Path) -> None:
     write(own, "minimal", MINIMAL + "\n\nclass Other(Minimal):\n    name = 'other'\n")
-    assert sentence(own, "minimal").endswith("task.py has to define one Task; it defines 2.")
+    assert sentence(own, "minimal").endswith("task.py must define one Task; it defines 2.")
 
 
 def test_a_file_without_a_task_is_reported(own: Path) -> None:
     write(own, "empty", "from sar_tui.framework.task import Task\n")
-    assert sentence(own, "empty").endswith("task.py has to define one Task; it defines 0.")
+    assert sentence(own, "empty").endswith("task.py must define one Task; it defines 0.")
 
 
 def test_a_task_whose_name_differs_from_its_folder_is_reported(own: Path) -> None:
     write(own, "renamed", MINIMAL)
-    assert sentence(own, "renamed") == "The task in renamed calls itself minimal; the two have to be the same."
+    assert sentence(own, "renamed") == "The task in the folder renamed has the name minimal; the two must be the same."
 
 
 @pytest.mark.parametrize("declaration", ["name", "title", "metric"])
@@ -206,7 +206,7 @@ def test_a_missing_declaration_is_reported(own: Path, declaration: str) -> None:
 
 def test_a_folder_name_that_cannot_be_imported_is_reported(own: Path) -> None:
     write(own, "my-task", MINIMAL)
-    assert sentence(own, "my-task") == "A task's folder is named like a Python name; my-task is not."
+    assert sentence(own, "my-task") == "my-task cannot name a task's folder. Use a Python name, such as tapping."
 
 
 @pytest.fixture

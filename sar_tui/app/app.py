@@ -100,7 +100,7 @@ class SarTui(ThemedApp):
     def begin_session(self, what: "Plan | str") -> None:
         """Begin a new session (a plan) after a check of its sensors, or an interrupted one (its id)."""
         if self.is_web:
-            self._cannot_begin("A session does not run in a browser, where nothing can be timed; run it in a terminal.")
+            self._cannot_begin("A session cannot run in a browser, where responses cannot be timed. Use a terminal.")
             return
         if isinstance(what, str) or not what.task.sensor_seats(what.parameters):
             self._enter_session(what)

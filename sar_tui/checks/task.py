@@ -58,10 +58,8 @@ def check(folder: Path) -> Iterator[Check]:
         return
     yield Check("can be set up with its defaults")
     yield _check("gives instructions, and a goal for each level", lambda: _words(task))
-    yield _check(
-        "has each of its words in every language that it has", lambda: " ".join(task_translations.problems(kind))
-    )
-    yield _check("tells how it went without a number, in words", lambda: " ".join(task_translations.numbers(kind)))
+    yield _check("has all its texts in each of its languages", lambda: " ".join(task_translations.problems(kind)))
+    yield _check("gives feedback in words without numbers", lambda: " ".join(task_translations.numbers(kind)))
     prompts = _check("makes the same one-line prompts when asked twice", lambda: _prompts(kind, task))
     yield prompts
     if declared.ok and prompts.ok:
@@ -162,9 +160,9 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
                 return
             yield _check(name, _outcome(simulated, parameters))
             done.append(simulated)
-    yield _check("keeps only the details that it declares", _details(kind, done))
-    yield _check("moves its level", _level_moves(kind, parameters, done))
-    yield _check("comes out the same when replayed, so that it can be resumed", _replay(kind, parameters, done))
+    yield _check("stores only the details that it declares", _details(kind, done))
+    yield _check("changes its level", _level_moves(kind, parameters, done))
+    yield _check("gives the same result when replayed, so that it can be resumed", _replay(kind, parameters, done))
 
 
 def _simulate(kind: type[Task], parameters: TaskParameters, person: Person, folder: Path) -> Simulated:

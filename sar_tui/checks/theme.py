@@ -12,10 +12,10 @@ from sar_tui.theme_folder import Reading, languages, read
 from sar_tui.theme_folder.screen_texts import read_texts
 
 _LOOKS = {
-    "settings": "says its title, its summary and whether it is dark",
-    "faces": "draws every expression, all of one size",
-    "gestures": "moves through every gesture, and ends at rest",
-    "manner": "has a voice, a manner and tones that there are",
+    "settings": "has a title, a summary, and dark = true or false",
+    "faces": "has every expression, all of one size",
+    "gestures": "has every gesture, each ending at rest",
+    "manner": "has a valid voice, manner and tones",
 }
 
 
@@ -92,7 +92,7 @@ def _words(readings: dict[str, Reading]) -> Iterator[Check]:
     for language, reading in readings.items():
         own = [wordings for name, wordings in reading.theme.phrases.items() if name not in reading.english]
         count = sum(map(len, own))
-        yield Check(f"can say everything in {language}", tuple(reading.problems["wordings"]), f"{count} wordings")
+        yield Check(f"has every phrase in {language}", tuple(reading.problems["wordings"]), f"{count} wordings")
         yield Check(f"has the vocabulary in {language}", tuple(reading.problems["vocabulary"]))
 
 

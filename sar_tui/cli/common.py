@@ -29,10 +29,10 @@ Data = Annotated[
 ]
 Tasks = Annotated[
     list[Path] | None,
-    typer.Option("--tasks", metavar="DIR", show_default=False, help="Also look for tasks here. May be repeated."),
+    typer.Option("--tasks", metavar="DIR", show_default=False, help="Additional folder of tasks. May be repeated."),
 ]
 RecordedSession = Annotated[
-    str, typer.Argument(metavar="SESSION|last", help="Its id, or the beginning of it.", show_default=False)
+    str, typer.Argument(metavar="SESSION|last", help="The session's id, or its beginning.", show_default=False)
 ]
 TaskName = Annotated[
     str, typer.Argument(metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False)
@@ -52,7 +52,7 @@ Seed = Annotated[
         min=0,
         max=2**63 - 1,
         show_default=False,
-        help="Seed of all that is random. Default: drawn.",
+        help="Seed of all randomness. Default: a random one.",
     ),
 ]
 Outputs = Annotated[
@@ -61,7 +61,7 @@ Outputs = Annotated[
         "--outputs",
         metavar="NAME,NAME",
         show_default=False,
-        help="What the agent speaks and moves with: screen, speech, tones, servo, ros://HOST; as --set outputs=….",
+        help="The agent's outputs: screen, speech, tones, servo, ros://HOST; the same as --set outputs=….",
     ),
 ]
 Speech = Annotated[
@@ -70,7 +70,7 @@ Speech = Annotated[
         "--speech",
         metavar="WHERE",
         show_default=False,
-        help="The agent speaks: sound, from the loudspeaker; file:DIR, a WAV for each utterance.",
+        help="Let the agent speak: sound (loudspeaker) or file:DIR (a WAV file for each utterance).",
     ),
 ]
 Language = Annotated[
@@ -177,7 +177,7 @@ def need_screen() -> None:
 def need_terminal() -> None:
     """Raise Refused if there is no terminal, or a browser shows the screen."""
     if is_served():
-        raise Refused("A session does not run in a browser, where nothing can be timed; run it in a terminal.")
+        raise Refused("A session cannot run in a browser, where responses cannot be timed. Use a terminal.")
     if not all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
         reason = "its input or output is redirected"
     elif os.environ.get("TERM") in ("dumb", "unknown"):

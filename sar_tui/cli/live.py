@@ -51,7 +51,7 @@ def run(
             "--participant",
             metavar="CODE",
             show_default=False,
-            help="The participant's code, never a name. Given twice in a task for two: left, then right.",
+            help="The participant's code, never a name. In a task for two, give it twice: left, then right.",
         ),
     ],
     settings: Pairs = None,
@@ -66,7 +66,7 @@ def run(
     ] = None,
     theme: Annotated[
         str | None,
-        typer.Option(metavar="NAME", show_default=False, help="How the agent looks and speaks. Default: as saved."),
+        typer.Option(metavar="NAME", show_default=False, help="The theme. Default: the saved one."),
     ] = None,
     outputs: Outputs = None,
     speech: Speech = None,
@@ -153,7 +153,7 @@ def _check_sensor(plan: "Plan", home: Home) -> None:
 def resume(
     context: typer.Context,
     session: Annotated[
-        str, typer.Argument(metavar="[SESSION|last]", help="Its id, or the beginning of it.", show_default=False)
+        str, typer.Argument(metavar="[SESSION|last]", help="The session's id, or its beginning.", show_default=False)
     ] = "last",
     operator: AllowOperators = False,
     listen: Listen = None,

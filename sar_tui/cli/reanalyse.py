@@ -91,7 +91,7 @@ def reanalyse(
     session: RecordedSession,
     detector: Annotated[
         DetectorName | None,
-        detector_option("Detector to use, with its defaults; else the one of the session.", show_default=False),
+        detector_option("Detector to use, with its default parameters. Default: the session's.", show_default=False),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,

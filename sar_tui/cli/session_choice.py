@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from sar_tui.link.invitation import Invitation
 
 Joined = Annotated[
-    str | None, typer.Argument(metavar="SESSION", help="Its id, or the beginning of it.", show_default=False)
+    str | None, typer.Argument(metavar="SESSION", help="The session's id, or its beginning.", show_default=False)
 ]
 Link = Annotated[
     Path | None,
@@ -46,7 +46,7 @@ def _one(live: "Sequence[JoinableSession]", session: str | None) -> "JoinableSes
         )
     there = ", ".join(f"{each.session} ({each.task})" for each in live)
     if not meant:
-        raise Refused(f"No session that can be joined begins with {session}. There are: {there}.")
+        raise Refused(f"No session that can be joined begins with {session}. These can: {there}.")
     if len(meant) > 1:
         raise Refused(f"Several sessions can be joined: {there}. Give the id of one.")
     return meant[0]

@@ -26,7 +26,7 @@ def sessions(
     context: typer.Context,
     participant: Annotated[
         str | None,
-        typer.Option("-p", "--participant", metavar="CODE", show_default=False, help="Only this participant's."),
+        typer.Option("-p", "--participant", metavar="CODE", show_default=False, help="Sessions of this participant."),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,

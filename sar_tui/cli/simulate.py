@@ -52,8 +52,7 @@ def simulate(
     user: Annotated[
         list[User],
         typer.Option(
-            help="The simulated participant: how fast, and how often wrong. Given twice in a task for two: left, "
-            "then right.",
+            help="Skill of the simulated participant. In a task for two, give it twice: left, then right.",
             show_default=False,
         ),
     ],
@@ -64,15 +63,15 @@ def simulate(
             "--participant",
             metavar="CODE",
             show_default=False,
-            help="The participant's code, by default SIM; given twice in a task for two.",
+            help="The participant's code. Default: SIM. In a task for two, give it twice.",
         ),
     ] = None,
     attempts: Annotated[
-        int | None, typer.Option(metavar="N", show_default=False, help="Number of attempts. By default the task's.")
+        int | None, typer.Option(metavar="N", show_default=False, help="Number of attempts. Default: as the task sets.")
     ] = None,
     seed: Seed = None,
     settings: Pairs = None,
-    theme: Annotated[str, typer.Option(metavar="NAME", help="How the agent speaks.")] = "calm",
+    theme: Annotated[str, typer.Option(metavar="NAME", help="The theme.")] = "calm",
     outputs: Outputs = None,
     speech: Speech = None,
     language: Language = None,
@@ -83,7 +82,7 @@ def simulate(
             min=0,
             max=0.9,
             show_default=False,
-            help="Share of the reaction time that practice takes off, 0 to 0.9.",
+            help="Share by which practice shortens the reaction time, 0 to 0.9.",
         ),
     ] = None,
     fatigue: Annotated[
@@ -93,22 +92,22 @@ def simulate(
             min=0,
             max=1,
             show_default=False,
-            help="Share of the reaction time that each attempt adds, 0 to 1.",
+            help="Share by which each attempt lengthens the reaction time, 0 to 1.",
         ),
     ] = None,
     operator: Annotated[
         OperatorName | None,
         typer.Option(
             show_default=False,
-            help="An operator decides on the agent's proposals: careful; hasty, often wrong; absent, who comes and "
-            "goes. Feedback then needs an approval (operator_feedback=approve), unless --set says otherwise.",
+            help="Simulate an operator: careful, hasty (often wrong) or absent (comes and goes). Feedback then needs "
+            "approval (operator_feedback=approve), unless --set says otherwise.",
         ),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Run a session with a simulated participant; with two, in a task for two.
+    """Run a session with a simulated participant, or two in a task for two.
 
     It runs the same nodes as a live session, on a clock that jumps from one event to the next, into the database.
     """
@@ -128,7 +127,7 @@ def simulate(
     from sar_tui.store import sessions
 
     if len(user) > len(kind.seats):
-        raise Refused(f"The task {kind.name} is for {len(kind.seats)}: name no more with --user.")
+        raise Refused(f"The task {kind.name} is for {len(kind.seats)}: give --user no more often.")
     with checked_settings(kind):
         plan = make_plan(
             catalogue, kind, participant or ["SIM"], values, theme=theme, speech=speech, seed=seed, mode="simulated"

@@ -15,7 +15,7 @@ app = typer.Typer(rich_markup_mode=None)
 
 @app.callback(invoke_without_command=True)
 def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
-    """List the tasks; show one, begin a new one, check one."""
+    """List the tasks; show, create or check one."""
     context.obj = home = Home.of(context, data, tasks)
     if context.invoked_subcommand is not None:
         return
@@ -51,7 +51,7 @@ def show_task(
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Show what can be set for a task."""
+    """Show the parameters of a task."""
     import msgspec
 
     from sar_tui.framework.declaration import show
@@ -83,18 +83,18 @@ def show_task(
 @app.command("new")
 def new_task(
     name: Annotated[
-        str, typer.Argument(metavar="NAME", help="Its name: a small word, such as tapping.", show_default=False)
+        str, typer.Argument(metavar="NAME", help="Its name in small letters, such as tapping.", show_default=False)
     ],
-    to: Annotated[Path, typer.Option("--to", metavar="DIR", help="Where its folder is made.")] = Path(),
+    to: Annotated[Path, typer.Option("--to", metavar="DIR", help="Folder to create it in.")] = Path(),
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Begin a new task from a working example."""
+    """Create a task from a working example."""
     from sar_tui.cli.scaffold import make
 
     folder = make(name, to)
     console().print(
-        f"Made {folder}: a working task to make your own. Change task.py, then try\n"
+        f"Created {folder}, a working example. Edit task.py, then try\n"
         f"  sar-tui tasks check {folder}\n"
         f"  sar-tui simulate {name} --user average --tasks {folder.parent}",
         markup=False,
@@ -127,6 +127,6 @@ def check_task(
         rows = [{"check": done.check, "ok": done.ok, "problem": " ".join(done.problems)} for done in made]
         print_json({"task": folder.name, "passed": passed, "checks": rows})
     elif passed:
-        out.print(f"{folder.name} keeps the contract.", markup=False)
+        out.print(f"{folder.name} passes all checks.", markup=False)
     if not passed:
         raise typer.Exit(FAILED)

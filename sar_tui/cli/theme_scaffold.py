@@ -12,7 +12,7 @@ _NAME = "[a-z][a-z0-9]*(-[a-z0-9]+)*"
 def make(name: str, model: str, to: Path, catalogue: Catalogue) -> Path:
     """Create the folder of a new theme and return its absolute path. Raises Refused, or PluginError without a model."""
     if not re.fullmatch(_NAME, name):
-        raise Refused(f"A theme is named in small letters, such as evening or warm-light; {name!r} is not.")
+        raise Refused(f"{name!r} is not a valid name of a theme. Use small letters, such as evening or warm-light.")
     source = catalogue.theme_folder(model)
     folder = to.resolve() / name
     if folder.exists():

@@ -18,7 +18,7 @@ app = typer.Typer(rich_markup_mode=None)
 
 @app.callback(invoke_without_command=True)
 def list_themes(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
-    """List how the agent can look and speak; begin a new theme, check one."""
+    """List the themes: how the agent looks and speaks; create or check one."""
     context.obj = home = Home.of(context, data, tasks)
     if context.invoked_subcommand is not None:
         return
@@ -56,22 +56,23 @@ def list_themes(context: typer.Context, as_json: AsJson = False, data: Data = No
 def new_theme(
     context: typer.Context,
     name: Annotated[
-        str, typer.Argument(metavar="NAME", help="Its name: small letters, such as evening.", show_default=False)
+        str,
+        typer.Argument(metavar="NAME", help="Its name in small letters, such as evening.", show_default=False),
     ],
-    model: Annotated[str, typer.Option("--from", metavar="THEME", help="The theme it begins as a copy of.")] = "calm",
+    model: Annotated[str, typer.Option("--from", metavar="THEME", help="The theme to copy.")] = "calm",
     to: Annotated[
         Path | None,
         typer.Option(
             "--to",
             metavar="DIR",
             show_default=False,
-            help="Where its folder is made; else where your themes are found.",
+            help="Folder to create it in. Default: your themes folder.",
         ),
     ] = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Begin a new theme as a copy of another."""
+    """Create a theme as a copy of another."""
     from sar_tui.cli.theme_scaffold import make
     from sar_tui.plugins import user_folder
 
@@ -80,7 +81,7 @@ def new_theme(
     found = folder.parent == own.resolve()
     hint = "" if found else f"\nTo choose it in a session, move it to {own}."
     console().print(
-        f"Made {folder}: a copy of {model} to make your own. Change its files, then try\n"
+        f"Created {folder}, a copy of {model}. Edit its files, then try\n"
         f"  sar-tui themes check {name if found else folder}{hint}",
         markup=False,
         soft_wrap=True,
@@ -129,7 +130,7 @@ def _folder(theme: str, home: Home) -> Path:
         return catalogue.theme_folder(theme)
     if path.is_dir():
         return path
-    raise Refused(f"There is no theme {theme}, and no such folder. There is: {', '.join(catalogue.theme_names())}.")
+    raise Refused(f"There is no theme or folder {theme}. Choose one of: {', '.join(catalogue.theme_names())}.")
 
 
 def _print(report: "Report") -> None:
@@ -140,4 +141,4 @@ def _print(report: "Report") -> None:
         for problem in check.problems:
             out.print(f"    {problem}", markup=False, soft_wrap=True)
     if report.passed:
-        out.print(f"{report.theme} keeps the contract.", markup=False)
+        out.print(f"{report.theme} passes all checks.", markup=False)

@@ -29,7 +29,7 @@ def validate(
             metavar="NAME,NAME",
             show_default=False,
             help="figure-4.11, figure-4.12, figure-4.13, figure-4.14, table-4.1, reach, policies, modularity; "
-            "else all of them.",
+            "default: all.",
         ),
     ] = None,
     to: Annotated[
@@ -45,7 +45,7 @@ def validate(
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Check the thesis' claims and our own, by simulation.
+    """Check the claims of the thesis and of this project by simulation.
 
     Exits with 1 if a claim does not hold.
     """
@@ -82,7 +82,7 @@ def _names(only: str | None, known: Sequence[str]) -> list[str]:
     asked = [name.strip() for name in only.split(",") if name.strip()]
     for name in asked:
         if name not in known:
-            raise Refused(f"There is no validation {name}. There is: {', '.join(known)}.")
+            raise Refused(f"There is no validation {name}. Choose one of: {', '.join(known)}.")
     if not asked:
         raise Refused(f"Name a validation: --only {','.join(known)}.")
     return [name for name in known if name in asked]

@@ -53,7 +53,7 @@ def parse(address: str, example: str) -> Address:
             return Address(parts.hostname, PORT if parts.port is None else parts.port, parts.path, options)
     except ValueError:
         pass
-    raise AddressError(f'The address "{address}" cannot be understood. Use {example}.')
+    raise AddressError(f'The address "{address}" is not valid. Use {example}.')
 
 
 class Bridge:

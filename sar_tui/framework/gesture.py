@@ -73,15 +73,15 @@ class Gesture(msgspec.Struct, frozen=True):
         times = [frame.at_ms for frame in self.keyframes]
         found = []
         if times != sorted(set(times)) or times[0] < 0:
-            found.append(f"The keyframes of {name} have to come one after the other, none before 0 ms.")
+            found.append(f"The keyframes of {name} must follow one another in time, none before 0 ms.")
         if times[-1] > LONGEST_MS:
             found.append(f"The gesture {name} takes {times[-1]} ms; at most {LONGEST_MS} are allowed.")
         for frame in self.keyframes:
             found += [
-                f"In {name} at {frame.at_ms} ms {joint} is {value:g}; it has to lie between -1 and 1."
+                f"In {name} at {frame.at_ms} ms {joint} is {value:g}; it must be between -1 and 1."
                 for joint in JOINTS
                 if not -1 <= (value := getattr(frame, joint)) <= 1
             ]
         if any(getattr(self.keyframes[-1], joint) for joint in JOINTS):
-            found.append(f"The gesture {name} has to end at rest: its last keyframe moves no joint.")
+            found.append(f"The gesture {name} must end at rest: its last keyframe moves no joint.")
         return found

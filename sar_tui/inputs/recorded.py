@@ -48,7 +48,7 @@ class RecordedSource:
         if len(samples) < 2:
             raise SourceError(f"A recording needs at least two samples to be played; this one has {len(samples)}.")
         if loop and speed == "fast":
-            raise SourceError("A recording that is played fast cannot be repeated without end; choose one of the two.")
+            raise SourceError("A recording cannot be both played fast and repeated without end. Choose one.")
         self.info: Info | None = None
         self._speed = speed
         self._loop = loop

@@ -126,7 +126,7 @@ def _csv(path: Path, data: bytes) -> _Table:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise SourceError(f"{path}, line {line}: this is no UTF-8 text; save the file as CSV UTF-8.") from error
+        raise SourceError(f"{path}, line {line}: this is not UTF-8 text; save the file as CSV UTF-8.") from error
     reader = csv.reader(io.StringIO(text, newline=""))
     header: list[str] = []
     wanted: dict[str, int] = {}
@@ -152,7 +152,7 @@ def _csv(path: Path, data: bytes) -> _Table:
                 _refuse_row(f"{path}, line {reader.line_num}", {name: row[index] for name, index in wanted.items()})
             lines.append(reader.line_num)
     except csv.Error as error:
-        raise SourceError(f"{path}, line {reader.line_num}: this is no CSV: {error}.") from error
+        raise SourceError(f"{path}, line {reader.line_num}: this is not CSV: {error}.") from error
     values = np.array(rows, dtype=float).reshape(len(rows), len(wanted))
     columns = {name: values[:, column] for column, name in enumerate(wanted)}
     return _Table(path, columns, "line", np.array(lines, dtype=np.int64))
@@ -178,7 +178,7 @@ def _npz(path: Path, data: bytes) -> _Table:
     except SourceError:
         raise
     except Exception as error:
-        raise SourceError(f"{path} is no NPZ file, or a damaged one: {error}.") from error
+        raise SourceError(f"{path} is not an NPZ file, or it is damaged: {error}.") from error
     if uneven := [name for name, column in columns.items() if len(column) != len(columns["t"])]:
         raise SourceError(f"{path}: the arrays {', '.join(uneven)} are not as long as t.")
     return _Table(path, columns, "sample", np.arange(1, len(columns["t"]) + 1))
@@ -192,7 +192,7 @@ def _array(path: Path, archive: zipfile.ZipFile, name: str) -> Floats:
         except ValueError as error:
             raise SourceError(f"{path}: the array {name} cannot be read: {error}.") from error
     if array.ndim != 1 or array.dtype.kind not in "fiu":
-        raise SourceError(f"{path}: the array {name} has to be one row of numbers.")
+        raise SourceError(f"{path}: the array {name} must be one row of numbers.")
     return array.astype(float)
 
 
@@ -215,7 +215,7 @@ def _samples(table: _Table, units: Units) -> Samples:
     at = np.rint(time_s * 1e9).astype(np.int64)
     if (row := _first(np.diff(at) <= 0)) is not None:
         what = "is the same as" if at[row] == at[row + 1] else "is before"
-        table.refuse(row + 1, f"the time {time_s[row + 1]:.9g} {what} that of the sample above; it has to be later.")
+        table.refuse(row + 1, f"the time {time_s[row + 1]:.9g} {what} that of the sample above; it must be later.")
     samples = np.zeros(len(at), dtype=SAMPLE)
     samples["at"] = samples["host"] = at
     samples["device_ms"] = time_s * 1e3

@@ -99,7 +99,7 @@ class RosImuSource:
         except AddressError as error:
             raise SourceError(str(error)) from error
         except msgspec.ValidationError as error:
-            raise SourceError(f'The sensor "{address}" cannot be understood ({error}). Use {_EXAMPLE}.') from error
+            raise SourceError(f'The sensor "{address}" is not valid ({error}). Use {_EXAMPLE}.') from error
         self._bridge: Bridge | None = None
 
     def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:

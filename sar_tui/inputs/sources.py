@@ -48,7 +48,7 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
             if missing := [part for part in ("start", "stop", "zero", "info") if not hasattr(source, part)]:
                 raise SourceError(f"The sensor {kind} ({entry.value}) is not a source: it lacks {', '.join(missing)}.")
             return source
-    raise SourceError(f'There is no sensor "{name}". There is: {", ".join(source_names())}.')
+    raise SourceError(f'There is no sensor "{name}". Choose one of: {", ".join(source_names())}.')
 
 
 class _Playing(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -71,7 +71,7 @@ def _simulated(profile: str, seed: int, clock: Clock | None) -> ImuSource:
     from sar_tui.motion.synthesis import PROFILES, SimulatedHand
 
     if (profile or "clean") not in PROFILES:
-        raise SourceError(f'There is no simulated hand "{profile}". There is: {", ".join(PROFILES)}.')
+        raise SourceError(f'There is no simulated hand "{profile}". Choose one of: {", ".join(PROFILES)}.')
     return SimulatedSource(SimulatedHand(PROFILES[profile or "clean"], SIMULATED_RATE_HZ, seed), clock)
 
 
@@ -81,13 +81,13 @@ def _recorded(text: str, _seed: int, clock: Clock | None) -> ImuSource:
 
     file, _, query = text.partition("?")
     if not file:
-        raise SourceError("Say which recording: recorded:FILE.csv or recorded:FILE.npz.")
+        raise SourceError("Name a recording: recorded:FILE.csv or recorded:FILE.npz.")
     try:
         options = dict(parse_qsl(query.replace("²", "2"), keep_blank_values=True, strict_parsing=bool(query)))
         playing = msgspec.convert(options, _Playing)
     except (ValueError, msgspec.ValidationError) as error:
         raise SourceError(
-            f'"?{query}" cannot be understood ({error}). After the file there may be: '
+            f'"?{query}" is not valid ({error}). Options after the file: '
             "rate=rad/s or deg/s, acceleration=m/s2 or g, speed=real time or fast, loop=yes or no; with & between two."
         ) from error
     path = Path(file)

@@ -31,7 +31,7 @@ def check_outputs(addresses: Sequence[str], speech: str = "sound") -> None:
         if kind not in (known := output_names()):
             near = difflib.get_close_matches(kind, known, 1)
             hint = f" Did you mean {near[0]}?" if near else ""
-            raise OutputError(f'There is no output "{kind}".{hint} There is: {", ".join(known)}.')
+            raise OutputError(f'There is no output "{kind}".{hint} Choose one of: {", ".join(known)}.')
         if kinds.count(kind) > 1:
             raise OutputError(f"The output {kind} is named twice.")
     from sar_tui.outputs.sound.mixer import check_sound
@@ -98,7 +98,7 @@ def _cues(text: str) -> tuple[str, ...]:
     cues = tuple(filter(None, text.split("+"))) or TONES
     for cue in cues:
         if cue not in TONES:
-            raise OutputError(f'There is no tone "{cue}". There is: {", ".join(TONES)}.')
+            raise OutputError(f'There is no tone "{cue}". Choose one of: {", ".join(TONES)}.')
     return cues
 
 
@@ -121,7 +121,7 @@ def _plugged_in(kind: str, text: str) -> Output:
                 raise OutputError(f"The output {kind} ({entry.value}) has no name.")
             _checked[kind, text] = make, output
             return output
-    raise OutputError(f'There is no output "{kind}". There is: {", ".join(output_names())}.')
+    raise OutputError(f'There is no output "{kind}". Choose one of: {", ".join(output_names())}.')
 
 
 def _speech(text: str, sound: "Sound") -> Output:

@@ -53,7 +53,7 @@ def parse_address(address: str) -> tuple[Address, Topics]:
     except AddressError as error:
         raise OutputError(str(error)) from error
     except msgspec.ValidationError as error:
-        raise OutputError(f'The address "{address}" cannot be understood ({error}). Use {_EXAMPLE}.') from error
+        raise OutputError(f'The address "{address}" is not valid ({error}). Use {_EXAMPLE}.') from error
     if found.path.strip("/"):
         raise OutputError(f'"{found.path}" has no meaning in the address of a robot. Use {_EXAMPLE}.')
     return found, topics

@@ -157,6 +157,6 @@ def set_up(kind: type[Task], parameters: TaskParameters) -> Task:
     for name in ("start_level", "min_level"):
         if (level := getattr(parameters, name)) > levels:
             raise ParameterError(
-                {name: f"The task {kind.name} has {levels} levels as it is set; there is no level {level}."}
+                {name: f"With these settings the task {kind.name} has {levels} levels; there is no level {level}."}
             )
     return task

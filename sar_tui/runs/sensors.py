@@ -61,7 +61,7 @@ def check_sensors(parameters: TaskParameters, seats: Sequence[str]) -> None:
     known = [*source_names(), "session"]
     kinds = {_parameter(seat): _address(parameters, seat).strip().partition(":")[0] for seat in seats}
     problems = {
-        name: f'There is no sensor "{kind}". There is: {", ".join(known)}.'
+        name: f'There is no sensor "{kind}". Choose one of: {", ".join(known)}.'
         for name, kind in kinds.items()
         if kind not in known
     }

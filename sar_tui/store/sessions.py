@@ -208,7 +208,7 @@ def find(db: sqlite_utils.Database, folder: Path, name: str) -> Row:
     if not name or not found:
         raise StoreError(f"There is no session {name}. `sar-tui sessions` lists them.", bad_input=True)
     if len(found) > 1:
-        raise StoreError(f"More than one session begins with {name}; write more of it.", bad_input=True)
+        raise StoreError(f"More than one session begins with {name}. Give more of the id.", bad_input=True)
     return found[0]
 
 

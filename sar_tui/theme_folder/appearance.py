@@ -112,7 +112,7 @@ class _Reader:
         entries = self._table.get(name, {})
         if isinstance(entries, dict):
             return entries
-        self.problems[part].append(f"{name} in theme.toml has to be a table.")
+        self.problems[part].append(f"{name} in theme.toml must be a table.")
         return {}
 
     def _setting(self, name: str) -> Any:
@@ -122,7 +122,7 @@ class _Reader:
         elif name == "minimum_contrast" and _is_below(self._table[name], LEAST_CONTRAST):
             least = f"{LEAST_CONTRAST:g}, below which text is hard to read"
             self.problems["settings"].append(
-                f"minimum_contrast is {_printable(str(self._table[name]))}; it has to be at least {least}."
+                f"minimum_contrast is {_printable(str(self._table[name]))}; it must be at least {least}."
             )
         else:
             value = self._converted("settings", name, self._table[name], _SETTINGS[name])
@@ -177,9 +177,7 @@ class _Reader:
                 drawn[name] = face.strip("\n")
         heights = sorted({len(face.split("\n")) for face in drawn.values()})
         if len(heights) > 1:
-            problems.append(
-                f"The faces have {' and '.join(map(str, heights))} lines; all have to have the same number."
-            )
+            problems.append(f"The faces have {' and '.join(map(str, heights))} lines; all must have the same number.")
         return fitted({**(self._base.faces if self._base else {}), **drawn})
 
     def _images(self) -> dict[str, str]:
@@ -192,7 +190,7 @@ class _Reader:
             elif not isinstance(file, str) or (path := _file(folder, file)) is None:
                 self.problems["faces"].append(f"There is no image {_printable(str(file))} for {name}.")
             elif not path.is_relative_to(folder):
-                self.problems["faces"].append(f"The image {file} for {name} has to lie in the theme's folder.")
+                self.problems["faces"].append(f"The image {file} for {name} must be in the theme's folder.")
             else:
                 good[name] = file
         return good

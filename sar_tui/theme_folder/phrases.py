@@ -68,7 +68,7 @@ def _phrases(
             if not wordings:
                 continue
             if language != spoken:
-                problems.append(f"There is no wording for {situation} ({spoken}); the English is said.")
+                problems.append(f"There is no wording for {situation} ({spoken}); English is used.")
                 english.append(situation)
             found[situation] = wordings
             break
@@ -83,7 +83,7 @@ def _wordings(situation: str, given: object, language: str, problems: list[str])
     try:
         wordings = msgspec.convert(given, tuple[str, ...])
     except msgspec.ValidationError:
-        problems.append(f"The wordings for {situation} ({language}) have to be a list of texts.")
+        problems.append(f"The wordings for {situation} ({language}) must be a list of texts.")
         return ()
     good = []
     for wording in wordings:
@@ -103,10 +103,10 @@ def _table(
     for language, source in reversed(sources):
         entries = source.get(table, {})
         if not isinstance(entries, dict):
-            problems.append(f"{table} ({language}) has to be a table.")
+            problems.append(f"{table} ({language}) must be a table.")
             continue
         good = {name: word for name, word in entries.items() if isinstance(word, str) and word.strip()}
-        problems += [f"{name} in {table} ({language}) has to be a text." for name in entries if name not in good]
+        problems += [f"{name} in {table} ({language}) must be a text." for name in entries if name not in good]
         wrong = _units_problems(good, language) if table == "units" else _vocabulary_problems(good, language)
         problems += wrong.values()
         if language == spoken:
@@ -134,5 +134,5 @@ def _units_problems(words: dict[str, str], language: str) -> dict[str, str]:
         if not name.strip():
             wrong[name] = f"A unit in units ({language}) has an empty name."
         elif len(forms) > MOST_FORMS or not all(form.strip() for form in forms):
-            wrong[name] = f"{name} in units ({language}) has to be one text, or two: singular | plural."
+            wrong[name] = f"{name} in units ({language}) must be one text, or two: singular | plural."
     return wrong

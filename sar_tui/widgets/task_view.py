@@ -84,7 +84,7 @@ def view_of(task: type[Task]) -> type[TaskView]:
     own = [value for value in vars(module).values() if getattr(value, "__module__", None) == module.__name__]
     views = [value for value in own if inspect.isclass(value) and issubclass(value, TaskView)]
     if len(views) != 1:
-        raise PluginError(f"The view.py of the task {task.name} has to define one TaskView; it defines {len(views)}.")
+        raise PluginError(f"The view.py of the task {task.name} must define one TaskView; it defines {len(views)}.")
     return views[0]
 
 

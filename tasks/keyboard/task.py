@@ -20,7 +20,7 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
     """Parameters of the keyboard task."""
 
     prompts_per_attempt: Annotated[
-        int, meta("Prompts per attempt", help="Number of keys that an attempt asks for.", ge=1, le=200)
+        int, meta("Prompts per attempt", help="Number of keys in an attempt.", ge=1, le=200)
     ] = 20
     threshold: Annotated[
         float,
@@ -35,7 +35,7 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
     ] = 10.0
     choice_set: Annotated[
         Literal["both hands", "left hand", "right hand", "arrow keys"],
-        meta("Keys", help="Which keys the prompts are drawn from. One hand never needs Shift."),
+        meta("Keys", help="The keys that prompts are drawn from. One hand never needs Shift."),
     ] = "both hands"
     layout: Annotated[
         Literal["qwerty", "azerty", "qwertz"],
@@ -44,7 +44,8 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
     levels: Annotated[
         tuple[str, ...],
         meta(
-            "Own levels", help="Own choice sets, easiest first, one word each (fj dfjk asdfjkl). Empty: those of Keys."
+            "Own levels",
+            help="Your own sets of keys, easiest first, one word each (fj dfjk asdfjkl). Empty: as Keys.",
         ),
     ] = ()
     sequence: Annotated[

@@ -72,11 +72,11 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     ] = "phidget"
     hand: Annotated[
         Literal["right", "left"],
-        meta("Hand of who sits left", help="The hand that reaches, with the sensor on it.", group="Reaches"),
+        meta("Hand, left participant", help="The hand that reaches, with the sensor on it.", group="Reaches"),
     ] = "right"
     hand_b: Annotated[
         Literal["right", "left"],
-        meta("Hand of who sits right", help="The hand that reaches, with the sensor on it.", group="Reaches"),
+        meta("Hand, right participant", help="The hand that reaches, with the sensor on it.", group="Reaches"),
     ] = "right"
 
     def problems(self) -> dict[str, str]:

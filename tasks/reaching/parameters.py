@@ -15,7 +15,7 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
 
     attempts: Annotated[int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)] = 20
     reaches_per_attempt: Annotated[
-        int, meta("Reaches per attempt", help="Number of reaches that an attempt asks for.", ge=1, le=50)
+        int, meta("Reaches per attempt", help="Number of reaches in an attempt.", ge=1, le=50)
     ] = 1
     imu: Annotated[
         str,
@@ -87,7 +87,7 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         if not markers or any(not _FEW_CM <= marker <= _MOST_CM for marker in markers):
             problems["marker_distances_cm"] = f"Markers are {_FEW_CM:g} to {_MOST_CM:g} cm away; name one or more."
         elif any(far <= near for near, far in pairwise(markers)):
-            problems["marker_distances_cm"] = "Markers have to be named from the nearest to the farthest."
+            problems["marker_distances_cm"] = "Give the distances from the nearest marker to the farthest."
         if goals and len(goals) != len(markers):
             problems["goal_times_ms"] = f"There are {len(markers)} markers, and {len(goals)} goals."
         elif any(not 100 <= goal <= 60_000 for goal in goals):

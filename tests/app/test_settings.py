@@ -195,7 +195,7 @@ async def test_an_unknown_sensor_is_reported_at_its_field(data: Path, catalogue:
         await driver.settle()
         await fill(driver, "imu", "fidget")
         known = "phidget, recorded, ros, simulated, session"
-        assert reads(driver, "imu") == f'There is no sensor "fidget". There is: {known}.'
+        assert reads(driver, "imu") == f'There is no sensor "fidget". Choose one of: {known}.'
         await fill(driver, "imu", "simulated:steady")
         assert "There is no" not in reads(driver, "imu")
 

@@ -9,7 +9,7 @@ import pytest
 from sar_tui.checks.task_translations import remarks_in, texts_in
 from tests.program import Call
 
-CHECK = "has each of its words in every language that it has"
+CHECK = "has all its texts in each of its languages"
 TASK = """
 from sar_tui.framework.task import Metric, Quality, Result, Stimulus, Task
 
@@ -121,7 +121,7 @@ def test_a_broken_translation_is_shown_in_english(call: Call, folder: Path, tmp_
 
 # --- numbers ---------------------------------------------------------------------------------------------------------
 
-NUMBERS = "tells how it went without a number, in words"
+NUMBERS = "gives feedback in words without numbers"
 
 
 def numbers(call: Call, folder: Path) -> str:

@@ -191,7 +191,7 @@ def test_npz_files_are_read_too(call: Call, tmp_path: Path, recorded: list[Row])
         ("t,wx,wy,wz\n0,1,2\n", "line 2: 3 values for 4 columns"),
         ("t,wx,wy,wz\n0,1,2,three\n", '"three" in the column wz is not a number.'),
         ("t,wx,wy,wz\n0,1,2,nan\n", "nan in the column wz is no measurement"),
-        ("t,wx,wy,wz\n" + "".join(f"{n % 5},0,0,0\n" for n in range(30)), "it has to be later."),
+        ("t,wx,wy,wz\n" + "".join(f"{n % 5},0,0,0\n" for n in range(30)), "it must be later."),
         ("t,wx,wy,wz\n" + "".join(f"{n},0,0,0\n" for n in range(30)), "1 samples a second"),
         (
             "t,wx,wy,wz\n" + "".join(f"{n / 100 + (n > 20) * 1e8},0,0,0\n" for n in range(40)),

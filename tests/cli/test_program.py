@@ -101,7 +101,7 @@ def test_the_folder_named_last_counts(call: Call, tmp_path: Path) -> None:
 @pytest.mark.parametrize("arguments", [["--tasks", "/no/such", "tasks"], ["tasks", "--tasks", "/no/such"]])
 def test_a_tasks_folder_that_is_not_there_is_bad_input(call: Call, arguments: list[str]) -> None:
     called = call(*arguments)
-    assert (called.code, called.err) == (2, "There is no folder /no/such to find tasks in.\n")
+    assert (called.code, called.err) == (2, "There is no folder /no/such for tasks.\n")
 
 
 def test_a_file_that_is_no_database_is_bad_input(call: Call, tmp_path: Path) -> None:

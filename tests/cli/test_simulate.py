@@ -98,8 +98,8 @@ def test_fatigue_slows_and_practice_speeds_up(call: Call) -> None:
         (["--set", "atempts=3"], "Did you mean attempts?"),
         (["--set", "attempts=many"], "Attempts is a whole number, 1 to 200, not many."),
         (["--attempts", "0"], "Attempts is a whole number, 1 to 200, not 0."),
-        (["--set", "start_level=4", "--set", "max_level=2"], "Start level (4) has to lie between 1 and 2."),
-        (["--theme", "nope"], "There is no theme nope. There is: calm, high-contrast, playful."),
+        (["--set", "start_level=4", "--set", "max_level=2"], "Start level (4) must be between 1 and 2."),
+        (["--theme", "nope"], "There is no theme nope. Choose one of: calm, high-contrast, playful."),
         (["-p", "Jane Doe"], "Never use a name."),
         (["--seed", "-1"], "--seed"),
         (["--fatigue", "9"], "--fatigue"),
@@ -120,7 +120,7 @@ def test_bad_parameters_point_to_the_list_of_them(call: Call) -> None:
 
 def test_an_unknown_task_is_bad_input(call: Call) -> None:
     called = call("simulate", "juggling", "--user", "poor")
-    assert (called.code, called.err) == (2, "There is no task juggling. There is: keyboard, pairs, reaching.\n")
+    assert (called.code, called.err) == (2, "There is no task juggling. Choose one of: keyboard, pairs, reaching.\n")
 
 
 def test_a_task_that_breaks_in_mid_session_is_a_failure_that_keeps_what_was_done(call: Call, tmp_path: Path) -> None:
@@ -231,7 +231,7 @@ def test_the_plots_of_two_have_the_same_axis(call: Call) -> None:
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        (("keyboard", "--user", "poor", "--user", "poor"), "The task keyboard is for 1: name no more with --user.\n"),
+        (("keyboard", "--user", "poor", "--user", "poor"), "The task keyboard is for 1: give --user no more often.\n"),
         (
             ("keyboard", "--user", "poor", "-p", "a", "-p", "b"),
             "The task keyboard is for one: name one participant only.\n",

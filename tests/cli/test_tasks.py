@@ -63,7 +63,7 @@ def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, change:
 def test_a_task_shows_its_parameters(call: Call) -> None:
     called = call("tasks", "show", "keyboard")
     assert called.code == 0
-    for part in ("prompts_per_attempt", "1 to 200", "Number of keys that an attempt asks for.", "100 to 60000 ms"):
+    for part in ("prompts_per_attempt", "1 to 200", "Number of keys in an attempt.", "100 to 60000 ms"):
         assert part in called.out
     words = called.out.split()
     own, heading, common = words.index("sequence_length"), words.index("Session"), words.index("attempts")
@@ -134,7 +134,7 @@ def test_the_bundled_task_passes_its_check(call: Call) -> None:
 
     called = call("tasks", "check", task_folder(Catalogue().task("keyboard")))
     assert called.code == 0
-    assert "keyboard keeps the contract." in called.out
+    assert "keyboard passes all checks." in called.out
 
 
 def test_checks_as_json(call: Call, tapping: Path) -> None:
@@ -163,8 +163,8 @@ def test_checks_as_json(call: Call, tapping: Path) -> None:
         ("value=right / seconds", "value=None", "10 of 10 attempts have no metric"),
         ("value=right / seconds", "value=float('inf')", "a number in it is not finite"),
         ('"wrong": wrong}', '"wrong": wrong, "more": 1}', "that it declares. Its Details do not declare more."),
-        ("] = 3.0", "] = 19.0", "✗ moves its level. The level stays at 1 for every participant."),
-        ("value=right / seconds", "value=right / seconds + __import__('time').monotonic()", "✗ comes out the same"),
+        ("] = 3.0", "] = 19.0", "✗ changes its level. The level stays at 1 for every participant."),
+        ("value=right / seconds", "value=right / seconds + __import__('time').monotonic()", "✗ gives the same result"),
     ],
 )  # fmt: skip
 def test_each_breach_of_the_contract_is_named(call: Call, change: Change, old: str, new: str, says: str) -> None:
@@ -188,7 +188,7 @@ def test_a_task_in_a_folder_of_another_name_is_named(call: Call, tapping: Path) 
     folder = Path(shutil.copytree(tapping, tapping.parent / "other"))
     called = call("tasks", "check", folder)
     assert called.code == 1
-    assert "calls itself tapping" in called.out
+    assert "has the name tapping" in called.out
 
 
 def test_checking_a_missing_folder_is_bad_input(call: Call, tmp_path: Path) -> None:

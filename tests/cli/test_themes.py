@@ -88,7 +88,7 @@ def test_a_theme_that_cannot_be_read_is_listed_with_its_reason(call: Call, own_t
 def test_a_new_theme_passes_its_check(call: Call, tmp_path: Path, model: str) -> None:
     called = call("themes", "new", "warm-light", "--from", model, "--to", tmp_path)
     assert called.code == 0
-    assert f"Made {tmp_path / 'warm-light'}: a copy of {model}" in called.out
+    assert f"Created {tmp_path / 'warm-light'}, a copy of {model}" in called.out
     checked = call("themes", "check", tmp_path / "warm-light")
     assert checked.code == 0
     assert "✗" not in checked.out
@@ -160,7 +160,7 @@ def test_a_new_theme_does_not_replace_another(call: Call, tmp_path: Path) -> Non
 def test_an_unknown_template_is_bad_input(call: Call, tmp_path: Path) -> None:
     called = call("themes", "new", "evening", "--from", "noon", "--to", tmp_path)
     assert called.code == 2
-    assert called.err == "There is no theme noon. There is: calm, high-contrast, playful.\n"
+    assert called.err == "There is no theme noon. Choose one of: calm, high-contrast, playful.\n"
 
 
 def test_an_unwritable_place_is_reported(call: Call, tmp_path: Path) -> None:
@@ -177,9 +177,9 @@ def test_an_unwritable_place_is_reported(call: Call, tmp_path: Path) -> None:
 def test_the_bundled_themes_pass_their_check(call: Call, name: str) -> None:
     called = call("themes", "check", name)
     assert called.code == 0
-    assert f"{name} keeps the contract." in called.out
-    assert "can say everything in en" in called.out
-    assert "can say everything in es" in called.out
+    assert f"{name} passes all checks." in called.out
+    assert "has every phrase in en" in called.out
+    assert "has every phrase in es" in called.out
 
 
 def test_contrast_is_measured_and_printed(call: Call) -> None:
@@ -205,23 +205,23 @@ def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change)
     folder = change("phrases.es.toml", "\nrest = [", "\nbreak = [")
     called = call("themes", "check", folder)
     assert called.code == 1
-    assert "✓ can say everything in en" in called.out
-    assert "✗ can say everything in es (126 wordings)" in called.out
-    assert "    There is no wording for rest (es); the English is said." in called.out
+    assert "✓ has every phrase in en" in called.out
+    assert "✗ has every phrase in es (126 wordings)" in called.out
+    assert "    There is no wording for rest (es); English is used." in called.out
     assert call("themes", "check", folder, "--json").json["english"] == {"es": ["rest"]}
 
 
 @pytest.mark.parametrize(
     ("file", "old", "new", "says"),
     [
-        ("theme.toml", 'title = "Evening"', "", "✗ says its title, its summary and whether it is dark"),
+        ("theme.toml", 'title = "Evening"', "", "✗ has a title, a summary, and dark = true or false"),
         ("theme.toml", "dark = false", "dark = false\nloud = true", "    theme.toml has no use for loud."),
         ("theme.toml", "#6b5138", "#d0c0a0", "    muted on surface has a contrast of 1.49, less than 4.5."),
         ("theme.toml", "#6b5138", "brown", "    muted is not a colour like #a0b1c2: brown."),
-        ("theme.toml", "[faces]\nneutral", "[faces]\nblank", "✗ draws every expression, all of one size"),
+        ("theme.toml", "[faces]\nneutral", "[faces]\nblank", "✗ has every expression, all of one size"),
         ("theme.toml", "shake = [", "shiver = [", "    There is no gesture shake."),
-        ("theme.toml", "turn = -0.8", "turn = -8", "In shake at 200 ms turn is -8; it has to lie between -1 and 1."),
-        ("theme.toml", 'gesture = "cheer"', 'gesture = "jump"', "✗ has a voice, a manner and tones that there are"),
+        ("theme.toml", "turn = -0.8", "turn = -8", "In shake at 200 ms turn is -8; it must be between -1 and 1."),
+        ("theme.toml", 'gesture = "cheer"', 'gesture = "jump"', "✗ has a valid voice, manner and tones"),
         ("theme.toml", "rate = 160", "rate = 1600", "    voice in theme.toml cannot be used: Expected `int` <= 400"),
         ("theme.toml", "[faces]\n", "[faces\n", "✗ can be read\n    theme.toml is not TOML: "),
         ("phrases.es.toml", "greeting = [", "greeting = ", "✗ can be read\n    phrases.es.toml is not TOML: "),
@@ -229,7 +229,7 @@ def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change)
         ("phrases.es.toml", "¡Casi, casi!", "¡Casi once!", "holds a number: '¡Casi once! ¡Otra vez!'."),
         ("phrases.en.toml", "goal = ", "gaol = ", "✗ has the vocabulary in en"),
         ("phrases.en.toml", "[units]", '[units]\n"" = "x"', "    A unit in units (en) has an empty name."),
-        ("theme.toml", "minimum_contrast = 4.5", "minimum_contrast = 1", "    minimum_contrast is 1; it has to be at"),
+        ("theme.toml", "minimum_contrast = 4.5", "minimum_contrast = 1", "    minimum_contrast is 1; it must be at"),
     ],
 )  # fmt: skip
 def test_each_breach_of_the_contract_is_named(
@@ -239,7 +239,7 @@ def test_each_breach_of_the_contract_is_named(
     called = call("themes", "check", folder)
     assert called.code == 1
     assert says in called.out
-    assert "keeps the contract" not in called.out
+    assert "passes all checks" not in called.out
     assert call("themes", "check", folder, "--json").json["passed"] is False
 
 
@@ -263,7 +263,7 @@ def test_screen_texts_of_a_theme_are_checked_in_every_language(call: Call, eveni
 
 def test_each_language_is_checked_even_if_another_cannot_be_read(call: Call, change: Change) -> None:
     folder = change("phrases.es.toml", "greeting = [", "greeting = ")
-    assert "✓ can say everything in en" in call("themes", "check", folder).out
+    assert "✓ has every phrase in en" in call("themes", "check", folder).out
 
 
 def test_a_name_or_a_folder_may_be_checked(
@@ -271,9 +271,9 @@ def test_a_name_or_a_folder_may_be_checked(
 ) -> None:
     monkeypatch.chdir(evening.parent)
     (evening.parent / "calm").mkdir()
-    assert "calm keeps the contract." in call("themes", "check", "calm").out
-    assert "evening keeps the contract." in call("themes", "check", "evening").out
-    assert "evening keeps the contract." in call("themes", "check", f"{evening}/").out
+    assert "calm passes all checks." in call("themes", "check", "calm").out
+    assert "evening passes all checks." in call("themes", "check", "evening").out
+    assert "evening passes all checks." in call("themes", "check", f"{evening}/").out
 
 
 def test_a_folder_without_a_theme_fails_its_check(call: Call, tmp_path: Path) -> None:
@@ -285,7 +285,7 @@ def test_a_folder_without_a_theme_fails_its_check(call: Call, tmp_path: Path) ->
 def test_checking_an_unknown_theme_is_bad_input(call: Call) -> None:
     called = call("themes", "check", "noon")
     assert called.code == 2
-    assert called.err == "There is no theme noon, and no such folder. There is: calm, high-contrast, playful.\n"
+    assert called.err == "There is no theme or folder noon. Choose one of: calm, high-contrast, playful.\n"
 
 
 def test_slots_and_markup_are_printed_literally(call: Call, change: Change) -> None:

@@ -99,7 +99,7 @@ def test_several_validations_can_be_named_in_any_order(call: Call) -> None:
 @pytest.mark.parametrize(
     ("only", "says"),
     [
-        ("figure-9.9", "There is no validation figure-9.9. There is: "),
+        ("figure-9.9", "There is no validation figure-9.9. Choose one of: "),
         ("table-4.1,x", "no validation x."),
         (",", "Name a validation"),
     ],

@@ -83,13 +83,13 @@ def test_a_valid_gesture_has_no_problems(gesture: Gesture) -> None:
     ("keyframes", "told"),
     [
         ((), "no keyframes"),
-        ((Keyframe(at_ms=100, nod=1), Keyframe(at_ms=100)), "one after the other"),
-        ((Keyframe(at_ms=300, nod=1), Keyframe(at_ms=200)), "one after the other"),
+        ((Keyframe(at_ms=100, nod=1), Keyframe(at_ms=100)), "must follow one another"),
+        ((Keyframe(at_ms=300, nod=1), Keyframe(at_ms=200)), "must follow one another"),
         ((Keyframe(at_ms=-1, nod=1), Keyframe(at_ms=200)), "none before 0 ms"),
         ((Keyframe(at_ms=LONGEST_MS + 1),), f"at most {LONGEST_MS}"),
         ((Keyframe(at_ms=100, turn=1.5), Keyframe(at_ms=200)), "at 100 ms turn is 1.5"),
         ((Keyframe(at_ms=100, lean=math.nan), Keyframe(at_ms=200)), "lean is nan"),
-        ((Keyframe(at_ms=100, nod=1), Keyframe(at_ms=200, nod=0.1)), "has to end at rest"),
+        ((Keyframe(at_ms=100, nod=1), Keyframe(at_ms=200, nod=0.1)), "must end at rest"),
     ],
 )
 def test_a_fault_of_a_gesture_is_reported_once_with_its_name(keyframes: tuple[Keyframe, ...], told: str) -> None:

@@ -142,8 +142,8 @@ def test_the_bounds_are_inclusive() -> None:
         ({"repetition": 2}, "There is no parameter repetition. Did you mean repetitions?"),
         ({"qqq": 2}, "There is no parameter qqq."),
         ({"min_level": 6, "max_level": 5}, "Lowest level (6) is above the highest (5)."),
-        ({"start_level": 6, "max_level": 5}, "Start level (6) has to lie between 1 and 5."),
-        ({"start_level": 2, "min_level": 3}, "Start level (2) has to lie between 3 and 10."),
+        ({"start_level": 6, "max_level": 5}, "Start level (6) must be between 1 and 5."),
+        ({"start_level": 2, "min_level": 3}, "Start level (2) must be between 3 and 10."),
         (
             {"foreperiod_min_ms": 900, "foreperiod_max_ms": 800},
             "Shortest wait (900 ms) is above the longest (800 ms).",

@@ -129,7 +129,7 @@ def test_tables_from_spreadsheets_are_read(csv: Callable[..., Path], encoding: s
         ([HEADER], "FILE holds 0 samples; at least 20 are needed."),
         ([HEADER, *ROWS[:19]], "FILE holds 19 samples; at least 20 are needed."),
         ([HEADER, *(f"{index},1,2,3,4,5,6" for index in range(40))], "FILE holds 1 samples a second (t is in seconds)"),
-        ([HEADER, '0.00,"1' + "1" * 140_000, *ROWS[1:]], "this is no CSV: field larger than field limit"),
+        ([HEADER, '0.00,"1' + "1" * 140_000, *ROWS[1:]], "this is not CSV: field larger than field limit"),
     ],
 )
 def test_a_fault_is_reported_with_its_position(csv: Callable[..., Path], lines: list[str], said: str) -> None:
@@ -142,8 +142,8 @@ def test_missing_acceleration_values_are_no_fault(csv: Callable[..., Path]) -> N
 
 
 def test_text_that_is_not_utf_8_is_reported_with_its_line(csv: Callable[..., Path]) -> None:
-    assert "FILE, line 2: this is no UTF-8 text" in fault(csv(HEADER, "0,1,2,3,4,5,6 é", encoding="latin-1"))
-    assert "this is no UTF-8 text" in fault(csv(HEADER, *ROWS, encoding="utf-16"))
+    assert "FILE, line 2: this is not UTF-8 text" in fault(csv(HEADER, "0,1,2,3,4,5,6 é", encoding="latin-1"))
+    assert "this is not UTF-8 text" in fault(csv(HEADER, *ROWS, encoding="utf-16"))
 
 
 def test_a_path_that_is_not_a_file_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -178,9 +178,9 @@ def test_a_file_too_large_for_memory_is_refused(
         ({"wx": None}, "FILE: the columns wx are missing."),
         ({"ax": np.zeros(40)}, "FILE: the columns ay, az are missing."),
         ({"wx": np.zeros(39)}, "FILE: the arrays wx are not as long as t."),
-        ({"wx": np.zeros((40, 2))}, "FILE: the array wx has to be one row of numbers."),
-        ({"wx": np.array(["1"] * 40)}, "FILE: the array wx has to be one row of numbers."),
-        ({"wx": np.zeros(40, dtype=complex)}, "FILE: the array wx has to be one row of numbers."),
+        ({"wx": np.zeros((40, 2))}, "FILE: the array wx must be one row of numbers."),
+        ({"wx": np.array(["1"] * 40)}, "FILE: the array wx must be one row of numbers."),
+        ({"wx": np.zeros(40, dtype=complex)}, "FILE: the array wx must be one row of numbers."),
         ({"wx": np.array([print] * 40, dtype=object)}, "FILE: the array wx cannot be read: Object arrays"),
         ({"wx": np.full(40, np.nan)}, "FILE, sample 1: nan in the column wx is no measurement"),
         ({"t": np.zeros(40)}, "FILE, sample 2: the time 0 is the same as"),
@@ -194,7 +194,7 @@ def test_a_fault_of_the_arrays_is_reported(npz: Callable[..., Path], changed: di
 def test_a_damaged_archive_is_reported(npz: Callable[..., Path], keep: int) -> None:
     path = npz()
     path.write_bytes(path.read_bytes()[:keep])
-    assert "FILE is no NPZ file, or a damaged one" in fault(path)
+    assert "FILE is not an NPZ file, or it is damaged" in fault(path)
 
 
 def test_an_array_that_claims_an_impossible_size_is_reported(npz: Callable[..., Path]) -> None:
@@ -204,7 +204,7 @@ def test_an_array_that_claims_an_impossible_size_is_reported(npz: Callable[..., 
     with zipfile.ZipFile(path, "w") as archive:
         for name in ("t", "wx", "wy", "wz"):
             archive.writestr(f"{name}.npy", header.getvalue())
-    assert "FILE is no NPZ file, or a damaged one" in fault(path)
+    assert "FILE is not an NPZ file, or it is damaged" in fault(path)
 
 
 @given(st.binary(max_size=300))

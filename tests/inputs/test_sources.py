@@ -104,20 +104,20 @@ def test_options_of_a_recording_may_be_left_out(walk: Path, query: str) -> None:
 
 @pytest.mark.parametrize("query", ["rate=rpm", "speed", "colour=red", "loop=", "rate=deg/s&", "speed=fast;loop=yes"])
 def test_an_unknown_option_is_reported_with_the_known_ones(walk: Path, query: str) -> None:
-    with pytest.raises(SourceError, match=r"After the file there may be: rate=rad/s or deg/s"):
+    with pytest.raises(SourceError, match=r"Options after the file: rate=rad/s or deg/s"):
         open_source(f"recorded:{walk}?{query}")
 
 
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("recorded", "Say which recording"),
-        ("recorded:", "Say which recording"),
+        ("recorded", "Name a recording"),
+        ("recorded:", "Name a recording"),
         ("recorded:none.csv", "There is no file none.csv"),
-        ("simulated:wild", 'There is no simulated hand "wild". There is: clean, steady, noisy'),
+        ("simulated:wild", 'There is no simulated hand "wild". Choose one of: clean, steady, noisy'),
         ("phidget:first", "phidget:SERIAL"),
-        ("telepathy", 'There is no sensor "telepathy". There is: '),
-        ("", 'There is no sensor "". There is: '),
+        ("telepathy", 'There is no sensor "telepathy". Choose one of: '),
+        ("", 'There is no sensor "". Choose one of: '),
     ],
 )
 def test_an_unknown_name_is_reported_with_the_known_ones(name: str, said: str) -> None:

@@ -89,7 +89,7 @@ def test_tones_precede_speech_in_any_order_of_names() -> None:
 
 
 def test_an_unknown_name_is_reported_with_the_closest_match() -> None:
-    assert problem("speach").startswith('There is no output "speach". Did you mean speech? There is: ')
+    assert problem("speach").startswith('There is no output "speach". Did you mean speech? Choose one of: ')
     assert problem("").startswith('There is no output "".')
 
 
@@ -101,7 +101,7 @@ def test_no_output_is_made_twice(addresses: tuple[str, ...]) -> None:
 @pytest.mark.parametrize(
     ("address", "says"),
     [
-        ("tones:gong", 'There is no tone "gong". There is: go, success, end.'),
+        ("tones:gong", 'There is no tone "gong". Choose one of: go, success, end.'),
         ("speech:loud", "belongs to the setting speech"),
     ],
 )

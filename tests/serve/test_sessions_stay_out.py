@@ -12,7 +12,7 @@ from tests.serve.serve_fixtures import TerminalScreen, press, read_until, servin
 
 __all__ = ["call"]
 
-REFUSED = "A session does not run in a browser, where nothing can be timed; run it in a terminal.\n"
+REFUSED = "A session cannot run in a browser, where responses cannot be timed. Use a terminal.\n"
 
 
 @pytest.mark.parametrize("driver", [DRIVER, "textual.drivers.web_driver:WebDriver"])
@@ -32,5 +32,5 @@ async def test_home_opens_in_a_browser_but_starts_no_session(tmp_path: Path) -> 
         screen = TerminalScreen(100, 30)
         await read_until(socket, screen, "P01")
         await press(socket, "\x1b[C\x1b[C\x1b[C\r")
-        await read_until(socket, screen, "does not run in a browser")
+        await read_until(socket, screen, "cannot run in a browser")
     assert stored(data, "SELECT id FROM sessions") == []

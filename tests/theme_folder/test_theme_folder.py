@@ -94,7 +94,7 @@ def test_a_phrase_missing_only_in_spanish_is_taken_from_english(mine: Path, cata
     theme = worn(mine, "es")
     assert theme.phrases["rest"] == catalogue.theme("playful").phrases["rest"]
     assert theme.phrases["greeting"] == catalogue.theme("playful", "es").phrases["greeting"]
-    assert theme.repairs == ("There is no wording for rest (es); the English is said.",)
+    assert theme.repairs == ("There is no wording for rest (es); English is used.",)
     assert read(mine, "es").english == ("rest",)
     assert worn(mine, "en").repairs == ()
 
@@ -128,7 +128,7 @@ def test_wordings_that_are_not_a_list_of_texts_are_replaced(mine: Path, calm: Th
     file.write_text(f"goodbye = {value}\n" + file.read_text(encoding="utf-8"), encoding="utf-8")
     theme = worn(mine)
     assert theme.phrases["goodbye"] == calm.phrases["goodbye"]
-    assert theme.repairs[0] == "The wordings for goodbye (en) have to be a list of texts."
+    assert theme.repairs[0] == "The wordings for goodbye (en) must be a list of texts."
 
 
 def test_an_unknown_phrase_key_is_named(mine: Path, change: Change) -> None:
@@ -144,8 +144,8 @@ def test_vocabulary_falls_back_too(mine: Path, change: Change, calm: Theme) -> N
     theme = worn(mine)
     assert theme.vocabulary["goal"] == calm.vocabulary["goal"]
     assert theme.repairs == (
-        "goal in vocabulary (en) has to be a text.",
-        "last in vocabulary (en) has to be a text.",
+        "goal in vocabulary (en) must be a text.",
+        "last in vocabulary (en) must be a text.",
         "record is not a word of the vocabulary (en).",
     )
 
@@ -167,8 +167,8 @@ def test_an_english_vocabulary_entry_with_a_number_is_replaced(mine: Path, chang
     [
         ('"" = "things"', "A unit in units (en) has an empty name."),
         ('" " = "things"', "A unit in units (en) has an empty name."),
-        ('kg = "a | b | c"', "kg in units (en) has to be one text, or two: singular | plural."),
-        ('kg = "kilogram |"', "kg in units (en) has to be one text, or two: singular | plural."),
+        ('kg = "a | b | c"', "kg in units (en) must be one text, or two: singular | plural."),
+        ('kg = "kilogram |"', "kg in units (en) must be one text, or two: singular | plural."),
     ],
 )
 def test_a_unit_that_cannot_be_spoken_is_left_out(mine: Path, change: Change, unit: str, told: str) -> None:
@@ -183,7 +183,7 @@ def test_a_vocabulary_that_is_not_a_table_is_reported(mine: Path, change: Change
     change("phrases.en.toml", "\ngoodbye = [", "\nunits = 'none'\ngoodbye = [")
     theme = worn(mine)
     assert theme.units["ms"] == "millisecond | milliseconds"
-    assert set(theme.repairs) == {"units (en) has to be a table.", "other is not a situation (en)."}
+    assert set(theme.repairs) == {"units (en) must be a table.", "other is not a situation (en)."}
 
 
 # --- languages -------------------------------------------------------------------------------------------------------
@@ -296,19 +296,19 @@ def test_trailing_spaces_stripped_by_an_editor_are_restored(mine: Path) -> None:
 
 def test_faces_of_different_height_are_reported(mine: Path, change: Change) -> None:
     change("theme.toml", "│  = ‿ =  │\n ╰───────╯ \n", "│  = ‿ =  │\n")
-    assert worn(mine).repairs == ("The faces have 3 and 4 lines; all have to have the same number.",)
+    assert worn(mine).repairs == ("The faces have 3 and 4 lines; all must have the same number.",)
     assert {face.count("\n") for face in worn(mine).faces.values()} == {3}
 
 
 @pytest.mark.parametrize(
     ("old", "new", "repair"),
     [
-        ("nod = 0.9", "nod = 1.9", "In nod at 200 ms nod is 1.9; it has to lie between -1 and 1."),
-        ("nod = 0.9", "nod = nan", "In nod at 200 ms nod is nan; it has to lie between -1 and 1."),
+        ("nod = 0.9", "nod = 1.9", "In nod at 200 ms nod is 1.9; it must be between -1 and 1."),
+        ("nod = 0.9", "nod = nan", "In nod at 200 ms nod is nan; it must be between -1 and 1."),
         ("nod = 0.9", "tail = 0.9", "gestures.nod in theme.toml cannot be used: Object contains unknown field `tail`"),
-        ("{ at_ms = 1000 }", "{ at_ms = 1000, turn = 0.5 }", "The gesture nod has to end at rest"),
+        ("{ at_ms = 1000 }", "{ at_ms = 1000, turn = 0.5 }", "The gesture nod must end at rest"),
         ("{ at_ms = 1000 }", "{ at_ms = 20000 }", "The gesture nod takes 20000 ms; at most 10000 are allowed."),
-        ("at_ms = 450", "at_ms = 150", "The keyframes of nod have to come one after the other, none before 0 ms."),
+        ("at_ms = 450", "at_ms = 150", "The keyframes of nod must follow one another in time, none before 0 ms."),
         ("nod = [\n", "nod = 'yes'\nbow = [\n", "gestures.nod in theme.toml cannot be used: Expected `array`"),
         ("nod = [\n", "nod = []\nbow = [\n", "The gesture nod has no keyframes."),
         ("nod = [\n", "bow = [\n", "There is no gesture nod."),
@@ -389,7 +389,7 @@ def test_a_value_in_place_of_a_table_is_reported(mine: Path, calm: Theme) -> Non
     (mine / "theme.toml").write_text("".join(f"{table} = 3\n" for table in tables), encoding="utf-8")
     theme = worn(mine)
     assert (theme.colors, theme.faces, theme.gestures) == (calm.colors, calm.faces, calm.gestures)
-    assert {f"{table} in theme.toml has to be a table." for table in tables} < set(theme.repairs)
+    assert {f"{table} in theme.toml must be a table." for table in tables} < set(theme.repairs)
 
 
 def test_images_must_be_in_the_themes_folder(mine: Path, change: Change) -> None:
@@ -403,7 +403,7 @@ def test_images_must_be_in_the_themes_folder(mine: Path, change: Change) -> None
     assert theme.images == {"happy": "happy.png"}
     assert theme.repairs[:3] == (
         "There is no image none.png for neutral.",
-        "The image ../outside.png for speaking has to lie in the theme's folder.",
+        "The image ../outside.png for speaking must be in the theme's folder.",
         f"images.angry is not an expression; these are: {', '.join(FACES)}.",
     )
     assert theme.repairs[3:] == ("There is no image 3 for sleeping.",)
@@ -446,7 +446,7 @@ def test_a_theme_cannot_lower_the_required_contrast(mine: Path, change: Change, 
     assert theme.minimum_contrast == 4.5
     assert min(theme.colors.contrasts().values()) >= 4.5
     assert theme.repairs[0].startswith(f"minimum_contrast is {asked[:3]}")
-    assert theme.repairs[0].endswith("; it has to be at least 4.5, below which text is hard to read.")
+    assert theme.repairs[0].endswith("; it must be at least 4.5, below which text is hard to read.")
 
 
 def test_the_presence_of_images_is_known_without_reading_the_theme(mine: Path, change: Change) -> None:

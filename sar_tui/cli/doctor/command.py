@@ -14,7 +14,7 @@ _MARKS = {"ok": "✓", "care": "!", "bad": "✗"}
 
 
 def doctor(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
-    """Check what works here, and say how to fix the rest."""
+    """Check what works on this machine, and how to fix what does not."""
     from sar_tui.cli.doctor.examination import examine
 
     findings = list(examine(Home.of(context, data, tasks)))

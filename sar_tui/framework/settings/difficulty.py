@@ -45,6 +45,6 @@ class DifficultySettings(Settings, frozen=True, kw_only=True):
         if self.min_level > self.max_level:
             return {"min_level": f"Lowest level ({self.min_level}) is above the highest ({self.max_level})."}
         if not self.min_level <= self.start_level <= self.max_level:
-            problem = f"Start level ({self.start_level}) has to lie between {self.min_level} and {self.max_level}."
+            problem = f"Start level ({self.start_level}) must be between {self.min_level} and {self.max_level}."
             return {"start_level": problem}
         return {}

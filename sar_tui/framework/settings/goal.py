@@ -32,7 +32,7 @@ class GoalSettings(Settings, frozen=True, kw_only=True):
         float,
         meta(
             "Minimum accuracy",
-            help="The share of right responses that a successful attempt needs, 0 to 1.",
+            help="Share of right responses that an attempt needs to succeed, 0 to 1.",
             ge=0,
             le=1,
             group="Difficulty",

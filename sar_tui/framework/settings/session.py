@@ -29,7 +29,7 @@ class SessionSettings(Settings, frozen=True, kw_only=True):
         str,
         meta(
             "Language",
-            help="For all that the participant sees and hears: en, es, or another that the theme has.",
+            help="Language of all that the participant sees and hears: en, es, or another of the theme.",
             takes="a code in lower case, such as en, es or es-mx",
             pattern="^[a-z]{2,3}(-[a-z]{2,4})?$",
             group="Session",

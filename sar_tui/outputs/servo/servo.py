@@ -176,7 +176,7 @@ class Servo(Output):
         """Start a gesture; or end it if it cannot be performed."""
         if (gesture := self.theme.gestures.get(request.name)) is None:
             known = ", ".join(self.theme.gestures) or "none"
-            what = f'The theme {self.theme.name} has no gesture "{request.name}". There is: {known}.'
+            what = f'The theme {self.theme.name} has no gesture "{request.name}". Choose one of: {known}.'
             self._report_gesture(request, "failed", what)
             return
         motion = Motion(gesture, self._pose, self._address.speed_deg_s / self._address.range_deg)

@@ -32,7 +32,7 @@ def decide(history: History, attempt: JudgedAttempt, settings: FadedSettings) ->
     A success lengthens the interval only after the next answer; a failure shortens it at once.
     """
     ahead = min(history.paced_by, history.skill)
-    note = f"Successes outnumber failures by {history.skill}, at the last answer by {history.paced_by}."
+    note = f"Successes outnumber failures by {history.skill}, at the last feedback by {history.paced_by}."
     return decide_every(history.since, min(RAREST, 1 + ahead // settings.feedback_fade), note)
 
 

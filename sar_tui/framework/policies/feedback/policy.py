@@ -12,9 +12,9 @@ from sar_tui.framework.policies.judgement import JudgedAttempt
 class History(msgspec.Struct, frozen=True):
     """The scored attempts of a seat, as far as the schedules need them.
 
-    ``since``: number of attempts since the last answer. ``skill``: by how many the successes outnumber the failures,
-    never below 0; ``paced_by``: the skill at the last answer. ``recent``: the last attempts, oldest first, as many as a
-    summary takes.
+    ``since``: number of attempts since the last feedback. ``skill``: successes minus failures, never below 0;
+    ``paced_by``: the skill at the last feedback. ``recent``: the last attempts, oldest first, as many as a summary
+    takes.
     """
 
     since: int = 0
