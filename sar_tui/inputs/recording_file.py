@@ -153,6 +153,8 @@ def _csv(path: Path, data: bytes) -> _Table:
             lines.append(reader.line_num)
     except csv.Error as error:
         raise SourceError(f"{path}, line {reader.line_num}: this is not CSV: {error}.") from error
+    if not header:
+        raise SourceError(f"{path} is empty.")
     values = np.array(rows, dtype=float).reshape(len(rows), len(wanted))
     columns = {name: values[:, column] for column, name in enumerate(wanted)}
     return _Table(path, columns, "line", np.array(lines, dtype=np.int64))

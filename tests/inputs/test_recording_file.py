@@ -105,6 +105,7 @@ def test_tables_from_spreadsheets_are_read(csv: Callable[..., Path], encoding: s
     ("lines", "said"),
     [
         ([], "FILE is empty."),
+        (["\x1c"], "FILE is empty."),
         (["t,ax,ay,az,wx,wz", *ROWS], "FILE: the columns wy are missing."),
         (["t,ax,wx,wy,wz", *ROWS], "FILE: the columns ay, az are missing."),
         (["t,wx,wy,wz,mz", *ROWS], "FILE: the columns mx, my are missing."),
