@@ -148,13 +148,13 @@ class _Channel:
 
     def heard(self) -> list[PeerEvent]:
         """Receive the events of a panel."""
-        told: list[PeerEvent] = [Connection("connected")]
+        reported: list[PeerEvent] = [Connection("connected")]
         for what in self.sent:
             if isinstance(what, OutgoingSnapshot):
-                told.append(what.welcome)
+                reported.append(what.welcome)
             if isinstance(what, OutgoingSnapshot | OutgoingBatch):
-                told.append([Frame(each.seq, each.at, each.topic, each.message) for each in what.records])
-        return told
+                reported.append([Frame(each.seq, each.at, each.topic, each.message) for each in what.records])
+        return reported
 
 
 class _Peer:
@@ -199,7 +199,7 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
             await _settle(pilot, clock)
 
     def join(hear: Any) -> _Peer:
-        asyncio.get_running_loop().call_soon(lambda: [hear(told) for told in channel.heard()])
+        asyncio.get_running_loop().call_soon(lambda: [hear(reported) for reported in channel.heard()])
         return _Peer(clock)
 
     class Panel(WizardApp):

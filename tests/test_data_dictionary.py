@@ -51,15 +51,15 @@ def test_every_topic_is_documented() -> None:
 
 
 def test_every_field_of_a_choice_and_every_schedule_is_documented() -> None:
-    told = named(section("attempts"))
-    assert set(FeedbackChoice.__struct_fields__) - told == set()
-    assert set(feedback.POLICIES) - told == set()
+    documented = named(section("attempts"))
+    assert set(FeedbackChoice.__struct_fields__) - documented == set()
+    assert set(feedback.POLICIES) - documented == set()
 
 
 def test_kinds_and_decisions_of_actions_are_documented() -> None:
-    told = named(section("actions"))
-    assert {*get_args(messages.Kind), *get_args(messages.Policy), "accepted", "dropped"} - told == set()
-    assert set(messages.Proposal.__struct_fields__) - told == set()
+    documented = named(section("actions"))
+    assert {*get_args(messages.Kind), *get_args(messages.Policy), "accepted", "dropped"} - documented == set()
+    assert set(messages.Proposal.__struct_fields__) - documented == set()
 
 
 def test_every_part_and_state_of_a_report_is_documented() -> None:

@@ -1,4 +1,4 @@
-"""Given folders of tasks and themes, when one is asked for by name, then it is loaded, or it is told why not."""
+"""Tasks and themes are loaded from folders by name, or the reason of a failure is reported."""
 
 import shutil
 import sys

@@ -288,9 +288,9 @@ async def test_a_stop_is_immediate_and_the_latency_of_each_output_is_logged(
         assert mouth(calm, "happy") in robot(driver)
         assert "●" not in robot(driver).splitlines()[2][17:]
         assert not driver.app.screen.query_one(Agent).is_moving
-        told = {stopped["output"]: stopped["at"] - stopped["asked"] for stopped in driver.messages("output/stopped")}
-        assert set(told) == {"screen", "voice"}
-        assert all(took < 100 * MS for took in told.values())
+        delays = {stopped["output"]: stopped["at"] - stopped["asked"] for stopped in driver.messages("output/stopped")}
+        assert set(delays) == {"screen", "voice"}
+        assert all(took < 100 * MS for took in delays.values())
 
 
 async def test_the_stop_key_is_shown_only_with_a_voice(

@@ -150,7 +150,7 @@ async def test_while_a_response_is_awaited_there_is_no_text_and_no_movement(calm
 
 
 async def test_a_view_that_joins_during_a_trial_shows_no_earlier_text(calm: Theme) -> None:
-    """Kept topics and what happened last are told in any order; their numbers say which came first."""
+    """Kept topics and the last messages arrive in any order; their sequence numbers say which came first."""
     async with watching(calm) as watcher:
         watcher.link.welcome()
         watcher.link.tell(WAITING, IN_A_TRIAL, seq=20)
@@ -177,10 +177,10 @@ async def test_the_browsers_voice_speaks_the_sessions_language_and_can_be_stoppe
 
 
 @pytest.mark.parametrize(
-    ("how", "told"),
+    ("how", "report"),
     [("lose", "Fuera de alcance por ahora; vuelve solo."), ("end", "Aquí hemos terminado. Gracias.")],
 )
-async def test_the_agent_sleeps_silently_when_the_link_is_lost(calm: Theme, how: str, told: str) -> None:
+async def test_the_agent_sleeps_silently_when_the_link_is_lost(calm: Theme, how: str, report: str) -> None:
     async with watching(calm, speaks=True) as watcher:
         watcher.link.welcome(language="es")
         watcher.link.tell(ACTION, said("Well done!"))
@@ -239,10 +239,10 @@ async def test_a_voice_moves_the_mouth(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome(outputs=["screen", "speech"])
         watcher.link.tell(ACTION, said("Well done!", face="speaking"))
-        told = {"action": "a1", "output": "speech", "part": "say", "at": 0}
-        watcher.link.tell(REPORT, OutputReport(**told, state="started"))
+        report = {"action": "a1", "output": "speech", "part": "say", "at": 0}
+        watcher.link.tell(REPORT, OutputReport(**report, state="started"))
         assert watcher.moves
-        watcher.link.tell(REPORT, OutputReport(**told, state="done"))
+        watcher.link.tell(REPORT, OutputReport(**report, state="done"))
         assert not watcher.moves
 
 

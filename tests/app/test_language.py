@@ -49,8 +49,8 @@ class Tour:
         self.look(*words)
 
     async def sensor(self, state: SensorState) -> None:
-        told = SensorChanged(state=state, at=self.driver.clock.now(), rate_hz=250.0)
-        self.driver.session.bus.post(SENSOR, told)
+        changed = SensorChanged(state=state, at=self.driver.clock.now(), rate_hz=250.0)
+        self.driver.session.bus.post(SENSOR, changed)
         await self.driver.settle()
 
     def found(self, catalogue: Catalogue) -> list[tuple[str, str]]:

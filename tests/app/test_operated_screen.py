@@ -25,8 +25,8 @@ async def to_offer(driver: AppDriver) -> m.PendingApproval:
 
 
 async def decide(driver: AppDriver, offer: m.PendingApproval, verdict: str, **how: object) -> None:
-    told = m.Decision(action=offer.proposal.id, verdict=verdict, actor=ANA, **how)  # type: ignore[arg-type]
-    driver.session.bus.post(DECISION, told)
+    decision = m.Decision(action=offer.proposal.id, verdict=verdict, actor=ANA, **how)  # type: ignore[arg-type]
+    driver.session.bus.post(DECISION, decision)
     await driver.settle()
 
 

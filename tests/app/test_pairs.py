@@ -67,7 +67,7 @@ async def test_in_turn_the_letter_is_in_the_half_of_the_participant_whose_turn_i
         await press_theirs(driver, prompt)
         await driver.wait(600)
         left, right = halves(driver)
-        assert "[ Right: your turn ]" in right, "told before the letter comes"
+        assert "[ Right: your turn ]" in right, "shown before the letter comes"
         assert "█" not in left + right
         prompt = await driver.to_prompt()
         left, right = halves(driver)

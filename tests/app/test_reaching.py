@@ -51,8 +51,8 @@ async def reach(driver: AppDriver) -> None:
 
 async def sensor(driver: AppDriver, state: SensorState, detail: str = "") -> None:
     """The sensor tells of itself."""
-    told = SensorChanged(state=state, at=driver.clock.now(), detail=detail, rate_hz=250.0)
-    driver.session.bus.post(SENSOR, told)
+    changed = SensorChanged(state=state, at=driver.clock.now(), detail=detail, rate_hz=250.0)
+    driver.session.bus.post(SENSOR, changed)
     await driver.settle()
 
 

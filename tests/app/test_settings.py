@@ -47,7 +47,7 @@ def group(driver: AppDriver, title: str) -> FieldGroup:
 
 
 def heading(found: FieldGroup) -> str:
-    """The title and what is told beside it."""
+    """The title and the text beside it."""
     return f"{found.heading.title} {found.heading.summary}".rstrip()
 
 

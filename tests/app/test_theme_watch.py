@@ -55,8 +55,8 @@ class Editor:
 
     def __init__(self, themes: Catalogue) -> None:
         self.worn: list[Theme] = []
-        self.told: list[str] = []
-        self.watch = ThemeWatch(themes, self.worn.append, self.told.append)
+        self.notices: list[str] = []
+        self.watch = ThemeWatch(themes, self.worn.append, self.notices.append)
         self.watch.follow("mine")
 
 
@@ -75,7 +75,7 @@ def test_an_edited_theme_is_applied_once_when_its_files_stop_changing(folder: Pa
     for _ in range(3):
         editor.watch.look()
     assert [theme.colors.accent for theme in editor.worn] == ["#7cc4ea"]
-    assert editor.told == []
+    assert editor.notices == []
 
 
 def test_added_phrases_are_an_edit_and_the_language_stays(folder: Path, themes: Catalogue) -> None:
@@ -95,18 +95,18 @@ def test_an_unreadable_theme_is_reported_once_and_applied_when_fixed(folder: Pat
     for _ in range(4):
         editor.watch.look()
     assert editor.worn == []
-    (told,) = editor.told
-    assert told.startswith("The theme mine cannot be read: ")
-    assert told.endswith("The previous version stays in use.")
+    (notices,) = editor.notices
+    assert notices.startswith("The theme mine cannot be read: ")
+    assert notices.endswith("The previous version stays in use.")
     edit(folder, "[colors\n", "[colors]\n")
     for _ in range(2):
         editor.watch.look()
     assert len(editor.worn) == 1
-    assert len(editor.told) == 1
+    assert len(editor.notices) == 1
 
 
 @pytest.mark.parametrize(
-    ("problems", "told"),
+    ("problems", "notices"),
     [
         (1, "Theme edited. One thing to fix: "),
         (2, "Theme edited. 2 things to fix: "),
@@ -114,7 +114,7 @@ def test_an_unreadable_theme_is_reported_once_and_applied_when_fixed(folder: Pat
     ],
 )
 def test_a_theme_with_problems_is_applied_and_the_problems_reported(
-    problems: int, told: str, folder: Path, themes: Catalogue
+    problems: int, notices: str, folder: Path, themes: Catalogue
 ) -> None:
     editor = Editor(themes)
     for color in ("#7cc4e8", "#8fd6a4", "#d9c98a", "#e8b08a")[:problems]:
@@ -122,7 +122,7 @@ def test_a_theme_with_problems_is_applied_and_the_problems_reported(
     editor.watch.look()
     editor.watch.look()
     assert len(editor.worn) == 1
-    assert told in editor.told[0]
+    assert notices in editor.notices[0]
 
 
 def test_a_theme_whose_folder_was_removed_is_reported_and_stays_applied(folder: Path, themes: Catalogue) -> None:
@@ -131,7 +131,7 @@ def test_a_theme_whose_folder_was_removed_is_reported_and_stays_applied(folder: 
     for _ in range(3):
         editor.watch.look()
     assert editor.worn == []
-    assert len(editor.told) == 1
+    assert len(editor.notices) == 1
 
 
 # --- the app -------------------------------------------------------------------------------------------------
@@ -256,7 +256,7 @@ def test_a_folder_that_cannot_be_accessed_is_reported(
     monkeypatch.setattr(themes, "theme_folder", fail)
     for _ in range(3):
         editor.watch.look()
-    assert editor.told == [f"The theme mine cannot be read: {fault}. The previous version stays in use."]
+    assert editor.notices == [f"The theme mine cannot be read: {fault}. The previous version stays in use."]
 
 
 async def test_a_theme_without_english_is_applied_in_its_own_language(

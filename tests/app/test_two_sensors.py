@@ -137,9 +137,9 @@ async def test_a_detached_sensor_is_reported_with_the_participants_code(seated: 
 
 async def test_the_help_of_two_sensors_names_the_settings_of_both(seated: Sit) -> None:
     async with seated(Plugged(), Plugged()) as driver:
-        told = driver.app.screen.help_text
-        assert "set Sensor on the left and Sensor on the right to simulated" in told
-        assert "Motion sensor" not in told
+        logged = driver.app.screen.help_text
+        assert "set Sensor on the left and Sensor on the right to simulated" in logged
+        assert "Motion sensor" not in logged
 
 
 async def test_simulated_hands_play_by_themselves(data: Path, catalogue: Catalogue) -> None:

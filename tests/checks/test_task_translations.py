@@ -1,4 +1,4 @@
-"""Given a task with words in another language, when it is checked, then what they lack is told, text by text."""
+"""The check of a task reports, text by text, what its translation lacks."""
 
 import sqlite3
 from contextlib import closing
@@ -85,16 +85,16 @@ def test_each_untranslated_text_is_reported(call: Call, folder: Path, text: str)
 
 
 @pytest.mark.parametrize(
-    ("own", "told"),
+    ("own", "reported"),
     [
         ('"Pulse: {tecla}"', "lacks {key}."),
         ('"Pulse: {key} {tecla}"', "has {tecla}, which the English does not have."),
         ('"Pulse: {key"', "has broken slots (expected '}' before end of string)."),
     ],
 )
-def test_translations_with_other_slots_are_reported(call: Call, folder: Path, own: str, told: str) -> None:
+def test_translations_with_other_slots_are_reported(call: Call, folder: Path, own: str, reported: str) -> None:
     translate(folder, {**quoted(WORDS), "Press: {key}": own})
-    assert problem(call, folder) == f"The translation of 'Press: {{key}}' in words.es.toml {told}"
+    assert problem(call, folder) == f"The translation of 'Press: {{key}}' in words.es.toml {reported}"
     assert call("tasks", "check", folder).code == 1
 
 
@@ -135,7 +135,7 @@ def test_remarks_without_numbers_pass(call: Call, folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "reported"),
     [
         ('improved="faster"', 'improved="twice as fast"', "twice as fast"),
         ('worsened="slower"', 'worsened="half as fast"', "half as fast"),
@@ -145,13 +145,13 @@ def test_remarks_without_numbers_pass(call: Call, folder: Path) -> None:
         ("class A", 'SWAY = Quality("s", "lower", "steadier", "in one go", 1.0)\n\nclass A', "in one go"),
     ],
 )
-def test_a_number_in_a_remark_is_reported(call: Call, folder: Path, old: str, new: str, told: str) -> None:
+def test_a_number_in_a_remark_is_reported(call: Call, folder: Path, old: str, new: str, reported: str) -> None:
     source = TASK.replace("Once more.", "That slipped.") if old != '"gap": "Once more."' else TASK
     source = source.replace("import Metric, ", "import Mark, Metric, ").replace(old, new)
     declared = "    marks = (MARK,)\n" if "MARK" in source else "    qualities = (SWAY,)\n" if "SWAY" in source else ""
     source = source.replace('    title = "Arrows"\n', f'    title = "Arrows"\n{declared}')
     (folder / "task.py").write_text(source)
-    assert numbers(call, folder) == f"{told!r} holds a number (en); feedback in words has none."
+    assert numbers(call, folder) == f"{reported!r} holds a number (en); feedback in words has none."
     assert call("tasks", "check", folder).code == 1
 
 

@@ -1,4 +1,4 @@
-"""``--outputs``, ``--speech`` and ``--language``: what a session is spoken with, told on the command line."""
+"""``--outputs``, ``--speech`` and ``--language`` on the command line."""
 
 import json
 import sqlite3
@@ -128,5 +128,5 @@ def test_a_simulated_session_speaks_the_language_it_is_given(call: Call, tmp_pat
 
 def test_the_options_are_in_the_help(call: Call) -> None:
     for command in ("run", "simulate"):
-        told = call(command, "--help").out
-        assert [option for option in ("--outputs", "--speech", "--language") if option not in told] == []
+        help_text = call(command, "--help").out
+        assert [option for option in ("--outputs", "--speech", "--language") if option not in help_text] == []

@@ -34,11 +34,11 @@ def test_json_has_every_field_and_the_data_dictionary_describes_each(call: Call)
     assert set(printed) == set(WizardReport.__struct_fields__)
     assert printed["session"] == session
     section = PAGE.partition("`report wizard`: ")[2].partition("\n## ")[0]
-    told = set(re.findall(r"`([^`\n]+)`", section))
+    documented = set(re.findall(r"`([^`\n]+)`", section))
     data = {"initiated", "counts", "valence_table", "agreement_by_kind"}
     named_by_data = set().union(*(keys(printed[name]) for name in data & set(printed)))
-    assert keys(printed) - told - named_by_data == set()
-    assert {"deviations", "absences", "agreement"} <= told
+    assert keys(printed) - documented - named_by_data == set()
+    assert {"deviations", "absences", "agreement"} <= documented
 
 
 def test_the_printed_report_has_operators_latencies_and_agreement(call: Call) -> None:

@@ -165,8 +165,8 @@ def test_an_output_that_failed_is_reported_at_the_end(call: Call, monkeypatch: p
     assert (hoarse["address"], hoarse["done"]) == ("hoarse", 0)
     assert hoarse["failed"] >= 3, "a greeting, an answer, a goodbye"
     assert "the throat is dry" in hoarse["why"]
-    told = f"! hoarse: {hoarse['failed']} of {hoarse['failed']} failed ({hoarse['why']})"
-    assert call(*AVERAGE, *options).out.rstrip().split("\n")[-1] == told
+    warning = f"! hoarse: {hoarse['failed']} of {hoarse['failed']} failed ({hoarse['why']})"
+    assert call(*AVERAGE, *options).out.rstrip().split("\n")[-1] == warning
 
 
 # --- two participants ------------------------------------------------------------------------------------------------

@@ -251,14 +251,14 @@ def test_screen_texts_of_a_theme_are_checked_in_every_language(call: Call, eveni
     (evening / "words.fr.toml").write_text('"Help = ', "utf-8")
     called = call("themes", "check", evening)
     assert called.code == 1
-    for told in (
+    for expected in (
         "✗ words the screens in es (1 texts)",
         "    The wording of 'level {level}' in words.es.toml lacks {level}.",
         "    The wording of 'Quit' in words.es.toml is not a text.",
         "    Nothing says 'Halp', which words.es.toml has words for.",
         "✗ words the screens in fr\n    words.fr.toml is not TOML: ",
     ):
-        assert told in called.out
+        assert expected in called.out
 
 
 def test_each_language_is_checked_even_if_another_cannot_be_read(call: Call, change: Change) -> None:

@@ -37,8 +37,8 @@ def test_what_cannot_be_is_refused(call: Call, opened: list[Plan], options: tupl
 
 def test_two_who_reach_are_simulated_at_the_command_line_too(call: Call) -> None:
     few = ("--attempts", 1, "--set", "prompts_per_attempt=2", "--seed", 1, "--json")
-    told = call(
+    reported = call(
         "simulate", "pairs", *REACHES, "--set", "policy=cooperative", "--user", "average", "--user", "poor", *few
     )
-    assert told.code == 0
-    assert {attempt["seat"] for attempt in told.json["attempts"]} == {"A", "B"}
+    assert reported.code == 0
+    assert {attempt["seat"] for attempt in reported.json["attempts"]} == {"A", "B"}

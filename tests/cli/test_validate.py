@@ -176,5 +176,5 @@ def test_a_folder_that_cannot_be_created_is_reported(call: Call, tmp_path: Path)
 
 
 def test_help_names_every_validation(call: Call) -> None:
-    told = call("validate", "--help").out
-    assert [name for name in VALIDATIONS if name not in told] == []
+    help_text = call("validate", "--help").out
+    assert [name for name in VALIDATIONS if name not in help_text] == []

@@ -105,7 +105,7 @@ class Room:
 
     # --- what has been written down ------------------------------------------------------------------------------
 
-    def told(self, topic: str) -> list[Row]:
+    def reported(self, topic: str) -> list[Row]:
         """The messages of a topic, in order."""
         found = rows(self.data, "SELECT message FROM events WHERE topic=? ORDER BY session, seq", topic)
         return [json.loads(message) for (message,) in found]
@@ -118,17 +118,17 @@ class Room:
 
     def presence(self) -> list[tuple[str, str]]:
         """Who came, went and was lost, in order."""
-        return [(each["actor"], each["state"]) for each in self.told("operator/presence")]
+        return [(each["actor"], each["state"]) for each in self.reported("operator/presence")]
 
     @property
     def is_operated(self) -> bool:
         """Whether an operator has the baton."""
-        changes = self.told("operator/presence")
+        changes = self.reported("operator/presence")
         return bool(changes and changes[-1]["operated"])
 
     def offered(self) -> Row | None:
         """The proposal that waits for an operator, as it was offered."""
-        standing = self.told("arbiter/standing")
+        standing = self.reported("arbiter/standing")
         offers = standing[-1].get("offers", []) if standing else []
         return offers[0]["proposal"] if offers else None
 
@@ -219,7 +219,7 @@ class Panel:
 
 def _seen(room: Room, id: str) -> int:
     """When a proposal was on the operator's screen; 0 if it never was."""
-    return next((int(each["at"]) for each in room.told("operator/seen") if each["action"] == id), 0)
+    return next((int(each["at"]) for each in room.reported("operator/seen") if each["action"] == id), 0)
 
 
 def plain(text: str) -> str:

@@ -41,8 +41,8 @@ def see_the_agent_still(terminal: Terminal, data: Path, seconds: float = 60) -> 
     while not acting or acting[-1]:
         assert time.monotonic() < deadline, "the agent goes on and on"
         terminal.settle(silence_ms=50)
-        told = rows(data, "SELECT message FROM events WHERE topic='arbiter/acting' ORDER BY seq")
-        acting = [json.loads(message)["acting"] for (message,) in told]
+        reported = rows(data, "SELECT message FROM events WHERE topic='arbiter/acting' ORDER BY seq")
+        acting = [json.loads(message)["acting"] for (message,) in reported]
 
 
 class Eyes:

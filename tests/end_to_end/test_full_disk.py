@@ -1,4 +1,4 @@
-"""A disk that fills in the middle of a session: the participant is told, nothing is lost, and it goes on."""
+"""A disk that fills during a session: the participant is informed, nothing is lost, and the session resumes."""
 
 import os
 import resource

@@ -98,4 +98,4 @@ def test_only_invited_guests_join_and_only_in_their_role(at: House, data: Path, 
 
 def refusals(room: Room, actor: str) -> list[str]:
     """Return the reasons of refusals of a peer."""
-    return [each["why"] for each in room.told("operator/refused") if each["actor"] == actor]
+    return [each["why"] for each in room.reported("operator/refused") if each["actor"] == actor]

@@ -116,7 +116,7 @@ def test_frozen_panel_is_lost_and_reconnects(data: Path) -> None:
         falls_back(room, frozen, LOST_MS)
         participant.answer(1)
         falls_back(room, frozen, 0)
-        (lost,) = [each for each in room.told("operator/presence") if each["state"] == "lost"]
+        (lost,) = [each for each in room.reported("operator/presence") if each["state"] == "lost"]
         assert not lost["operated"]
         assert lost["detail"]
 
@@ -190,10 +190,10 @@ def test_flood_of_messages_disturbs_no_trial_and_is_counted(data: Path) -> None:
         check_every_press(room, participant)
         room.until(lambda: _refused(room) >= 0.9 * RATE * SECONDS, "the excess has been counted")
         assert _refused(room) <= RATE * SECONDS
-        assert len(room.told("operator/refused")) < 100, "in few reports"
+        assert len(room.reported("operator/refused")) < 100, "in few reports"
         assert room.is_operated, "the operator is still there"
     assert rows(data, "SELECT count(*) FROM notes WHERE author='operator.flood'") == [(0,)], "it is not in control"
 
 
 def _refused(room: Room) -> int:
-    return sum(each.get("count", 1) for each in room.told("operator/refused"))
+    return sum(each.get("count", 1) for each in room.reported("operator/refused"))

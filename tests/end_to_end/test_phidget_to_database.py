@@ -26,7 +26,7 @@ PATIENCE_S = 60.0
 
 
 async def streamed(run: Run, driven: FakeSpatial, plugged: tuple[int, ...]) -> list[str]:
-    """Plug the sensor in as often as told, each time for so many samples; returns what the session heard of it."""
+    """Plug the sensor in repeatedly, each time for a number of samples; return what the session received."""
     states: list[str] = []
     heard = 0
     all_heard = asyncio.Event()

@@ -40,8 +40,8 @@ def voices(parent: int) -> list[int]:
 
 def said(data: Path) -> list[tuple[str, str]]:
     """What became of each utterance, in order."""
-    told = rows(data, "SELECT message FROM events WHERE topic='output/report' ORDER BY seq")
-    reports = [json.loads(message) for (message,) in told]
+    reported = rows(data, "SELECT message FROM events WHERE topic='output/report' ORDER BY seq")
+    reports = [json.loads(message) for (message,) in reported]
     return [(report["action"], report["state"]) for report in reports if report["deed"] == "say"]
 
 
@@ -55,7 +55,7 @@ def test_the_session_continues_with_a_new_voice(data: Path, tmp_path: Path) -> N
         wait_until(lambda: ("a1", "started") in said(data), "the greeting is spoken")
         (voice,) = voices(terminal.process.pid)
         os.kill(voice, signal.SIGKILL)
-        wait_until(lambda: ("a1", "failed") in said(data), "it is told that the voice is gone")
+        wait_until(lambda: ("a1", "failed") in said(data), "the loss of the voice is reported")
         wait_until(lambda: ("a2", "started") in said(data), "another voice speaks")
         (another,) = voices(terminal.process.pid)
         ScriptedParticipant(terminal, random_answers(3, 120, 220)).run(2)

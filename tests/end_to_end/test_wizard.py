@@ -41,7 +41,7 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
         phrase = room.actions("remark")[0]["final"]["text"]
         room.until(lambda: participant.sees(phrase), "the phrase is seen")
         panel.does("level-down")
-        room.until(lambda: room.told("event_handler/level"), "the level is lowered")
+        room.until(lambda: room.reported("event_handler/level"), "the level is lowered")
         panel.writes("note", "Note:", NOTE)
         room.until(lambda: rows(data, "SELECT 1 FROM notes"), "the note is kept")
 
@@ -61,8 +61,8 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
         (edited["text"], WORDS),
         (approved["text"], approved["text"]),
     ]
-    told = [(row["decision"], row["actor"], row["mode"], row["ground"], row["reason"]) for row in feedback]
-    assert told == [
+    messages = [(row["decision"], row["actor"], row["mode"], row["ground"], row["reason"]) for row in feedback]
+    assert messages == [
         ("rejected", "operator.ana", "approve", "operator", "vetoed"),
         ("edited", "operator.ana", "approve", "operator", None),
         ("accepted", "operator.ana", "approve", "operator", None),

@@ -74,7 +74,7 @@ def test_requested_feedback_is_given_to_both_seats_once() -> None:
     assert [one.is_feedback_due for one in scored.seats] == [False, False]
     asked = under_way.request_feedback(now=3000)
     assert asked is not None
-    assert {seat: told[2] for seat, told in each(asked).items()} == {"A": "positive", "B": "negative"}
+    assert {seat: expected[2] for seat, expected in each(asked).items()} == {"A": "positive", "B": "negative"}
     assert not under_way.is_feedback_on_request
     assert under_way.request_feedback(now=4000) is None
 
@@ -94,7 +94,7 @@ REACHED, MISSED = Judgement("success", "positive", "goal"), Judgement("failure",
 
 
 @pytest.mark.parametrize(
-    ("a", "b", "told"),
+    ("a", "b", "expected"),
     [
         (3, 1, (("success", "positive", "won"), ("failure", "negative", "lost"))),
         (1, 3, (("success", "negative", "lost"), ("failure", "positive", "won"))),
@@ -104,8 +104,8 @@ REACHED, MISSED = Judgement("success", "positive", "goal"), Judgement("failure",
     ],
 )
 def test_feedback_on_a_race_tells_who_won_and_keeps_the_outcome(
-    a: int | None, b: int | None, told: tuple[tuple[str, str, str], ...]
+    a: int | None, b: int | None, expected: tuple[tuple[str, str, str], ...]
 ) -> None:
     scores = {"A": Score(500, 1.0, 4, 4, a), "B": Score(1500, 1.0, 4, 4, b)}
     judged = judge_race(scores, {"A": REACHED, "B": MISSED})
-    assert tuple((one.outcome, one.valence, one.reason) for one in judged.values()) == told
+    assert tuple((one.outcome, one.valence, one.reason) for one in judged.values()) == expected

@@ -80,7 +80,7 @@ def test_a_valid_gesture_has_no_problems(gesture: Gesture) -> None:
 
 
 @pytest.mark.parametrize(
-    ("keyframes", "told"),
+    ("keyframes", "expected"),
     [
         ((), "no keyframes"),
         ((Keyframe(at_ms=100, nod=1), Keyframe(at_ms=100)), "must follow one another"),
@@ -92,7 +92,7 @@ def test_a_valid_gesture_has_no_problems(gesture: Gesture) -> None:
         ((Keyframe(at_ms=100, nod=1), Keyframe(at_ms=200, nod=0.1)), "must end at rest"),
     ],
 )
-def test_a_fault_of_a_gesture_is_reported_once_with_its_name(keyframes: tuple[Keyframe, ...], told: str) -> None:
+def test_a_fault_of_a_gesture_is_reported_once_with_its_name(keyframes: tuple[Keyframe, ...], expected: str) -> None:
     [problem] = Gesture(keyframes).problems("wave")
-    assert told in problem
+    assert expected in problem
     assert "wave" in problem

@@ -1,4 +1,4 @@
-"""Given a wording for a situation, when it is looked at, then it can be said, or what is wrong with it is told."""
+"""A wording for a situation can be said, or its problem is reported."""
 
 import re
 import unicodedata
@@ -79,8 +79,8 @@ def test_a_valid_wording_has_no_problems(situation: str, wording: str) -> None:
     ],
 )
 def test_an_invalid_wording_is_reported_in_one_sentence(situation: str, wording: str, problem: str) -> None:
-    told, *_ = wording_problems(situation, wording, "en")
-    assert told.startswith(f"A wording for {situation} (en){problem}")
+    problem_found, *_ = wording_problems(situation, wording, "en")
+    assert problem_found.startswith(f"A wording for {situation} (en){problem}")
 
 
 def test_number_words_are_those_of_the_language() -> None:

@@ -58,7 +58,7 @@ class Bench:
     def saturate(self, at_ms: float) -> None:
         self.source.on_status(Status(state="saturated", at=round(at_ms * MS), detail="Gyroscope.", count=1))
 
-    def told(self) -> list[Status]:
+    def logged(self) -> list[Status]:
         return [status for status in self.feed.drain().statuses if status.state != "attached"]
 
 
@@ -107,7 +107,7 @@ def test_samples_with_non_increasing_stamps_are_left_out_and_reported_once(bench
     assert "do not increase" in statuses[1].detail
     assert bench.feed.dropped == 3
     bench.send(stamp)
-    assert [status.state for status in bench.told()] == ["error"]
+    assert [status.state for status in bench.logged()] == ["error"]
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300])
@@ -132,7 +132,7 @@ def test_an_invalid_acceleration_does_not_drop_the_sample(bench: Bench) -> None:
 
 def test_a_gap_in_the_sensors_time_is_reported_at_the_next_sample(bench: Bench) -> None:
     bench.send(0.0, 4.0, 24.0, 28.0)
-    assert bench.told() == [Status(state="gap", at=24 * MS, count=4, duration_ms=20.0)]
+    assert bench.logged() == [Status(state="gap", at=24 * MS, count=4, duration_ms=20.0)]
     assert bench.feed.lost == 4
 
 
@@ -140,18 +140,18 @@ def test_a_gap_between_two_drains_is_reported(bench: Bench) -> None:
     bench.send(0.0)
     bench.feed.drain()
     bench.send(12.0)
-    assert [(status.state, status.count) for status in bench.told()] == [("gap", 2)]
+    assert [(status.state, status.count) for status in bench.logged()] == [("gap", 2)]
 
 
 def test_small_jitter_of_the_sensors_time_is_no_gap(bench: Bench) -> None:
     bench.send(0.0, 5.9, 8.0, 13.5)
-    assert bench.told() == []
+    assert bench.logged() == []
 
 
 def test_a_sensor_of_unknown_rate_has_no_gaps() -> None:
     bench = Bench(Info(source="test", model="By hand", rate_hz=0.0))
     bench.send(0.0, 4.0, 400.0)
-    assert bench.told() == []
+    assert bench.logged() == []
 
 
 def test_a_gap_is_saturation_if_the_sensor_reported_it(bench: Bench) -> None:
@@ -159,24 +159,24 @@ def test_a_gap_is_saturation_if_the_sensor_reported_it(bench: Bench) -> None:
     for at_ms in (8.0, 12.0, 16.0):
         bench.saturate(at_ms)
     bench.send(20.0, 24.0)
-    assert bench.told() == [Status(state="saturated", at=20 * MS, detail="Gyroscope.", count=3, duration_ms=16.0)]
+    assert bench.logged() == [Status(state="saturated", at=20 * MS, detail="Gyroscope.", count=3, duration_ms=16.0)]
     assert bench.feed.lost == 3
     bench.send(36.0)
-    assert [status.state for status in bench.told()] == ["gap"]
+    assert [status.state for status in bench.logged()] == ["gap"]
 
 
 def test_saturation_without_a_gap_is_passed_on(bench: Bench) -> None:
     bench.send(0.0)
     bench.saturate(3.0)
     bench.send(4.0)
-    assert bench.told() == [Status(state="saturated", at=4 * MS, detail="Gyroscope.", count=1)]
+    assert bench.logged() == [Status(state="saturated", at=4 * MS, detail="Gyroscope.", count=1)]
 
 
 def test_saturation_is_reported_although_the_sensor_was_detached(bench: Bench) -> None:
     bench.send(0.0)
     bench.saturate(4.0)
     bench.source.on_status(Status(state="detached", at=5 * MS))
-    assert [(status.state, status.count) for status in bench.told()] == [("saturated", 1), ("detached", 0)]
+    assert [(status.state, status.count) for status in bench.logged()] == [("saturated", 1), ("detached", 0)]
 
 
 @pytest.mark.parametrize("vector", ["rate", "acceleration"])
@@ -195,19 +195,19 @@ def test_a_silent_sensor_is_stalled_once_and_flows_again(bench: Bench) -> None:
     bench.send(0.0)
     bench.feed.drain()
     bench.clock.advance(499 * MS)
-    assert bench.told() == []
+    assert bench.logged() == []
     bench.clock.advance(1 * MS)
-    assert [(status.state, status.at) for status in bench.told()] == [("stalled", 500 * MS)]
+    assert [(status.state, status.at) for status in bench.logged()] == [("stalled", 500 * MS)]
     bench.clock.advance(2 * SECOND)
-    assert bench.told() == []
+    assert bench.logged() == []
     bench.send(2500.0)
-    assert [status.state for status in bench.told()] == ["flowing", "gap"]
+    assert [status.state for status in bench.logged()] == ["flowing", "gap"]
 
 
 def test_a_sensor_that_never_sends_is_stalled(bench: Bench) -> None:
     bench.feed.drain()
     bench.clock.advance(SECOND)
-    assert [status.state for status in bench.told()] == ["stalled"]
+    assert [status.state for status in bench.logged()] == ["stalled"]
 
 
 def test_a_sensor_that_only_reports_saturation_is_not_stalled(bench: Bench) -> None:
@@ -215,7 +215,7 @@ def test_a_sensor_that_only_reports_saturation_is_not_stalled(bench: Bench) -> N
     for step in range(1, 20):
         bench.saturate(100.0 * step)
         bench.clock.advance(100 * MS)
-        assert bench.told() == []
+        assert bench.logged() == []
 
 
 @pytest.mark.parametrize("state", ["detached", "ended"])
@@ -224,7 +224,7 @@ def test_a_detached_sensor_does_not_stall(bench: Bench, state: Any) -> None:
     bench.source.on_status(Status(state=state, at=0))
     bench.feed.drain()
     bench.clock.advance(SECOND)
-    assert bench.told() == []
+    assert bench.logged() == []
 
 
 def test_a_reattached_sensor_restarts_its_clock_without_a_gap(bench: Bench) -> None:
@@ -255,7 +255,7 @@ def test_errors_of_the_sensor_are_passed_on_in_order(bench: Bench) -> None:
     bench.send(0.0, 12.0)
     bench.source.on_status(Status(state="error", at=13 * MS, detail="packet lost"))
     bench.send(24.0)
-    assert [status.state for status in bench.told()] == ["gap", "error", "gap"]
+    assert [status.state for status in bench.logged()] == ["gap", "error", "gap"]
 
 
 def test_the_rate_is_measured_over_two_seconds(bench: Bench) -> None:

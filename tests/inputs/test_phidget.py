@@ -85,7 +85,7 @@ class Bench:
         self.samples: list[Sample] = []
         self.statuses: list[Status] = []
         self.failing: dict[str, Exception] = {}
-        self.told = threading.Event()
+        self.reported = threading.Event()
 
     def make(self) -> FakeSpatial:
         channel = FakeSpatial()
@@ -100,7 +100,7 @@ class Bench:
     def hear(self, status: Status) -> None:
         self.statuses.append(status)
         if status.state == "error":
-            self.told.set()
+            self.reported.set()
 
     @property
     def states(self) -> list[str]:
@@ -262,7 +262,7 @@ def test_missing_permission_for_an_attached_sensor_is_reported_once(monkeypatch:
     looks = iter([False, True, False, True, True])
     bench = Bench(denied=lambda: next(looks))
     bench.start()
-    assert bench.told.wait(WAIT_S)
+    assert bench.reported.wait(WAIT_S)
     assert [status.detail for status in bench.statuses[1:]] == [NO_PERMISSION]
     assert list(looks) == []
     bench.source.stop()

@@ -31,11 +31,11 @@ def play(source: RecordedSource) -> list[Any]:
     """Return everything that a source sends from its own thread until it ends."""
     come: queue.Queue[Any] = queue.Queue()
     source.start(come.put, come.put)
-    told: list[Any] = [come.get(timeout=WAIT_S)]
-    while not (isinstance(told[-1], Status) and told[-1].state == "ended"):
-        told.append(come.get(timeout=WAIT_S))
+    received: list[Any] = [come.get(timeout=WAIT_S)]
+    while not (isinstance(received[-1], Status) and received[-1].state == "ended"):
+        received.append(come.get(timeout=WAIT_S))
     source.stop()
-    return told
+    return received
 
 
 @pytest.mark.parametrize("speed", ["real time", "fast"])

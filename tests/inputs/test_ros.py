@@ -264,9 +264,9 @@ def test_after_a_stop_nothing_arrives_until_a_restart(connect: Callable[..., Ben
     bench.source.stop()
     bench.source.zero()
     assert bench.source.info is None
-    told = list(bench.statuses)
+    reported = list(bench.statuses)
     wait_until(lambda: not bench.server.has_subscriber(TOPIC))
-    assert bench.statuses == told
+    assert bench.statuses == reported
     bench.start()
     bench.wait_until_heard()
     bench.send()

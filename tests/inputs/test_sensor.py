@@ -87,7 +87,7 @@ def test_samples_are_published_in_one_block_every_ten_milliseconds(bench: Bench)
     bench.wait(1)
     assert bench.heard == ["attached", [0, 4, 8]]
     bench.wait(10)
-    assert bench.heard == ["attached", [0, 4, 8]], "nothing came, so nothing is told"
+    assert bench.heard == ["attached", [0, 4, 8]], "nothing came, so nothing is reported"
     bench.send(12)
     bench.wait(10)
     assert bench.heard[2:] == [[12]]
@@ -104,8 +104,8 @@ def test_a_block_holds_the_samples_as_the_feed_made_them(bench: Bench) -> None:
 
 
 def test_an_attached_sensor_is_described(bench: Bench) -> None:
-    (told,) = [record.message for record in bench.records if record.topic is SENSOR]
-    assert told == SensorChanged(
+    (changed,) = [record.message for record in bench.records if record.topic is SENSOR]
+    assert changed == SensorChanged(
         state="attached",
         at=1000 * MS,
         source="test",
@@ -180,9 +180,9 @@ def test_a_running_sensor_is_taken_over_without_a_restart() -> None:
     bench.begin()
     assert bench.feed.received == 2, "its counts go on"
     assert bench.heard == ["attached"]
-    told = bench.records[0].message
-    assert isinstance(told, SensorChanged)
-    assert (told.model, told.rate_hz, told.at) == ("By hand", 250.0, bench.clock.now())
+    changed = bench.records[0].message
+    assert isinstance(changed, SensorChanged)
+    assert (changed.model, changed.rate_hz, changed.at) == ("By hand", 250.0, bench.clock.now())
     bench.send(8)
     bench.wait(10)
     assert bench.heard == ["attached", [8]]

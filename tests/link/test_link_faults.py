@@ -150,8 +150,8 @@ async def session(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[LinkSession]
 async def test_late_peer_gets_welcome_and_snapshot(session: LinkSession) -> None:
     panel = await session.panel("anna")
     welcomes = [each for each in panel.events if isinstance(each, Welcome)]
-    told = {(welcome.name, welcome.role, welcome.session) for welcome in welcomes}
-    assert told == {(ANNA, "operator", session.live.session)}, "on a busy machine it may come twice"
+    distinct = {(welcome.name, welcome.role, welcome.session) for welcome in welcomes}
+    assert distinct == {(ANNA, "operator", session.live.session)}, "on a busy machine it may come twice"
     await until(lambda: STARTED in [frame.message for frame in panel.frames])
     assert session.states(ANNA) == ["joined", "baton"]
 

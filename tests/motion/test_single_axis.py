@@ -227,12 +227,12 @@ def test_filters_add_no_delay_and_a_notch_removes_a_tremor() -> None:
 
 def states(recording: Recording, cuts: list[int]) -> list[tuple[bool, float, float | None, bool]]:
     """Return a segmenter's state at the end of each block."""
-    segmenter, told = Segmenter(250.0), []
+    segmenter, reported = Segmenter(250.0), []
     edges = [0, *cuts, len(recording.time_s)]
     for first, last in pairwise(edges):
         segmenter.push(recording.time_s[first:last], recording.rate[first:last])
-        told.append((segmenter.moving, segmenter.still_for_s, segmenter.began_s, segmenter.returned))
-    return told
+        reported.append((segmenter.moving, segmenter.still_for_s, segmenter.began_s, segmenter.returned))
+    return reported
 
 
 LIVE = simulate([REACH], PROFILES["patient"]).recording

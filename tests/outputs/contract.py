@@ -189,8 +189,8 @@ def parts_of_one_kind_follow_each_other_in_order(rig: Rig) -> None:
         for action in actions:
             rig.ask(part, action, "Yes." if part == "say" else None)
         rig.wait_for(part, *actions)
-        told = [(report.action, report.state) for report in rig.reports if report.part == part]
-        assert told == [(action, state) for action in actions for state in ("started", "done")]
+        logged = [(report.action, report.state) for report in rig.reports if report.part == part]
+        assert logged == [(action, state) for action in actions for state in ("started", "done")]
 
 
 def the_same_action_may_be_done_again(rig: Rig) -> None:
@@ -307,12 +307,12 @@ def close_is_harmless_twice_and_nothing_is_reported_afterwards(rig: Rig) -> None
     for part in rig.lasting:
         rig.wait_for_start(part, "under way")
     rig.output.close()
-    told = list(rig.reports)
+    logged = list(rig.reports)
     rig.output.stop()
     rig.output.close()
     if isinstance(rig.clock, VirtualClock):
         rig.clock.advance(60_000 * MS)
-    assert rig.reports == told
+    assert rig.reports == logged
     rig.check_reports()
 
 

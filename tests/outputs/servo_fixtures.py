@@ -79,7 +79,7 @@ class FakeServo:
     def err(self, code: int, description: str) -> None:
         self.handlers["Error"](self, code, description)
 
-    def told(self, name: str) -> list[Any]:
+    def sent(self, name: str) -> list[Any]:
         """Return the arguments of all calls of a method."""
         return [arguments[0] if arguments else None for _, called, arguments in self.calls if called == name]
 

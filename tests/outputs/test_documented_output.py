@@ -120,13 +120,13 @@ def test_in_a_session_it_waves_twice_and_the_query_of_the_page_finds_it(
     settings: dict[str, Any] = {"attempts": 3, "outputs": ["screen", f"robot:{robot}"]}
     plan = make_plan(catalogue, keyboard, ["SIM"], settings, seed=1, mode="simulated")
     session = simulate(plan, PEOPLE["average"], tmp_path / "data", catalogue)
-    *told, last = robot.read_text().splitlines()
-    assert (told[0], told[-1], last) == ("wave 1800", "wave 1800", "still")
-    assert len(told) >= 5, "a greeting, three answers, a goodbye"
+    *commands, last = robot.read_text().splitlines()
+    assert (commands[0], commands[-1], last) == ("wave 1800", "wave 1800", "still")
+    assert len(commands) >= 5, "a greeting, three answers, a goodbye"
     monkeypatch.chdir(tmp_path)
     exec(compile(block("python", 1), "query.py", "exec"), {})
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[4] for line in lines] == ["queued", "started", "done"] * len(told)
+    assert [line.split()[4] for line in lines] == ["queued", "started", "done"] * len(commands)
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
         (opened,) = connection.execute(
             "SELECT message FROM events WHERE session=? AND topic='output/opened'", (session,)

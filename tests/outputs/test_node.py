@@ -22,13 +22,13 @@ from tests.outputs.fake_outputs import EVERYTHING, Puppet, Speaker
 LASTING: tuple[ActionPart, ...] = ("say", "gesture", "gaze", "tone")
 
 
-class Told(m.Message, frozen=True, kw_only=True):
+class Sent(m.Message, frozen=True, kw_only=True):
     """A message to publish on the loop."""
 
     message: Any
 
 
-TOLD = Topic("test/told", Told, origin="input")
+SENT = Topic("test/sent", Sent, origin="input")
 _TOPICS: dict[type, Topic[Any]] = {
     m.Action: ACTION,
     m.Halt: HALT,
@@ -44,9 +44,9 @@ class Loop(Node):
     name = "loop"
     emits = (ACTION, HALT, CUE, PROMPT, ATTEMPT_ENDED)
 
-    @on(TOLD)
-    def told(self, told: Told) -> None:
-        self.emit(_TOPICS[type(told.message)], told.message)
+    @on(SENT)
+    def sent(self, message: Sent) -> None:
+        self.emit(_TOPICS[type(message.message)], message.message)
 
 
 class Stage:
@@ -68,7 +68,7 @@ class Stage:
         self.clock.advance(0)
 
     def publish(self, message: m.Message) -> None:
-        self.bus.publish(TOLD, Told(message=message))
+        self.bus.publish(SENT, Sent(message=message))
         self.clock.advance(0)
 
     def act(self, action: str = "a1", **parts: str) -> None:
@@ -284,8 +284,8 @@ def test_an_invalid_report_fails_its_part(report: Any) -> None:
     assert stage.states(part="gesture") == ["queued", "failed"]
     assert stage.reports[-1].detail == "Its report could not be understood."
     assert stage.states("a2", "gesture") == ["queued"]
-    for told in stage.reports:
-        assert msgspec.json.decode(msgspec.json.encode(told), type=m.OutputReport) == told
+    for each in stage.reports:
+        assert msgspec.json.decode(msgspec.json.encode(each), type=m.OutputReport) == each
 
 
 @pytest.mark.parametrize("report", [None, "done", ("a1", "gesture", "done", SECOND, ""), Report([], "say", "done", 0)])  # type: ignore[arg-type]
@@ -411,7 +411,7 @@ def test_a_part_that_does_not_stop_has_failed_whatever_the_reason_of_the_stop(re
     for part in LASTING:
         assert stage.states(part=part) == ["queued", "failed"]
     assert stage.states(part="show") == ["queued"], "words may stay where they are"
-    assert stage.states("a2", "gesture") == ["queued"], "what came after that was not told to be still"
+    assert stage.states("a2", "gesture") == ["queued"], "a later gesture was not stopped"
     assert {report.detail for report in stage.reports if report.state == "failed"} == {"It did not stop in time."}
     assert [(stopped.at - stopped.asked, stopped.detail) for stopped in stage.stopped] == (
         [(STOP_TIMEOUT, "It did not stop in time.")] if reason == "stopped" else []

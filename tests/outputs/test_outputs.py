@@ -117,9 +117,9 @@ def test_the_screen_has_no_options() -> None:
 
 @pytest.mark.parametrize("address", ["servo:?joint=", "servo:x", "ros", "ros:", "ros://", "ros://host:port"])
 def test_an_invalid_address_is_reported_in_a_sentence(address: str) -> None:
-    told = problem(address)
-    assert told.endswith(".")
-    assert "Error" not in told
+    sentence = problem(address)
+    assert sentence.endswith(".")
+    assert "Error" not in sentence
 
 
 def test_the_destination_of_speech_must_exist(tmp_path: Path) -> None:

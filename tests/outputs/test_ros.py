@@ -33,7 +33,7 @@ def asked(robot: RosBridge, what: str) -> list[dict[str, Any]]:
     return [json.loads(data) for data in robot.data(f"/sar_tui/{what}")]
 
 
-def told(rig: Rig) -> list[tuple[str, str, str]]:
+def reported(rig: Rig) -> list[tuple[str, str, str]]:
     return [(report.action, report.part, report.state) for report in rig.reports]
 
 
@@ -73,7 +73,7 @@ def test_in_text_mode_a_robot_receives_plain_text_and_its_reports_are_in_order()
         rig.wait_for("say", "a", "b")
         rig.ask("gesture", "b", "wave")
         rig.wait_for("gesture", "b")
-        assert [state for _, _, state in told(rig)] == ["started", "done"] * 3
+        assert [state for _, _, state in reported(rig)] == ["started", "done"] * 3
         assert robot.data("/sar_tui/speech") == ["Hello.", "Well done."]
         assert robot.data("/sar_tui/gesture") == ["wave"]
         rig.output.stop()
@@ -88,7 +88,7 @@ def test_an_unacknowledged_part_fails_and_the_next_is_sent() -> None:
         rig.clock.advance(ANSWER - 1)
         assert rig.reports == []
         rig.clock.advance(1)
-        assert told(rig) == [("a", "say", "failed")]
+        assert reported(rig) == [("a", "say", "failed")]
         assert (
             rig.detail("a", "say")
             == f"Sent to the robot at 127.0.0.1, port {robot.port}, which did not acknowledge it."
@@ -170,7 +170,7 @@ def test_a_stop_reaches_the_robot_and_the_part_is_aborted_on_confirmation() -> N
         rig.wait(lambda: len(rig.reports) == 2)
         robot.manner = "silent"
         rig.output.stop()
-        assert told(rig)[2:] == [("b", "say", "aborted")], "what the robot knows nothing of is over at once"
+        assert reported(rig)[2:] == [("b", "say", "aborted")], "what the robot knows nothing of is over at once"
         wait_until(lambda: asked(robot, "stop") == [{"id": ""}])
         rig.clock.advance(CONFIRM - 1)
         assert len(rig.reports) == 3
@@ -274,7 +274,7 @@ def test_a_stop_that_cannot_be_sent_as_the_connection_breaks_has_failed() -> Non
         bridge = cast(Ros, rig.output)._bridge
         assert bridge
         robot.leave()
-        wait_until(lambda: not bridge.is_connected)  # and the output has not been told yet
+        wait_until(lambda: not bridge.is_connected)  # and the output has not been informed yet
         rig.output.stop()
         assert rig.states("a", "gesture") == ["started", "failed"]
         assert rig.detail("a", "gesture").startswith("The robot could not be asked to stop. ")
@@ -293,7 +293,7 @@ def test_a_confirmed_stop_is_forgotten(manner: Manner, form: str) -> None:
         rig.clock.advance(ANSWER + 1)
         rig.ask("gesture", "c")
         rig.wait_for("gesture", "c")
-        assert [(action, state) for action, _, state in told(rig)] == [
+        assert [(action, state) for action, _, state in reported(rig)] == [
             *[("a", "started")] * 2,
             *[("a", "aborted")] * 2,
             ("b", "started"),
@@ -418,7 +418,7 @@ def test_closing_stops_the_robot() -> None:
         rig.wait(lambda: rig.states("a", "gesture") == ["started"])
         rig.output.close()
         rig.output.say("b", "Hello.")
-        assert told(rig) == [("a", "gesture", "started")]
+        assert reported(rig) == [("a", "gesture", "started")]
         wait_until(lambda: asked(robot, "stop") == [{"id": ""}])
 
 

@@ -69,8 +69,8 @@ def test_on_a_virtual_clock_speech_takes_its_time_on_that_clock_only(calm: Theme
         assert ear.states("a1") == ["started"]
         clock.advance(20 * SECOND)
         (words, _) = (len(spoken(path)) / RATE for path in sorted(tmp_path.iterdir()))
-        told = {(report.action, report.state): report.at / SECOND for report in ear.reports}
-    assert told == {
+        reported = {(report.action, report.state): report.at / SECOND for report in ear.reports}
+    assert reported == {
         ("a1", "started"): 0,
         ("a1", "done"): pytest.approx(words),
         ("a1-tone", "started"): pytest.approx(words),

@@ -35,8 +35,8 @@ def test_tones_follow_each_other_and_speech(calm: Theme) -> None:
         ear.speech.say("s1", "Good.")
         ear.tones.tone("t2", "success")
         ear.wait("t2", "done")
-        told = [(report.action, report.state) for report in ear.reports]
-        assert told == [(action, state) for action in ("t1", "s1", "t2") for state in ("started", "done")]
+        reported = [(report.action, report.state) for report in ear.reports]
+        assert reported == [(action, state) for action in ("t1", "s1", "t2") for state in ("started", "done")]
         assert [report.at for report in ear.reports] == sorted(report.at for report in ear.reports)
 
 

@@ -126,12 +126,12 @@ class Ear:
         """The first report of an action in one of the states, which may be yet to come."""
         wanted = states or OVER
 
-        def told() -> Report | None:
+        def logged() -> Report | None:
             return next((each for each in self.reports if each.action == action and each.state in wanted), None)
 
         with self._new:
-            assert self._new.wait_for(told, DEADLINE_S), f"{action} was not reported as {' or '.join(wanted)}"
-            found = told()
+            assert self._new.wait_for(logged, DEADLINE_S), f"{action} was not reported as {' or '.join(wanted)}"
+            found = logged()
         assert found
         return found
 

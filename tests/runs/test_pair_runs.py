@@ -99,14 +99,14 @@ def test_each_has_the_best_of_their_own_whatever_the_seat(data: Path) -> None:
     clock = VirtualClock()
     other_way = plan(left="P02", right="P01", start_level=1, max_level=1)
     run = start(other_way, data, CATALOGUE, clock, sit_down)
-    told = run.session.best["1"], run.session.others_best["B"]["1"]
+    reported = run.session.best["1"], run.session.others_best["B"]["1"]
     before = connect(data)
     best = "SELECT min(metric) FROM attempts JOIN seats USING (session, seat) WHERE participant=? AND accuracy >= 0.8"
     kept = tuple(before.execute(best, (code,)).fetchone()[0] for code in ("P02", "P01"))
     before.conn.close()
     run.close()
-    assert told == kept
-    assert told[0] != told[1]
+    assert reported == kept
+    assert reported[0] != reported[1]
 
 
 @pytest.mark.parametrize(("address", "names"), [("code", {"A": "P01", "B": "P02"}), ("seat", {})])

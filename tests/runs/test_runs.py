@@ -125,7 +125,7 @@ def test_a_session_stored_with_former_spellings_resumes(data: Path) -> None:
 
 
 def told_best(data: Path, run: Run) -> dict[str, float]:
-    """The best results that a run was told of at its beginning."""
+    """The best results that a run was given at its beginning."""
     history = sessions.history(connect(data), run.id)
     (best,) = [r.message.best for r in history if r.topic is SESSION and r.message.run == run.number]
     return dict(best)

@@ -117,7 +117,7 @@ def test_every_attempt_has_when_what_and_why_in_its_row(session: Kept) -> None:
 
 
 def test_why_is_true(session: Kept) -> None:
-    """From the row alone it can be told whether the attempt had to be answered."""
+    """The row alone shows whether feedback on the attempt was due."""
     unanswered = 0
     for row in session.attempts:
         choice = row["choice"]

@@ -39,8 +39,8 @@ class Played(NamedTuple):
     records: tuple[Record, ...]
 
     def all(self, topic: Any, **wanted: Any) -> list[Any]:
-        told = [record.message for record in self.records if record.topic is topic]
-        return [one for one in told if all(getattr(one, name) == value for name, value in wanted.items())]
+        reported = [record.message for record in self.records if record.topic is topic]
+        return [one for one in reported if all(getattr(one, name) == value for name, value in wanted.items())]
 
     @property
     def answers(self) -> list[m.Proposal]:
@@ -105,8 +105,8 @@ def test_in_a_race_the_first_right_response_wins_and_the_answers_follow(seed: in
         won = [played.all(TRIAL, attempt=left.attempt, seat=seat) for seat in "AB"]
         assert [left.won, right.won] == [sum(row.details["won"] for row in rows) for rows in won]
         ahead = (left.won > right.won) - (left.won < right.won)
-        told = {1: ("positive", "negative"), 0: ("neutral", "neutral"), -1: ("negative", "positive")}
-        assert (left.valence, right.valence) == told[ahead]
+        reported = {1: ("positive", "negative"), 0: ("neutral", "neutral"), -1: ("negative", "positive")}
+        assert (left.valence, right.valence) == reported[ahead]
 
 
 def test_who_is_faster_wins_most_races() -> None:

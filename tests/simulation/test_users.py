@@ -146,10 +146,10 @@ def test_the_same_seed_twice_is_the_same_to_the_last_nanosecond(
 def test_a_simulated_session_says_that_it_is_one_and_enters_no_participant(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    told: list[int] = []
-    session = simulate(plan(keyboard, 1, attempts=3), PEOPLE["average"], data, catalogue, told.append)
+    progress: list[int] = []
+    session = simulate(plan(keyboard, 1, attempts=3), PEOPLE["average"], data, catalogue, progress.append)
     row = sessions.find(connect(data), data, session)
     assert (row["mode"], row["status"], row["attempts"], row["participant"]) == ("simulated", "completed", 3, "SIM")
     assert set(row["software"]) >= {"sar_tui", "python", "task", "theme"}
     assert list(connect(data)["participants"].rows) == []
-    assert told == [1, 2, 3]
+    assert progress == [1, 2, 3]

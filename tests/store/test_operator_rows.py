@@ -33,8 +33,8 @@ class Operated(Recorded):
             now + 200 * MS, lambda: bus.publish(PROPOSAL_SEEN, m.ProposalSeen(action=id, actor=ANA, at=clock.now()))
         )
         if verdict := self._verdicts.get(self._offers):
-            told = m.Decision(action=id, actor=ANA, at=now + 700 * MS, **verdict)
-            clock.call_at(now + 700 * MS, lambda: bus.publish(DECISION, told))
+            reported = m.Decision(action=id, actor=ANA, at=now + 700 * MS, **verdict)
+            clock.call_at(now + 700 * MS, lambda: bus.publish(DECISION, reported))
 
     def rows(self, kind: str) -> list[dict[str, Any]]:
         """The actions of a kind, as they are stored at the end."""
@@ -150,8 +150,8 @@ def test_an_operators_stop_differs_from_the_participants(data: Path) -> None:
     bus, clock = operated.session.bus, operated.clock
     bus.subscribe(PENDING_APPROVAL, lambda _: clock.call_at(clock.now() + 1, lambda: bus.publish(OPERATOR, stop)))
     rows = operated.rows("feedback")
-    told = [(row["decision"], row["actor"], row["reason"], row["ground"]) for row in rows]
-    assert told == [("dropped", ANA, "stopped", "operator")] * 3
+    reported = [(row["decision"], row["actor"], row["reason"], row["ground"]) for row in rows]
+    assert reported == [("dropped", ANA, "stopped", "operator")] * 3
 
 
 def test_what_is_written_does_not_depend_on_what_was_written_together(data: Path) -> None:

@@ -94,7 +94,7 @@ def test_feedback_in_words_contains_no_number_in_a_session(name: str, person: st
 # --- a session --------------------------------------------------------------------------------------------------------
 
 
-def told(data: Path, name: str, person: str, code: str = "es") -> Iterator[str]:
+def reported(data: Path, name: str, person: str, code: str = "es") -> Iterator[str]:
     """All that a simulated participant of a whole session reads and hears."""
     catalogue = Catalogue()
     settings = {"language": code, "feedback_form": "both", **SETTINGS[name]}
@@ -118,7 +118,7 @@ def told(data: Path, name: str, person: str, code: str = "es") -> Iterator[str]:
 @pytest.mark.parametrize("person", first(1, ["poor", "competent"]))
 @pytest.mark.parametrize("name", TASKS)
 def test_a_session_in_spanish_contains_no_english(name: str, person: str, data: Path) -> None:
-    shown = list(told(data, name, person))
+    shown = list(reported(data, name, person))
     said = phrases(Catalogue().theme("calm"), Catalogue().theme("calm", "es"))
     assert english_in(shown, translations(name) | said) == []
     assert any("meta: " in text for text in shown)
@@ -127,7 +127,7 @@ def test_a_session_in_spanish_contains_no_english(name: str, person: str, data: 
 
 @pytest.mark.parametrize("name", TASKS)
 def test_the_same_session_in_english_contains_the_english_texts(name: str, data: Path) -> None:
-    found = {text for text, _ in english_in(told(data, name, "poor", "en"), translations(name))}
+    found = {text for text, _ in english_in(reported(data, name, "poor", "en"), translations(name))}
     assert {"attempt {number} of {total}", "practice {number} of {total}"} <= found
 
 

@@ -1,4 +1,4 @@
-"""Given a theme's folder, whatever is wrong in it, when it is read, then the agent is whole and the fault told."""
+"""A theme's folder with any fault still gives a whole agent, and the fault is reported."""
 
 import json
 import shutil
@@ -163,7 +163,7 @@ def test_an_english_vocabulary_entry_with_a_number_is_replaced(mine: Path, chang
 
 
 @pytest.mark.parametrize(
-    ("unit", "told"),
+    ("unit", "expected"),
     [
         ('"" = "things"', "A unit in units (en) has an empty name."),
         ('" " = "things"', "A unit in units (en) has an empty name."),
@@ -171,10 +171,10 @@ def test_an_english_vocabulary_entry_with_a_number_is_replaced(mine: Path, chang
         ('kg = "kilogram |"', "kg in units (en) must be one text, or two: singular | plural."),
     ],
 )
-def test_a_unit_that_cannot_be_spoken_is_left_out(mine: Path, change: Change, unit: str, told: str) -> None:
+def test_a_unit_that_cannot_be_spoken_is_left_out(mine: Path, change: Change, unit: str, expected: str) -> None:
     change("phrases.en.toml", "[units]\n", f"[units]\n{unit}\n")
     theme = worn(mine)
-    assert theme.repairs == (told,)
+    assert theme.repairs == (expected,)
     assert theme.spoken("412 ms, and 3 more; 2 kg") == "412 milliseconds, and 3 more; 2 kg"
 
 
@@ -320,7 +320,7 @@ def test_an_invalid_gesture_is_replaced(
     change("theme.toml", old, new)
     theme = worn(mine)
     assert theme.gestures["nod"] == calm.gestures["nod"]
-    assert [told for told in theme.repairs if told.startswith(repair)] == list(theme.repairs) != []
+    assert [expected for expected in theme.repairs if expected.startswith(repair)] == list(theme.repairs) != []
 
 
 def test_a_theme_may_define_gestures(mine: Path, change: Change) -> None:
@@ -346,7 +346,7 @@ def test_an_unknown_manner_falls_back_to_the_default(mine: Path, change: Change,
     change("theme.toml", '[manner.positive]\ngesture = "cheer"', f"[manner.positive]\n{manner}")
     theme = worn(mine)
     assert theme.manner("positive") == MANNERS["positive"]
-    assert [told.startswith(repair) for told in theme.repairs] == [True]
+    assert [expected.startswith(repair) for expected in theme.repairs] == [True]
 
 
 @pytest.mark.parametrize(
@@ -414,10 +414,10 @@ def test_an_impossible_image_name_is_left_out_and_reported_briefly(mine: Path, c
     change("theme.toml", "[tones]", f'[images]\nhappy = "{name}"\n[tones]')
     theme = worn(mine)
     assert theme.images == {}
-    (told,) = theme.repairs
-    assert told.startswith("There is no image a")
-    assert told.isprintable()
-    assert len(told) < 100
+    (expected,) = theme.repairs
+    assert expected.startswith("There is no image a")
+    assert expected.isprintable()
+    assert len(expected) < 100
 
 
 def test_a_symlink_loop_is_not_an_image(mine: Path, change: Change) -> None:

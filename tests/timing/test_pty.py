@@ -214,13 +214,13 @@ def test_the_closed_loop_joins_each_recorded_trial_with_its_truth(tmp_path: Path
 
 
 def test_a_companion_starts_before_the_first_prompt_and_ends_with_the_program(tmp_path: Path) -> None:
-    told: list[str] = []
+    marks: list[str] = []
 
     @contextmanager
     def companion(folder: Path, terminal: Terminal) -> Iterator[None]:
-        told.append("begins" if folder.is_dir() and b"Press:" not in terminal.output else "late")
+        marks.append("begins" if folder.is_dir() and b"Press:" not in terminal.output else "late")
         yield
-        told.append("ends" if folder.is_dir() and terminal.process.poll() == 0 else "early")
+        marks.append("ends" if folder.is_dir() and terminal.process.poll() == 0 else "early")
 
     run_block(msgspec.structs.replace(BASELINE, companion=companion), Block(prompts=2, seed=2), tmp_path)
-    assert told == ["begins", "ends"]
+    assert marks == ["begins", "ends"]

@@ -1,4 +1,4 @@
-"""Very large characters: every key that a task asks for is drawn, fits, and can be told from the others."""
+"""Very large characters: every key that a task asks for is drawn, fits, and differs from the others."""
 
 from itertools import combinations
 

@@ -84,8 +84,8 @@ def test_phases_have_the_analysed_durations_in_order() -> None:
     _, finding = found(DWELLING)
     made = trace(DWELLING)
     lasted = [made.arrival_s - made.onset_s, made.departure_s - made.arrival_s, made.end_s - made.departure_s]
-    told = [finding.details[f"{name}_ms"] for name in ("out", "dwell", "back")]
-    assert [1000 * each for each in lasted] == pytest.approx(told, abs=0.01)
+    measured = [finding.details[f"{name}_ms"] for name in ("out", "dwell", "back")]
+    assert [1000 * each for each in lasted] == pytest.approx(measured, abs=0.01)
     assert made.onset_s == pytest.approx(0.3, abs=0.01)
     assert (len(made.rate) - 1) / made.rate_hz > made.end_s + 0.4
 

@@ -23,12 +23,12 @@ def finding(called: Called, name: str) -> dict[str, Any]:
 class Plugged:
     """In place of a PhidgetSpatial: tells at once what it has to tell."""
 
-    told: tuple[Status, ...] = ()
+    statuses: tuple[Status, ...] = ()
     info: Info | None = None
     stopped = 0
 
     def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
-        for status in self.told:
+        for status in self.statuses:
             on_status(status)
 
     def stop(self) -> None:
@@ -180,7 +180,7 @@ def test_a_textual_without_the_expected_file_is_noticed(call: Call, monkeypatch:
 
 
 def test_no_motion_sensor_is_no_fault(call: Call, plugged: type[Plugged]) -> None:
-    plugged.told = (Status(state="detached", at=0, detail="Waiting"),)
+    plugged.statuses = (Status(state="detached", at=0, detail="Waiting"),)
     called = call("doctor", "--json")
     found = finding(called, "Motion sensor")
     assert (called.code, found["state"], plugged.stopped) == (0, "ok", 1)
@@ -189,14 +189,14 @@ def test_no_motion_sensor_is_no_fault(call: Call, plugged: type[Plugged]) -> Non
 
 def test_a_motion_sensor_is_named(call: Call, plugged: type[Plugged]) -> None:
     plugged.info = Info(source="USB", model="PhidgetSpatial 3/3/3 (1044_1B)", serial="629001", rate_hz=250.0)
-    plugged.told = (Status(state="detached", at=0), Status(state="attached", at=1))
+    plugged.statuses = (Status(state="detached", at=0), Status(state="attached", at=1))
     found = finding(call("doctor", "--json"), "Motion sensor")
     assert (found["state"], plugged.stopped) == ("ok", 1)
     assert found["found"] == "PhidgetSpatial 3/3/3 (1044_1B), serial 629001, 250 samples a second"
 
 
 def test_an_unusable_motion_sensor_is_reported(call: Call, plugged: type[Plugged]) -> None:
-    plugged.told = (Status(state="error", at=0, detail="It has no gyroscope."),)
+    plugged.statuses = (Status(state="error", at=0, detail="It has no gyroscope."),)
     called = call("doctor", "--json")
     found = finding(called, "Motion sensor")
     assert (called.code, found["state"], found["found"]) == (0, "care", "It has no gyroscope.")

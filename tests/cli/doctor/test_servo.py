@@ -1,4 +1,4 @@
-"""Given a controller that is there, missing or faulty, when the doctor looks for it, then it is told in a line."""
+"""The doctor reports in one line a servo controller that is present, missing or faulty."""
 
 from pathlib import Path
 from typing import Any
@@ -28,8 +28,8 @@ def test_a_controller_with_a_failsafe_is_ok(motor: FakeServo) -> None:
     finding = servo_controller()
     assert finding.state == "ok"
     assert finding.found.startswith("16x RC Servo Phidget (RCC1000_0), serial 620001, makes its motors limp 1000 ms")
-    assert motor.told("setEngaged") == []
-    assert motor.told("close") == [None]
+    assert motor.sent("setEngaged") == []
+    assert motor.sent("close") == [None]
 
 
 def test_a_controller_without_a_failsafe_is_reported_with_the_consequence(motor: FakeServo) -> None:
@@ -45,7 +45,7 @@ def test_a_missing_controller_is_no_fault(motor: FakeServo) -> None:
     finding = servo_controller()
     assert (finding.state, finding.advice) == ("ok", "")
     assert finding.found.startswith("none plugged in, or another program uses it.")
-    assert motor.told("close") == [None]
+    assert motor.sent("close") == [None]
 
 
 def test_no_controller_is_waited_for_if_the_system_lists_none(

@@ -1,4 +1,4 @@
-"""Given a computer with or without speech and sound, when it is examined, then it is told, and how to mend it."""
+"""The doctor reports whether a computer has speech and sound, and how to get them."""
 
 import sys
 

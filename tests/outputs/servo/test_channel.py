@@ -14,11 +14,11 @@ from tests.outputs.contract import Rig
 
 
 class DrivenServo:
-    """A real channel, but for what it would have to ask or tell a device; what it would tell is in ``told``."""
+    """A real channel with a fake device; commands to the device are in ``calls``."""
 
     def __init__(self) -> None:
         self.servo = new_channel("RCServo")
-        self.told: list[tuple[str, Any]] = []
+        self.calls: list[tuple[str, Any]] = []
         answers: dict[str, Any] = {
             "getDeviceName": "PhidgetAdvancedServo 8-Motor",
             "getDeviceSKU": "1061_1B",
@@ -34,9 +34,9 @@ class DrivenServo:
         for name, answer in answers.items():
             setattr(self.servo, name, lambda answer=answer: answer)
         for name in ("SpeedRampingState", "VelocityLimit", "Acceleration", "TargetPosition", "Engaged"):
-            setattr(self.servo, f"set{name}", lambda value, name=name: self.told.append((name, value)))
-        self.servo.enableFailsafe = lambda ms: self.told.append(("enableFailsafe", ms))
-        self.servo.resetFailsafe = lambda: self.told.append(("resetFailsafe", None))
+            setattr(self.servo, f"set{name}", lambda value, name=name: self.calls.append((name, value)))
+        self.servo.enableFailsafe = lambda ms: self.calls.append(("enableFailsafe", ms))
+        self.servo.resetFailsafe = lambda: self.calls.append(("resetFailsafe", None))
 
     def attach(self) -> None:
         _elsewhere(self.servo._onAttach, None, None)
@@ -66,15 +66,15 @@ def test_it_is_set_up_moved_lost_found_and_let_go(clock: LiveClock, capfd: pytes
     rig = Rig(Servo(make=lambda: driven.servo, denied=lambda: False), clock, ["gesture"])
     rig.wait(lambda: driven.servo._onError is not None)
     driven.attach()
-    rig.wait(lambda: ("enableFailsafe", 1000) in driven.told)
+    rig.wait(lambda: ("enableFailsafe", 1000) in driven.calls)
     rig.ask("gesture", "whole")
     rig.wait_for("gesture", "whole")
     assert rig.states("whole", "gesture") == ["started", "done"]
-    targets = [value for name, value in driven.told if name == "TargetPosition"]
+    targets = [value for name, value in driven.calls if name == "TargetPosition"]
     assert len(targets) > 10
     assert (targets[0], targets[-1]) == (90, 90)
     assert 100 < max(targets) <= 117
-    assert [value for name, value in driven.told if name == "Engaged"] == [True, False]
+    assert [value for name, value in driven.calls if name == "Engaged"] == [True, False]
 
     rig.ask("gesture", "lost")
     rig.wait_for_start("gesture", "lost")
@@ -93,7 +93,7 @@ def test_it_is_set_up_moved_lost_found_and_let_go(clock: LiveClock, capfd: pytes
     rig.output.stop()
     rig.wait_for("gesture", "found")
     assert rig.states("found", "gesture") == ["started", "aborted"]
-    assert next(value for name, value in reversed(driven.told) if name == "Engaged") is False
+    assert next(value for name, value in reversed(driven.calls) if name == "Engaged") is False
 
     rig.output.close()
     assert not driven.servo.getIsOpen()

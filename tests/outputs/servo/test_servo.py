@@ -59,7 +59,7 @@ def test_a_motor_is_prepared_when_it_is_attached_and_stays_limp(bench: ServoBenc
     assert motor.facts["SpeedRampingState"] is True
     assert motor.facts["TargetPosition"] == 90
     assert (motor.facts["IsLocal"], motor.facts["IsRemote"], motor.facts["Channel"]) == (True, False, 0)
-    assert motor.told("setEngaged") == []
+    assert motor.sent("setEngaged") == []
 
 
 def test_a_gesture_goes_from_the_middle_through_its_keyframes_and_back_in_fifty_steps_a_second(
@@ -85,8 +85,8 @@ def test_only_the_joints_that_take_part_are_engaged() -> None:
     assert make(bench, "nod") == "done"
     arm, head = sorted(bench.channels, key=lambda motor: motor.facts["Channel"])
     assert head.facts["Channel"] == 5
-    assert arm.told("setEngaged") == []
-    assert head.told("setEngaged") == [True, False]
+    assert arm.sent("setEngaged") == []
+    assert head.sent("setEngaged") == [True, False]
 
 
 def test_a_reversed_joint_moves_the_other_way() -> None:
@@ -137,7 +137,7 @@ def test_a_gesture_that_none_of_the_joints_takes_part_in_is_done_at_once_and_say
     assert make(bench, "nod") == "done"
     assert bench.rig.states("a", "gesture") == ["started", "done"]
     assert "none of the joints" in bench.rig.detail("a", "gesture")
-    assert bench.channels[0].told("setEngaged") == []
+    assert bench.channels[0].sent("setEngaged") == []
 
 
 # --- stop -------------------------------------------------------------------------------------------------------
@@ -178,8 +178,8 @@ def test_a_motor_that_cannot_be_made_limp_is_reported_and_the_others_are() -> No
     bench.servo.stop()
     bench.rig.wait_for("gesture", "a")
     assert second.facts["Engaged"] is False
-    assert second.told("close") == []
-    assert first.told("close") == [None]
+    assert second.sent("close") == []
+    assert first.sent("close") == [None]
     assert bench.rig.states("a", "gesture") == ["started", "failed"]
     assert bench.rig.detail("a", "gesture") == (
         f"The servo for {bench.servo._channels[0].place} could not be made limp (Input/Output Error), "
@@ -202,7 +202,7 @@ def test_a_motor_that_refuses_to_be_made_limp_is_reported_again(bench: ServoBenc
     bench.rig.wait_for("gesture", "a")
     assert tried == ["first"]
     assert motor.facts["Engaged"] is False
-    assert motor.told("close") == []
+    assert motor.sent("close") == []
     assert (bench.rig.states("a", "gesture"), bench.rig.detail("a", "gesture")) == (["started", "aborted"], "")
 
 
@@ -222,9 +222,9 @@ def test_a_motor_that_cannot_be_made_limp_is_not_fed_any_more_until_it_is_to_mov
     detail = bench.rig.detail("a", "gesture")
     assert ("its channel was closed" in detail, "its channel could not be closed" in detail) == (closes, not closes)
     assert detail.endswith("unplug it. Its failsafe releases it within some seconds.")
-    fed = len(motor.told("resetFailsafe"))
+    fed = len(motor.sent("resetFailsafe"))
     bench.servo._channels[0].feed(live_clock.now() + 60 * SECOND)
-    assert len(motor.told("resetFailsafe")) == fed
+    assert len(motor.sent("resetFailsafe")) == fed
     motor.failing.clear()
     motor.during["open"] = motor.plug_in
     bench.rig.ask("gesture", "b", "wave")
@@ -265,7 +265,7 @@ def test_stop_and_close_return_while_a_call_to_the_device_hangs(
     bench.rig.wait(lambda: "servo" not in [thread.name for thread in threading.enumerate()])
     assert bench.rig.reports == []
     assert bench.channels[0].facts["Engaged"] is False
-    assert bench.channels[0].told("close") == [None]
+    assert bench.channels[0].sent("close") == [None]
 
 
 # --- a motor that is lost -----------------------------------------------------------------------------------------
@@ -427,12 +427,12 @@ def test_the_failsafe_is_fed_three_times_as_often_as_it_needs_also_while_nothing
 ) -> None:
     bench = ServoBench(clock=live_clock)
     [motor] = bench.channels
-    bench.rig.wait(lambda: len(motor.told("resetFailsafe")) >= 3)
+    bench.rig.wait(lambda: len(motor.sent("resetFailsafe")) >= 3)
     bench.servo.close()
-    assert motor.told("enableFailsafe") == [1000]
+    assert motor.sent("enableFailsafe") == [1000]
     fed = [at for at, name, _ in motor.calls if name == "resetFailsafe"]
     assert min(later - earlier for earlier, later in pairwise(fed)) >= 249 * MS
-    assert motor.told("setEngaged") == []
+    assert motor.sent("setEngaged") == []
 
 
 def test_a_controller_that_wants_more_time_between_two_signs_of_life_gets_it(live_clock: LiveClock) -> None:
@@ -442,12 +442,12 @@ def test_a_controller_that_wants_more_time_between_two_signs_of_life_gets_it(liv
     bench.rig.wait(lambda: "Error" in motor.handlers)
     motor.plug_in()
     bench.servo.close()
-    assert motor.told("enableFailsafe") == [2000]
+    assert motor.sent("enableFailsafe") == [2000]
 
 
 def test_where_time_is_virtual_there_is_no_failsafe_and_nothing_is_left_to_do(bench: ServoBench) -> None:
     make(bench)
-    assert bench.channels[0].told("enableFailsafe") == []
+    assert bench.channels[0].sent("enableFailsafe") == []
     assert not bench.rig.clock.step()
 
 

@@ -225,13 +225,13 @@ def test_close_ends_the_process_and_the_threads_and_nothing_is_reported_afterwar
         ear.speech.say("a2", LONG)
         ear.wait("a1", "started")
         ear.close()
-        told = list(ear.reports)
+        reported = list(ear.reports)
         assert set(threading.enumerate()) <= before
         assert not is_alive(pids(file)[0])
         ear.speech.say("a3", "Well done.")
         ear.speech.stop()
         ear.close()
-        assert ear.reports == told
+        assert ear.reports == reported
         assert ear.states("a1") == ["started"]
 
 

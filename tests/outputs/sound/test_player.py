@@ -23,11 +23,11 @@ class Began:
     """Records the start of a sound, and may halt it then."""
 
     def __init__(self, halts: Playback | None = None) -> None:
-        self.told: list[tuple[int, float]] = []
+        self.reports: list[tuple[int, float]] = []
         self._halts = halts
 
     def __call__(self, at: int, lasts: float) -> None:
-        self.told.append((at, lasts))
+        self.reports.append((at, lasts))
         if self._halts:
             self._halts.halt()
 
@@ -40,7 +40,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 def test_it_tells_once_when_it_begins_and_for_how_long(destination: Destination) -> None:
     began = Began()
     destination.play("a", BEEP, Playback(), began)
-    ((at, lasts),) = began.told
+    ((at, lasts),) = began.reports
     assert at > 0
     assert lasts == pytest.approx(0.2, abs=0.001)
 
@@ -49,7 +49,7 @@ def test_a_card_plays_again_and_again() -> None:
     card, began = SoundCard(NOBODY), Began()
     for _ in range(3):
         card.play("a", BEEP, Playback(), began)
-    starts = [at / 1e9 for at, _ in began.told]
+    starts = [at / 1e9 for at, _ in began.reports]
     assert all(later - sooner > seconds(BEEP) - 0.05 for sooner, later in itertools.pairwise(starts))
 
 
@@ -143,7 +143,7 @@ def test_a_card_that_stops_taking_sound_is_reported_in_words_and_opened_anew(mon
             card.play("a", BEEP, Playback(), Began())
     began = Began()
     card.play("a", BEEP, Playback(), began)
-    assert len(began.told) == 1
+    assert len(began.reports) == 1
 
 
 def test_a_card_that_refuses_to_start_is_reported_in_words(monkeypatch: pytest.MonkeyPatch) -> None:

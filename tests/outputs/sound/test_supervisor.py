@@ -15,11 +15,11 @@ BEEP = (Note(880, 20),)
 
 
 def test_the_next_is_sounded_though_the_news_of_the_last_was_refused() -> None:
-    told: list[PartEvent] = []
+    reported: list[PartEvent] = []
     over = threading.Event()
 
     def refuse(event: PartEvent) -> None:
-        told.append(event)
+        reported.append(event)
         if event.job.action == "a2" and event.state == "done":
             over.set()
         raise RuntimeError("the loop has gone")
@@ -30,7 +30,7 @@ def test_the_next_is_sounded_though_the_news_of_the_last_was_refused() -> None:
     heard_of_the_second = over.wait(DEADLINE_S)
     supervisor.close()
     assert heard_of_the_second
-    assert [(event.job.action, event.state) for event in told] == [
+    assert [(event.job.action, event.state) for event in reported] == [
         (action, state) for action in ("a1", "a2") for state in ("started", "done")
     ]
 

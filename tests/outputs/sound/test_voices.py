@@ -48,7 +48,7 @@ def test_a_language_that_only_begins_alike_is_another() -> None:
 
 
 @pytest.mark.parametrize(
-    ("told", "languages"),
+    ("tags", "languages"),
     [
         (["en_US"], ("en-us",)),
         ([b"\x05en-gb"], ("en-gb",)),
@@ -60,8 +60,8 @@ def test_a_language_that_only_begins_alike_is_another() -> None:
         ([], ()),
     ],
 )
-def test_languages_are_understood_however_an_engine_tells_them(told: object, languages: tuple[str, ...]) -> None:
-    assert found_voice("com.apple.voice.compact.Someone", "Someone", told).languages == languages
+def test_languages_are_understood_however_an_engine_tells_them(tags: object, languages: tuple[str, ...]) -> None:
+    assert found_voice("com.apple.voice.compact.Someone", "Someone", tags).languages == languages
 
 
 def test_a_voice_without_languages_may_tell_them_by_its_id() -> None:

@@ -25,7 +25,7 @@ Reach = tuple[str, float] | tuple[str, float, ReachShape]
 
 
 class PairsReachingDriver(PairsDriver):
-    """A session of reaches of two: two attempts of two prompts, unless told otherwise."""
+    """A session of reaches of two, by default two attempts of two prompts."""
 
     def __init__(self, policy: str, **parameters: Any) -> None:
         catalogue = Catalogue()
@@ -70,5 +70,5 @@ class PairsReachingDriver(PairsDriver):
 
     def sensor(self, seat: str, state: m.SensorState, detail: str = "") -> None:
         """Something happens to the sensor of a seat."""
-        told = m.SensorChanged(seat=seat, state=state, at=self.clock.now(), detail=detail, rate_hz=100.0)
-        self.session.bus.publish(SENSOR, told)
+        changed = m.SensorChanged(seat=seat, state=state, at=self.clock.now(), detail=detail, rate_hz=100.0)
+        self.session.bus.publish(SENSOR, changed)

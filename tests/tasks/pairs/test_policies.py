@@ -32,7 +32,7 @@ def ended(driver: PairsDriver, attempt: int = 1) -> dict[str, Any]:
     return {one.seat: one for one in driver.all(ATTEMPT_ENDED) if one.attempt == attempt}
 
 
-def told(driver: PairsDriver, attempt: int = 1) -> dict[str, Any]:
+def feedback_of(driver: PairsDriver, attempt: int = 1) -> dict[str, Any]:
     """What the agent would say of an attempt, by seat."""
     return {one.seat: one for one in driver.all(PROPOSED) if one.kind == "feedback" and one.attempt == attempt}
 
@@ -197,7 +197,7 @@ def test_feedback_on_a_race_depends_on_winning_not_on_the_goal(
     for a, b in zip(a_ms, b_ms, strict=True):
         driver.both(a, b)
     driver.wait(1000)
-    answers = told(driver)
+    answers = feedback_of(driver)
     assert (answers["A"].valence, answers["B"].valence) == valences
     assert f"{won[0]} of 2" in answers["A"].text
     assert f"{won[1]} of 2" in answers["B"].text
@@ -273,7 +273,7 @@ def test_together_both_have_one_result_and_one_outcome(sit: Sit) -> None:
     assert {(round(one.metric), one.accuracy, one.outcome, one.feedback) for one in results.values()} == {
         (550, 1.0, "success", "positive")
     }
-    assert {one.valence for one in told(driver).values()} == {"positive"}
+    assert {one.valence for one in feedback_of(driver).values()} == {"positive"}
 
 
 def test_together_one_response_alone_is_not_correct(sit: Sit) -> None:

@@ -72,8 +72,8 @@ def test_in_a_race_the_first_onset_wins_even_if_the_other_returns_first() -> Non
     assert (rows["A"].reaction_time_ms, rows["B"].reaction_time_ms) == (near(700), near(500))
     rows = driver.reach(("A", 400, TWITCH), ("B", 600))
     assert (rows["A"].correct, rows["A"].details["won"], rows["B"].details["won"]) == (False, False, True)
-    told = {one.seat: (one.won, one.valence) for one in driver.all(FEEDBACK)}
-    assert told == {"A": (0, "negative"), "B": (2, "positive")}
+    by_seat = {one.seat: (one.won, one.valence) for one in driver.all(FEEDBACK)}
+    assert by_seat == {"A": (0, "negative"), "B": (2, "positive")}
 
 
 def test_together_both_onsets_must_be_within_the_window() -> None:
@@ -118,9 +118,9 @@ def test_a_missing_reach_is_a_miss_with_an_instruction() -> None:
     (row,) = driver.reach().values()
     assert (row.seat, row.response, row.correct, row.timing.flags) == ("A", None, False, ("no_reach",))
     driver.reach(("B", 500))
-    told = {one.seat: one.remark for one in driver.all(FEEDBACK)}
-    assert told["A"].startswith("I saw no whole reach.")
-    assert told["B"] == ""
+    by_seat = {one.seat: one.remark for one in driver.all(FEEDBACK)}
+    assert by_seat["A"].startswith("I saw no whole reach.")
+    assert by_seat["B"] == ""
 
 
 def test_keys_are_no_response_in_a_session_of_reaches() -> None:
@@ -155,8 +155,8 @@ def test_a_detached_sensor_pauses_the_session_and_its_seat_is_named() -> None:
     driver = PairsReachingDriver("alternate")
     driver.sit_down()
     driver.sensor("B", "detached", "Unplugged.")
-    told = driver.last(WAITING)
-    assert (told.what, told.stage, told.seat, told.detail) == ("sensor", "paused", "B", "Unplugged.")
+    by_seat = driver.last(WAITING)
+    assert (by_seat.what, by_seat.stage, by_seat.seat, by_seat.detail) == ("sensor", "paused", "B", "Unplugged.")
     driver.sensor("A", "stalled")
     assert (driver.last(WAITING).what, driver.last(WAITING).seat) == ("sensor", ""), "of both"
     driver.sensor("B", "attached")

@@ -27,7 +27,7 @@ PATIENCE_MS = 60_000
 
 
 class ReachingDriver(LoopDriver):
-    """A session of reaches: two attempts of one each, unless told otherwise.
+    """A session of reaches, by default two attempts of one each.
 
     Args:
         sensor: a profile of the hand and its sensor, or its name.

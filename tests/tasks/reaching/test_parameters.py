@@ -1,4 +1,4 @@
-"""Given settings of the reaching task, when they cannot be, then the person who set them is told why."""
+"""Invalid settings of the reaching task are refused with a reason."""
 
 from itertools import pairwise
 from typing import Any

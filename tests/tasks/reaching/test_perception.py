@@ -1,4 +1,4 @@
-"""Given a hand with a sensor and a space bar, when it reaches, rests or twitches, then each is told as it was."""
+"""A hand with a sensor and a space bar: reaches, rests and twitches are perceived as such."""
 
 from typing import Any
 
@@ -410,7 +410,7 @@ def test_a_reach_beyond_the_range_is_timed_without_peaks() -> None:
     driver.wait(300)
     driver.begin()
     slower = driver.reach()
-    assert "saturated" not in slower.timing.flags, "what went wrong in one reach is not told of the next"
+    assert "saturated" not in slower.timing.flags, "a flag of one reach is not carried to the next"
     assert slower.details["peak_extension_rad_s"] is not None
 
 

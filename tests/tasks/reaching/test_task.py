@@ -25,7 +25,7 @@ SETTINGS: list[dict[str, object]] = [{}, {"go_signal": True}, {"marker_distances
 
 
 def words_of(task: Task) -> Iterator[str]:
-    """All that a participant is told by the task."""
+    """Every text that the task shows to a participant."""
     yield task.instructions()
     for level in range(1, task.levels + 1):
         yield task.goal(level)
