@@ -11,7 +11,7 @@ from sar_tui.link.authority import Authority
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.zenoh_settings import Guest, config, network_settings
 from tests.end_to_end.operator_terminal import Room
-from tests.link.tls_fixtures import House, house, visiting
+from tests.link.tls_fixtures import LinkGuests, invite_guests, visiting
 
 SETTINGS = {
     "attempts": 1,
@@ -23,8 +23,8 @@ SETTINGS = {
 
 
 @pytest.fixture
-def at(data: Path) -> House:
-    return house(data)
+def at(data: Path) -> LinkGuests:
+    return invite_guests(data)
 
 
 def file_of(invited: Invitation, folder: Path, name: str) -> str:
@@ -41,7 +41,7 @@ def without_certificate(invited: Invitation) -> str:
     return msgspec.json.encode(settings).decode()
 
 
-def test_only_invited_guests_join_and_only_in_their_role(at: House, data: Path, tmp_path: Path) -> None:
+def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: Path, tmp_path: Path) -> None:
     stranger = Authority.open_or_create(tmp_path / "elsewhere").invite(Guest("anna", "operator"), [at.where], 30)
     with Room(data) as room:
         participant = room.participant("--listen", at.where.locator, **SETTINGS)

@@ -23,26 +23,26 @@ from sar_tui.link.zenoh_settings import (
     network_settings,
     socket_settings,
 )
-from tests.link.tls_fixtures import FakeBroker, House, eventually, free_port, hosting, house, visiting
+from tests.link.tls_fixtures import FakeBroker, LinkGuests, eventually, free_port, hosting, invite_guests, visiting
 
 
 @pytest.fixture(scope="module")
-def at(tmp_path_factory: pytest.TempPathFactory) -> House:
-    return house(tmp_path_factory.mktemp("house"))
+def at(tmp_path_factory: pytest.TempPathFactory) -> LinkGuests:
+    return invite_guests(tmp_path_factory.mktemp("link"))
 
 
 @pytest.fixture(scope="module")
-def open_house(at: House) -> Iterator[FakeBroker]:
+def running_broker(at: LinkGuests) -> Iterator[FakeBroker]:
     with hosting(at) as host:
         yield host
 
 
 @pytest.fixture
-def host(open_house: FakeBroker) -> FakeBroker:
+def host(running_broker: FakeBroker) -> FakeBroker:
     """The host, with its records cleared."""
-    for records in (open_house.received, open_house.queries, open_house.liveliness):
+    for records in (running_broker.received, running_broker.queries, running_broker.liveliness):
         records.clear()
-    return open_house
+    return running_broker
 
 
 def settings_of(invited: Invitation, **changes: object) -> str:
@@ -51,7 +51,7 @@ def settings_of(invited: Invitation, **changes: object) -> str:
     return msgspec.json.encode(settings).decode()
 
 
-def received_before_last(host: FakeBroker, at: House, guest: zenoh.Session, name: str) -> list[str]:
+def received_before_last(host: FakeBroker, at: LinkGuests, guest: zenoh.Session, name: str) -> list[str]:
     """Return the keys that the host received before a final ping: nothing sent earlier can still come."""
     guest.put(at.keys.ping(name), b"last")
     assert eventually(lambda: (at.keys.ping(name), b"last") in host.received)
@@ -61,7 +61,7 @@ def received_before_last(host: FakeBroker, at: House, guest: zenoh.Session, name
 # --- admission -----------------------------------------------------------------------------------------------------
 
 
-def test_operator_with_valid_certificate_sends_and_receives(at: House, host: FakeBroker) -> None:
+def test_operator_with_valid_certificate_sends_and_receives(at: LinkGuests, host: FakeBroker) -> None:
     received: list[bytes] = []
     with visiting(at.anna) as [anna]:
         anna.declare_subscriber(at.keys.broadcast, lambda s: received.append(bytes(s.payload)))
@@ -77,7 +77,7 @@ def test_operator_with_valid_certificate_sends_and_receives(at: House, host: Fak
         assert eventually(both_received)
 
 
-def test_liveliness_of_an_operator_is_seen(at: House, host: FakeBroker) -> None:
+def test_liveliness_of_an_operator_is_seen(at: LinkGuests, host: FakeBroker) -> None:
     key = at.keys.ping("operator.anna")
     with visiting(at.anna) as [anna]:
         token = anna.liveliness().declare_token(key)
@@ -86,7 +86,7 @@ def test_liveliness_of_an_operator_is_seen(at: House, host: FakeBroker) -> None:
     assert eventually(lambda: host.liveliness == [key, key])
 
 
-def test_connection_without_certificate_fails(at: House, host: FakeBroker) -> None:
+def test_connection_without_certificate_fails(at: LinkGuests, host: FakeBroker) -> None:
     settings = msgspec.json.decode(settings_of(at.anna))
     for name in ("connect_certificate_base64", "connect_private_key_base64", "enable_mtls"):
         del settings["transport"]["link"]["tls"][name]
@@ -94,21 +94,23 @@ def test_connection_without_certificate_fails(at: House, host: FakeBroker) -> No
         zenoh.open(config(msgspec.json.encode(settings).decode()))
 
 
-def test_connection_with_certificate_of_another_authority_fails(at: House, host: FakeBroker, tmp_path: Path) -> None:
+def test_connection_with_certificate_of_another_authority_fails(
+    at: LinkGuests, host: FakeBroker, tmp_path: Path
+) -> None:
     stranger = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
     trusting = Credentials(at.anna.credentials.authority, stranger.credentials.certificate, stranger.credentials.key)
     with pytest.raises(zenoh.ZError):
         zenoh.open(config(network_settings(at.where, trusting)))
 
 
-def test_connection_with_expired_certificate_fails(at: House, host: FakeBroker) -> None:
+def test_connection_with_expired_certificate_fails(at: LinkGuests, host: FakeBroker) -> None:
     with pytest.raises(zenoh.ZError), visiting(at.late):
         pass
 
 
 @pytest.mark.parametrize("is_new", [False, True], ids=["revoked", "made after the session began"])
 def test_panel_that_is_not_admitted_reports_why(
-    at: House, host: FakeBroker, is_new: bool, monkeypatch: pytest.MonkeyPatch
+    at: LinkGuests, host: FakeBroker, is_new: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(transport, "_ADMISSION_TIMEOUT_S", 0.2)
     invitation = at.authority.invite(Guest("newcomer", "operator"), [at.where], 30) if is_new else at.gone
@@ -123,13 +125,13 @@ def test_panel_that_is_not_admitted_reports_why(
     assert host.received == []
 
 
-def test_guest_rejects_host_of_another_authority(at: House, host: FakeBroker, tmp_path: Path) -> None:
+def test_guest_rejects_host_of_another_authority(at: LinkGuests, host: FakeBroker, tmp_path: Path) -> None:
     stranger = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
     with pytest.raises(zenoh.ZError), visiting(stranger):
         pass
 
 
-def test_guest_certificate_cannot_be_used_as_host(at: House, tmp_path: Path) -> None:
+def test_guest_certificate_cannot_be_used_as_host(at: LinkGuests, tmp_path: Path) -> None:
     elsewhere = Endpoint("127.0.0.1", free_port())
     files = TlsFiles(*(tmp_path / name for name in ("authority", "certificate", "key")))
     for path, text in zip(files, msgspec.structs.astuple(at.eve.credentials), strict=True):
@@ -141,7 +143,7 @@ def test_guest_certificate_cannot_be_used_as_host(at: House, tmp_path: Path) -> 
         zenoh.open(config(network_settings(elsewhere, at.anna.credentials)))
 
 
-def test_guest_rejects_host_with_another_name(at: House) -> None:
+def test_guest_rejects_host_with_another_name(at: LinkGuests) -> None:
     elsewhere = Endpoint("127.0.0.2", free_port())
     files = at.authority.host_files([])
     with (
@@ -155,7 +157,7 @@ def test_guest_rejects_host_with_another_name(at: House) -> None:
 
 
 @pytest.mark.parametrize("mode", ["client", "peer"])
-def test_observer_cannot_act(at: House, host: FakeBroker, mode: str) -> None:
+def test_observer_cannot_act(at: LinkGuests, host: FakeBroker, mode: str) -> None:
     keys = at.keys
     targets = [
         *(keys.act(name) for name in ("observer.eve", "operator.anna", "*", "**")),
@@ -181,7 +183,7 @@ def test_observer_cannot_act(at: House, host: FakeBroker, mode: str) -> None:
     assert [query for query in host.queries if query != keys.broadcast] == []
 
 
-def test_operator_cannot_act_under_another_name(at: House, host: FakeBroker) -> None:
+def test_operator_cannot_act_under_another_name(at: LinkGuests, host: FakeBroker) -> None:
     with visiting(at.anna) as [anna]:
         anna.put(at.keys.act("operator.ben"), b"not mine")
         anna.put(at.keys.act("*"), b"everybody's")
@@ -189,7 +191,7 @@ def test_operator_cannot_act_under_another_name(at: House, host: FakeBroker) -> 
         assert received_before_last(host, at, anna, "operator.anna") == []
 
 
-def test_guest_does_not_receive_messages_of_others(at: House, host: FakeBroker) -> None:
+def test_guest_does_not_receive_messages_of_others(at: LinkGuests, host: FakeBroker) -> None:
     received: list[str] = []
     with visiting(at.anna, at.eve) as [anna, eve]:
         for key in ("**", at.keys.all, at.keys.act("*"), at.keys.reply("operator.anna"), at.keys.ping("*")):
@@ -206,7 +208,7 @@ def test_guest_does_not_receive_messages_of_others(at: House, host: FakeBroker) 
     assert set(received) == {at.keys.broadcast}
 
 
-def test_revoked_guest_neither_sends_nor_receives(at: House, host: FakeBroker) -> None:
+def test_revoked_guest_neither_sends_nor_receives(at: LinkGuests, host: FakeBroker) -> None:
     received: list[str] = []
     received_by_anna: list[str] = []
     with visiting(at.gone, at.anna) as [gone, anna]:
@@ -225,7 +227,7 @@ def test_revoked_guest_neither_sends_nor_receives(at: House, host: FakeBroker) -
     assert received == []
 
 
-def test_without_guests_everything_is_denied(at: House, tmp_path: Path) -> None:
+def test_without_guests_everything_is_denied(at: LinkGuests, tmp_path: Path) -> None:
     elsewhere = Endpoint("127.0.0.1", free_port())
     settings = host_settings(at.authority.link, listen=[elsewhere], files=at.authority.host_files([elsewhere]))
     received: list[str] = []
@@ -256,7 +258,7 @@ def test_socket_allows_only_keys_of_the_link(tmp_path: Path) -> None:
 
 
 @pytest.fixture
-def present(at: House, host: FakeBroker) -> Iterator[None]:
+def present(at: LinkGuests, host: FakeBroker) -> Iterator[None]:
     """The session announces itself."""
     token = host.session.liveliness().declare_token(at.keys.broadcast)
     yield
@@ -268,29 +270,29 @@ def probe_with(invited: Invitation) -> None:
 
 
 @pytest.mark.usefixtures("present")
-def test_probe_of_invited_guest_succeeds(at: House) -> None:
+def test_probe_of_invited_guest_succeeds(at: LinkGuests) -> None:
     probe_with(at.eve)
 
 
 @pytest.mark.usefixtures("present")
-def test_probe_of_revoked_guest_fails(at: House) -> None:
+def test_probe_of_revoked_guest_fails(at: LinkGuests) -> None:
     with pytest.raises(LinkError, match="it was revoked, or made after"):
         probe_with(at.gone)
 
 
 @pytest.mark.usefixtures("present")
-def test_probe_of_expired_guest_fails(at: House) -> None:
+def test_probe_of_expired_guest_fails(at: LinkGuests) -> None:
     with pytest.raises(LinkError, match="has expired"):
         probe_with(at.late)
 
 
-def test_probe_fails_where_nothing_listens(at: House) -> None:
+def test_probe_fails_where_nothing_listens(at: LinkGuests) -> None:
     with pytest.raises(LinkError, match="Nothing listens there"):
         probe(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)
 
 
 def test_probe_ignores_modules_in_the_working_directory(
-    at: House, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    at: LinkGuests, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "zenoh.py").write_text("open(0).read(); print('admitted')")
     monkeypatch.chdir(tmp_path)

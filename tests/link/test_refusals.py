@@ -10,7 +10,7 @@ import zenoh
 
 from sar_tui.link.refusals import HOST_LOG, Refusal, RefusalLog, log_environment, why_not_connected
 from sar_tui.link.zenoh_settings import host_settings
-from tests.link.tls_fixtures import house, visiting
+from tests.link.tls_fixtures import invite_guests, visiting
 
 ZID = "b5fa3a2865218a34b09927dff29185fb"
 TLS = "2026-11-21T19:38:04.543323Z  WARN acc-0 ThreadId(05) zenoh_link_tls::unicast: "
@@ -208,7 +208,7 @@ with zenoh.open(config(sys.stdin.readline())):
 
 
 def test_log_of_a_real_host(tmp_path: Path) -> None:
-    at = house(tmp_path)
+    at = invite_guests(tmp_path)
     files = at.authority.host_files([at.where])
     settings = host_settings(at.authority.link, listen=[at.where], files=files, guests=at.authority.guests())
     with subprocess.Popen(

@@ -34,7 +34,7 @@ def eventually(true: Callable[[], object], seconds: float = 60) -> bool:
     return True
 
 
-class House(NamedTuple):
+class LinkGuests(NamedTuple):
     """Authority, its endpoint, and its invitations."""
 
     authority: Authority
@@ -50,11 +50,11 @@ class House(NamedTuple):
         return LinkKeys(self.authority.link)
 
 
-def house(data: Path) -> House:
+def invite_guests(data: Path) -> LinkGuests:
     """Invite operators Anna and Ben, observer Eve, the revoked Gone and the expired Late."""
     where = Endpoint("127.0.0.1", free_port())
     authority = Authority.open_or_create(data)
-    made = House(
+    made = LinkGuests(
         authority,
         where,
         authority.invite(Guest("anna", "operator"), [where], 30),
@@ -83,7 +83,7 @@ class FakeBroker:
 
 
 @contextmanager
-def hosting(at: House) -> Iterator[FakeBroker]:
+def hosting(at: LinkGuests) -> Iterator[FakeBroker]:
     """Run the host as a session with ``--listen`` does."""
     files = at.authority.host_files([at.where])
     settings = host_settings(at.authority.link, listen=[at.where], files=files, guests=at.authority.guests())
