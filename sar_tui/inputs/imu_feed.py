@@ -68,9 +68,9 @@ class ImuFeed:
     def _begin(self) -> None:
         self._queue: deque[Sample | Status] = deque()
         self.received = self.lost = self.dropped = 0
-        self._attached = self._heard = self._stalled = False
+        self._attached = self._has_arrived = self._stalled = False
         self._words = ""
-        self._last_heard = 0
+        self._last_arrival = 0
         self._interval_ms = self._rate_range = self._acceleration_range = inf
         self._counts: deque[tuple[int, int]] = deque()
         self._beyond: list[int] = []
@@ -171,7 +171,7 @@ class ImuFeed:
         if _reaches(rate, self._rate_range) or _reaches(acceleration, self._acceleration_range):
             self._beyond.append(at)
         self._last_ms, self._dropping, self._dropped_since = device_ms, "", 0
-        self._heard = True
+        self._has_arrived = True
         self.received += 1
         rows.append((at, host_ns, device_ms, acceleration, rate, field))
 
@@ -204,14 +204,14 @@ class ImuFeed:
     def _status(self, status: Status, now: int, statuses: list[Status]) -> None:
         if status.state == "saturated":
             self._saturations.append(status)
-            self._heard = True
+            self._has_arrived = True
             return
         if status.state in ("attached", "detached", "ended"):
             self._flush(statuses)
             self._forget_last_sample()
             self._attached, self._stalled = status.state == "attached", False
         if status.state == "attached":
-            self._last_heard = now
+            self._last_arrival = now
             self._counts.clear()
             info = self.source.info
             self._interval_ms = 1000 / info.rate_hz if info and info.rate_hz > 0 else inf
@@ -223,14 +223,14 @@ class ImuFeed:
 
     def _watch(self, now: int, statuses: list[Status]) -> None:
         """Report a sensor that falls silent, and count samples."""
-        if self._heard:
-            self._last_heard = now
+        if self._has_arrived:
+            self._last_arrival = now
             if self._stalled:
                 statuses.insert(0, Status(state="flowing", at=now))
-            self._heard = self._stalled = False
-        elif self._attached and not self._stalled and now - self._last_heard >= STALL:
+            self._has_arrived = self._stalled = False
+        elif self._attached and not self._stalled and now - self._last_arrival >= STALL:
             self._stalled = True
-            statuses.append(Status(state="stalled", at=now, duration_ms=(now - self._last_heard) / MS))
+            statuses.append(Status(state="stalled", at=now, duration_ms=(now - self._last_arrival) / MS))
         if self._counts and self._counts[-1][0] >= now:
             self._counts.pop()
         self._counts.append((now, self.received))

@@ -111,7 +111,7 @@ class RosImuSource:
         bridge = Bridge(
             self._address,
             {},
-            {self._topic: (IMU, lambda message: self._heard(bridge, message))},
+            {self._topic: (IMU, lambda message: self._received(bridge, message))},
             lambda: self._changed(bridge),
         )
         self._bridge = bridge
@@ -148,7 +148,7 @@ class RosImuSource:
                 "detached", f"The connection to the ROS bridge at {self._address} was lost. Waiting for it."
             )
 
-    def _heard(self, bridge: Bridge, message: Any) -> None:
+    def _received(self, bridge: Bridge, message: Any) -> None:
         host_ns = host_now()
         if bridge is not self._bridge:
             return

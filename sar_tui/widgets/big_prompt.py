@@ -12,7 +12,7 @@ from sar_tui.framework.messages import Prompt
 from sar_tui.widgets.prompt_lines import Line, plain_lines
 
 DrawPrompt = Callable[[Prompt | None, int, int], Sequence[Line]]
-"""Draws a prompt, or the fixation point, in so many columns and rows."""
+"""Draws a prompt, or the fixation point, in a number of columns and rows."""
 
 
 class BigPrompt(Widget):

@@ -24,7 +24,7 @@ from sar_tui.widgets.prompt_lines import Line, plain_lines
 Colors = Mapping[str, str]
 """The theme's colours by Textual's names: ``accent``, ``foreground``, ``text-muted``, ``success``, ``warning`` …"""
 Drawing = Callable[[int, int, Colors], Text]
-"""Draws something in so many columns and rows."""
+"""Draws something in a number of columns and rows."""
 
 
 class TaskView(Node):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from sar_tui.motion.trace import Trace
 
 _DRAWN = 3
-"""The newest reach is drawn with those before it, so many in all."""
+"""Number of reaches that are drawn: the newest and those before it."""
 
 
 class ReachingView(TaskView):

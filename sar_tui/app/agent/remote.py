@@ -56,15 +56,15 @@ class AgentView:
         self._cleared = 0
         self._silence: Handle | None = None
 
-    def receive(self, heard: PeerEvent) -> None:
+    def receive(self, event: PeerEvent) -> None:
         """Take what arrived over the link."""
-        match heard:
+        match event:
             case Welcome():
-                self._enter(heard)
+                self._enter(event)
             case Connection():
-                self._connect(heard)
+                self._connect(event)
             case list():
-                for frame in heard:
+                for frame in event:
                     self._take(frame)
 
     def _enter(self, welcome: Welcome) -> None:

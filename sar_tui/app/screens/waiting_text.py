@@ -81,12 +81,12 @@ def _paused(waiting: Waiting, task: Task, tr: Language) -> WaitingText | None:
             return _no_space(waiting.detail, tr)
         case "sensor":
             why = waiting.detail or tr("The sensor sends nothing. Check its cable.")
-            unheard = tr("The sensor on your hand is not heard just now. Nothing is lost.")
+            silent = tr("The sensor on your hand is not heard just now. Nothing is lost.")
             if len(task.seats) > 1 and waiting.seat:
-                unheard = f"{task.display_name(waiting.seat)}: {unheard}"
+                silent = f"{task.display_name(waiting.seat)}: {silent}"
             return WaitingText(
                 tr("Please wait"),
-                f"{unheard}\n\n"
+                f"{silent}\n\n"
                 f"{tr('For the experimenter: {words}', words=why)}\n"
                 f"{tr('The session goes on by itself if it is heard again. To end it: Escape.')}",
                 "",
