@@ -26,7 +26,7 @@ _TOO_LATE_MS = 1e12
 
 _NOT_RISING = "The sensor's time stamps do not increase; such samples are left out."
 _NO_NUMBER = "The sensor reports an angular rate that is not a number; such samples are left out."
-_NO_SAMPLE = "The sensor sends something else than three numbers for each of its axes; such samples are left out."
+_NO_SAMPLE = "The sensor sends something other than three numbers for each of its axes; such samples are left out."
 _RESTARTED = "The sensor's clock began anew; the number of missing samples is unknown."
 _BEYOND = "Faster or harder than the sensor can measure."
 

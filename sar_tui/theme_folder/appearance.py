@@ -226,7 +226,7 @@ class _Reader:
             if manner is None:
                 continue
             unknown = [
-                f"The manner of {name} has the {kind} {chosen}, which there is not."
+                f"The manner of {name} has the {kind} {chosen}, which does not exist."
                 for kind, known in (("face", FACES), ("gesture", gestures), ("gaze", GAZES), ("tone", TONES))
                 if (chosen := getattr(manner, kind)) and chosen not in known
             ]

@@ -35,7 +35,7 @@ def competent(conditions: Conditions) -> Report:
         *report.claims,
         Claim(f"Competent users get more positives than poor ones in all {len(SEEDS)} seeds.", "; ".join(fewer)),
         Claim(
-            "Poor users get more negatives than competent ones, over all seeds.",
+            "Over all seeds, poor users get more negative feedback than competent ones.",
             "" if negative[1] > negative[0] else f"they get {negative[1]} against {negative[0]}",
         ),
     ]
@@ -54,10 +54,10 @@ def examples(conditions: Conditions) -> Report:
     figures = [row["text"] for row in rows if row["form"] == "quantitative" and not _NUMBER.search(row["text"])]
     untrue = [row["text"] for row in rows if row["form"] == "quantitative" and not _is_true(row)]
     claims = [
-        Claim("No qualitative answer holds a number, in digits or in words.", "; ".join(words)),
-        Claim("Every quantitative answer gives a figure.", "; ".join(figures)),
+        Claim("No qualitative feedback contains a number, in digits or in words.", "; ".join(words)),
+        Claim("All quantitative feedback contains a figure.", "; ".join(figures)),
         Claim(
-            "Every figure is the result, the goal, or how far the result is from the last at that level.",
+            "Every figure is the result, the goal, or the difference from the last result at that level.",
             "; ".join(untrue),
         ),
     ]

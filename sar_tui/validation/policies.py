@@ -38,21 +38,21 @@ def run(conditions: Conditions) -> Report:
         _claim(rows, "The log gives a reason for each attempt.", lambda row: bool(row["why"].strip().endswith("."))),
         _claim(
             rows,
-            "Where the log says that an attempt was answered, and nowhere else, it holds what was said.",
+            "The log holds the text of each feedback that it reports, and no other.",
             lambda row: bool(row["text"]) == bool(row["feedback"]),
         ),
         _claim(
             rows,
-            f"An answer that falls due comes {DELAY_MS} ms after its attempt, and one that is asked for at once.",
+            f"Feedback that is due comes {DELAY_MS} ms after its attempt, requested feedback at once.",
             lambda row: (
                 row["answered_after_ms"] is None
                 or abs(row["answered_after_ms"] - (0 if row["asked"] else DELAY_MS)) <= _NEAR_MS
             ),
         ),
-        _claim(rows, "No attempt begins before the one before is answered.", lambda row: not row["next_began_before"]),
+        _claim(rows, "No attempt begins before the last one's feedback.", lambda row: not row["next_began_before"]),
         _claim(
             [row for row in rows if row["schedule"] == "summary" and row["feedback"]],
-            f"A summary is of {SUMMARY} attempts, and says how many of them reached the goal.",
+            f"A summary covers {SUMMARY} attempts, and says how many of them reached the goal.",
             lambda row: row["attempts"] == SUMMARY and str(row["reached_of_them"]) in row["text"].split(),
         ),
     ]
@@ -88,28 +88,26 @@ def _outside(rows: Sequence[Row]) -> list[int]:
 
 
 SCHEDULES: dict[str, Schedule] = {
-    "every": Schedule(
-        {"feedback_every": EVERY}, f"every: each {EVERY} attempts are answered, and no other.", _each(EVERY)
-    ),
+    "every": Schedule({"feedback_every": EVERY}, f"every: feedback after every {EVERY} attempts only.", _each(EVERY)),
     "faded": Schedule(
         {"feedback_fade": FADE},
-        f"faded: rarer by an attempt with each {FADE} successes more than failures.",
+        f"faded: one attempt rarer for each {FADE} more successes than failures.",
         _faded,
     ),
     "bandwidth": Schedule(
         {"feedback_tolerance": BANDWIDTH_PERCENT},
-        f"bandwidth: only results more than {BANDWIDTH_PERCENT:g} % off the goal, or with too few right responses.",
+        f"bandwidth: only on results more than {BANDWIDTH_PERCENT:g} % from the goal, or with too few right responses.",
         _outside,
     ),
     "summary": Schedule(
-        {"feedback_every": SUMMARY}, f"summary: each {SUMMARY} attempts are summed up.", _each(SUMMARY)
+        {"feedback_every": SUMMARY}, f"summary: a summary after every {SUMMARY} attempts.", _each(SUMMARY)
     ),
     "request": Schedule(
         {},
-        "request: the attempts after which the participant asked, and no other.",
+        "request: only after attempts for which the participant asked.",
         lambda rows: [row["attempt"] for row in rows if row["asked"]],
     ),
-    "none": Schedule({}, "none: nothing is said of any attempt.", lambda rows: []),
+    "none": Schedule({}, "none: no feedback.", lambda rows: []),
 }
 
 
@@ -173,7 +171,7 @@ def _listed(attempts: Sequence[int]) -> str:
 
 _COLUMNS = [
     Column("schedule", lambda row: str(row["schedule"]), is_number=False),
-    Column("attempts answered", lambda row: str(row["answered"]) or None, is_number=False),
-    Column("why the last of them was", lambda row: row["why"], is_number=False),
-    Column("why the last of the others was not", lambda row: row["why_not"], is_number=False),
+    Column("feedback after", lambda row: str(row["answered"]) or None, is_number=False),
+    Column("why after the last", lambda row: row["why"], is_number=False),
+    Column("why not after another", lambda row: row["why_not"], is_number=False),
 ]

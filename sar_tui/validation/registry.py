@@ -21,6 +21,6 @@ VALIDATIONS: dict[str, Validation] = {
     "figure-4.14": Validation("The thesis' Figure 4.14: feedback every attempt, and every three", feedback.frequency),
     "table-4.1": Validation("The thesis' Table 4.1: eight simulated reaches, measured", table_4_1.run),
     "reach": Validation("Reaches under difficulties, by both detectors", reach.run),
-    "policies": Validation("When each schedule of feedback answers, what, and why", policies.run),
-    "modularity": Validation("How much of the code that a session runs is the framework's", modularity.run),
+    "policies": Validation("Feedback under each schedule, and the reasons", policies.run),
+    "modularity": Validation("Share of the framework in the code that a session runs", modularity.run),
 }

@@ -334,10 +334,10 @@ def test_a_theme_may_define_gestures(mine: Path, change: Change) -> None:
 @pytest.mark.parametrize(
     ("manner", "repair"),
     [
-        ('gesture = "jump"', "The manner of positive has the gesture jump, which there is not."),
-        ('face = "angry"', "The manner of positive has the face angry, which there is not."),
-        ('gaze = "away"', "The manner of positive has the gaze away, which there is not."),
-        ('tone = "boo"', "The manner of positive has the tone boo, which there is not."),
+        ('gesture = "jump"', "The manner of positive has the gesture jump, which does not exist."),
+        ('face = "angry"', "The manner of positive has the face angry, which does not exist."),
+        ('gaze = "away"', "The manner of positive has the gaze away, which does not exist."),
+        ('tone = "boo"', "The manner of positive has the tone boo, which does not exist."),
         ("gesture = 3", "manner.positive in theme.toml cannot be used: Expected `str`, got `int`"),
         ('smell = "nice"', "manner.positive in theme.toml cannot be used: Object contains unknown field `smell`"),
     ],

@@ -107,9 +107,9 @@ def test_examples_are_of_both_forms_and_each_degree(conditions: Conditions) -> N
 @pytest.mark.parametrize(
     ("form", "text", "sentence"),
     [
-        ("qualitative", "You were twice as good.", "No qualitative answer holds a number"),
-        ("qualitative", "That makes 3.", "No qualitative answer holds a number"),
-        ("quantitative", "Well done.", "Every quantitative answer gives a figure"),
+        ("qualitative", "You were twice as good.", "No qualitative feedback contains a number"),
+        ("qualitative", "That makes 3.", "No qualitative feedback contains a number"),
+        ("quantitative", "Well done.", "All quantitative feedback contains a figure"),
         ("quantitative", "That took 17 ms.", "Every figure is the result"),
     ],
 )

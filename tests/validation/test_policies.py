@@ -101,16 +101,16 @@ def reworded(done: Simulated) -> Simulated:
 @pytest.mark.parametrize(
     ("change", "schedule", "sentence", "against"),
     [
-        (altered({"feedback": "none"}), "every", "every: each 2", "attempts 10 are otherwise"),
-        (altered({"feedback": "positive"}), "faded", "faded: rarer", "attempts 10 are otherwise"),
+        (altered({"feedback": "none"}), "every", "every: feedback after every 2", "attempts 10 are otherwise"),
+        (altered({"feedback": "positive"}), "faded", "faded: one attempt rarer", "attempts 10 are otherwise"),
         (altered({"metric": 500.0}), "bandwidth", "bandwidth: only", "attempts 10 are otherwise"),
-        (altered({"feedback": "none"}), "summary", "summary: each 5", "attempts 10 are otherwise"),
-        (lambda done: done._replace(asked=[]), "request", "request: the attempts after", "are otherwise"),
-        (altered({"feedback": "positive"}), "none", "none: nothing is said", "attempts 10 are otherwise"),
-        (silent, "every", "Where the log says that an attempt was answered", "every, attempt 2; every, attempt 4; "),
-        (hurried, "every", "An answer that falls due comes 1500 ms after", "every, attempt 2; "),
+        (altered({"feedback": "none"}), "summary", "summary: a summary after every 5", "attempts 10 are otherwise"),
+        (lambda done: done._replace(asked=[]), "request", "request: only after", "are otherwise"),
+        (altered({"feedback": "positive"}), "none", "none: no feedback", "attempts 10 are otherwise"),
+        (silent, "every", "The log holds the text of each feedback", "every, attempt 2; every, attempt 4; "),
+        (hurried, "every", "Feedback that is due comes 1500 ms after", "every, attempt 2; "),
         (late, "every", "No attempt begins before", "every, attempt 2; "),
-        (reworded, "summary", "A summary is of 5 attempts", "summary, attempt 5; summary, attempt 10; "),
+        (reworded, "summary", "A summary covers 5 attempts", "summary, attempt 5; summary, attempt 10; "),
     ],
 )
 def test_a_contradicting_log_fails_the_claim(
