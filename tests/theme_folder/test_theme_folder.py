@@ -522,7 +522,7 @@ JUNK = st.recursive(
 def test_any_theme_that_can_be_read_is_complete(mine: Path, catalogue: Catalogue, data: st.DataObject) -> None:
     for name in ("theme.toml", "phrases.en.toml"):
         table = tomllib.loads((catalogue.theme_folder("playful") / name).read_text(encoding="utf-8"))
-        for key in data.draw(st.lists(st.sampled_from(sorted(table)), max_size=3)):
+        for key in data.draw(st.lists(st.sampled_from(sorted(table)), max_size=3, unique=True)):
             inside = table[key]
             if isinstance(inside, dict) and data.draw(st.booleans()):
                 inside[data.draw(st.sampled_from(sorted(inside)))] = data.draw(JUNK)
