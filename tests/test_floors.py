@@ -1,4 +1,4 @@
-"""Given the framework, when it is imported, then no screen, device, database or network comes with it."""
+"""Importing the framework loads no screen, device, database or network module."""
 
 import json
 import subprocess

@@ -8,7 +8,7 @@ from sar_tui.framework.theme import Theme
 
 
 def english_in(shown: Iterable[str], translations: Mapping[str, str]) -> list[tuple[str, str]]:
-    """Which English texts stand in what is shown, each with the first place where it does."""
+    """Return the English texts found in shown texts, each with its first occurrence."""
     lines = [" ".join(line.split()) for line in dict.fromkeys(shown)]
     found = []
     for text, own in translations.items():
@@ -19,7 +19,7 @@ def english_in(shown: Iterable[str], translations: Mapping[str, str]) -> list[tu
 
 
 def phrases(english: Theme, own: Theme) -> dict[str, str]:
-    """What a theme says in English, as if each were the translation of the other."""
+    """Return the English wordings of a theme as a translation table."""
     return {
         wording: "" for name in english.phrases for wording in english.phrases[name] if wording not in own.phrases[name]
     }

@@ -42,13 +42,13 @@ def known(data: Path, participant: str = "P01", theme: str = "calm", **parameter
     """Store a participant with settings for the keyboard task."""
     database = connect(data)
     participants.add(database, participant)
-    kept = participants.Settings(SHORT | parameters, theme)
-    participants.save_settings(database, participant, "keyboard", kept)
+    settings = participants.Settings(SHORT | parameters, theme)
+    participants.save_settings(database, participant, "keyboard", settings)
     database.conn.close()
 
 
 class AppDriver:
-    """A person at the app. Only this class advances the session's clock."""
+    """Drives the app as a user. Only this class advances the session's clock."""
 
     def __init__(self, app: SarTui, clock: VirtualClock) -> None:
         self.app = app
@@ -84,7 +84,7 @@ class AppDriver:
             await settle(self.app)
 
     async def wait(self, ms: float) -> None:
-        """Let time pass. A prompt that comes up in it is seen at once."""
+        """Let time pass. A prompt that appears is displayed at once."""
         until = self.clock.now() + round(ms * MS)
         seen = len(self._prompts)
         while self.clock.step(until):
@@ -95,7 +95,7 @@ class AppDriver:
         await self.settle()
 
     async def resize(self, columns: int, rows: int) -> None:
-        """Give the window another size."""
+        """Resize the window."""
         await self.pilot.resize_terminal(columns, rows)
         await self.settle()
 
@@ -122,12 +122,12 @@ class AppDriver:
         return self._waiting[-1]
 
     async def to_first_prompt(self) -> Prompt:
-        """From the instructions to the first prompt."""
+        """Continue from the instructions to the first prompt."""
         await self.press("enter")
         return await self.begin()
 
     async def begin(self) -> Prompt:
-        """Begin the attempt that is offered, and wait for its first prompt."""
+        """Begin the next attempt, and wait for its first prompt."""
         await self.wait(300)
         await self.press("enter")
         return await self.to_prompt()
@@ -154,21 +154,21 @@ class AppDriver:
         await self.answer(prompt)
 
     async def do_session(self) -> None:
-        """From the instructions to the summary."""
+        """Continue from the instructions to the summary."""
         await self.do_attempt(await self.to_first_prompt())
         while self.waiting.stage == "attempt":
             await self.do_attempt(await self.begin())
         await self.see_the_summary()
 
     async def see_the_summary(self) -> None:
-        """From the last answer to the summary, and look at it for a moment."""
+        """Continue from the last response to the summary, and wait a moment."""
         assert self.waiting.stage == "review", f"the session waits for {self.waiting}"
         await self.wait(300)
         await self.press("enter")
         await self.wait(300)
 
     async def disk(self, working: bool) -> None:
-        """The disk refuses to write, or no longer does."""
+        """Make writing to the disk fail, or work again."""
         self.session.bus.post(STORAGE, StorageChanged(working=working, reason="" if working else "The disk is full."))
         await self.settle()
 
@@ -201,7 +201,7 @@ class AppDriver:
         """Return True if the words are on the screen, wherever its lines break."""
         return words in " ".join(self.text.translate(_FRAMES).split())
 
-    # --- what is kept ------------------------------------------------------------------------------------------
+    # --- the database ------------------------------------------------------------------------------------------
 
     def stored(self, query: str, *values: object) -> list[tuple[Any, ...]]:
         """Query the database."""

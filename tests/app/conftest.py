@@ -1,4 +1,4 @@
-"""No test of the app depends on the terminal of whoever runs it, or on what else they run."""
+"""Keep tests of the app independent of the developer's terminal and other sessions."""
 
 from collections.abc import Iterator
 
@@ -21,11 +21,11 @@ def a_plain_terminal() -> Iterator[None]:
 
 @pytest.fixture(autouse=True)
 def no_session_to_join(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No test sees sessions that run on this machine, which the first screen offers to join."""
+    """Hide sessions that run on this machine, which the first screen lists."""
     monkeypatch.setattr("sar_tui.link.discovery.live_sessions", list)
 
 
 @pytest.fixture(autouse=True)
 def no_collection(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Skip the garbage collection around each attempt: with all that a test run holds in memory it takes long."""
+    """Skip garbage collection around attempts, which is slow with the memory of a test run."""
     monkeypatch.setattr("gc.collect", lambda generation=2: 0)

@@ -1,4 +1,4 @@
-"""A voice that says what is asked of it when, and as, a test wants it: an output like a plug-in's."""
+"""A voice output under the control of a test, installed like that of a plug-in."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ from tests.app.app_driver import AppDriver
 
 
 class Voice(Output):
-    """Keeps what it is asked to say; the test tells what becomes of it."""
+    """Voice that records requests and reports only when the test says so."""
 
     name = "voice"
     can = frozenset({"say"})
@@ -33,18 +33,18 @@ class Voice(Output):
         self.is_closed = True
 
     async def begin(self, driver: AppDriver) -> None:
-        """Begin to speak the last request."""
+        """Report that the last request has started."""
         self.report(self.asked[-1][0], "say", "started")
         await driver.settle()
 
     async def end(self, driver: AppDriver) -> None:
-        """It has been said to its end."""
+        """Report the end of the utterance."""
         self._over = len(self.asked)
         self.report(self.asked[-1][0], "say", "done")
         await driver.settle()
 
     async def fail(self, driver: AppDriver) -> None:
-        """It could not be said."""
+        """Report that the utterance failed."""
         self._over = len(self.asked)
         self.report(self.asked[-1][0], "say", "failed", "The loudspeaker is gone.")
         await driver.settle()
@@ -65,7 +65,7 @@ class _Entry:
 
 @pytest.fixture
 def voice(monkeypatch: pytest.MonkeyPatch) -> Voice:
-    """A voice that is installed; a session has it with ``outputs=["screen", "voice"]``."""
+    """Install a voice; a session uses it with ``outputs=["screen", "voice"]``."""
     installed = Voice()
     monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [_Entry(installed)])
     return installed

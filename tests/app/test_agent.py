@@ -321,7 +321,7 @@ async def test_outside_a_session_f2_belongs_to_the_screen(data: Path, catalogue:
 
 
 def longest(theme: Theme, among: list[str]) -> str:
-    """The longest wording of some situations, its slots filled with long figures."""
+    """Return the longest wording of some phrase keys, with long values in its slots."""
     slots = {**_LONG, "reference": max(theme.vocabulary.values(), key=len)}
     return max((wording.format(**slots) for name in among for wording in theme.phrases[name]), key=len)
 

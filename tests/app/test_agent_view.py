@@ -1,4 +1,4 @@
-"""Given the agent on a screen of its own, when its session's link tells something, then it says and does that."""
+"""The agent on a separate screen follows the messages of its session's link."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -24,7 +24,7 @@ IN_A_TRIAL = Waiting(what="response", stage="trial", attempt=1, trial=1)
 
 
 class Link:
-    """A session at the other end of a link, in the test's hands; and the browser's voice."""
+    """Fake link to a session, and a fake voice of the browser."""
 
     name, role = "observer.agent-view", "observer"
 
@@ -91,7 +91,7 @@ class Link:
 
 
 class Watcher:
-    """Somebody in front of the view."""
+    """Reads the view and lets time pass."""
 
     def __init__(self, app: AgentApp, link: Link, pilot: Any) -> None:
         self.app, self.link, self._pilot = app, link, pilot

@@ -128,7 +128,7 @@ async def test_a_window_that_shrinks_twice_under_the_help_is_covered_once(data: 
 
 
 def _refuse(driver: AppDriver) -> None:
-    """Whatever the app itself would write from here on is refused."""
+    """Make all further writes of the app fail."""
     driver.app.database.execute("PRAGMA query_only=ON")
 
 

@@ -1,4 +1,4 @@
-"""Help, the footer and the palette: what can be done is said in the words on the keyboard."""
+"""Help, the footer and the palette name the available keys."""
 
 from pathlib import Path
 

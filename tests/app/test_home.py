@@ -1,4 +1,4 @@
-"""Home: who sits down, what they do, and what was done before."""
+"""The home screen: participants, tasks and past sessions."""
 
 from datetime import datetime
 from pathlib import Path

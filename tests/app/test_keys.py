@@ -1,4 +1,4 @@
-"""Which keys reach the loop: those pressed on a session's screen, as what they are."""
+"""Keys reach the loop only from the screens of a session."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Given a session in Spanish, when a participant goes through all of its screens, then they read Spanish only."""
+"""All screens of a session in Spanish are in Spanish only."""
 
 from pathlib import Path
 from typing import Any
@@ -32,14 +32,14 @@ def plan(catalogue: Catalogue, name: str, theme: str = "calm", **parameters: Any
 
 
 class Tour:
-    """A participant's way through a session, with the texts seen so far."""
+    """Walk through a session that collects the texts seen."""
 
     def __init__(self, driver: AppDriver) -> None:
         self.driver = driver
         self.seen: list[str] = []
 
     def look(self, *words: str) -> None:
-        """Look at the screen, and find these words on it."""
+        """Collect the texts on the screen, and check that these are among them."""
         self.seen += [" ".join(self.driver.text.translate(_FRAMES).split()), *self.driver.text.split("\n")]
         for each in words:
             assert self.driver.sees(each), f"{each!r} is not on the screen:\n{self.driver.text}"
@@ -54,7 +54,7 @@ class Tour:
         await self.driver.settle()
 
     def found(self, catalogue: Catalogue) -> list[tuple[str, str]]:
-        """The English there was."""
+        """Return the English texts found."""
         said = phrases(catalogue.theme("calm"), catalogue.theme("calm", "es"))
         return english_in(self.seen, session_language(self.driver.session.task).texts | said)
 

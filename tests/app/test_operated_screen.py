@@ -1,4 +1,4 @@
-"""Given an operator, when they decide, then the participant sees what was decided, and nothing of the rest."""
+"""The participant sees the operator's decisions and nothing else of the panel."""
 
 from pathlib import Path
 
@@ -14,18 +14,18 @@ APPROVE = {"operator_feedback": "approve", "operator_time_ms": 20_000, "encourag
 ANA = "operator.ana"
 
 
-async def to_offer(driver: AppDriver) -> m.PendingApproval:
-    """To the end of the first attempt, with an operator who has not decided for a second and a half."""
-    standing: list[m.ArbiterState] = []
-    driver.session.bus.subscribe(ARBITER_STATE, standing.append)
+async def to_proposal(driver: AppDriver) -> m.PendingApproval:
+    """Continue to the end of the first attempt, and leave the proposal undecided for 1.5 s."""
+    states: list[m.ArbiterState] = []
+    driver.session.bus.subscribe(ARBITER_STATE, states.append)
     driver.session.bus.post(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
     await driver.do_attempt(await driver.to_first_prompt())
     await driver.wait(1500)
-    return standing[-1].pending[0]
+    return states[-1].pending[0]
 
 
-async def decide(driver: AppDriver, offer: m.PendingApproval, verdict: str, **how: object) -> None:
-    decision = m.Decision(action=offer.proposal.id, verdict=verdict, actor=ANA, **how)  # type: ignore[arg-type]
+async def decide(driver: AppDriver, pending: m.PendingApproval, verdict: str, **how: object) -> None:
+    decision = m.Decision(action=pending.proposal.id, verdict=verdict, actor=ANA, **how)  # type: ignore[arg-type]
     driver.session.bus.post(DECISION, decision)
     await driver.settle()
 
@@ -35,11 +35,11 @@ async def test_a_filler_disappears_after_the_wait_and_only_the_decision_is_shown
     data: Path, catalogue: Catalogue, keyboard: type[Task], verdict: str
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **APPROVE)) as driver:
-        offer = await to_offer(driver)
+        pending = await to_proposal(driver)
         assert driver.said in catalogue.theme("calm").phrases["filler"]
         assert "Press Enter" not in driver.text
-        await decide(driver, offer, verdict)
-        assert driver.said == (offer.proposal.text if verdict == "accept" else "")
+        await decide(driver, pending, verdict)
+        assert driver.said == (pending.proposal.text if verdict == "accept" else "")
         assert "Press Enter to begin attempt 2 of 2." in driver.text
 
 
@@ -47,8 +47,8 @@ async def test_edited_feedback_is_shown_in_the_operators_words_only(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(keyboard, **APPROVE)) as driver:
-        offer = await to_offer(driver)
-        await decide(driver, offer, "edit", text="You held on [b]well[/b].")
+        pending = await to_proposal(driver)
+        await decide(driver, pending, "edit", text="You held on [b]well[/b].")
         assert driver.said == "You held on [b]well[/b]."
         for word in ("operator", "ana", "approve"):
             assert word not in driver.text.lower().split()

@@ -1,4 +1,4 @@
-"""A pause: at once, unconfirmed, in the middle of anything; only ending asks again."""
+"""A pause is possible at any time without confirmation; ending needs one."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Given the playful theme in Spanish, when a child goes through a session, then every screen says tú to them."""
+"""The playful theme in Spanish addresses the participant as tú on every screen."""
 
 import re
 from pathlib import Path
@@ -23,13 +23,13 @@ USTED = re.compile(
 
 
 def spoken_to(texts: list[str]) -> list[str]:
-    """Those among the texts that say usted."""
+    """Return the texts that address the reader as usted."""
     return [text for text in texts if USTED.search(text)]
 
 
 @pytest.fixture
 def shipped(catalogue: Catalogue) -> dict[str, str]:
-    """All Spanish that the screens have without a theme's own words."""
+    """All Spanish texts of the screens, without those of themes."""
     modules = (sar_tui.framework, sar_tui.app)
     folders = [Path(str(module.__file__)).parent for module in modules]
     return language("es", *folders, *(task_folder(catalogue.task(name)) for name in TASKS)).texts

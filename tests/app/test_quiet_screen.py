@@ -1,4 +1,4 @@
-"""Nothing moves while a response is awaited, and no colour is needed to read the screen."""
+"""Nothing moves while a response is awaited, and the screens are readable without colour."""
 
 import gc
 import re
@@ -17,7 +17,7 @@ _UNSTYLED = "c5c8c6"
 
 
 def count_frames(driver: AppDriver, monkeypatch: pytest.MonkeyPatch) -> list[object]:
-    """Every frame that the app draws from here on."""
+    """Return a list to which each further frame of the app is added."""
     frames: list[object] = []
     draw = driver.app._display
 

@@ -21,7 +21,7 @@ from tests.app.app_driver import AppDriver, open_app, stored
 
 @asynccontextmanager
 async def at_the_table(data: Path, catalogue: Catalogue, **parameters: Any) -> AsyncIterator[AppDriver]:
-    """Sit down to two attempts of one reach, the sensor looked at and found good."""
+    """Start a session of two attempts of one reach, after the sensor check."""
     settings = {"attempts": 2, "imu": "simulated", **parameters}
     async with open_app(data, catalogue, make_plan(catalogue, "reaching", ["P01"], settings, seed=7)) as driver:
         await driver.wait(300)
@@ -31,7 +31,7 @@ async def at_the_table(data: Path, catalogue: Catalogue, **parameters: Any) -> A
 
 
 async def to_start(driver: AppDriver) -> None:
-    """From the instructions, or from between two attempts, to where a reach can be started, the hand at rest."""
+    """Continue from the instructions or a pause between attempts until a reach can be started."""
     if driver.waiting.stage == "instructions":
         await driver.wait(300)
         await driver.press("enter")
@@ -42,7 +42,7 @@ async def to_start(driver: AppDriver) -> None:
 
 
 async def reach(driver: AppDriver) -> None:
-    """Space, out and back by itself, space."""
+    """Press space, let the simulated hand reach, and press space."""
     await driver.press("space")
     await driver.wait(2500)
     await driver.press("space")
@@ -50,7 +50,7 @@ async def reach(driver: AppDriver) -> None:
 
 
 async def sensor(driver: AppDriver, state: SensorState, detail: str = "") -> None:
-    """The sensor tells of itself."""
+    """Publish a change of the sensor."""
     changed = SensorChanged(state=state, at=driver.clock.now(), detail=detail, rate_hz=250.0)
     driver.session.bus.post(SENSOR, changed)
     await driver.settle()

@@ -1,4 +1,4 @@
-"""Before a session with a motion sensor: given what the sensor does, then the screen says so, and what to do."""
+"""The sensor check before a session shows the state of the sensor and what to do."""
 
 import math
 import re
@@ -40,7 +40,7 @@ def plain(sample: Sample) -> Sample:
 
 
 class Plugged:
-    """A sensor that is plugged in and pulled out by hand; what it measures may be altered on its way."""
+    """Sensor that a test attaches and detaches, and whose samples it may alter."""
 
     def __init__(self, profile: Profile = PROFILES["clean"], alter: Alter = plain, at_once: bool = True) -> None:
         self.info: Info | None = None
@@ -79,7 +79,7 @@ class Plugged:
 
 
 class Moved(Plugged):
-    """One whose hand makes the test reach by itself."""
+    """Sensor with a simulated hand that makes the test reach."""
 
     def move(self, at_ns: int, shape: ReachShape) -> None:
         self.moves.append(shape)
@@ -97,13 +97,13 @@ def reaching_plan(task: type[Task], theme: str = "calm", **parameters: object) -
 
 
 @pytest.fixture
-def seated(
+def open_check(
     data: Path, catalogue: Catalogue, reaching: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> Callable[..., Any]:
-    """Sits somebody down before a session whose sensor is the one given."""
+    """Open the sensor check of a session with the given sensor."""
 
     @asynccontextmanager
-    async def sit(source: Plugged, theme: str = "calm", **parameters: object) -> AsyncIterator[AppDriver]:
+    async def opened(source: Plugged, theme: str = "calm", **parameters: object) -> AsyncIterator[AppDriver]:
         def open_source(_: str, *, clock: VirtualClock, **__: object) -> Plugged:
             source.clock = clock
             return source
@@ -112,7 +112,7 @@ def seated(
         async with open_app(data, catalogue, reaching_plan(reaching, theme, **parameters)) as driver:
             yield driver
 
-    return sit
+    return opened
 
 
 def axis(driver: AppDriver, name: str) -> tuple[str, ...]:
@@ -140,9 +140,9 @@ async def test_a_session_with_a_sensor_begins_with_the_sensor_check(
     assert stored(data, "SELECT task, mode FROM sessions") == [("reaching", "live")]
 
 
-async def test_the_session_takes_over_the_running_sensor(seated: Callable[..., Any]) -> None:
+async def test_the_session_takes_over_the_running_sensor(open_check: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.wait(1000)
         (feed,) = driver.app.feeds
         await driver.press("enter")
@@ -162,9 +162,9 @@ async def test_a_task_without_a_sensor_has_no_sensor_check(
         assert driver.screen_name == "SessionScreen"
 
 
-async def test_escape_leaves_an_app_that_was_opened_for_one_session(data: Path, seated: Callable[..., Any]) -> None:
+async def test_escape_leaves_an_app_that_was_opened_for_one_session(data: Path, open_check: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.wait(300)
         await driver.press("escape")
         assert driver.app.return_code == 0
@@ -175,8 +175,8 @@ async def test_escape_leaves_an_app_that_was_opened_for_one_session(data: Path, 
 async def test_escape_leads_home_and_the_check_can_be_opened_again(data: Path, catalogue: Catalogue) -> None:
     database = connect(data)
     participants.add(database, "P01")
-    kept = participants.Settings({"imu": "simulated"}, "high-contrast")
-    participants.save_settings(database, "P01", "reaching", kept)
+    settings = participants.Settings({"imu": "simulated"}, "high-contrast")
+    participants.save_settings(database, "P01", "reaching", settings)
     database.conn.close()
     async with open_app(data, catalogue) as driver:
         driver.app.screen.query_one("#start", Button).active_effect_duration = 0  # it takes no second press meanwhile
@@ -193,10 +193,10 @@ async def test_escape_leads_home_and_the_check_can_be_opened_again(data: Path, c
 
 @pytest.mark.parametrize(("key", "code"), [("ctrl+q", 0), ("ctrl+c", 130)])
 async def test_the_sensor_is_released_however_the_app_ends(
-    key: str, code: int, data: Path, seated: Callable[..., Any]
+    key: str, code: int, data: Path, open_check: Callable[..., Any]
 ) -> None:
     source = Plugged()
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.wait(300)
         assert source.running
         await driver.press(key)
@@ -206,10 +206,10 @@ async def test_the_sensor_is_released_however_the_app_ends(
 
 
 async def test_a_session_that_cannot_be_opened_releases_the_sensor(
-    seated: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+    open_check: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source = Plugged()
-    async with seated(source, max_level=6, start_level=6, marker_distances_cm=(10, 20, 30, 40, 50, 60)) as driver:
+    async with open_check(source, max_level=6, start_level=6, marker_distances_cm=(10, 20, 30, 40, 50, 60)) as driver:
         monkeypatch.setattr("sar_tui.app.live.LiveSession.open", refuse)
         await driver.press("enter", "enter")
         assert driver.app.failure == "The disk is full."
@@ -240,9 +240,9 @@ async def test_a_resumed_session_has_no_sensor_check(data: Path, catalogue: Cata
         assert driver.screen_name == "SessionScreen"
 
 
-async def test_a_finished_recording_is_replayed_by_the_session(seated: Callable[..., Any]) -> None:
+async def test_a_finished_recording_is_replayed_by_the_session(open_check: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.wait(300)
         source.tell("ended")
         await driver.wait(100)
@@ -271,10 +271,10 @@ async def test_on_a_live_clock_the_check_has_a_worker_that_ends_with_it(
 
 
 async def test_a_missing_sensor_is_reported_after_three_seconds_and_found_later(
-    seated: Callable[..., Any],
+    open_check: Callable[..., Any],
 ) -> None:
     source = Plugged(at_once=False)
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         assert driver.sees("Sensor … Looking for it")
         await driver.wait(2900)
         assert driver.sees("Looking for it")
@@ -293,10 +293,10 @@ async def test_a_missing_sensor_is_reported_after_three_seconds_and_found_later(
 
 
 async def test_messages_of_the_sensor_are_shown_literally(
-    seated: Callable[..., Any],
+    open_check: Callable[..., Any],
 ) -> None:
     source = Plugged(at_once=False)
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         source.tell("detached", "Waiting for the sensor with the number 12.")
         await driver.wait(3100)
         assert driver.sees("! No sensor found. Waiting for the sensor with the number 12.")
@@ -313,9 +313,9 @@ async def test_messages_of_the_sensor_are_shown_literally(
         assert not driver.sees("packet lost")
 
 
-async def test_without_a_sensor_enter_must_be_pressed_twice(data: Path, seated: Callable[..., Any]) -> None:
+async def test_without_a_sensor_enter_must_be_pressed_twice(data: Path, open_check: Callable[..., Any]) -> None:
     source = Plugged(at_once=False)
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.press("enter")
         assert driver.screen_name == "SensorCheckScreen"
         assert driver.sees("There is no sensor, so the session will wait for one. Press Enter again")
@@ -329,8 +329,8 @@ async def test_without_a_sensor_enter_must_be_pressed_twice(data: Path, seated: 
     assert len(stored(data, "SELECT id FROM sessions")) == 1
 
 
-async def test_missing_samples_are_counted(seated: Callable[..., Any]) -> None:
-    async with seated(Plugged(PROFILES["lossy"])) as driver:
+async def test_missing_samples_are_counted(open_check: Callable[..., Any]) -> None:
+    async with open_check(Plugged(PROFILES["lossy"])) as driver:
         await driver.wait(4000)
         row = next(row for row in driver.rows if "Samples" in row)
         lost = int(row.split(",")[1].split()[0])
@@ -338,19 +338,19 @@ async def test_missing_samples_are_counted(seated: Callable[..., Any]) -> None:
         assert driver.sees("Try another cable or port.")
 
 
-async def test_samples_that_are_not_numbers_are_counted_as_left_out(seated: Callable[..., Any]) -> None:
+async def test_samples_that_are_not_numbers_are_counted_as_left_out(open_check: Callable[..., Any]) -> None:
     def spoil(sample: Sample) -> Sample:
         return sample._replace(rate=NOTHING) if round(sample.device_ms) % 400 == 0 else sample
 
-    async with seated(Plugged(alter=spoil)) as driver:
+    async with open_check(Plugged(alter=spoil)) as driver:
         await driver.wait(2200)
         assert driver.sees("6 left out")
         assert driver.sees("Trouble ! The sensor reports an angular")
 
 
-async def test_a_stalled_sensor_is_reported(seated: Callable[..., Any]) -> None:
+async def test_a_stalled_sensor_is_reported(open_check: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.wait(500)
         source.inner.stop()
         await driver.wait(700)
@@ -358,9 +358,9 @@ async def test_a_stalled_sensor_is_reported(seated: Callable[..., Any]) -> None:
         assert not driver.sees("At rest")
 
 
-async def test_a_slow_sensor_is_reported(seated: Callable[..., Any]) -> None:
+async def test_a_slow_sensor_is_reported(open_check: Callable[..., Any]) -> None:
     source = Plugged(at_once=False)
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         source.info = Info(source="USB", model="Slow", rate_hz=4.0)
         source.inner.hand = SimulatedHand(PROFILES["clean"], 4.0)
         source.inner.start(source.sink, source.on_status)
@@ -368,9 +368,9 @@ async def test_a_slow_sensor_is_reported(seated: Callable[..., Any]) -> None:
         assert driver.sees("That is too few to see a reach.")
 
 
-async def test_the_bias_is_shown_only_while_the_hand_is_still(seated: Callable[..., Any]) -> None:
+async def test_the_bias_is_shown_only_while_the_hand_is_still(open_check: Callable[..., Any]) -> None:
     source = Plugged(PROFILES["biased"])
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         assert axis(driver, "z") == ("────────┼────────", "–", "–", "–")
         await driver.wait(2500)
         assert axis(driver, "x") == ("────────┼────────", "+0.10", "+6.00", "+0.105")
@@ -384,9 +384,9 @@ async def test_the_bias_is_shown_only_while_the_hand_is_still(seated: Callable[.
         assert bias == ["–", "–"]
 
 
-async def test_zeroing_is_requested_and_confirmed_briefly(seated: Callable[..., Any]) -> None:
+async def test_zeroing_is_requested_and_confirmed_briefly(open_check: Callable[..., Any]) -> None:
     source = Plugged(at_once=False)
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.press("z")
         assert driver.sees("There is no sensor to zero.")
         assert source.zeroed == 0
@@ -424,19 +424,19 @@ def test_the_axis_that_points_up_is_found_by_gravity(up: Any, mark: str, says: s
 @pytest.mark.parametrize(
     ("sign", "says"), [(1.0, "Placing ✓ z points up"), (-1.0, "! turned over"), (math.nan, "measures no acceleration")]
 )
-async def test_an_upside_down_sensor_is_reported(sign: float, says: str, seated: Callable[..., Any]) -> None:
+async def test_an_upside_down_sensor_is_reported(sign: float, says: str, open_check: Callable[..., Any]) -> None:
     def turn(sample: Sample) -> Sample:
         x, y, z = sample.acceleration
         return sample._replace(acceleration=(sign * x, sign * y, sign * z))
 
-    async with seated(Plugged(alter=turn)) as driver:
+    async with open_check(Plugged(alter=turn)) as driver:
         await driver.wait(1500)
         assert driver.sees(says)
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])
-async def test_the_drawn_hand_has_its_thumb_on_the_correct_side(hand: str, seated: Callable[..., Any]) -> None:
-    async with seated(Plugged(), hand=hand) as driver:
+async def test_the_drawn_hand_has_its_thumb_on_the_correct_side(hand: str, open_check: Callable[..., Any]) -> None:
+    async with open_check(Plugged(), hand=hand) as driver:
         thumb = next(row for row in driver.rows if "↑ y" in row).rstrip()
         beside = thumb[: thumb.index("↑")].split("│")[0] if hand == "right" else thumb[thumb.index("y") :]
         assert "╭─╮" in beside
@@ -467,10 +467,10 @@ def test_a_number_has_a_sign_and_zero_is_never_negative() -> None:
 
 
 async def test_the_test_reach_of_a_simulated_hand_is_drawn_with_its_phases(
-    seated: Callable[..., Any],
+    open_check: Callable[..., Any],
 ) -> None:
     source = Moved(PROFILES["drifting"])
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.wait(500)
         await driver.press("t")
         assert driver.sees("Rest the hand at the start, and keep it still")
@@ -487,9 +487,9 @@ async def test_the_test_reach_of_a_simulated_hand_is_drawn_with_its_phases(
         assert len(source.moves) == 1
 
 
-async def test_a_persons_test_reach_is_found_as_soon_as_the_hand_rests(seated: Callable[..., Any]) -> None:
+async def test_a_persons_test_reach_is_found_as_soon_as_the_hand_rests(open_check: Callable[..., Any]) -> None:
     source = Plugged(PROFILES["noisy"])
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.wait(3000)
         await driver.press("t")
         await driver.wait(500)
@@ -511,9 +511,9 @@ async def test_a_persons_test_reach_is_found_as_soon_as_the_hand_rests(seated: C
     ids=["turned round", "other hand", "saturated"],
 )
 async def test_flags_of_the_test_reach_are_shown_beside_its_curve(
-    profile: Profile, parameters: dict[str, object], says: str, seated: Callable[..., Any]
+    profile: Profile, parameters: dict[str, object], says: str, open_check: Callable[..., Any]
 ) -> None:
-    async with seated(Moved(profile), **parameters) as driver:
+    async with open_check(Moved(profile), **parameters) as driver:
         await driver.wait(2000)
         await driver.press("t")
         await driver.wait(6000)
@@ -521,9 +521,9 @@ async def test_flags_of_the_test_reach_are_shown_beside_its_curve(
         assert any("├" in row and "out" in row for row in driver.rows)
 
 
-async def test_saturation_is_not_attributed_to_the_cable(seated: Callable[..., Any]) -> None:
+async def test_saturation_is_not_attributed_to_the_cable(open_check: Callable[..., Any]) -> None:
     source = Moved(PROFILES["saturating"])
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.wait(2000)
         await driver.press("t")
         await driver.wait(2500)
@@ -534,9 +534,9 @@ async def test_saturation_is_not_attributed_to_the_cable(seated: Callable[..., A
         assert not driver.sees("Trouble")
 
 
-async def test_a_hand_that_does_not_return_ends_the_test(seated: Callable[..., Any]) -> None:
+async def test_a_hand_that_does_not_return_ends_the_test(open_check: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.wait(1500)
         await driver.press("t")
         await driver.wait(500)
@@ -545,19 +545,19 @@ async def test_a_hand_that_does_not_return_ends_the_test(seated: Callable[..., A
         assert driver.sees(f"! {NO_REACH}")
 
 
-async def test_a_hand_that_never_reaches_ends_the_test_with_a_message(seated: Callable[..., Any]) -> None:
-    async with seated(Plugged()) as driver:
+async def test_a_hand_that_never_reaches_ends_the_test_with_a_message(open_check: Callable[..., Any]) -> None:
+    async with open_check(Plugged()) as driver:
         await driver.wait(1500)
         await driver.press("t")
         await driver.wait(16_000)
         assert driver.sees(f"! {NO_REACH}")
 
 
-async def test_waiting_for_a_hand_to_rest_is_limited(seated: Callable[..., Any]) -> None:
+async def test_waiting_for_a_hand_to_rest_is_limited(open_check: Callable[..., Any]) -> None:
     def shake(sample: Sample) -> Sample:
         return sample._replace(rate=(0.0, 0.0, 2.0 * math.sin(sample.device_ms / 300)))
 
-    async with seated(Plugged(alter=shake)) as driver:
+    async with open_check(Plugged(alter=shake)) as driver:
         await driver.wait(500)
         await driver.press("t")
         await driver.wait(7000)
@@ -566,9 +566,9 @@ async def test_waiting_for_a_hand_to_rest_is_limited(seated: Callable[..., Any])
         assert driver.sees("Now reach out")
 
 
-async def test_a_detached_sensor_ends_the_test(seated: Callable[..., Any]) -> None:
+async def test_a_detached_sensor_ends_the_test(open_check: Callable[..., Any]) -> None:
     source = Plugged()
-    async with seated(source) as driver:
+    async with open_check(source) as driver:
         await driver.wait(300)
         await driver.press("t")
         source.unplug()
@@ -599,8 +599,8 @@ def test_the_reason_for_no_reach_is_shown(invalid: str) -> None:
 # --- how it looks -------------------------------------------------------------------------------------------
 
 
-async def test_help_describes_the_check(seated: Callable[..., Any]) -> None:
-    async with seated(Plugged()) as driver:
+async def test_help_describes_the_check(open_check: Callable[..., Any]) -> None:
+    async with open_check(Plugged()) as driver:
         for words in ("T Test", "Z Zero", "Enter Begin", "Esc Back", "Ctrl-Q Quit", "F1 Help"):
             assert words in driver.rows[-1]
         await driver.press("f1")
@@ -611,10 +611,12 @@ async def test_help_describes_the_check(seated: Callable[..., Any]) -> None:
 
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
-async def test_snapshot_of_the_check(theme: str, seated: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_snapshot_of_the_check(
+    theme: str, open_check: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(test_snapshots, "FOLDER", SNAPSHOTS)
     album, source = Album(theme), Moved(PROFILES["drifting"], at_once=False)
-    async with seated(source, theme) as driver:
+    async with open_check(source, theme) as driver:
         await driver.wait(3500)
         await driver.press("enter")
         album.take("no-sensor", driver)

@@ -1,4 +1,4 @@
-"""Settings: a form made from a task's declaration, kept for one participant."""
+"""Settings: a form made from a task's declaration, stored for one participant."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -23,7 +23,7 @@ def groups(driver: AppDriver) -> list[FieldGroup]:
 
 
 def every_field(driver: AppDriver) -> list[ParameterField]:
-    """Those that are folded away as well."""
+    """Return all fields, including folded ones."""
     return [widget for found in groups(driver) for widget in found.fields]
 
 
@@ -42,7 +42,7 @@ def reads(driver: AppDriver, name: str) -> str:
 
 
 def group(driver: AppDriver, title: str) -> FieldGroup:
-    """The heading that begins with some words, and what stands under it."""
+    """Return the group whose heading begins with a text."""
     return next(found for found in groups(driver) if title in found.heading.title)
 
 
@@ -52,12 +52,12 @@ def heading(found: FieldGroup) -> str:
 
 
 def on_the_form(driver: AppDriver) -> str:
-    """All that can be read left of the scroll bar."""
+    """Return the text of the form, without its scroll bar."""
     return " ".join(" ".join(row[:76] for row in driver.rows).split())
 
 
 async def go_to(driver: AppDriver, name: str) -> None:
-    """Put the cursor into a field, and open its heading for that."""
+    """Focus a field, and unfold its heading."""
     around = next(found for found in groups(driver) if field(driver, name) in found.fields)
     if around.folded:
         around.heading.focus()
@@ -67,14 +67,14 @@ async def go_to(driver: AppDriver, name: str) -> None:
 
 
 async def fill(driver: AppDriver, name: str, text: str) -> None:
-    """Replace what a field holds."""
+    """Replace the content of a field."""
     await go_to(driver, name)
     await driver.write("end", "ctrl+u")
     await driver.write(*text)
 
 
-def kept(data: Path) -> dict[str, Any]:
-    """The settings of P01 as they are stored."""
+def stored_settings(data: Path) -> dict[str, Any]:
+    """Return the stored settings of P01."""
     ((parameters,),) = stored(data, "SELECT parameters FROM settings WHERE participant='P01'")
     return dict(msgspec.json.decode(parameters))
 
@@ -146,7 +146,7 @@ async def test_a_new_parameter_has_a_field_without_further_changes(
         await driver.press("enter", "down", "enter")
         assert driver.sees("● Drum no")
         await driver.press("ctrl+s")
-    assert kept(data) == {"tempo": 7, "drum": False}
+    assert stored_settings(data) == {"tempo": 7, "drum": False}
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -185,7 +185,7 @@ async def test_an_invalid_value_is_not_saved_and_gets_the_focus(data: Path, cata
         await driver.press("ctrl+s")
         assert field(driver, "attempts").has_focus_within
         assert driver.sees("Attempts is a whole number, 1 to 200, not 0.")
-    assert kept(data)["attempts"] == 20
+    assert stored_settings(data)["attempts"] == 20
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -248,7 +248,7 @@ async def test_saved_settings_apply_to_the_participants_next_session(data: Path,
         await driver.press("escape", *["right"] * 3, "enter", "enter")
         assert driver.sees("Press Enter to begin attempt 1 of 3.")
         assert (await driver.begin()).expected in ("left", "right")
-    assert kept(data) == {"attempts": 3, "choice_set": "arrow keys"}
+    assert stored_settings(data) == {"attempts": 3, "choice_set": "arrow keys"}
     assert stored(data, "SELECT json_extract(parameters, '$.attempts') FROM settings WHERE participant='P02'") == [(2,)]
 
 
@@ -264,7 +264,7 @@ async def test_leaving_with_unsaved_changes_asks_once(data: Path, catalogue: Cat
         assert driver.screen_name == "HomeScreen"
         await driver.press("f2", "escape")
         assert driver.screen_name == "HomeScreen"
-    assert kept(data)["attempts"] == 20
+    assert stored_settings(data)["attempts"] == 20
 
 
 @pytest.mark.slow
@@ -294,7 +294,7 @@ async def test_a_language_that_the_theme_lacks_is_reported_at_its_field(data: Pa
         await fill(driver, "language", "es-mx")
         await driver.press("ctrl+s")
         assert driver.sees("saved for P01")
-    assert kept(data)["language"] == "es-mx"
+    assert stored_settings(data)["language"] == "es-mx"
 
 
 async def test_a_language_can_be_set_with_a_missing_theme(data: Path, catalogue: Catalogue) -> None:
@@ -425,7 +425,7 @@ async def test_an_invalid_value_unfolds_its_heading(data: Path, catalogue: Catal
         await driver.press("enter", "ctrl+s")
         assert field(driver, "foreperiod_min_ms").has_focus_within
         assert driver.sees("Shortest wait (500 ms) is above the longest (400 ms).")
-    assert kept(data)["attempts"] == 20
+    assert stored_settings(data)["attempts"] == 20
 
 
 @pytest.mark.slow
@@ -438,7 +438,7 @@ async def test_folded_settings_are_saved_too(data: Path, catalogue: Catalogue) -
         await driver.press("enter", "ctrl+s")
         assert heading(group(driver, "Timing")) == "▶ Timing ● quiet before a prompt: 700 ms"
         assert driver.sees("saved for P01")
-    assert kept(data) == {"quiet_ms": 700}
+    assert stored_settings(data) == {"quiet_ms": 700}
 
 
 async def test_settings_that_were_never_unfolded_are_saved_and_reset_too(data: Path, catalogue: Catalogue) -> None:
@@ -448,14 +448,14 @@ async def test_settings_that_were_never_unfolded_are_saved_and_reset_too(data: P
         group(driver, "Operator").heading.focus()
         await driver.press("ctrl+r", "ctrl+s")
         assert driver.sees("saved for P01")
-        assert kept(data) == {"quiet_ms": 700}
+        assert stored_settings(data) == {"quiet_ms": 700}
         driver.app.screen.query_one("#reset-all").focus()
         await driver.press("enter", "ctrl+s")
         assert not any(field(driver, name).is_mounted for name in ("quiet_ms", "operator_lost_ms"))
         group(driver, "Timing").heading.focus()
         await driver.press("enter")
         assert driver.sees("Quiet before a prompt 500")
-    assert kept(data) == {}
+    assert stored_settings(data) == {}
 
 
 async def test_an_invalid_stored_value_is_unfolded_when_the_form_opens(data: Path, catalogue: Catalogue) -> None:

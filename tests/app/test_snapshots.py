@@ -1,4 +1,4 @@
-"""The screens as they stand at 80 by 24, in every theme, as plain text.
+"""Snapshots of the screens at 80 by 24 in every theme, as plain text.
 
 They are kept in ``snapshots/``. ``SAR_TUI_UPDATE_SNAPSHOTS=1`` draws them anew; then look at what has changed.
 """
@@ -34,7 +34,7 @@ SESSION = (
 
 
 class Album:
-    """Compares screens with their snapshots, and tells in the end which have changed."""
+    """Compares screens with their snapshots, and reports all that have changed."""
 
     def __init__(self, theme: str) -> None:
         self._theme = theme

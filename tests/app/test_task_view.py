@@ -85,7 +85,7 @@ def own_tasks(tmp_path: Path) -> Path:
 
 
 async def play(driver: AppDriver) -> list[str]:
-    """Do both attempts; returns the screens seen: a prompt, between attempts, the summary."""
+    """Do both attempts and return the screens seen: a prompt, between attempts, the summary."""
     prompt = await driver.to_first_prompt()
     seen = [driver.text]
     await driver.do_attempt(prompt)

@@ -1,4 +1,4 @@
-"""Themes are edited while the app runs, and seen to change: but never in a trial."""
+"""Edited themes are applied while the app runs, but never in a trial."""
 
 import os
 import shutil
@@ -22,7 +22,7 @@ HAPPY_EYES = "│  ◠   ◠  │"
 
 @pytest.fixture
 def folder(tmp_path: Path, catalogue: Catalogue) -> Path:
-    """A theme of one's own, like calm at first."""
+    """A copy of the calm theme."""
     own = tmp_path / "themes" / "mine"
     shutil.copytree(catalogue.theme_folder("calm"), own)
     return own
@@ -34,7 +34,7 @@ def themes(folder: Path) -> Catalogue:
 
 
 def edit(folder: Path, old: str, new: str, file: str = "theme.toml") -> None:
-    """Change a file, and let its time of change be another, however fast the test is."""
+    """Change a file and its modification time, however fast the test is."""
     path = folder / file
     text = path.read_text(encoding="utf-8")
     assert old in text
@@ -44,19 +44,19 @@ def edit(folder: Path, old: str, new: str, file: str = "theme.toml") -> None:
 
 
 async def look(driver: AppDriver) -> None:
-    """Look twice, as the app does by its timer."""
+    """Check twice, as the app does by its timer."""
     driver.app.theme_watch.look()
     driver.app.theme_watch.look()
     await driver.settle()
 
 
 class Editor:
-    """Hears what a watch wears and tells."""
+    """Records the themes and reports of a watch."""
 
     def __init__(self, themes: Catalogue) -> None:
-        self.worn: list[Theme] = []
+        self.applied: list[Theme] = []
         self.notices: list[str] = []
-        self.watch = ThemeWatch(themes, self.worn.append, self.notices.append)
+        self.watch = ThemeWatch(themes, self.applied.append, self.notices.append)
         self.watch.follow("mine")
 
 
@@ -66,15 +66,15 @@ class Editor:
 def test_an_edited_theme_is_applied_once_when_its_files_stop_changing(folder: Path, themes: Catalogue) -> None:
     editor = Editor(themes)
     editor.watch.look()
-    assert editor.worn == []
+    assert editor.applied == []
     edit(folder, "#7cc4e8", "#7cc4e9")
     editor.watch.look()
     edit(folder, "#7cc4e9", "#7cc4ea")
     editor.watch.look()
-    assert editor.worn == []
+    assert editor.applied == []
     for _ in range(3):
         editor.watch.look()
-    assert [theme.colors.accent for theme in editor.worn] == ["#7cc4ea"]
+    assert [theme.colors.accent for theme in editor.applied] == ["#7cc4ea"]
     assert editor.notices == []
 
 
@@ -86,7 +86,7 @@ def test_added_phrases_are_an_edit_and_the_language_stays(folder: Path, themes: 
     (folder / "phrases.es.toml").write_text(spanish, encoding="utf-8")
     editor.watch.look()
     editor.watch.look()
-    assert [theme.language for theme in editor.worn] == ["es"]
+    assert [theme.language for theme in editor.applied] == ["es"]
 
 
 def test_an_unreadable_theme_is_reported_once_and_applied_when_fixed(folder: Path, themes: Catalogue) -> None:
@@ -94,14 +94,14 @@ def test_an_unreadable_theme_is_reported_once_and_applied_when_fixed(folder: Pat
     edit(folder, "[colors]", "[colors")
     for _ in range(4):
         editor.watch.look()
-    assert editor.worn == []
+    assert editor.applied == []
     (notices,) = editor.notices
     assert notices.startswith("The theme mine cannot be read: ")
     assert notices.endswith("The previous version stays in use.")
     edit(folder, "[colors\n", "[colors]\n")
     for _ in range(2):
         editor.watch.look()
-    assert len(editor.worn) == 1
+    assert len(editor.applied) == 1
     assert len(editor.notices) == 1
 
 
@@ -121,7 +121,7 @@ def test_a_theme_with_problems_is_applied_and_the_problems_reported(
         edit(folder, f'"{color}"', '"blueish"')
     editor.watch.look()
     editor.watch.look()
-    assert len(editor.worn) == 1
+    assert len(editor.applied) == 1
     assert notices in editor.notices[0]
 
 
@@ -130,7 +130,7 @@ def test_a_theme_whose_folder_was_removed_is_reported_and_stays_applied(folder: 
     shutil.rmtree(folder)
     for _ in range(3):
         editor.watch.look()
-    assert editor.worn == []
+    assert editor.applied == []
     assert len(editor.notices) == 1
 
 
@@ -166,8 +166,8 @@ async def test_in_a_session_face_colours_and_later_utterances_change(
         assert driver.app.screen.styles.background.hex.lower() == "#30171e"
         await driver.do_attempt(await driver.to_first_prompt())
         assert "Splendid." in driver.said
-        worn = driver.messages("theme/worn")
-        assert worn[-1]["theme"]["colors"]["background"] == "#30171e"
+        applied = driver.messages("theme/worn")
+        assert applied[-1]["theme"]["colors"]["background"] == "#30171e"
 
 
 async def test_a_session_in_spanish_stays_in_spanish_when_its_theme_is_edited(

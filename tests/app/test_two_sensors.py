@@ -14,16 +14,16 @@ from sar_tui.widgets.speed_trace import SpeedTrace
 from tests.app.app_driver import AppDriver, open_app, stored
 from tests.app.test_sensor_check import Moved, Plugged
 
-Sit = Callable[..., Any]
+OpenCheck = Callable[..., Any]
 LEFT, RIGHT = "On the left: P01", "On the right: P02"
 
 
 @pytest.fixture
-def seated(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) -> Sit:
-    """Sits two people down before a session with these sensors."""
+def open_check(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) -> OpenCheck:
+    """Open the sensor check of a session of two with these sensors."""
 
     @asynccontextmanager
-    async def sit(left: Plugged, right: Plugged, **parameters: object) -> AsyncIterator[AppDriver]:
+    async def opened(left: Plugged, right: Plugged, **parameters: object) -> AsyncIterator[AppDriver]:
         def open_source(name: str, *, clock: VirtualClock, **__: object) -> Plugged:
             source = {"left": left, "right": right}[name]
             source.clock = clock
@@ -35,12 +35,12 @@ def seated(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) ->
         async with open_app(data, catalogue, plan) as driver:
             yield driver
 
-    return sit
+    return opened
 
 
-async def test_sensors_are_checked_one_after_the_other_before_the_session(data: Path, seated: Sit) -> None:
+async def test_sensors_are_checked_one_after_the_other_before_the_session(data: Path, open_check: OpenCheck) -> None:
     left, right = Plugged(), Plugged(at_once=False)
-    async with seated(left, right, hand_b="left") as driver:
+    async with open_check(left, right, hand_b="left") as driver:
         assert driver.screen_name == "SensorCheckScreen"
         await driver.wait(3500)
         assert driver.sees(f"▸ {LEFT} ✓")
@@ -64,9 +64,9 @@ async def test_sensors_are_checked_one_after_the_other_before_the_session(data: 
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
 
 
-async def test_a_test_reach_is_that_of_the_checked_hand(seated: Sit) -> None:
+async def test_a_test_reach_is_that_of_the_checked_hand(open_check: OpenCheck) -> None:
     left, right = Moved(), Moved()
-    async with seated(left, right) as driver:
+    async with open_check(left, right) as driver:
         await driver.wait(2500)
         await driver.press("tab", "t")
         await driver.wait(8000)
@@ -78,9 +78,9 @@ async def test_a_test_reach_is_that_of_the_checked_hand(seated: Sit) -> None:
         assert (left.zeroed, right.zeroed) == (1, 0)
 
 
-async def test_without_one_of_two_sensors_enter_asks_first(data: Path, seated: Sit) -> None:
+async def test_without_one_of_two_sensors_enter_asks_first(data: Path, open_check: OpenCheck) -> None:
     left, right = Plugged(at_once=False), Plugged()
-    async with seated(left, right) as driver:
+    async with open_check(left, right) as driver:
         await driver.wait(500)
         await driver.press("enter", "enter")
         assert driver.screen_name == "SensorCheckScreen"
@@ -90,8 +90,8 @@ async def test_without_one_of_two_sensors_enter_asks_first(data: Path, seated: S
     assert stored(data, "SELECT id FROM sessions") == []
 
 
-async def test_the_details_of_two_sensors_fit_on_the_screen(seated: Sit) -> None:
-    async with seated(Moved(), Moved()) as driver:
+async def test_the_details_of_two_sensors_fit_on_the_screen(open_check: OpenCheck) -> None:
+    async with open_check(Moved(), Moved()) as driver:
         await driver.wait(3000)
         for words in ("T Test", "Z Zero", "Enter Begin", "Esc Back", "F1 Help"):
             assert words in driver.rows[-1]
@@ -103,9 +103,11 @@ async def test_the_details_of_two_sensors_fit_on_the_screen(seated: Sit) -> None
         assert trace.region.bottom < len(driver.rows)
 
 
-async def test_the_seat_of_a_detached_sensor_is_shown_and_the_session_continues_by_itself(seated: Sit) -> None:
+async def test_the_seat_of_a_detached_sensor_is_shown_and_the_session_continues_by_itself(
+    open_check: OpenCheck,
+) -> None:
     left, right = Plugged(), Plugged()
-    async with seated(left, right) as driver:
+    async with open_check(left, right) as driver:
         await driver.wait(500)
         await driver.press("enter", "enter", "enter")
         assert driver.sees("Press Enter to begin attempt 1 of 1.")
@@ -125,9 +127,9 @@ async def test_the_seat_of_a_detached_sensor_is_shown_and_the_session_continues_
         assert driver.sees("Press Enter to begin attempt 1 of 1.")
 
 
-async def test_a_detached_sensor_is_reported_with_the_participants_code(seated: Sit) -> None:
+async def test_a_detached_sensor_is_reported_with_the_participants_code(open_check: OpenCheck) -> None:
     left, right = Plugged(), Plugged()
-    async with seated(left, right, address="code") as driver:
+    async with open_check(left, right, address="code") as driver:
         await driver.wait(500)
         await driver.press("enter", "enter", "enter")
         right.unplug()
@@ -135,8 +137,8 @@ async def test_a_detached_sensor_is_reported_with_the_participants_code(seated: 
         assert driver.sees("P02: The sensor on your hand is not heard just now.")
 
 
-async def test_the_help_of_two_sensors_names_the_settings_of_both(seated: Sit) -> None:
-    async with seated(Plugged(), Plugged()) as driver:
+async def test_the_help_of_two_sensors_names_the_settings_of_both(open_check: OpenCheck) -> None:
+    async with open_check(Plugged(), Plugged()) as driver:
         logged = driver.app.screen.help_text
         assert "set Sensor on the left and Sensor on the right to simulated" in logged
         assert "Motion sensor" not in logged
@@ -153,5 +155,5 @@ async def test_simulated_hands_play_by_themselves(data: Path, catalogue: Catalog
         assert driver.sees("Left: reach out and back Right: reach out and back")
         await driver.wait(20_000)
         assert [fault.error for fault in driver.session.faults] == []
-    kept = stored(data, "SELECT trial, seat, response, correct FROM trials ORDER BY trial, seat")
-    assert kept == [(trial, seat, "reach", 1) for trial in (1, 2) for seat in "AB"]
+    stored_rows = stored(data, "SELECT trial, seat, response, correct FROM trials ORDER BY trial, seat")
+    assert stored_rows == [(trial, seat, "reach", 1) for trial in (1, 2) for seat in "AB"]

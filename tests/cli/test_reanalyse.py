@@ -15,7 +15,7 @@ def change(folder: Path, statement: str, *values: object) -> None:
         connection.execute(statement, values)
 
 
-def kept(folder: Path) -> list[str]:
+def stored_rows(folder: Path) -> list[str]:
     with sqlite3.connect(folder / "data" / "sar-tui.db") as connection:
         return list(connection.iterdump())
 
@@ -87,10 +87,10 @@ def test_people_read_a_table_and_a_sentence(call: Call, reached: str) -> None:
 
 
 def test_nothing_that_was_recorded_changes(call: Call, tmp_path: Path, reached: str) -> None:
-    before = kept(tmp_path)
+    before = stored_rows(tmp_path)
     call("reanalyse", reached)
     call("reanalyse", reached, "--detector", "fixed-threshold", "--json")
-    assert kept(tmp_path) == before
+    assert stored_rows(tmp_path) == before
 
 
 def test_samples_that_were_never_stored_are_reported(call: Call, tmp_path: Path, reached: str) -> None:

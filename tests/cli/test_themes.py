@@ -35,7 +35,7 @@ def change(evening: Path) -> Change:
 
 @pytest.fixture
 def own_themes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """Where a user's own themes are found; there is none yet."""
+    """Folder of the user's own themes, empty at first."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
     monkeypatch.setattr("sar_tui.plugins.user_folder", lambda: tmp_path / "config" / "sar-tui")
     return tmp_path / "config" / "sar-tui" / "themes"

@@ -1,4 +1,4 @@
-"""A seat in front of the real program: a pseudo-terminal, eyes that read its screen, and the database afterwards."""
+"""Drives the real program in a pseudo-terminal, and reads its screen and its database."""
 
 import json
 import sqlite3
@@ -13,7 +13,7 @@ import pyte
 from sar_tui.timing.pty import Terminal
 
 QUICK = {"quiet_ms": 40, "foreperiod_min_ms": 60, "foreperiod_max_ms": 120, "min_rt_ms": 50}
-"""Parameters with which a test need not wait for long."""
+"""Parameters that keep a test short."""
 
 
 def command(*words: str) -> list[str]:
@@ -26,7 +26,7 @@ def run_command(data: Path, participant: str = "P01", **parameters: object) -> l
 
 
 def see_the_summary(terminal: Terminal) -> None:
-    """From the last answer to the summary."""
+    """Continue from the last response to the summary."""
     terminal.wait_for("Press Enter to see how it went.")
     terminal.settle()
     terminal.press("enter")
@@ -35,7 +35,7 @@ def see_the_summary(terminal: Terminal) -> None:
 
 
 def see_the_agent_still(terminal: Terminal, data: Path, seconds: float = 60) -> None:
-    """Wait until the agent has waved, and looks on."""
+    """Wait until the agent has stopped acting."""
     deadline = time.monotonic() + seconds
     acting: list[bool] = []
     while not acting or acting[-1]:
@@ -45,8 +45,8 @@ def see_the_agent_still(terminal: Terminal, data: Path, seconds: float = 60) -> 
         acting = [json.loads(message)["acting"] for (message,) in reported]
 
 
-class Eyes:
-    """Reads a terminal's screen as a person would."""
+class ScreenReader:
+    """Reads the text on a terminal's screen."""
 
     def __init__(self, terminal: Terminal, columns: int = 80, rows: int = 24) -> None:
         self._terminal = terminal

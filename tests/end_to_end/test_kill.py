@@ -32,9 +32,9 @@ def test_kills_lose_no_acknowledged_trial_and_change_no_prompt(
             terminal.kill()
             terminal.wait()
         assert rows(data, "PRAGMA integrity_check") == [("ok",)]
-        (kept,) = rows(data, "SELECT count(*) FROM trials")
-        assert pressed + len(presses) - 1 <= kept[0] <= pressed + len(presses), "at most the last press is lost"
-        pressed = kept[0]
+        (stored,) = rows(data, "SELECT count(*) FROM trials")
+        assert pressed + len(presses) - 1 <= stored[0] <= pressed + len(presses), "at most the last press is lost"
+        pressed = stored[0]
 
     with Terminal(command("resume", only_session(data), "--data", str(data))) as terminal:
         ScriptedParticipant(terminal, random_answers(99, 60, 120)).run(PROMPTS * attempts - pressed)

@@ -10,7 +10,7 @@ from sar_tui.link import invitation
 from sar_tui.link.authority import Authority
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.zenoh_settings import Guest, config, network_settings
-from tests.end_to_end.operator_terminal import Room
+from tests.end_to_end.operator_terminal import SessionTerminals
 from tests.link.tls_fixtures import LinkGuests, invite_guests, visiting
 
 SETTINGS = {
@@ -43,31 +43,31 @@ def without_certificate(invited: Invitation) -> str:
 
 def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: Path, tmp_path: Path) -> None:
     stranger = Authority.open_or_create(tmp_path / "elsewhere").invite(Guest("anna", "operator"), [at.where], 30)
-    with Room(data) as room:
-        participant = room.participant("--listen", at.where.locator, **SETTINGS)
+    with SessionTerminals(data) as terminals:
+        participant = terminals.participant("--listen", at.where.locator, **SETTINGS)
         participant.terminal.wait_for("Press Enter to go on.")
-        expired = room.panel("--link", file_of(at.late, tmp_path, "late"))
-        other = room.panel("--link", file_of(stranger, tmp_path, "stranger"))
-        eve = room.panel("--link", file_of(at.eve, tmp_path, "eve"))
-        anna = room.panel("--link", file_of(at.anna, tmp_path, "anna"))
-        room.until(lambda: room.is_operated, "the operator steers")
-        room.until(lambda: ("observer.eve", "joined") in room.presence(), "the observer watches")
+        expired = terminals.panel("--link", file_of(at.late, tmp_path, "late"))
+        other = terminals.panel("--link", file_of(stranger, tmp_path, "stranger"))
+        eve = terminals.panel("--link", file_of(at.eve, tmp_path, "eve"))
+        anna = terminals.panel("--link", file_of(at.anna, tmp_path, "anna"))
+        terminals.until(lambda: terminals.is_operated, "the operator steers")
+        terminals.until(lambda: ("observer.eve", "joined") in terminals.presence(), "the observer watches")
 
         assert expired.terminal.wait() == 2
         assert "expired" in expired.sees().replace(" ", ""), "in whichever line it is broken"
 
         participant.answer(1)
-        anna.wait_for_offer()
-        room.until(lambda: "FEEDBACK" in eve.sees(), "the observer sees the proposal, too")
+        anna.wait_for_proposal()
+        terminals.until(lambda: "FEEDBACK" in eve.sees(), "the observer sees the proposal, too")
         eve.does("approve")
         eve.does("stop")
         with visiting(at.eve) as (forger,):
             forger.put(at.keys.act("operator.anna"), b"in another's name")
             forger.put(at.keys.act("observer.eve"), b"in their own")
-            room.until(lambda: len(refusals(room, "observer.eve")) == 2, "what the observer sends is refused")
-        assert room.offered(), "an observer decides nothing"
+            terminals.until(lambda: len(refusals(terminals, "observer.eve")) == 2, "what the observer sends is refused")
+        assert terminals.pending_proposal(), "an observer decides nothing"
         anna.does("approve")
-        room.until(lambda: room.actions("feedback")[0]["decided_ns"], "the operator decides")
+        terminals.until(lambda: terminals.actions("feedback")[0]["decided_ns"], "the operator decides")
 
         pretender = msgspec.structs.replace(stranger.credentials, authority=at.anna.credentials.authority)
         for settings in (
@@ -77,11 +77,11 @@ def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: P
         ):
             with pytest.raises(zenoh.ZError):
                 zenoh.open(config(settings))
-        room.until(lambda: len(set(refusals(room, "unknown"))) == 4, "rejected connections are in the log")
-        room.until(lambda: "not the one that made this" in other.sees(), "the stranger's panel says why")
-        reasons = " ".join(refusals(room, "unknown"))
-        presence = {actor for actor, _ in room.presence()}
-        (feedback,) = room.actions("feedback")
+        terminals.until(lambda: len(set(refusals(terminals, "unknown"))) == 4, "rejected connections are in the log")
+        terminals.until(lambda: "not the one that made this" in other.sees(), "the stranger's panel says why")
+        reasons = " ".join(refusals(terminals, "unknown"))
+        presence = {actor for actor, _ in terminals.presence()}
+        (feedback,) = terminals.actions("feedback")
         seen = {word for line in participant.has_seen() for word in line.lower().split()}
 
     assert "no certificate" in reasons
@@ -96,6 +96,6 @@ def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: P
     )
 
 
-def refusals(room: Room, actor: str) -> list[str]:
+def refusals(terminals: SessionTerminals, actor: str) -> list[str]:
     """Return the reasons of refusals of a peer."""
-    return [each["why"] for each in room.reported("operator/refused") if each["actor"] == actor]
+    return [each["why"] for each in terminals.reported("operator/refused") if each["actor"] == actor]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import pytest
 
-from tests.end_to_end.operator_terminal import Room, children
+from tests.end_to_end.operator_terminal import SessionTerminals, children
 from tests.end_to_end.participant_terminal import see_the_summary
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="samples into /proc")
@@ -68,8 +68,8 @@ def _table(process: int, name: str, inodes: set[str]) -> list[str]:
 
 
 def test_default_session_opens_no_socket(data: Path) -> None:
-    with Room(data) as room:
-        participant = room.participant(prompts_per_attempt=3, attempts=1)
+    with SessionTerminals(data) as terminals:
+        participant = terminals.participant(prompts_per_attempt=3, attempts=1)
         pid = participant.terminal.process.pid
         participant.terminal.wait_for("Press Enter to go on.")
         samples = [sockets(pid)]
@@ -83,7 +83,7 @@ def test_default_session_opens_no_socket(data: Path) -> None:
         participant.answer(3)
         see_the_summary(participant.terminal)
         samples.append(sockets(pid))
-        assert not list(room.runtime.rglob("*")), "and announces nothing"
+        assert not list(terminals.runtime.rglob("*")), "and announces nothing"
     assert len(samples) == 5
     for sample in samples:
         assert (sample.network, sample.listening, sample.other) == ([], [], [])
@@ -91,18 +91,18 @@ def test_default_session_opens_no_socket(data: Path) -> None:
 
 
 def test_session_with_operator_listens_on_one_private_socket(data: Path) -> None:
-    with Room(data) as room:
-        participant = room.participant("--operator", prompts_per_attempt=1, attempts=1)
+    with SessionTerminals(data) as terminals:
+        participant = terminals.participant("--operator", prompts_per_attempt=1, attempts=1)
         pid = participant.terminal.process.pid
         participant.terminal.wait_for("Press Enter to go on.")
         alone = sockets(pid)
-        room.panel()
-        room.until(lambda: room.is_operated, "the operator steers")
+        terminals.panel()
+        terminals.until(lambda: terminals.is_operated, "the operator steers")
         joined = sockets(pid)
         assert any("sar_tui.link.broker" in words for words in children(pid).values())
 
         (place,) = [Path(name) for name in alone.listening]
-        assert place.parent == room.runtime / "sar-tui"
+        assert place.parent == terminals.runtime / "sar-tui"
         assert place.parent.stat().st_mode & 0o777 == 0o700
         participant.terminal.press("ctrl+q")
         assert participant.terminal.wait() == 0

@@ -1,4 +1,4 @@
-"""Given two people at a real terminal, when they answer, then each prompt's onset is that of its own flush."""
+"""A session of two in a real terminal: the onset of each prompt is the time of its flush."""
 
 import json
 import re
@@ -8,22 +8,22 @@ from pathlib import Path
 import pytest
 
 from sar_tui.timing.pty import Terminal
-from tests.end_to_end.participant_terminal import QUICK, Eyes, command, rows, see_the_summary
+from tests.end_to_end.participant_terminal import QUICK, ScreenReader, command, rows, see_the_summary
 from tests.examples import first
 
 _ASKED = re.compile(r"^ *(?:Left: (\w))? *(?:Right: (\w))?$", re.MULTILINE)
 _PATIENCE = 60.0
 
 
-def asked(terminal: Terminal, eyes: Eyes) -> list[str]:
+def asked(terminal: Terminal, reader: ScreenReader) -> list[str]:
     """The keys that the next prompt asks for, once its plain line stands on the screen."""
     deadline = time.monotonic() + _PATIENCE
     while time.monotonic() < deadline:
         terminal.read(time.monotonic_ns() + 20_000_000)
-        for found in _ASKED.finditer(eyes.text()):
+        for found in _ASKED.finditer(reader.text()):
             if any(found.groups()):
                 return [key for key in found.groups() if key]
-    raise AssertionError(f"no prompt came up:\n{eyes.text()}")
+    raise AssertionError(f"no prompt came up:\n{reader.text()}")
 
 
 @pytest.mark.parametrize("policy", first(1, ["race", "joint attention"]))
@@ -33,7 +33,7 @@ def test_a_session_of_two_in_a_real_terminal(tmp_path: Path, policy: str) -> Non
     given = [f"--set={name}={value}" for name, value in settings.items()]
     words = command("run", "pairs", "-p", "P01", "-p", "P02", "--data", str(data), "--seed", "7", *given)
     with Terminal(words) as terminal:
-        eyes = Eyes(terminal)
+        reader = ScreenReader(terminal)
         terminal.wait_for("Press Enter to go on.")
         terminal.press("enter")
         terminal.wait_for("Press Enter to begin")
@@ -41,7 +41,7 @@ def test_a_session_of_two_in_a_real_terminal(tmp_path: Path, policy: str) -> Non
         terminal.press("enter")
         pressed = []
         for number in (1, 2):
-            keys = asked(terminal, eyes)
+            keys = asked(terminal, reader)
             terminal.settle(silence_ms=100)  # slower than an anticipation
             for key in keys:
                 terminal.press(key)
@@ -51,13 +51,13 @@ def test_a_session_of_two_in_a_real_terminal(tmp_path: Path, policy: str) -> Non
         see_the_summary(terminal)
         terminal.press("enter")
         assert terminal.wait() == 0
-    kept = rows(data, "SELECT trial, seat, response, correct, timing, details FROM trials ORDER BY trial, seat")
-    assert [response for _, _, response, *_ in kept] == [key for keys in pressed for key in keys]
-    for _, _, _, correct, timing, details in kept:
+    stored_rows = rows(data, "SELECT trial, seat, response, correct, timing, details FROM trials ORDER BY trial, seat")
+    assert [response for _, _, response, *_ in stored_rows] == [key for keys in pressed for key in keys]
+    for _, _, _, correct, timing, details in stored_rows:
         assert correct
         assert json.loads(timing)["onset_source"] == "flush"
         assert json.loads(timing)["flags"] == []
         if policy == "joint attention":
             assert json.loads(details)["cue_lead_ms"] >= 60
-    assert {seat for _, seat, *_ in kept} <= {"A", "B"}
+    assert {seat for _, seat, *_ in stored_rows} <= {"A", "B"}
     assert rows(data, "SELECT count(*) FROM events WHERE topic='framework/fault'") == [(0,)]

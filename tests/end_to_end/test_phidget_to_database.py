@@ -1,4 +1,4 @@
-"""Given a Phidget's own channel, when it is driven from a thread, then every sample is in the database, in order."""
+"""Every sample of a Phidget's channel is stored in order, although it arrives from another thread."""
 
 import asyncio
 import threading
@@ -96,15 +96,15 @@ def test_all_samples_are_stored_and_a_reattached_sensor_is_a_new_stream(tmp_path
     session_id, states = asyncio.run(session())
     database = connect(tmp_path)
     streams = sessions.rows(database, "imu_streams", session_id)
-    kept = imu.samples(database, session_id)
+    stored = imu.samples(database, session_id)
     chunks = list(database.query("SELECT stream, seq, n FROM imu_chunks ORDER BY stream, seq"))
     database.conn.close()
     assert states == ["detached", "attached", "detached", "attached", "detached"]
     assert [(row["stream"], row["rate_hz"]) for row in streams] == [(1, 1000 / interval_ms), (2, 1000 / interval_ms)]
     assert "1044_1B" in streams[0]["model"]
     sent = [*range(count), *range(count // 2)]
-    assert kept["device_ms"].tolist() == [float(index * interval_ms) for index in sent]
-    assert np.allclose(np.degrees(kept["rate"][:, 2]), [index % 90 for index in sent], atol=1e-4)
+    assert stored["device_ms"].tolist() == [float(index * interval_ms) for index in sent]
+    assert np.allclose(np.degrees(stored["rate"][:, 2]), [index % 90 for index in sent], atol=1e-4)
     assert [chunk["seq"] for chunk in chunks if chunk["stream"] == 2] == [
         *range(1, 1 + sum(chunk["stream"] == 2 for chunk in chunks))
     ]

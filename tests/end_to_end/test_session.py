@@ -11,7 +11,7 @@ from sar_tui.framework.clock import MS
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import Press, ScriptedParticipant, random_answers
 from tests.end_to_end.participant_terminal import (
-    Eyes,
+    ScreenReader,
     command,
     only_session,
     rows,
@@ -27,7 +27,7 @@ def _slowly(foreperiod_ms: int) -> dict[str, int]:
 
 
 @pytest.fixture(scope="module")
-def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Press]]:
+def whole_session(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Press]]:
     """The data of a whole session, and what its participant pressed."""
     data = tmp_path_factory.mktemp("played") / "data"
     with Terminal(run_command(data, prompts_per_attempt=6, attempts=2)) as terminal:
@@ -39,8 +39,8 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Press]]
     return data, presses
 
 
-def test_every_press_is_stored_with_its_correctness(played: tuple[Path, list[Press]]) -> None:
-    data, presses = played
+def test_every_press_is_stored_with_its_correctness(whole_session: tuple[Path, list[Press]]) -> None:
+    data, presses = whole_session
     recorded = rows(data, "SELECT stimulus, response, correct FROM trials ORDER BY attempt, trial")
     assert recorded == [(press.expected, press.key, press.key == press.expected) for press in presses]
     assert {correct for _, _, correct in recorded} == {0, 1}, "the script planned both"
@@ -48,8 +48,8 @@ def test_every_press_is_stored_with_its_correctness(played: tuple[Path, list[Pre
     assert rows(data, "SELECT count(*) FROM attempts") == [(2,)]
 
 
-def test_each_trial_stores_its_timing_quality(played: tuple[Path, list[Press]]) -> None:
-    data, _ = played
+def test_each_trial_stores_its_timing_quality(whole_session: tuple[Path, list[Press]]) -> None:
+    data, _ = whole_session
     for (text,) in rows(data, "SELECT timing FROM trials"):
         timing = json.loads(text)
         assert timing["onset_source"] == "flush"
@@ -59,24 +59,24 @@ def test_each_trial_stores_its_timing_quality(played: tuple[Path, list[Press]]) 
 
 def test_no_byte_is_written_while_a_response_is_awaited(data: Path) -> None:
     with Terminal(run_command(data, prompts_per_attempt=2, attempts=1, **_slowly(700))) as t:
-        eyes = Eyes(t)
+        reader = ScreenReader(t)
         t.wait_for("Press Enter to go on.")
         t.settle()
-        assert "Enter" in eyes.text()
+        assert "Enter" in reader.text()
         t.press("enter")
         t.wait_for("Press Enter to begin")
         t.settle()
-        assert "Press Enter to begin attempt 1 of 1." in eyes.text()
+        assert "Press Enter to begin attempt 1 of 1." in reader.text()
         t.press("enter")
         seen = len(t.output)
         for _ in range(2):
             t.settle(silence_ms=300)
             if b"Press: " not in t.output[seen:]:  # on a busy machine the prompt may be there already
-                assert "Press:" not in eyes.text()
+                assert "Press:" not in reader.text()
             seen = t.wait_for("Press: ", since=seen)
             t.settle()
-            line = re.search(r"Press: (\S)\s*$", eyes.text(), re.MULTILINE)
-            assert line, eyes.text()
+            line = re.search(r"Press: (\S)\s*$", reader.text(), re.MULTILINE)
+            assert line, reader.text()
             drawn = len(t.output)
             t.read(time.monotonic_ns() + 700 * MS)
             assert t.output[drawn:] == b""

@@ -1,4 +1,4 @@
-"""Given a session that speaks with the real engine, when its voice is killed in mid-utterance, then it goes on."""
+"""A session with the real speech engine continues after its voice process is killed."""
 
 import json
 import os
@@ -39,7 +39,7 @@ def voices(parent: int) -> list[int]:
 
 
 def said(data: Path) -> list[tuple[str, str]]:
-    """What became of each utterance, in order."""
+    """Return the reported states of each utterance, in order."""
     reported = rows(data, "SELECT message FROM events WHERE topic='output/report' ORDER BY seq")
     reports = [json.loads(message) for (message,) in reported]
     return [(report["action"], report["state"]) for report in reports if report["deed"] == "say"]

@@ -1,9 +1,9 @@
-"""Given a session and a panel at two terminals, when the operator acts, then the participant gets just that."""
+"""A session and an operator's panel in two terminals: decisions reach the participant and are stored."""
 
 import json
 from pathlib import Path
 
-from tests.end_to_end.operator_terminal import Room, Row, plain
+from tests.end_to_end.operator_terminal import Row, SessionTerminals, plain
 from tests.end_to_end.participant_terminal import rows
 
 WORDS = "Lovely, and now a little slower."
@@ -21,41 +21,41 @@ SETTINGS = {
 
 
 def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> None:
-    with Room(data) as room:
-        participant, panel = room.both(**SETTINGS)
+    with SessionTerminals(data) as terminals:
+        participant, panel = terminals.both(**SETTINGS)
         usual = participant.answers
         participant.answers = lambda number, expected: (usual(number, expected)[0], "q")
         participant.answer(1)
-        vetoed = panel.wait_for_offer()
+        vetoed = panel.wait_for_proposal()
         panel.does("veto")
-        room.until(lambda: not room.offered(), "it is vetoed")
+        terminals.until(lambda: not terminals.pending_proposal(), "it is vetoed")
 
         participant.answers = usual
         participant.answer(1)
-        edited = panel.wait_for_offer(vetoed["id"])
+        edited = panel.wait_for_proposal(vetoed["id"])
         panel.writes("edit", "Edit:", WORDS)
-        room.until(lambda: participant.sees(WORDS), "the operator's words in the place of the agent's are seen")
+        terminals.until(lambda: participant.sees(WORDS), "the operator's words in the place of the agent's are seen")
 
         panel.does("pick-1")
-        room.until(lambda: room.actions("remark"), "a phrase is said")
-        phrase = room.actions("remark")[0]["final"]["text"]
-        room.until(lambda: participant.sees(phrase), "the phrase is seen")
+        terminals.until(lambda: terminals.actions("remark"), "a phrase is said")
+        phrase = terminals.actions("remark")[0]["final"]["text"]
+        terminals.until(lambda: participant.sees(phrase), "the phrase is seen")
         panel.does("level-down")
-        room.until(lambda: room.reported("event_handler/level"), "the level is lowered")
+        terminals.until(lambda: terminals.reported("event_handler/level"), "the level is lowered")
         panel.writes("note", "Note:", NOTE)
-        room.until(lambda: rows(data, "SELECT 1 FROM notes"), "the note is kept")
+        terminals.until(lambda: rows(data, "SELECT 1 FROM notes"), "the note is kept")
 
         participant.answer(1)
-        approved = panel.wait_for_offer(edited["id"])
+        approved = panel.wait_for_proposal(edited["id"])
         panel.does("approve")
-        room.until(lambda: participant.sees(approved["text"]), "the approved words are seen")
-        room.until(lambda: all(_is_kept(room, row) for row in (approved, edited)), "the rows are whole")
+        terminals.until(lambda: participant.sees(approved["text"]), "the approved words are seen")
+        terminals.until(lambda: all(_is_stored(terminals, row) for row in (approved, edited)), "the rows are whole")
         seen = participant.has_seen()
-        feedback = room.actions("feedback")
+        feedback = terminals.actions("feedback")
 
-    assert not _in(vetoed["text"], seen), "what was vetoed was never seen, not for a frame"
-    assert not _in(edited["text"], seen), "nor what was edited"
-    assert _in(approved["text"], seen), "what was seen would be found"
+    assert not _shares_four_words(vetoed["text"], seen), "what was vetoed was never seen, not for a frame"
+    assert not _shares_four_words(edited["text"], seen), "nor what was edited"
+    assert _shares_four_words(approved["text"], seen), "what was seen would be found"
     assert [(row["proposed"]["text"], row["final"] and row["final"]["text"]) for row in feedback] == [
         (vetoed["text"], None),
         (edited["text"], WORDS),
@@ -85,11 +85,11 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
     assert feedback[1]["started_ns"] < at < feedback[2]["proposed_ns"], "stamped with the session's own clock"
 
 
-def _is_kept(room: Room, proposal: Row) -> bool:
-    return any(row["id"] == proposal["id"] and row["started_ns"] for row in room.actions("feedback"))
+def _is_stored(terminals: SessionTerminals, proposal: Row) -> bool:
+    return any(row["id"] == proposal["id"] and row["started_ns"] for row in terminals.actions("feedback"))
 
 
-def _in(text: str, lines: set[str]) -> bool:
-    """Whether any four words of a text in a row stood on a line."""
+def _shares_four_words(text: str, lines: set[str]) -> bool:
+    """Return True if any four consecutive words of a text are on one line."""
     words = plain(text).split()
     return any(" ".join(words[at : at + 4]) in line for line in lines for at in range(len(words) - 3))

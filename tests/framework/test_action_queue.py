@@ -101,7 +101,7 @@ def test_removing_some_actions_leaves_the_rest() -> None:
     assert queue.remove() == (kept,)
 
 
-class AgendaMachine(RuleBasedStateMachine):
+class QueueMachine(RuleBasedStateMachine):
     """Uses the queue as the arbiter does, and checks its invariants."""
 
     def __init__(self) -> None:
@@ -180,4 +180,4 @@ class AgendaMachine(RuleBasedStateMachine):
         assert self.queue.next_due(self.now) == (min(later) if later else None)
 
 
-TestAgenda = AgendaMachine.TestCase
+TestQueue = QueueMachine.TestCase

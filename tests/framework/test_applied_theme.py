@@ -10,7 +10,7 @@ from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, THEME, TRIAL, WAITIN
 from sar_tui.outputs.node import OutputNode
 from sar_tui.plugins import Catalogue
 from tests.loop_driver import LoopDriver
-from tests.outputs.fake_outputs import Puppet
+from tests.outputs.fake_outputs import FakeOutput
 
 CALM = Catalogue().theme("calm")
 KEYBOARD = Catalogue().task("keyboard")
@@ -53,10 +53,10 @@ def test_an_edited_theme_changes_words_and_manner_from_then_on(driver: LoopDrive
 
 
 def test_every_output_receives_the_edited_theme() -> None:
-    puppet = Puppet()
-    driver = LoopDriver(KEYBOARD, CALM, extra=[OutputNode(puppet, "puppet", CALM)], **SET_UP)
+    fake = FakeOutput()
+    driver = LoopDriver(KEYBOARD, CALM, extra=[OutputNode(fake, "fake", CALM)], **SET_UP)
     driver.session.apply_theme(edited(CALM, "Splendid", name="edited"))
-    assert [what[1] for what in puppet.asked if what[0] == "apply_theme"] == ["calm", "calm", "edited"]
+    assert [what[1] for what in fake.asked if what[0] == "apply_theme"] == ["calm", "calm", "edited"]
 
 
 def test_texts_of_the_theme_replace_those_of_the_task(driver: LoopDriver) -> None:

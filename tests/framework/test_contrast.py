@@ -1,4 +1,4 @@
-"""Given colours, when they are held against each other, then the ratio is that of WCAG 2.2."""
+"""Contrast ratios are those of WCAG 2.2."""
 
 import re
 

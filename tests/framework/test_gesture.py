@@ -1,4 +1,4 @@
-"""Given keyframes, when a body moves through them, then it begins where it is, never jerks, and ends at rest."""
+"""Gestures start from the current pose, move smoothly through their keyframes and end at rest."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Given texts and their translations, when a person reads them, then in their language, and never half of it."""
+"""Translated texts: complete, with the right slots, and in English where a translation is missing."""
 
 from pathlib import Path
 

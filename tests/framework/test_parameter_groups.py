@@ -1,4 +1,4 @@
-"""Given a task's declaration, when its parameters are listed, then they stand under headings people can find."""
+"""Parameters of a task are grouped under headings."""
 
 from typing import Annotated
 

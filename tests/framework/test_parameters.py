@@ -1,4 +1,4 @@
-"""Given a task's declaration, when people set parameters, then what cannot be is refused in a clear sentence."""
+"""Parameters of a task: parsing, and clear errors for invalid values."""
 
 import math
 from typing import Annotated, Any, Literal
@@ -169,9 +169,9 @@ def test_only_values_that_differ_from_the_defaults_are_stored(data: st.DataObjec
     name = data.draw(ONE_OF_THE_TASKS)
     value = data.draw(values_of(FIELDS[name]))
     built = build(Parameters, {name: value})
-    kept = changed(built)
-    assert set(kept) == ({name} if value != FIELDS[name].default else set())
-    assert build(Parameters, kept) == built
+    changes = changed(built)
+    assert set(changes) == ({name} if value != FIELDS[name].default else set())
+    assert build(Parameters, changes) == built
 
 
 def test_a_former_spelling_of_a_choice_is_read_as_the_present_one() -> None:

@@ -1,4 +1,4 @@
-"""Given the themes that ship, when they are worn, then they are whole, legible, kind and true to themselves."""
+"""The shipped themes are complete, legible, kind and consistent."""
 
 import re
 from itertools import combinations, product
@@ -154,7 +154,7 @@ def test_spanish_addresses_adults_as_usted_and_children_as_tu(name: str, catalog
 
 @st.composite
 def fillings(draw: st.DrawFn, language: str) -> dict[str, str]:
-    """What the slots are filled with but for the reference: results of any task."""
+    """Generate values of the slots except the reference: results of any task."""
     decimals = draw(st.integers(0, 3))
     unit = draw(st.sampled_from(UNITS))
     numbers = st.floats(0, 99_999).map(lambda number: f"{number:.{decimals}f} {unit}".rstrip())
@@ -171,7 +171,7 @@ def fillings(draw: st.DrawFn, language: str) -> dict[str, str]:
 
 
 def spells_a_number(text: str, language: str) -> bool:
-    """Whether an independent reader of numbers finds one. It takes the Spanish article un, una for a number."""
+    """Return True if an independent parser finds a number. It takes the Spanish article un, una for one."""
     if language == "es":
         text = re.sub(r"\b[Uu]na?\b", "·", text)
     return any(character.isdigit() for character in alpha2digit(text, language, 0))

@@ -30,8 +30,8 @@ def duration(reach: Bounds) -> float:
 
 
 def part(recording: Recording, from_s: float = 0.0, to_s: float = math.inf) -> Recording:
-    kept = (recording.time_s >= from_s) & (recording.time_s < to_s)
-    return Recording(recording.time_s[kept], recording.rate[kept])
+    used = (recording.time_s >= from_s) & (recording.time_s < to_s)
+    return Recording(recording.time_s[used], recording.rate[used])
 
 
 def the_reach(made: Simulation) -> Bounds:
@@ -176,8 +176,8 @@ def test_a_reach_longer_than_the_longest_is_ended() -> None:
 def test_a_gap_in_the_reach_is_flagged_and_one_at_rest_is_not() -> None:
     recording = simulate([REACH], NOISY).recording
     for from_s, flags in ((2.3, ("gap",)), (1.0, ())):
-        kept = (recording.time_s < from_s) | (recording.time_s >= from_s + 0.12)
-        (reach,) = find(Recording(recording.time_s[kept], recording.rate[kept])).reaches
+        used = (recording.time_s < from_s) | (recording.time_s >= from_s + 0.12)
+        (reach,) = find(Recording(recording.time_s[used], recording.rate[used])).reaches
         assert reach.flags == flags
 
 

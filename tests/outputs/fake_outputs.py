@@ -10,7 +10,7 @@ from sar_tui.outputs.output import Output, Report
 EVERYTHING: frozenset[ActionPart] = frozenset({"say", "show", "gesture", "gaze", "tone"})
 
 
-class Puppet(Output):
+class FakeOutput(Output):
     """Records requests, and reports only what a test has it report.
 
     Args:
@@ -19,7 +19,7 @@ class Puppet(Output):
     """
 
     def __init__(
-        self, name: str = "puppet", can: frozenset[ActionPart] = EVERYTHING, breaks: tuple[str, ...] = ()
+        self, name: str = "fake", can: frozenset[ActionPart] = EVERYTHING, breaks: tuple[str, ...] = ()
     ) -> None:
         self.name = name
         self.can = can

@@ -1,4 +1,4 @@
-"""Given any output, when it is asked, stopped, dressed or closed, then it does what every output does.
+"""The contract of outputs: every output behaves alike when requested, stopped, themed or closed.
 
 ``RIGS`` names the outputs: each a context manager that yields a `Rig` of an output that is open.
 """

@@ -17,7 +17,7 @@ from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, P
 from sar_tui.outputs.node import PER_CHARACTER, STOP_TIMEOUT, TIMEOUT, OutputNode
 from sar_tui.outputs.output import Output, OutputError, Report
 from tests.outputs.contract import THEME as BARE
-from tests.outputs.fake_outputs import EVERYTHING, Puppet, Speaker
+from tests.outputs.fake_outputs import EVERYTHING, FakeOutput, Speaker
 
 LASTING: tuple[ActionPart, ...] = ("say", "gesture", "gaze", "tone")
 
@@ -91,8 +91,8 @@ class Stage:
 
 
 def asked(stage: Stage) -> list[tuple[str, ...]]:
-    """Return a puppet's requests, except themes."""
-    assert isinstance(stage.node.output, Puppet)
+    """Return the requests of a fake output, except themes."""
+    assert isinstance(stage.node.output, FakeOutput)
     return [what for what in stage.node.output.asked if what[0] != "apply_theme"]
 
 
@@ -110,12 +110,12 @@ EVERY_PART = {
 
 
 def test_it_announces_its_abilities_and_its_address() -> None:
-    (opened,) = Stage(Puppet(can=frozenset({"say", "gesture"}))).opened
-    assert (opened.output, opened.address, opened.can) == ("puppet", "puppet:here", ("gesture", "say"))
+    (opened,) = Stage(FakeOutput(can=frozenset({"say", "gesture"}))).opened
+    assert (opened.output, opened.address, opened.can) == ("fake", "fake:here", ("gesture", "say"))
 
 
 def test_gaze_and_tone_are_the_first_parts_of_an_action() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(**EVERY_PART)
     assert asked(stage) == [
         ("show", "a1", "Well done.", "happy"),
@@ -131,22 +131,22 @@ def test_gaze_and_tone_are_the_first_parts_of_an_action() -> None:
 
 @pytest.mark.parametrize("part", sorted(EVERYTHING))
 def test_an_output_is_asked_only_for_parts_it_can_do(part: ActionPart) -> None:
-    stage = Stage(Puppet(can=frozenset({part})))
+    stage = Stage(FakeOutput(can=frozenset({part})))
     stage.act(**EVERY_PART)
     assert [what[0] for what in asked(stage)] == [part]
 
 
 def test_parts_that_an_action_lacks_are_not_requested() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(spoken="Reach out.")
     stage.act("a2", face="happy")
     assert asked(stage) == [("say", "a1", "Reach out."), ("show", "a2", "", "happy")]
 
 
 def test_an_edited_theme_is_applied() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.bus.publish(THEME, m.ThemeApplied(theme=msgspec.structs.replace(BARE, name="edited")))
-    assert isinstance(stage.node.output, Puppet)
+    assert isinstance(stage.node.output, FakeOutput)
     assert stage.node.output.asked == [("apply_theme", "bench"), ("apply_theme", "edited")]
 
 
@@ -154,7 +154,7 @@ def test_an_edited_theme_is_applied() -> None:
 
 
 def test_reports_are_passed_on_with_their_times() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(spoken="Well done.")
     begun = stage.clock.now() + 7 * MS
     stage.wait(10 * MS)
@@ -166,13 +166,13 @@ def test_reports_are_passed_on_with_their_times() -> None:
         ("started", begun),
         ("failed", begun + 800 * MS),
     ]
-    assert {report.output for report in stage.reports} == {"puppet"}
+    assert {report.output for report in stage.reports} == {"fake"}
     assert stage.reports[-1].detail == "The cable is out."
 
 
 @pytest.mark.parametrize("part", sorted(EVERYTHING))
 def test_a_part_that_raises_has_failed_and_the_others_continue(part: ActionPart) -> None:
-    stage = Stage(Puppet(breaks=(part,)))
+    stage = Stage(FakeOutput(breaks=(part,)))
     stage.act(**EVERY_PART)
     assert {what[0] for what in asked(stage)} == EVERYTHING
     failed = [report for report in stage.reports if report.state == "failed"]
@@ -182,7 +182,7 @@ def test_a_part_that_raises_has_failed_and_the_others_continue(part: ActionPart)
 
 @pytest.mark.parametrize("part", LASTING)
 def test_a_part_without_a_report_fails_after_a_time_and_is_stopped(part: ActionPart) -> None:
-    stage = Stage(Puppet(can=frozenset({part})))
+    stage = Stage(FakeOutput(can=frozenset({part})))
     stage.act(**{**EVERY_PART, "spoken": "x" * 100})
     limit = TIMEOUT + (100 * PER_CHARACTER if part == "say" else 0)
     stage.wait(limit - 1)
@@ -194,7 +194,7 @@ def test_a_part_without_a_report_fails_after_a_time_and_is_stopped(part: ActionP
 
 
 def test_text_stays_until_it_is_replaced() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(text="Well done.", face="happy")
     stage.wait(3600 * SECOND)
     assert stage.states(part="show") == ["queued"]
@@ -202,7 +202,7 @@ def test_text_stays_until_it_is_replaced() -> None:
 
 @pytest.mark.parametrize("end", ["done", "aborted", "failed"])
 def test_the_end_of_a_part_is_reported_once(end: str) -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(spoken="Well done.")
     for state in (end, "done", "aborted", "failed", "started"):
         stage.tell("say", state)
@@ -211,7 +211,7 @@ def test_the_end_of_a_part_is_reported_once(end: str) -> None:
 
 
 def test_reports_on_unrequested_parts_are_ignored() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(spoken="Well done.")
     stage.tell("gesture", "done")
     stage.tell("say", "done", action="a9")
@@ -234,7 +234,7 @@ class Unreadable(Exception):
     ],
 )
 def test_a_detail_is_stored_as_encodable_text(detail: Any, kept: str) -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(gesture="wave")
     stage.tell("gesture", "failed", detail=detail)
     assert stage.reports[-1].detail == kept
@@ -242,7 +242,7 @@ def test_a_detail_is_stored_as_encodable_text(detail: Any, kept: str) -> None:
 
 
 def test_an_exception_that_cannot_be_encoded_is_reported_readably() -> None:
-    class Jammed(Puppet):
+    class Jammed(FakeOutput):
         def gesture(self, action: str, name: str) -> None:
             raise OSError("\udcff" * 1000)
 
@@ -253,7 +253,7 @@ def test_an_exception_that_cannot_be_encoded_is_reported_readably() -> None:
 
 
 def test_a_fractional_time_is_rounded() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(gesture="wave")
     stage.tell("gesture", "done", at=stage.clock.now() + 0.25)  # type: ignore[arg-type]
     assert stage.reports[-1].at == stage.clock.now()
@@ -276,7 +276,7 @@ def test_a_fractional_time_is_rounded() -> None:
     ],
 )
 def test_an_invalid_report_fails_its_part(report: Any) -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(gesture="wave")
     stage.act("a2", gesture="wave")
     stage.node.output._send_report(report)
@@ -290,7 +290,7 @@ def test_an_invalid_report_fails_its_part(report: Any) -> None:
 
 @pytest.mark.parametrize("report", [None, "done", ("a1", "gesture", "done", SECOND, ""), Report([], "say", "done", 0)])  # type: ignore[arg-type]
 def test_a_report_without_a_part_is_ignored(report: Any) -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(gesture="wave")
     stage.node.output._send_report(report)
     stage.clock.advance(0)
@@ -298,7 +298,7 @@ def test_a_report_without_a_part_is_ignored(report: Any) -> None:
 
 
 def test_a_report_from_another_thread_arrives_on_the_thread_of_the_loop() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(spoken="Well done.")
     on_thread: list[int] = []
     stage.bus.subscribe(REPORT, lambda _: on_thread.append(threading.get_ident()))
@@ -313,7 +313,7 @@ def test_a_report_from_another_thread_arrives_on_the_thread_of_the_loop() -> Non
 
 
 def test_nothing_is_reported_after_a_release() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(spoken="Well done.")
     stage.halt()
     stage.node.detach()
@@ -326,16 +326,16 @@ def test_nothing_is_reported_after_a_release() -> None:
 
 
 def test_an_unattached_output_can_be_released() -> None:
-    puppet = Puppet()
-    OutputNode(puppet, "puppet", BARE).detach()
-    assert puppet.asked == []
+    fake = FakeOutput()
+    OutputNode(fake, "fake", BARE).detach()
+    assert fake.asked == []
 
 
 # --- one that is broken ---------------------------------------------------------------------------------------
 
 
 def test_an_output_that_cannot_be_opened_fails_every_part_with_the_reason() -> None:
-    stage = Stage(Puppet(breaks=("apply_theme",)))
+    stage = Stage(FakeOutput(breaks=("apply_theme",)))
     stage.act(**EVERY_PART)
     assert len(stage.opened) == 1
     for part in EVERYTHING:
@@ -347,13 +347,13 @@ def test_an_output_that_cannot_be_opened_fails_every_part_with_the_reason() -> N
 
 
 def test_an_output_that_raises_on_close_does_not_block_the_exit() -> None:
-    stage = Stage(Puppet(breaks=("close",)))
+    stage = Stage(FakeOutput(breaks=("close",)))
     stage.node.detach()
     assert asked(stage) == [("close",)]
 
 
 def test_an_output_that_neither_reports_nor_stops_has_failed() -> None:
-    stage = Stage(Puppet(breaks=("stop",)))
+    stage = Stage(FakeOutput(breaks=("stop",)))
     stage.act(gesture="wave")
     stage.wait(TIMEOUT)
     assert stage.states(part="gesture") == ["queued", "failed"]
@@ -363,7 +363,7 @@ def test_an_output_that_neither_reports_nor_stops_has_failed() -> None:
 
 
 def test_a_stop_is_reported_when_the_last_active_part_has_ended() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(**EVERY_PART)
     asked_at = stage.clock.now() - 3 * MS
     stage.halt(asked=asked_at)
@@ -374,20 +374,20 @@ def test_a_stop_is_reported_when_the_last_active_part_has_ended() -> None:
         assert stage.stopped == []
         stage.tell(part, "aborted", at=at + after)  # type: ignore[arg-type]
     (stopped,) = stage.stopped
-    assert (stopped.output, stopped.asked, stopped.at) == ("puppet", asked_at, at + 60 * MS)
+    assert (stopped.output, stopped.asked, stopped.at) == ("fake", asked_at, at + 60 * MS)
     assert stopped.detail == ""
     assert stage.states(part="show") == ["queued"], "words may stay where they are"
 
 
 def test_a_stop_without_active_parts_is_reported_at_once() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.halt(asked=stage.clock.now() - 2 * MS)
     (stopped,) = stage.stopped
     assert stopped.at - stopped.asked == 2 * MS
 
 
 def test_two_stops_in_a_row_are_reported_once() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(spoken="Well done.")
     first = stage.clock.now()
     stage.halt()
@@ -400,7 +400,7 @@ def test_two_stops_in_a_row_are_reported_once() -> None:
 
 @pytest.mark.parametrize("reason", ["stopped", "interrupted", "left"])
 def test_a_part_that_does_not_stop_has_failed_whatever_the_reason_of_the_stop(reason: str) -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(**EVERY_PART)
     stage.halt("" if reason == "stopped" else "a1", reason)
     stage.act("a2", gesture="wave")
@@ -419,7 +419,7 @@ def test_a_part_that_does_not_stop_has_failed_whatever_the_reason_of_the_stop(re
 
 
 def test_an_output_that_did_not_stop_can_be_stopped_again() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(gesture="wave")
     stage.halt()
     stage.wait(STOP_TIMEOUT)
@@ -431,7 +431,7 @@ def test_an_output_that_did_not_stop_can_be_stopped_again() -> None:
 
 
 def test_a_stop_reports_each_failure_and_each_output_that_may_still_move_once() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act(**EVERY_PART)
     stage.halt()
     at = stage.clock.now() + 5 * MS
@@ -446,7 +446,7 @@ def test_a_stop_reports_each_failure_and_each_output_that_may_still_move_once() 
 
 
 def test_a_stop_does_not_wait_for_later_parts() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     stage.act("a1", gesture="wave")
     stage.halt()
     stage.act("a2", gesture="wave")
@@ -455,7 +455,7 @@ def test_a_stop_does_not_wait_for_later_parts() -> None:
 
 
 def test_an_output_may_report_why_it_may_still_be_moving() -> None:
-    class Away(Puppet):
+    class Away(FakeOutput):
         def stop(self, action: str = "") -> None:
             raise OutputError("The robot could not be asked to stop.")
 
@@ -465,7 +465,7 @@ def test_an_output_may_report_why_it_may_still_be_moving() -> None:
 
 
 def test_an_output_that_raises_on_stop_is_reported_as_possibly_moving() -> None:
-    stage = Stage(Puppet(breaks=("stop",)))
+    stage = Stage(FakeOutput(breaks=("stop",)))
     stage.act(gesture="wave", spoken="Well done.")
     stage.halt()
     (stopped,) = stage.stopped
@@ -477,7 +477,7 @@ def test_an_output_that_raises_on_stop_is_reported_as_possibly_moving() -> None:
 
 
 def test_one_action_is_stopped_without_the_others() -> None:
-    stage = Stage(Puppet(breaks=("stop",)))
+    stage = Stage(FakeOutput(breaks=("stop",)))
     stage.act("a1", spoken="Welcome.")
     stage.act("a2", gesture="wave")
     stage.halt("a1", "interrupted")
@@ -563,7 +563,7 @@ def play(stage: Stage) -> None:
 def test_each_cue_sounds_once_per_event_and_not_again_for_an_amended_attempt(
     cues: tuple[str, ...], sounds: list[str]
 ) -> None:
-    stage = Stage(Puppet(can=frozenset({"tone"})), cues)
+    stage = Stage(FakeOutput(can=frozenset({"tone"})), cues)
     play(stage)
     assert [what[2] for what in asked(stage)] == sounds
     names = [what[1] for what in asked(stage)]
@@ -571,7 +571,7 @@ def test_each_cue_sounds_once_per_event_and_not_again_for_an_amended_attempt(
 
 
 def test_the_attempt_of_two_ends_once() -> None:
-    stage = Stage(Puppet(can=frozenset({"tone"})), ("end",))
+    stage = Stage(FakeOutput(can=frozenset({"tone"})), ("end",))
     for seat in "AB":
         stage.publish(msgspec.structs.replace(attempt_ended(stage.clock.now()), seat=seat))
     assert [what[2] for what in asked(stage)] == ["end"]
@@ -579,7 +579,7 @@ def test_the_attempt_of_two_ends_once() -> None:
 
 @pytest.mark.parametrize(("can", "done"), [(("gaze",), ["gaze"]), (("gesture",), ["gesture"]), (("say",), [])])
 def test_gaze_before_a_prompt_is_immediate_on_every_capable_output(can: tuple[str, ...], done: list[str]) -> None:
-    stage = Stage(Puppet(can=frozenset(can)))
+    stage = Stage(FakeOutput(can=frozenset(can)))
     stage.publish(m.CueGiven(attempt=1, trial=2, presentation=1, side="left", gaze="left", gesture="point_left"))
     assert [what[0] for what in asked(stage)] == done
     assert [(what[1], what[2]) for what in asked(stage)] == [
@@ -588,14 +588,14 @@ def test_gaze_before_a_prompt_is_immediate_on_every_capable_output(can: tuple[st
 
 
 def test_an_output_without_cues_plays_only_tones_of_actions() -> None:
-    stage = Stage(Puppet())
+    stage = Stage(FakeOutput())
     play(stage)
     assert [what[0] for what in asked(stage)] == ["show", "tone"]
 
 
 def test_praise_is_announced_as_a_tone_only_by_outputs_that_play_it() -> None:
     def can(*cues: str) -> tuple[str, ...]:
-        return Stage(Puppet(can=frozenset({"tone"})), cues).opened[0].can
+        return Stage(FakeOutput(can=frozenset({"tone"})), cues).opened[0].can
 
     assert (can("go"), can("success"), can()) == ((), ("tone",), ("tone",))
 

@@ -23,7 +23,7 @@ from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.outputs.contract import THEME as BARE
-from tests.outputs.fake_outputs import Puppet, Speaker
+from tests.outputs.fake_outputs import FakeOutput, Speaker
 
 PlugIn = Callable[..., None]
 
@@ -137,7 +137,7 @@ def test_an_output_of_a_plug_in_is_made_with_its_options(plug_in: PlugIn) -> Non
 
     def lamp(text: str) -> Output:
         given.append(text)
-        return Puppet("lamp", frozenset({"tone"}))
+        return FakeOutput("lamp", frozenset({"tone"}))
 
     plug_in("lamp", lamp)
     assert "lamp" in output_names()
@@ -160,7 +160,7 @@ def _refuses(_: str) -> Output:
         (_refuses, "There is no lamp of that colour."),
         (lambda text: text, "The output lamp (somewhere:lamp) is not an Output."),
         (lambda text: Output(), "The output lamp (somewhere:lamp) has no name."),
-        (lambda text: Puppet(7), "The output lamp (somewhere:lamp) has no name."),  # type: ignore[arg-type]
+        (lambda text: FakeOutput(7), "The output lamp (somewhere:lamp) has no name."),  # type: ignore[arg-type]
     ],
 )
 def test_an_unusable_plug_in_is_reported_in_a_sentence(plug_in: PlugIn, make: Any, says: str) -> None:
@@ -169,10 +169,10 @@ def test_an_unusable_plug_in_is_reported_in_a_sentence(plug_in: PlugIn, make: An
 
 
 def test_an_output_made_for_a_check_is_opened_once_and_then_a_new_one_is_made(plug_in: PlugIn) -> None:
-    lamps: list[Puppet] = []
+    lamps: list[FakeOutput] = []
 
     def lamp(text: str) -> Output:
-        lamps.append(Puppet(text))
+        lamps.append(FakeOutput(text))
         return lamps[-1]
 
     plug_in("lamp", lamp)
@@ -188,23 +188,23 @@ def test_an_output_made_for_a_check_is_opened_once_and_then_a_new_one_is_made(pl
 
 
 def test_a_reinstalled_plug_in_makes_its_own_output(plug_in: PlugIn, monkeypatch: pytest.MonkeyPatch) -> None:
-    plug_in("lamp", lambda text: Puppet("old"))
+    plug_in("lamp", lambda text: FakeOutput("old"))
     check_outputs(["lamp"])
-    new = [SimpleNamespace(name="lamp", value="somewhere:lamp", load=lambda: lambda text: Puppet("new"))]
+    new = [SimpleNamespace(name="lamp", value="somewhere:lamp", load=lambda: lambda text: FakeOutput("new"))]
     monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: new)
     assert [name for name, _ in made("lamp")] == ["new"]
 
 
 @pytest.mark.parametrize(("name", "beside"), [("servo", "servo"), ("screen", "screen"), ("twin", "other")])
 def test_two_plug_ins_of_one_name_are_refused(plug_in: PlugIn, name: str, beside: str) -> None:
-    plug_in("lamp", lambda text: Puppet(name))
-    plug_in("other", lambda text: Puppet("twin"))
+    plug_in("lamp", lambda text: FakeOutput(name))
+    plug_in("other", lambda text: FakeOutput("twin"))
     assert f'is called "{name}" as well as ' in problem(beside, "lamp")
     check_outputs(["speech", "lamp"])
 
 
 def test_a_plug_in_cannot_replace_a_shipped_output(plug_in: PlugIn) -> None:
-    plug_in("speech", lambda text: Puppet("mine"))
+    plug_in("speech", lambda text: FakeOutput("mine"))
     assert made("speech") == [("speech", ("say",))]
 
 
@@ -281,7 +281,7 @@ def test_an_output_with_the_method_wear_is_refused_in_a_sentence(
 
 def test_an_output_may_report_by_the_earlier_name() -> None:
     reports: list[Report] = []
-    output = Puppet()
+    output = FakeOutput()
     output.open(BARE, VirtualClock(), reports.append)
     output.tell("a1", "say", "started")
     assert [(report.action, report.part, report.state) for report in reports] == [("a1", "say", "started")]

@@ -37,9 +37,9 @@ def in_language(theme: Theme, language: str, voice: Voice | None = None) -> Them
 @pytest.mark.parametrize("language", WORDS)
 def test_utterances_are_written_to_files_that_can_be_heard(calm: Theme, tmp_path: Path, language: str) -> None:
     clock = VirtualClock()
-    with listening(Sound(f"file:{tmp_path}"), in_language(calm, language), clock) as ear:
-        ear.speech.say("a1", WORDS[language])
-        ear.speech.say("a/2", "523")
+    with listening(Sound(f"file:{tmp_path}"), in_language(calm, language), clock) as listener:
+        listener.speech.say("a1", WORDS[language])
+        listener.speech.say("a/2", "523")
     first, second = sorted(tmp_path.iterdir())
     assert (first.name, second.name) == ("001-a1-say.wav", "002-a-2-say.wav")
     for path, words in ((first, 5), (second, 4)):
@@ -50,11 +50,11 @@ def test_utterances_are_written_to_files_that_can_be_heard(calm: Theme, tmp_path
 
 def test_voice_rate_and_volume_of_the_theme_are_applied(calm: Theme, tmp_path: Path) -> None:
     clock = VirtualClock()
-    with listening(Sound(f"file:{tmp_path}"), in_language(calm, "en", Voice(rate=120)), clock) as ear:
-        ear.speech.say("a1", WORDS["en"])
+    with listening(Sound(f"file:{tmp_path}"), in_language(calm, "en", Voice(rate=120)), clock) as listener:
+        listener.speech.say("a1", WORDS["en"])
         for voice in (Voice(rate=300, volume=0.3), Voice(rate=120, names={"en": "america"})):
-            ear.speech.apply_theme(in_language(calm, "en", voice))
-            ear.speech.say("a2", WORDS["en"])
+            listener.speech.apply_theme(in_language(calm, "en", voice))
+            listener.speech.say("a2", WORDS["en"])
     slow, fast, american = (spoken(path) for path in sorted(tmp_path.iterdir()))
     assert len(fast) < 0.6 * len(slow)
     assert peak(fast) < 0.5 * peak(slow)
@@ -63,13 +63,13 @@ def test_voice_rate_and_volume_of_the_theme_are_applied(calm: Theme, tmp_path: P
 
 def test_on_a_virtual_clock_speech_takes_its_time_on_that_clock_only(calm: Theme, tmp_path: Path) -> None:
     clock = VirtualClock()
-    with listening(Sound(f"file:{tmp_path}"), calm, clock) as ear:
-        ear.speech.say("a1", WORDS["en"])
-        ear.tones.tone("a1-tone", "go")
-        assert ear.states("a1") == ["started"]
+    with listening(Sound(f"file:{tmp_path}"), calm, clock) as listener:
+        listener.speech.say("a1", WORDS["en"])
+        listener.tones.tone("a1-tone", "go")
+        assert listener.states("a1") == ["started"]
         clock.advance(20 * SECOND)
         (words, _) = (len(spoken(path)) / RATE for path in sorted(tmp_path.iterdir()))
-        reported = {(report.action, report.state): report.at / SECOND for report in ear.reports}
+        reported = {(report.action, report.state): report.at / SECOND for report in listener.reports}
     assert reported == {
         ("a1", "started"): 0,
         ("a1", "done"): pytest.approx(words),
@@ -80,54 +80,54 @@ def test_on_a_virtual_clock_speech_takes_its_time_on_that_clock_only(calm: Theme
 
 def test_on_a_virtual_clock_there_is_no_sound_and_no_sound_card(calm: Theme) -> None:
     clock = VirtualClock()
-    with listening(Sound(backends=("WASAPI",)), calm, clock) as ear:
-        ear.speech.say("a1", WORDS["en"])
+    with listening(Sound(backends=("WASAPI",)), calm, clock) as listener:
+        listener.speech.say("a1", WORDS["en"])
         clock.advance(20 * SECOND)
-        assert ear.states("a1") == ["started", "done"]
+        assert listener.states("a1") == ["started", "done"]
 
 
 def test_on_a_virtual_clock_a_stop_aborts_and_the_rest_goes_on(calm: Theme) -> None:
     clock = VirtualClock()
-    with listening(Sound(), calm, clock) as ear:
+    with listening(Sound(), calm, clock) as listener:
         for action in ("a1", "a2", "a3"):
-            ear.speech.say(action, LONG)
-        ear.tones.tone("b1", "go")
+            listener.speech.say(action, LONG)
+        listener.tones.tone("b1", "go")
         clock.advance(SECOND)
-        ear.speech.stop("a2")
-        ear.speech.stop("a1")
-        assert (ear.states("a1"), ear.states("a2"), ear.states("a3")) == (
+        listener.speech.stop("a2")
+        listener.speech.stop("a1")
+        assert (listener.states("a1"), listener.states("a2"), listener.states("a3")) == (
             ["started", "aborted"],
             ["aborted"],
             ["started"],
         )
-        ear.speech.stop()
+        listener.speech.stop()
         clock.advance(SECOND)
-        assert ear.states("a3") == ["started", "aborted"]
-        assert ear.states("b1") == ["started", "done"]
-        assert ear.wait("a3").at == SECOND
+        assert listener.states("a3") == ["started", "aborted"]
+        assert listener.states("b1") == ["started", "done"]
+        assert listener.wait("a3").at == SECOND
 
 
 def test_in_real_time_a_file_takes_as_long_as_it_would_sound(calm: Theme, tmp_path: Path) -> None:
-    with listening(Sound(f"file:{tmp_path}"), calm) as ear:
-        ear.speech.say("a1", "Good.")
-        lasted = ear.wait("a1", "done").at - ear.wait("a1", "started").at
+    with listening(Sound(f"file:{tmp_path}"), calm) as listener:
+        listener.speech.say("a1", "Good.")
+        lasted = listener.wait("a1", "done").at - listener.wait("a1", "started").at
     (path,) = tmp_path.iterdir()
     assert lasted / SECOND >= len(spoken(path)) / RATE
 
 
 def test_in_real_time_a_stop_cuts_a_file_short(calm: Theme, tmp_path: Path) -> None:
-    with listening(Sound(f"file:{tmp_path}"), calm) as ear:
-        ear.speech.say("a1", LONG * 20)
-        ear.wait("a1", "started")
-        ear.speech.stop()
-        assert ear.wait("a1").state == "aborted"
+    with listening(Sound(f"file:{tmp_path}"), calm) as listener:
+        listener.speech.say("a1", LONG * 20)
+        listener.wait("a1", "started")
+        listener.speech.stop()
+        assert listener.wait("a1").state == "aborted"
 
 
 def test_a_folder_that_cannot_take_files_fails_each_utterance_with_the_reason(calm: Theme, tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("a file")
-    with listening(Sound(f"file:{tmp_path / 'taken'}"), calm, VirtualClock()) as ear:
-        ear.speech.say("a1", WORDS["en"])
-        assert "cannot take sound files" in ear.wait("a1", "failed").detail
+    with listening(Sound(f"file:{tmp_path / 'taken'}"), calm, VirtualClock()) as listener:
+        listener.speech.say("a1", WORDS["en"])
+        assert "cannot take sound files" in listener.wait("a1", "failed").detail
 
 
 @pytest.mark.parametrize(
@@ -140,14 +140,14 @@ def test_a_folder_that_cannot_take_files_fails_each_utterance_with_the_reason(ca
     ],
 )
 def test_an_invalid_utterance_fails_in_its_turn(calm: Theme, text: str, says: str) -> None:
-    with listening(Sound(backends=NOBODY), calm) as ear:
-        ear.speech.say("a1", "Good.")
-        ear.speech.say("a2", text)
-        assert ear.wait("a2", "failed").detail == says
-        assert [report.state for report in ear.reports] == ["started", "done", "failed"]
+    with listening(Sound(backends=NOBODY), calm) as listener:
+        listener.speech.say("a1", "Good.")
+        listener.speech.say("a2", text)
+        assert listener.wait("a2", "failed").detail == says
+        assert [report.state for report in listener.reports] == ["started", "done", "failed"]
 
 
 def test_a_language_without_a_voice_fails_with_what_to_do(calm: Theme) -> None:
-    with listening(Sound(), in_language(calm, "xx"), VirtualClock()) as ear:
-        ear.speech.say("a1", "Good.")
-        assert ear.wait("a1", "failed").detail.startswith('There is no voice for the language "xx": ')
+    with listening(Sound(), in_language(calm, "xx"), VirtualClock()) as listener:
+        listener.speech.say("a1", "Good.")
+        assert listener.wait("a1", "failed").detail.startswith('There is no voice for the language "xx": ')

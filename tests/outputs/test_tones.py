@@ -20,9 +20,9 @@ def frames(path: Path) -> bytes:
 
 
 def test_each_of_the_themes_tones_sounds(calm: Theme, tmp_path: Path) -> None:
-    with listening(Sound(f"file:{tmp_path}"), calm, VirtualClock()) as ear:
+    with listening(Sound(f"file:{tmp_path}"), calm, VirtualClock()) as listener:
         for name in TONES:
-            ear.tones.tone(name, name)
+            listener.tones.tone(name, name)
     written = sorted(tmp_path.iterdir())
     assert [path.name for path in written] == [f"{n:03d}-{name}-tone.wav" for n, name in enumerate(TONES, 1)]
     assert [frames(path) for path in written] == [tone(calm.notes(name)).tobytes() for name in TONES]
@@ -30,37 +30,37 @@ def test_each_of_the_themes_tones_sounds(calm: Theme, tmp_path: Path) -> None:
 
 @needs_speech
 def test_tones_follow_each_other_and_speech(calm: Theme) -> None:
-    with listening(Sound(backends=NOBODY), calm) as ear:
-        ear.tones.tone("t1", "go")
-        ear.speech.say("s1", "Good.")
-        ear.tones.tone("t2", "success")
-        ear.wait("t2", "done")
-        reported = [(report.action, report.state) for report in ear.reports]
+    with listening(Sound(backends=NOBODY), calm) as listener:
+        listener.tones.tone("t1", "go")
+        listener.speech.say("s1", "Good.")
+        listener.tones.tone("t2", "success")
+        listener.wait("t2", "done")
+        reported = [(report.action, report.state) for report in listener.reports]
         assert reported == [(action, state) for action in ("t1", "s1", "t2") for state in ("started", "done")]
-        assert [report.at for report in ear.reports] == sorted(report.at for report in ear.reports)
+        assert [report.at for report in listener.reports] == sorted(report.at for report in listener.reports)
 
 
 def test_a_tone_lasts_as_long_as_its_notes(calm: Theme) -> None:
     clock = VirtualClock()
     theme = msgspec.structs.replace(calm, tones={"go": (Note(440, 500), Note(0, 250), Note(880, 250))})
-    with listening(Sound(), theme, clock) as ear:
-        ear.tones.tone("t1", "go")
+    with listening(Sound(), theme, clock) as listener:
+        listener.tones.tone("t1", "go")
         clock.advance(SECOND)
-        assert ear.wait("t1", "done").at == pytest.approx(SECOND, abs=MS)
+        assert listener.wait("t1", "done").at == pytest.approx(SECOND, abs=MS)
 
 
 def test_a_tone_that_the_theme_lacks_fails(calm: Theme) -> None:
-    with listening(Sound(), calm, VirtualClock()) as ear:
-        ear.tones.tone("t1", "trumpet")
-        assert ear.wait("t1", "failed").detail == "The theme has no tone 'trumpet'."
+    with listening(Sound(), calm, VirtualClock()) as listener:
+        listener.tones.tone("t1", "trumpet")
+        assert listener.wait("t1", "failed").detail == "The theme has no tone 'trumpet'."
 
 
 def test_stop_of_one_tone_leaves_the_others(calm: Theme) -> None:
     clock = VirtualClock()
-    with listening(Sound(), calm, clock) as ear:
+    with listening(Sound(), calm, clock) as listener:
         for action in ("t1", "t2", "t3"):
-            ear.tones.tone(action, "go")
-        ear.tones.stop("t2")
+            listener.tones.tone(action, "go")
+        listener.tones.stop("t2")
         clock.advance(SECOND)
-        assert ear.states("t2") == ["aborted"]
-        assert ear.states("t1") == ear.states("t3") == ["started", "done"]
+        assert listener.states("t2") == ["aborted"]
+        assert listener.states("t1") == listener.states("t3") == ["started", "done"]

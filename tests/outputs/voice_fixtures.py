@@ -100,7 +100,7 @@ def is_alive(pid: int) -> bool:
     return bool(state.strip()) and not state.startswith("Z")
 
 
-class Ear:
+class Listener:
     """Speech and tones, open, with their reports."""
 
     def __init__(self, sound: Sound, theme: Theme, clock: Clock) -> None:
@@ -141,14 +141,14 @@ class Ear:
 
 
 @contextmanager
-def listening(sound: Sound, theme: Theme, clock: Clock | None = None) -> Iterator[Ear]:
+def listening(sound: Sound, theme: Theme, clock: Clock | None = None) -> Iterator[Listener]:
     """Speech and tones on a path of sound, in real time if no clock is given; closed at the end."""
     loop = asyncio.new_event_loop()
-    ear = Ear(sound, theme, clock or LiveClock(loop))
+    listener = Listener(sound, theme, clock or LiveClock(loop))
     try:
-        yield ear
+        yield listener
     finally:
-        ear.close()
+        listener.close()
         loop.close()
 
 

@@ -32,7 +32,7 @@ def plan(mode: Any = "live", left: str = "P01", right: str = "P02", **parameters
     return make_plan(CATALOGUE, KIND, [code for code in (left, right) if code], SHORT | parameters, seed=4, mode=mode)
 
 
-def sit_down(task: Any, theme: Any) -> list[Any]:
+def make_participants(task: Any, theme: Any) -> list[Any]:
     return [SimulatedParticipant(PEOPLE["average"], task, 4), SimulatedPartner(PEOPLE["poor"], task, 4)]
 
 
@@ -50,7 +50,7 @@ ATTEMPTS = ("attempt", "seat", "level", "accuracy", "outcome", "feedback")
 
 def whole(data: Path, **parameters: object) -> str:
     clock = VirtualClock()
-    run = start(plan(**parameters), data, CATALOGUE, clock, sit_down)
+    run = start(plan(**parameters), data, CATALOGUE, clock, make_participants)
     play(run, clock)
     return run.id
 
@@ -71,10 +71,10 @@ def test_both_seats_are_stored_and_the_session_is_found_from_either(data: Path) 
 
 
 def test_neither_of_two_can_be_in_another_live_session_meanwhile(data: Path) -> None:
-    run = start(plan(), data, CATALOGUE, VirtualClock(), sit_down)
+    run = start(plan(), data, CATALOGUE, VirtualClock(), make_participants)
     for left, right in (("P01", "P03"), ("P03", "P02")):
         with pytest.raises(StoreError, match=r"The participant P0[12] is in a live session already"):
-            start(plan(left=left, right=right), data, CATALOGUE, VirtualClock(), sit_down)
+            start(plan(left=left, right=right), data, CATALOGUE, VirtualClock(), make_participants)
     assert not locks.is_held(data, "participant", "P03")
     run.close()
     assert not any(locks.is_held(data, "participant", code) for code in ("P01", "P02"))
@@ -98,7 +98,7 @@ def test_each_has_the_best_of_their_own_whatever_the_seat(data: Path) -> None:
     whole(data, start_level=1, max_level=1)
     clock = VirtualClock()
     other_way = plan(left="P02", right="P01", start_level=1, max_level=1)
-    run = start(other_way, data, CATALOGUE, clock, sit_down)
+    run = start(other_way, data, CATALOGUE, clock, make_participants)
     reported = run.session.best["1"], run.session.others_best["B"]["1"]
     before = connect(data)
     best = "SELECT min(metric) FROM attempts JOIN seats USING (session, seat) WHERE participant=? AND accuracy >= 0.8"
@@ -148,7 +148,7 @@ def test_killed_in_mid_trial_and_resumed_each_trial_of_both_is_there_once(
 ) -> None:
     data = tmp_path_factory.mktemp("data") / "data"
     clock = VirtualClock()
-    run: Run = start(plan(policy=policy), data, CATALOGUE, clock, sit_down)
+    run: Run = start(plan(policy=policy), data, CATALOGUE, clock, make_participants)
     session = run.id
     for count in steps:
         play(run, clock, count)
@@ -159,7 +159,7 @@ def test_killed_in_mid_trial_and_resumed_each_trial_of_both_is_there_once(
             break
         assert (row["participant"], row["partner"]) == ("P01", "P02")
         clock = VirtualClock()
-        run = resume(session, data, CATALOGUE, clock, sit_down)
+        run = resume(session, data, CATALOGUE, clock, make_participants)
         assert all(locks.is_held(data, "participant", code) for code in ("P01", "P02"))
     else:
         play(run, clock)

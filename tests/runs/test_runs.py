@@ -27,7 +27,7 @@ SETTINGS = {"attempts": 3, "prompts_per_attempt": 4, "start_level": 5}
 PLAN = make_plan(CATALOGUE, KEYBOARD, ["P01"], SETTINGS, seed=4)
 
 
-def sit_down(task: Any, theme: Any) -> list[SimulatedParticipant]:
+def make_participants(task: Any, theme: Any) -> list[SimulatedParticipant]:
     return [SimulatedParticipant(PEOPLE["average"], task, PLAN.seed)]
 
 
@@ -52,7 +52,7 @@ ATTEMPTS = ("attempt", "level", "accuracy", "outcome", "feedback")
 
 def undisturbed(data: Path) -> str:
     clock = VirtualClock()
-    run = start(PLAN, data, CATALOGUE, clock, sit_down)
+    run = start(PLAN, data, CATALOGUE, clock, make_participants)
     play(run, clock)
     return run.id
 
@@ -64,14 +64,14 @@ def test_a_session_resumed_however_often_has_every_trial_once_as_it_would_have_b
     try:
         whole = undisturbed(data)
         clock = VirtualClock()
-        run = start(PLAN, data, CATALOGUE, clock, sit_down)
+        run = start(PLAN, data, CATALOGUE, clock, make_participants)
         play(run, clock, cuts[0])
         for number, steps in enumerate([*cuts[1:], None], 2):
             if run.session.ended:
                 break
             assert sessions.find(connect(data), data, run.id)["status"] == "interrupted"
             clock = VirtualClock(number * 1000 * SECOND)
-            run = resume(run.id, data, CATALOGUE, clock, sit_down)
+            run = resume(run.id, data, CATALOGUE, clock, make_participants)
             assert run.number == number
             play(run, clock, steps)
         assert sessions.find(connect(data), data, run.id)["status"] == "completed"
@@ -90,11 +90,11 @@ def test_each_run_says_on_what_it_was_made(data: Path, monkeypatch: pytest.Monke
     for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY", "ZELLIJ"):
         monkeypatch.delenv(name, raising=False)
     clock = VirtualClock()
-    run = start(PLAN, data, CATALOGUE, clock, sit_down)
+    run = start(PLAN, data, CATALOGUE, clock, make_participants)
     play(run, clock, 5)
     monkeypatch.setenv("SSH_TTY", "/dev/pts/0")
     clock = VirtualClock(1000 * SECOND)
-    play(resume(run.id, data, CATALOGUE, clock, sit_down), clock, 5)
+    play(resume(run.id, data, CATALOGUE, clock, make_participants), clock, 5)
     session = sessions.find(connect(data), data, run.id)
     driver, ssh = sessions.rows(connect(data), "runs", run.id)
     assert (driver["software"], driver["machine"]) == (session["software"], session["machine"])
@@ -105,19 +105,19 @@ def test_each_run_says_on_what_it_was_made(data: Path, monkeypatch: pytest.Monke
 def test_what_has_ended_cannot_be_resumed(data: Path) -> None:
     session = undisturbed(data)
     with pytest.raises(StoreError, match="is completed; only a live one that was interrupted") as caught:
-        resume(session, data, CATALOGUE, VirtualClock(), sit_down)
+        resume(session, data, CATALOGUE, VirtualClock(), make_participants)
     assert caught.value.bad_input
 
 
 def test_a_session_stored_with_former_spellings_resumes(data: Path) -> None:
     whole = undisturbed(data)
     clock = VirtualClock()
-    run = start(PLAN, data, CATALOGUE, clock, sit_down)
+    run = start(PLAN, data, CATALOGUE, clock, make_participants)
     play(run, clock, 20)
     with transaction(connect(data)) as connection:
         connection.execute("UPDATE sessions SET parameters = json_set(parameters, '$.difficulty_policy', 'thesis')")
     clock = VirtualClock(1000 * SECOND)
-    play(resume(run.id, data, CATALOGUE, clock, sit_down), clock)
+    play(resume(run.id, data, CATALOGUE, clock, make_participants), clock)
     assert table(data, "trials", run.id, *TRIALS) == table(data, "trials", whole, *TRIALS)
 
 
@@ -170,7 +170,7 @@ def test_a_resumed_session_does_not_get_its_own_best_as_an_earlier_one(data: Pat
     cut = played(data, 2, steps=40)
     assert best_of(data, cut.id), "it had a result of its own"
     clock = VirtualClock(1000 * SECOND)
-    again = resume(cut.id, data, CATALOGUE, clock, sit_down)
+    again = resume(cut.id, data, CATALOGUE, clock, make_participants)
     play(again, clock)
     assert told_best(data, again) == told_best(data, cut) == best_of(data, first.id)
 
@@ -184,11 +184,11 @@ def test_a_theme_edited_between_two_runs_is_spoken_in_the_second_and_the_first_i
     words.write_text('"attempt {number} of {total}" = "round {number} of {total}"')
     catalogue = Catalogue(themes=(tmp_path / "themes",))
     clock = VirtualClock()
-    run = start(msgspec.structs.replace(PLAN, theme="mine"), data, catalogue, clock, sit_down)
+    run = start(msgspec.structs.replace(PLAN, theme="mine"), data, catalogue, clock, make_participants)
     play(run, clock, 12)
     words.write_text('"attempt {number} of {total}" = "turn {number} of {total}"')
     clock = VirtualClock(1000 * SECOND)
-    again = resume(run.id, data, catalogue, clock, sit_down)
+    again = resume(run.id, data, catalogue, clock, make_participants)
     play(again, clock)
     names = [r.message.attempt_name for r in sessions.history(connect(data), run.id) if r.topic is WAITING]
     assert (names[0], names[-1]) == ("round 1 of 3", "turn 3 of 3")

@@ -123,7 +123,7 @@ class Kept:
 
     def do(self, reaches: int) -> "Kept":
         """From the instructions through so many reaches, one an attempt."""
-        self.driver.sit_down(rest_ms=2000)
+        self.driver.start_session(rest_ms=2000)
         self.driver.reach()
         for _ in range(reaches - 1):
             self.driver.wait(300)
@@ -238,7 +238,7 @@ def test_it_is_so_wherever_it_was_cut_off_and_in_whatever_batches_it_was_written
     """Samples that were written together come back as one block; with a signal to go, so does the long wait for it."""
     kept = Kept(tmp_path_factory.mktemp("kept"), inline=False, go_signal=data.draw(st.booleans()), attempts=1)
     driver, pauses = kept.driver, st.integers(20, 900)
-    driver.sit_down(rest_ms=1000)
+    driver.start_session(rest_ms=1000)
     driver.start()
     driver.move(200)
     for _ in range(data.draw(st.integers(0, 8))):
@@ -291,7 +291,7 @@ def test_a_second_run_is_a_stream_of_its_own_numbered_on(data: Path) -> None:
 
 def test_while_the_disk_refuses_samples_wait_in_order_and_none_is_lost_or_doubled(data: Path) -> None:
     kept = Kept(data, inline=False)
-    kept.driver.sit_down(rest_ms=500)
+    kept.driver.start_session(rest_ms=500)
     kept.write()
     there = kept.chunks()
     kept.database.execute("PRAGMA query_only=1")

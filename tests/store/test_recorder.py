@@ -26,7 +26,7 @@ from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.recorder import Recorder
-from tests.outputs.fake_outputs import Puppet, Speaker
+from tests.outputs.fake_outputs import FakeOutput, Speaker
 
 A_TRIAL = TrialEnded(
     attempt=1,
@@ -193,7 +193,7 @@ def test_what_came_too_late_to_be_said_was_dropped_by_the_agent(data: Path) -> N
 
 
 def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_whatever_order_they_come(data: Path) -> None:
-    robot = Puppet("robot", frozenset({"say"}))
+    robot = FakeOutput("robot", frozenset({"say"}))
     recorded = Recorded(data, speech=Speaker(2000), robot=robot)
     recorded.session.begin()
     recorded.clock.advance(SECOND // 2)

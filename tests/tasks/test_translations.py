@@ -1,4 +1,4 @@
-"""Given the shipped tasks, when a session is in Spanish, then a participant reads no English, and every text fits."""
+"""A session of a shipped task in Spanish contains no English, and every text fits."""
 
 import re
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Given a drawn face, when it is to be worn, then it fits its place on any terminal."""
+"""Drawn faces have one size and only characters that every terminal draws in one column."""
 
 import pytest
 from hypothesis import given

@@ -62,7 +62,7 @@ def as_toml(value: object) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def worn(folder: Path, language: str = "en") -> Theme:
+def applied(folder: Path, language: str = "en") -> Theme:
     """The theme as a session wears it: filled up from calm."""
     theme = load_theme(folder, language)
     assert all(theme.phrases[situation] for situation in PHRASE_KEYS)
@@ -73,7 +73,7 @@ def worn(folder: Path, language: str = "en") -> Theme:
 
 
 def test_a_complete_theme_needs_no_repair(mine: Path) -> None:
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.repairs == ()
     assert (theme.name, theme.title, theme.language, theme.languages) == ("mine", "Playful", "en", ("en", "es"))
     assert {path.name for path in files(mine)} >= {"phrases.en.toml", "phrases.es.toml", "theme.toml"}
@@ -84,36 +84,36 @@ def test_a_complete_theme_needs_no_repair(mine: Path) -> None:
 
 def test_a_missing_phrase_is_taken_from_the_default_theme(mine: Path, calm: Theme) -> None:
     without(mine, "goodbye", "en")
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.phrases["goodbye"] == calm.phrases["goodbye"]
     assert theme.repairs == ("There is no wording for goodbye (en).",)
 
 
 def test_a_phrase_missing_only_in_spanish_is_taken_from_english(mine: Path, catalogue: Catalogue) -> None:
     without(mine, "rest", "es")
-    theme = worn(mine, "es")
+    theme = applied(mine, "es")
     assert theme.phrases["rest"] == catalogue.theme("playful").phrases["rest"]
     assert theme.phrases["greeting"] == catalogue.theme("playful", "es").phrases["greeting"]
     assert theme.repairs == ("There is no wording for rest (es); English is used.",)
     assert read(mine, "es").english == ("rest",)
-    assert worn(mine, "en").repairs == ()
+    assert applied(mine, "en").repairs == ()
 
 
 def test_a_phrase_missing_in_both_languages_is_the_default_themes_spanish(mine: Path, catalogue: Catalogue) -> None:
     without(mine, "rest", "es")
     without(mine, "rest", "en")
-    assert worn(mine, "es").phrases["rest"] == catalogue.theme("calm", "es").phrases["rest"]
+    assert applied(mine, "es").phrases["rest"] == catalogue.theme("calm", "es").phrases["rest"]
 
 
 def test_a_substituted_english_phrase_is_checked_for_english_numbers(mine: Path, change: Change) -> None:
     without(mine, "goodbye", "es")
     change("phrases.en.toml", "We are done! I liked", "Par for the course! I liked")
-    assert any("Par for" in wording for wording in worn(mine, "es").phrases["goodbye"])
+    assert any("Par for" in wording for wording in applied(mine, "es").phrases["goodbye"])
 
 
 def test_an_invalid_wording_is_left_out_and_the_others_are_used(mine: Path, change: Change) -> None:
     change("phrases.en.toml", '"Hi there! Let us play together."', '"Hi {name}!", "We play twice."')
-    theme = worn(mine)
+    theme = applied(mine)
     assert len(theme.phrases["greeting"]) == 2
     assert theme.repairs == (
         "A wording for greeting (en) uses the slot {name}, which it does not have.",
@@ -126,22 +126,22 @@ def test_wordings_that_are_not_a_list_of_texts_are_replaced(mine: Path, calm: Th
     without(mine, "goodbye", "en")
     file = mine / "phrases.en.toml"
     file.write_text(f"goodbye = {value}\n" + file.read_text(encoding="utf-8"), encoding="utf-8")
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.phrases["goodbye"] == calm.phrases["goodbye"]
     assert theme.repairs[0] == "The wordings for goodbye (en) must be a list of texts."
 
 
 def test_an_unknown_phrase_key_is_named(mine: Path, change: Change) -> None:
     change("phrases.en.toml", "\ngoodbye = [", "\nfarewell = ['Bye.']\ngoodbye = [")
-    assert worn(mine).repairs == ("farewell is not a situation (en).",)
+    assert applied(mine).repairs == ("farewell is not a situation (en).",)
 
 
 def test_vocabulary_falls_back_too(mine: Path, change: Change, calm: Theme) -> None:
     change("phrases.es.toml", 'goal = "la meta"\n', "")
-    assert worn(mine, "es").vocabulary["goal"] == "the goal"
-    assert worn(mine, "es").repairs == ("The vocabulary lacks goal (es).",)
+    assert applied(mine, "es").vocabulary["goal"] == "the goal"
+    assert applied(mine, "es").repairs == ("The vocabulary lacks goal (es).",)
     change("phrases.en.toml", 'goal = "the goal"', 'goal = " "\nrecord = "the record"\nlast = 3')
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.vocabulary["goal"] == calm.vocabulary["goal"]
     assert theme.repairs == (
         "goal in vocabulary (en) must be a text.",
@@ -152,14 +152,14 @@ def test_vocabulary_falls_back_too(mine: Path, change: Change, calm: Theme) -> N
 
 def test_the_vocabulary_contains_no_number(mine: Path, change: Change) -> None:
     change("phrases.es.toml", "tu promedio de hoy", "tu media de hoy")
-    theme = worn(mine, "es")
+    theme = applied(mine, "es")
     assert theme.repairs == ("session_mean in vocabulary (es) holds a number.",)
-    assert theme.vocabulary["session_mean"] == worn(mine).vocabulary["session_mean"]
+    assert theme.vocabulary["session_mean"] == applied(mine).vocabulary["session_mean"]
 
 
 def test_an_english_vocabulary_entry_with_a_number_is_replaced(mine: Path, change: Change, calm: Theme) -> None:
     change("phrases.en.toml", 'goal = "the goal"', 'goal = "half the goal"')
-    assert worn(mine).vocabulary["goal"] == calm.vocabulary["goal"]
+    assert applied(mine).vocabulary["goal"] == calm.vocabulary["goal"]
 
 
 @pytest.mark.parametrize(
@@ -173,7 +173,7 @@ def test_an_english_vocabulary_entry_with_a_number_is_replaced(mine: Path, chang
 )
 def test_a_unit_that_cannot_be_spoken_is_left_out(mine: Path, change: Change, unit: str, expected: str) -> None:
     change("phrases.en.toml", "[units]\n", f"[units]\n{unit}\n")
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.repairs == (expected,)
     assert theme.spoken("412 ms, and 3 more; 2 kg") == "412 milliseconds, and 3 more; 2 kg"
 
@@ -181,7 +181,7 @@ def test_a_unit_that_cannot_be_spoken_is_left_out(mine: Path, change: Change, un
 def test_a_vocabulary_that_is_not_a_table_is_reported(mine: Path, change: Change) -> None:
     change("phrases.en.toml", "[units]\n", "[other]\n")
     change("phrases.en.toml", "\ngoodbye = [", "\nunits = 'none'\ngoodbye = [")
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.units["ms"] == "millisecond | milliseconds"
     assert set(theme.repairs) == {"units (en) must be a table.", "other is not a situation (en)."}
 
@@ -190,24 +190,24 @@ def test_a_vocabulary_that_is_not_a_table_is_reported(mine: Path, change: Change
 
 
 def test_a_theme_without_a_language_speaks_english(mine: Path) -> None:
-    theme = worn(mine, "fr")
+    theme = applied(mine, "fr")
     assert theme.language == "en"
-    assert theme.phrases == worn(mine).phrases
+    assert theme.phrases == applied(mine).phrases
     assert theme.repairs == ("There is no phrases.fr.toml; the agent speaks English.",)
 
 
 def test_a_regional_language_falls_back_to_its_base_language(mine: Path, change: Change) -> None:
-    assert worn(mine, "es-mx").phrases == worn(mine, "es").phrases
-    assert worn(mine, "es-mx").language == "es-mx"
-    assert worn(mine, "en-gb").repairs == ()
+    assert applied(mine, "es-mx").phrases == applied(mine, "es").phrases
+    assert applied(mine, "es-mx").language == "es-mx"
+    assert applied(mine, "en-gb").repairs == ()
     (mine / "phrases.es-mx.toml").write_text('greeting = ["¡Qué onda!"]', encoding="utf-8")
-    assert worn(mine, "es-mx").phrases["greeting"] == ("¡Qué onda!",)
+    assert applied(mine, "es-mx").phrases["greeting"] == ("¡Qué onda!",)
     assert languages(mine) == ("en", "es", "es-mx")
 
 
 def test_a_theme_without_english_is_reported_and_completed(mine: Path) -> None:
     (mine / "phrases.en.toml").unlink()
-    theme = worn(mine, "es")
+    theme = applied(mine, "es")
     assert theme.language == "es"
     assert theme.repairs == ("There is no phrases.en.toml, which every theme has.",)
     with pytest.raises(PluginError, match=r"^The theme mine cannot be read: There is no phrases\.en\.toml\.$"):
@@ -217,15 +217,15 @@ def test_a_theme_without_english_is_reported_and_completed(mine: Path) -> None:
 def test_a_theme_may_replace_screen_texts(mine: Path) -> None:
     (mine / "words.es.toml").write_text('"Press Enter" = "Pulsa Intro"\nodd = 3\n', encoding="utf-8")
     (mine / "words.es-mx.toml").write_text('"Press Enter" = "Oprime Enter"\n', encoding="utf-8")
-    assert worn(mine, "es").texts == {"Press Enter": "Pulsa Intro"}
-    assert worn(mine, "es-mx").texts == {"Press Enter": "Oprime Enter"}
-    assert worn(mine).texts == {}
-    assert worn(mine, "es").repairs == ("The wording of 'odd' in words.es.toml is not a text.",)
+    assert applied(mine, "es").texts == {"Press Enter": "Pulsa Intro"}
+    assert applied(mine, "es-mx").texts == {"Press Enter": "Oprime Enter"}
+    assert applied(mine).texts == {}
+    assert applied(mine, "es").repairs == ("The wording of 'odd' in words.es.toml is not a text.",)
 
 
 def test_screen_texts_with_other_slots_are_left_out(mine: Path) -> None:
     (mine / "words.en.toml").write_text('"level {level}" = "step {step}"\n"Help" = "What is this?"\n', encoding="utf-8")
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.texts == {"Help": "What is this?"}
     assert theme.repairs == ("The wording of 'level {level}' in words.en.toml lacks {level}.",)
 
@@ -236,14 +236,14 @@ def test_screen_texts_with_other_slots_are_left_out(mine: Path) -> None:
 @pytest.mark.parametrize("value", ['"red"', '"#12345"', "3", '""', "[]"])
 def test_an_invalid_colour_is_replaced_by_a_legible_default(mine: Path, change: Change, value: str) -> None:
     change("theme.toml", 'accent = "#a33b00"', f"accent = {value}")
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.repairs[0].startswith("accent is not a colour like #a0b1c2: ")
     assert min(theme.colors.contrasts().values()) >= 4.5
 
 
 def test_missing_and_unknown_colours_are_reported(mine: Path, change: Change, calm: Theme) -> None:
     change("theme.toml", "background = ", "backdrop = ")
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.colors.background == calm.colors.background
     assert theme.repairs[0].startswith("backdrop is not a colour of a theme; these are: background, surface, text")
     assert theme.repairs[1] == "background is not a colour like #a0b1c2: nothing."
@@ -251,7 +251,7 @@ def test_missing_and_unknown_colours_are_reported(mine: Path, change: Change, ca
 
 def test_a_text_colour_of_low_contrast_is_replaced_and_reported(mine: Path, change: Change) -> None:
     change("theme.toml", 'muted = "#6b5138"', 'muted = "#d0c0a0"')
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.colors.muted == "#000000"
     assert theme.repairs == (
         "muted on background has a contrast of 1.63, less than 4.5.",
@@ -265,12 +265,12 @@ def test_text_has_enough_contrast_with_any_colours(mine: Path, calm: Theme, valu
     colors = dict(zip(msgspec.structs.asdict(calm.colors), values, strict=True))
     colors["surface"] = colors["background"]
     (mine / "theme.toml").write_text(f"colors = {as_toml(colors)}", encoding="utf-8")
-    assert min(worn(mine).colors.contrasts().values()) >= 4.5
+    assert min(applied(mine).colors.contrasts().values()) >= 4.5
 
 
 def test_missing_and_unknown_faces_are_reported(mine: Path, change: Change, calm: Theme) -> None:
     change("theme.toml", "sleeping = '''", "asleep = '''")
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.faces["sleeping"] == calm.faces["sleeping"]
     assert theme.repairs[0].startswith("asleep is not an expression; these are: neutral, listening")
     assert theme.repairs[1] == "There is no face for sleeping."
@@ -281,23 +281,23 @@ def test_a_face_that_does_not_fit_is_replaced(mine: Path, change: Change, calm: 
     text = (mine / "theme.toml").read_text(encoding="utf-8")
     cat = text[text.index("sleeping = '''") : text.index("'''", text.index("sleeping = '''") + 15) + 3]
     change("theme.toml", cat, f"sleeping = {drawing}" if drawing[0] == "'" else f'sleeping = "{drawing}"')
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.faces["sleeping"] == calm.faces["sleeping"]
     assert "face sleeping" in theme.repairs[0]
 
 
 def test_trailing_spaces_stripped_by_an_editor_are_restored(mine: Path) -> None:
-    whole = worn(mine).faces
+    whole = applied(mine).faces
     lines = (mine / "theme.toml").read_text(encoding="utf-8").split("\n")
     (mine / "theme.toml").write_text("\n".join(map(str.rstrip, lines)), encoding="utf-8")
-    assert worn(mine).faces == whole
-    assert worn(mine).repairs == ()
+    assert applied(mine).faces == whole
+    assert applied(mine).repairs == ()
 
 
 def test_faces_of_different_height_are_reported(mine: Path, change: Change) -> None:
     change("theme.toml", "│  = ‿ =  │\n ╰───────╯ \n", "│  = ‿ =  │\n")
-    assert worn(mine).repairs == ("The faces have 3 and 4 lines; all must have the same number.",)
-    assert {face.count("\n") for face in worn(mine).faces.values()} == {3}
+    assert applied(mine).repairs == ("The faces have 3 and 4 lines; all must have the same number.",)
+    assert {face.count("\n") for face in applied(mine).faces.values()} == {3}
 
 
 @pytest.mark.parametrize(
@@ -318,7 +318,7 @@ def test_an_invalid_gesture_is_replaced(
     mine: Path, change: Change, calm: Theme, old: str, new: str, repair: str
 ) -> None:
     change("theme.toml", old, new)
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.gestures["nod"] == calm.gestures["nod"]
     assert [expected for expected in theme.repairs if expected.startswith(repair)] == list(theme.repairs) != []
 
@@ -326,7 +326,7 @@ def test_an_invalid_gesture_is_replaced(
 def test_a_theme_may_define_gestures(mine: Path, change: Change) -> None:
     change("theme.toml", "[gestures]\n", "[gestures]\nbow = [{ at_ms = 300, nod = 1 }, { at_ms = 600 }]\n")
     change("theme.toml", "[manner.positive]\n", '[manner.goodbye]\ngesture = "bow"\n[manner.positive]\n')
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.manner("goodbye") == Manner("happy", "bow")
     assert theme.repairs == ()
 
@@ -344,7 +344,7 @@ def test_a_theme_may_define_gestures(mine: Path, change: Change) -> None:
 )
 def test_an_unknown_manner_falls_back_to_the_default(mine: Path, change: Change, manner: str, repair: str) -> None:
     change("theme.toml", '[manner.positive]\ngesture = "cheer"', f"[manner.positive]\n{manner}")
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.manner("positive") == MANNERS["positive"]
     assert [expected.startswith(repair) for expected in theme.repairs] == [True]
 
@@ -369,7 +369,7 @@ def test_an_unknown_manner_falls_back_to_the_default(mine: Path, change: Change,
 )  # fmt: skip
 def test_other_faults_are_reported_and_harmless(mine: Path, change: Change, old: str, new: str, repair: str) -> None:
     change("theme.toml", old, new)
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.repairs[0].startswith(repair)
     assert theme.notes("go")
     assert theme.title
@@ -377,17 +377,17 @@ def test_other_faults_are_reported_and_harmless(mine: Path, change: Change, old:
 
 def test_an_invalid_voice_is_replaced(mine: Path, change: Change) -> None:
     change("theme.toml", "rate = 160", "rate = 'fast'")
-    assert worn(mine).voice == Voice()
+    assert applied(mine).voice == Voice()
     change("theme.toml", "[voice]\nrate = 'fast'", "[other]")
     change("theme.toml", "dark = false", "dark = false\nvoice = 160")
-    assert worn(mine).voice == Voice()
-    assert "voice in theme.toml cannot be used: Expected `object`, got `int`." in worn(mine).repairs
+    assert applied(mine).voice == Voice()
+    assert "voice in theme.toml cannot be used: Expected `object`, got `int`." in applied(mine).repairs
 
 
 def test_a_value_in_place_of_a_table_is_reported(mine: Path, calm: Theme) -> None:
     tables = ("colors", "faces", "gestures", "manner", "tones", "images")
     (mine / "theme.toml").write_text("".join(f"{table} = 3\n" for table in tables), encoding="utf-8")
-    theme = worn(mine)
+    theme = applied(mine)
     assert (theme.colors, theme.faces, theme.gestures) == (calm.colors, calm.faces, calm.gestures)
     assert {f"{table} in theme.toml must be a table." for table in tables} < set(theme.repairs)
 
@@ -399,7 +399,7 @@ def test_images_must_be_in_the_themes_folder(mine: Path, change: Change) -> None
         'happy = "happy.png"\nneutral = "none.png"\nspeaking = "../outside.png"\nangry = "happy.png"\nsleeping = 3\n'
     )
     change("theme.toml", "[tones]", f"[images]\n{images}[tones]")
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.images == {"happy": "happy.png"}
     assert theme.repairs[:3] == (
         "There is no image none.png for neutral.",
@@ -412,7 +412,7 @@ def test_images_must_be_in_the_themes_folder(mine: Path, change: Change) -> None
 @pytest.mark.parametrize("name", ["a\\u0000b.png", "a" * 300 + ".png", "a/" * 3000])
 def test_an_impossible_image_name_is_left_out_and_reported_briefly(mine: Path, change: Change, name: str) -> None:
     change("theme.toml", "[tones]", f'[images]\nhappy = "{name}"\n[tones]')
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.images == {}
     (expected,) = theme.repairs
     assert expected.startswith("There is no image a")
@@ -423,7 +423,7 @@ def test_an_impossible_image_name_is_left_out_and_reported_briefly(mine: Path, c
 def test_a_symlink_loop_is_not_an_image(mine: Path, change: Change) -> None:
     (mine / "happy.png").symlink_to(mine / "happy.png")
     change("theme.toml", "[tones]", '[images]\nhappy = "happy.png"\n[tones]')
-    assert worn(mine).repairs == ("There is no image happy.png for happy.",)
+    assert applied(mine).repairs == ("There is no image happy.png for happy.",)
 
 
 @pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte"), OverflowError("too large")])
@@ -442,7 +442,7 @@ def test_any_error_reading_a_theme_is_one_sentence(
 def test_a_theme_cannot_lower_the_required_contrast(mine: Path, change: Change, asked: str) -> None:
     change("theme.toml", 'muted = "#6b5138"', 'muted = "#d0c0a0"')
     change("theme.toml", "minimum_contrast = 4.5", f"minimum_contrast = {asked}")
-    theme = worn(mine)
+    theme = applied(mine)
     assert theme.minimum_contrast == 4.5
     assert min(theme.colors.contrasts().values()) >= 4.5
     assert theme.repairs[0].startswith(f"minimum_contrast is {asked[:3]}")
@@ -462,7 +462,7 @@ def test_an_empty_theme_equals_the_default_under_its_own_name(tmp_path: Path, ca
     folder.mkdir()
     for name in ("theme.toml", "phrases.en.toml"):
         (folder / name).touch()
-    theme = worn(folder)
+    theme = applied(folder)
     assert (theme.name, theme.title) == ("bare", "bare")
     assert theme.phrases == calm.phrases
     assert theme.faces == calm.faces
@@ -493,14 +493,14 @@ def test_another_encoding_is_reported_with_the_line(mine: Path) -> None:
     with pytest.raises(PluginError) as caught:
         load_theme(mine, "es")
     assert str(caught.value).endswith("phrases.es.toml is not UTF-8 text from line 2 on; save it as UTF-8.")
-    assert worn(mine, "en").repairs == ()
+    assert applied(mine, "en").repairs == ()
 
 
 def test_a_byte_order_mark_is_ignored(mine: Path) -> None:
     for file in files(mine):
         file.write_bytes(b"\xef\xbb\xbf" + file.read_bytes().replace(b"\n", b"\r\n"))
-    assert worn(mine).repairs == ()
-    assert worn(mine).faces == load_theme(mine, "es").faces
+    assert applied(mine).repairs == ()
+    assert applied(mine).faces == load_theme(mine, "es").faces
 
 
 def test_a_folder_in_place_of_a_file_is_reported(mine: Path) -> None:
@@ -530,4 +530,4 @@ def test_any_theme_that_can_be_read_is_complete(mine: Path, catalogue: Catalogue
                 table[key] = data.draw(JUNK)
         text = "".join(f"{as_toml(key)} = {as_toml(value)}\n" for key, value in table.items())
         (mine / name).write_text(text, encoding="utf-8")
-    worn(mine)
+    applied(mine)

@@ -16,7 +16,7 @@ from sar_tui.widgets.agent import FRAME, MOUTH, Agent
 ARMS_UP = Gesture((Keyframe(at_ms=400, left_arm=1, right_arm=1), Keyframe(at_ms=1000)))
 
 
-class Room:
+class Stage:
     """An agent alone on a screen, and the clock that it moves by."""
 
     def __init__(self, theme: Theme) -> None:
@@ -47,190 +47,190 @@ class Room:
 
 
 @asynccontextmanager
-async def enter(theme: Theme) -> AsyncIterator[Room]:
-    room = Room(theme)
+async def open_stage(theme: Theme) -> AsyncIterator[Stage]:
+    stage = Stage(theme)
 
-    class Hall(App[None]):
+    class StageApp(App[None]):
         def compose(self) -> ComposeResult:
-            yield room.agent
+            yield stage.agent
 
-    async with Hall().run_test(size=(80, 24)) as room.pilot:
-        yield room
+    async with StageApp().run_test(size=(80, 24)) as stage.pilot:
+        yield stage
 
 
 async def test_initially_it_is_at_rest_and_silent_without_timers(calm: Theme) -> None:
-    async with enter(calm) as room:
-        assert calm.faces["neutral"].splitlines()[1] in room.drawing[2]
-        assert (room.words("said"), room.words("more"), room.words("note")) == ("", "", "")
-        assert not room.draws_again()
+    async with open_stage(calm) as stage:
+        assert calm.faces["neutral"].splitlines()[1] in stage.drawing[2]
+        assert (stage.words("said"), stage.words("more"), stage.words("note")) == ("", "", "")
+        assert not stage.draws_again()
 
 
 async def test_text_stays_until_replaced_and_without_text_only_the_face_changes(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.say("Well done.", "happy", "positive")
-        room.agent.say("", "speaking")
-        assert room.words("said") == "Well done."
-        assert room.agent.has_class("positive")
-        assert calm.faces["speaking"].splitlines()[2] in room.drawing[3]
-        room.agent.say("Go on.", "")
-        assert room.words("said") == "Go on."
-        assert not room.agent.has_class("positive")
-        assert calm.faces["speaking"].splitlines()[2] in room.drawing[3]
+    async with open_stage(calm) as stage:
+        stage.agent.say("Well done.", "happy", "positive")
+        stage.agent.say("", "speaking")
+        assert stage.words("said") == "Well done."
+        assert stage.agent.has_class("positive")
+        assert calm.faces["speaking"].splitlines()[2] in stage.drawing[3]
+        stage.agent.say("Go on.", "")
+        assert stage.words("said") == "Go on."
+        assert not stage.agent.has_class("positive")
+        assert calm.faces["speaking"].splitlines()[2] in stage.drawing[3]
 
 
 async def test_joined_text_is_below_the_earlier_text_and_disappears_with_it(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.say("Well done.", "happy", "positive")
-        room.agent.say("Now have a rest.", "sleeping", joins=True)
-        assert (room.words("said"), room.words("more")) == ("Well done.", "Now have a rest.")
-        assert room.agent.has_class("positive")
-        await room.pilot.pause()
-        said, more = room.agent.query_one(".said"), room.agent.query_one(".more")
+    async with open_stage(calm) as stage:
+        stage.agent.say("Well done.", "happy", "positive")
+        stage.agent.say("Now have a rest.", "sleeping", joins=True)
+        assert (stage.words("said"), stage.words("more")) == ("Well done.", "Now have a rest.")
+        assert stage.agent.has_class("positive")
+        await stage.pilot.pause()
+        said, more = stage.agent.query_one(".said"), stage.agent.query_one(".more")
         assert more.region.y > said.region.bottom - 1
-        room.agent.say("Again.", "happy")
-        assert (room.words("said"), room.words("more")) == ("Again.", "")
+        stage.agent.say("Again.", "happy")
+        assert (stage.words("said"), stage.words("more")) == ("Again.", "")
 
 
 async def test_joined_text_without_earlier_text_is_shown_alone(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.say("Now have a rest.", "sleeping", joins=True)
-        assert (room.words("said"), room.words("more")) == ("Now have a rest.", "")
+    async with open_stage(calm) as stage:
+        stage.agent.say("Now have a rest.", "sleeping", joins=True)
+        assert (stage.words("said"), stage.words("more")) == ("Now have a rest.", "")
 
 
 async def test_clearing_removes_the_text_and_resets_the_gaze(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.gaze("left")
-        room.agent.say("Well done.", "happy", "positive")
-        room.agent.clear("listening")
-        assert room.words("said") == ""
-        assert calm.faces["listening"].splitlines()[1] in room.drawing[2]
+    async with open_stage(calm) as stage:
+        stage.agent.gaze("left")
+        stage.agent.say("Well done.", "happy", "positive")
+        stage.agent.clear("listening")
+        assert stage.words("said") == ""
+        assert calm.faces["listening"].splitlines()[1] in stage.drawing[2]
 
 
 async def test_an_unknown_expression_is_the_neutral_one(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.say("Well done.", "delighted")
-        assert calm.faces["neutral"].splitlines()[1] in room.drawing[2]
+    async with open_stage(calm) as stage:
+        stage.agent.say("Well done.", "delighted")
+        assert calm.faces["neutral"].splitlines()[1] in stage.drawing[2]
 
 
 async def test_a_gesture_starts_and_ends_at_rest_and_then_nothing_is_drawn(calm: Theme) -> None:
-    async with enter(calm) as room:
-        rest = room.drawing
-        room.agent.gesture(ARMS_UP)
-        seen = room.watch(1100 * MS)
+    async with open_stage(calm) as stage:
+        rest = stage.drawing
+        stage.agent.gesture(ARMS_UP)
+        seen = stage.watch(1100 * MS)
         assert any(drawing[0].count("●") == 2 for drawing in seen)
         assert len(seen) >= 6  # hanging, out, slanted, up, and down again
         assert seen[-1] == rest
-        assert not room.draws_again()
+        assert not stage.draws_again()
 
 
 async def test_a_gesture_is_drawn_at_about_fifteen_frames_a_second(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.gesture(ARMS_UP)
+    async with open_stage(calm) as stage:
+        stage.agent.gesture(ARMS_UP)
         frames = 0
-        while room.clock.step():
+        while stage.clock.step():
             frames += 1
         assert frames == pytest.approx(ARMS_UP.duration_ms * MS / FRAME, abs=1)
 
 
 async def test_a_gesture_replaces_another_without_a_jump(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.gesture(ARMS_UP)
-        before = room.watch(400 * MS)[-1]
-        room.agent.gesture(ARMS_UP)
-        assert room.drawing == before
-        room.watch(1100 * MS)
-        assert not room.draws_again()
+    async with open_stage(calm) as stage:
+        stage.agent.gesture(ARMS_UP)
+        before = stage.watch(400 * MS)[-1]
+        stage.agent.gesture(ARMS_UP)
+        assert stage.drawing == before
+        stage.watch(1100 * MS)
+        assert not stage.draws_again()
 
 
 async def test_a_stop_puts_it_at_rest_at_once(calm: Theme) -> None:
-    async with enter(calm) as room:
-        rest = room.drawing
-        room.agent.gesture(ARMS_UP)
-        room.agent.gaze("left")
-        room.watch(300 * MS)
-        assert room.drawing != rest
-        room.agent.be_still()
-        assert room.drawing == rest
-        assert not room.draws_again()
+    async with open_stage(calm) as stage:
+        rest = stage.drawing
+        stage.agent.gesture(ARMS_UP)
+        stage.agent.gaze("left")
+        stage.watch(300 * MS)
+        assert stage.drawing != rest
+        stage.agent.be_still()
+        assert stage.drawing == rest
+        assert not stage.draws_again()
 
 
 @pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
 @pytest.mark.parametrize("face", ["neutral", "happy", "speaking"])
 async def test_the_mouth_opens_and_shuts_while_a_voice_sounds(name: str, face: str, catalogue: Catalogue) -> None:
     theme = catalogue.theme(name)
-    async with enter(theme) as room:
-        room.agent.say("Well done.", face)
-        silent = room.drawing
-        room.agent.speaking(True)
-        seen = room.watch(SECOND)
+    async with open_stage(theme) as stage:
+        stage.agent.say("Well done.", face)
+        silent = stage.drawing
+        stage.agent.speaking(True)
+        seen = stage.watch(SECOND)
         assert len(seen) == pytest.approx(SECOND / MOUTH, abs=1)
         mouths = {drawing[1 + theme.mouth_line] for drawing in seen}
         assert len(mouths) == 2
         assert {tuple(line for row, line in enumerate(drawing) if row != 1 + theme.mouth_line) for drawing in seen} == {
             tuple(line for row, line in enumerate(silent) if row != 1 + theme.mouth_line)
         }
-        room.agent.speaking(False)
-        assert room.drawing == silent
-        assert not room.draws_again()
+        stage.agent.speaking(False)
+        assert stage.drawing == silent
+        assert not stage.draws_again()
 
 
 async def test_repeated_reports_of_a_voice_do_not_change_the_pace_of_the_mouth(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.speaking(True)
+    async with open_stage(calm) as stage:
+        stage.agent.speaking(True)
         frames = 0
-        while room.clock.now() < SECOND and room.clock.step():
-            room.agent.speaking(True)
+        while stage.clock.now() < SECOND and stage.clock.step():
+            stage.agent.speaking(True)
             frames += 1
         assert frames == pytest.approx(SECOND / FRAME, abs=1)
 
 
 async def test_while_held_it_draws_nothing_whatever_it_is_asked(calm: Theme) -> None:
-    async with enter(calm) as room:
-        rest = room.drawing
-        room.agent.gesture(ARMS_UP)
-        room.agent.speaking(True)
-        room.watch(300 * MS)
-        room.agent.hold()
-        assert room.drawing == rest
-        room.agent.gesture(ARMS_UP)
-        room.agent.gaze("left")
-        room.agent.speaking(True)
-        assert room.watch(2 * SECOND) == [rest]
-        assert not room.draws_again()
+    async with open_stage(calm) as stage:
+        rest = stage.drawing
+        stage.agent.gesture(ARMS_UP)
+        stage.agent.speaking(True)
+        stage.watch(300 * MS)
+        stage.agent.hold()
+        assert stage.drawing == rest
+        stage.agent.gesture(ARMS_UP)
+        stage.agent.gaze("left")
+        stage.agent.speaking(True)
+        assert stage.watch(2 * SECOND) == [rest]
+        assert not stage.draws_again()
 
 
 async def test_after_a_hold_the_mouth_continues_with_the_voice(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.speaking(True)
-        room.agent.hold()
-        room.agent.release()
-        assert len(room.watch(SECOND)) > 4
+    async with open_stage(calm) as stage:
+        stage.agent.speaking(True)
+        stage.agent.hold()
+        stage.agent.release()
+        assert len(stage.watch(SECOND)) > 4
 
 
 async def test_another_theme_redraws_the_current_face_at_once(calm: Theme, catalogue: Catalogue) -> None:
     plain = catalogue.theme("high-contrast")
-    async with enter(calm) as room:
-        room.agent.say("Well done.", "happy", "positive")
-        room.agent.apply_theme(plain)
+    async with open_stage(calm) as stage:
+        stage.agent.say("Well done.", "happy", "positive")
+        stage.agent.apply_theme(plain)
         assert all(
-            line in drawn for line, drawn in zip(plain.faces["happy"].splitlines(), room.drawing[1:], strict=False)
+            line in drawn for line, drawn in zip(plain.faces["happy"].splitlines(), stage.drawing[1:], strict=False)
         )
-        assert room.words("said") == "Well done."
+        assert stage.words("said") == "Well done."
 
 
 async def test_a_note_is_below_the_text_and_disappears_when_empty(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.say("Well done.", "happy")
-        room.agent.note("Please read.")
-        assert room.words("note") == "Please read."
-        room.agent.note("")
-        assert room.words("note") == ""
+    async with open_stage(calm) as stage:
+        stage.agent.say("Well done.", "happy")
+        stage.agent.note("Please read.")
+        assert stage.words("note") == "Please read."
+        stage.agent.note("")
+        assert stage.words("note") == ""
 
 
 async def test_no_timer_is_left_when_the_agent_is_removed(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.speaking(True)
-    assert not room.draws_again()
+    async with open_stage(calm) as stage:
+        stage.agent.speaking(True)
+    assert not stage.draws_again()
 
 
 # --- a cue before a prompt ---------------------------------------------------------------------------------------
@@ -240,36 +240,36 @@ async def test_no_timer_is_left_when_the_agent_is_removed(calm: Theme) -> None:
 async def test_a_cue_is_one_frame_while_held_and_disappears_afterwards(
     calm: Theme, gaze: str, gesture: Gesture | None
 ) -> None:
-    async with enter(calm) as room:
-        rest = room.drawing
-        room.agent.hold()
-        room.agent.cue(gaze, gesture)
-        cued = room.drawing
+    async with open_stage(calm) as stage:
+        rest = stage.drawing
+        stage.agent.hold()
+        stage.agent.cue(gaze, gesture)
+        cued = stage.drawing
         assert cued != rest
-        assert room.watch(2 * SECOND) == [cued]
-        assert not room.draws_again()
-        room.agent.release()
-        assert room.drawing == rest
+        assert stage.watch(2 * SECOND) == [cued]
+        assert not stage.draws_again()
+        stage.agent.release()
+        assert stage.drawing == rest
 
 
 async def test_a_cue_to_one_side_is_the_mirror_of_one_to_the_other(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.hold()
+    async with open_stage(calm) as stage:
+        stage.agent.hold()
         drawn = []
         for side in ("left", "right"):
-            room.agent.cue(side)
-            eyes = next(line for line in room.drawing if "●" in line)
+            stage.agent.cue(side)
+            eyes = next(line for line in stage.drawing if "●" in line)
             drawn.append([column for column, character in enumerate(eyes) if character == "●"])
         left, right = drawn
         assert [column + 2 for column in left] == right
 
 
 async def test_joined_text_is_below_all_earlier_text(calm: Theme) -> None:
-    async with enter(calm) as room:
-        room.agent.say("One.")
-        room.agent.say("Two.", joins=True)
-        room.agent.say("Three.", joins=True)
-        assert (room.words("said"), room.words("more")) == ("One.", "Two.\nThree.")
-        room.agent.say("Four.")
-        room.agent.say("Five.", joins=True)
-        assert (room.words("said"), room.words("more")) == ("Four.", "Five.")
+    async with open_stage(calm) as stage:
+        stage.agent.say("One.")
+        stage.agent.say("Two.", joins=True)
+        stage.agent.say("Three.", joins=True)
+        assert (stage.words("said"), stage.words("more")) == ("One.", "Two.\nThree.")
+        stage.agent.say("Four.")
+        stage.agent.say("Five.", joins=True)
+        assert (stage.words("said"), stage.words("more")) == ("Four.", "Five.")

@@ -35,11 +35,11 @@ def hang(theme: Theme, folder: Path, picture: type[Static] | None = Frame, **ima
     """An agent with a theme's pictures, alone on a screen."""
     agent = Agent(msgspec.structs.replace(theme, images=images), VirtualClock(), picture, folder)
 
-    class Hall(App[None]):
+    class PictureApp(App[None]):
         def compose(self) -> ComposeResult:
             yield agent
 
-    return agent, Hall()
+    return agent, PictureApp()
 
 
 def shown(agent: Agent) -> list[str]:

@@ -1,4 +1,4 @@
-"""Given reaches as curves, when they are drawn, then phases, speed and time can be read, without colour too."""
+"""Speed traces of reaches show phases, speed and time, also without colour."""
 
 import math
 import re

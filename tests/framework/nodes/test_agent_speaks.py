@@ -33,7 +33,7 @@ from sar_tui.outputs.output import Output
 from sar_tui.plugins import Catalogue
 from tests.lifting_task import Lift, LiftDriver
 from tests.loop_driver import LoopDriver
-from tests.outputs.fake_outputs import Puppet, Speaker
+from tests.outputs.fake_outputs import FakeOutput, Speaker
 
 NewSession = Callable[..., Any]
 FIXED = {"foreperiod_min_ms": 900, "foreperiod_max_ms": 900, "quiet_ms": 500}
@@ -203,7 +203,7 @@ def test_a_stop_in_a_trial_changes_nothing_in_it(new_session: NewSession) -> Non
 
 
 def test_a_hanging_output_delays_the_session_for_a_limited_time(new_session: NewSession) -> None:
-    driver = new_session(Puppet("speech", frozenset({"say"})))
+    driver = new_session(FakeOutput("speech", frozenset({"say"})))
     driver.enter()
     driver.press("enter")
     driver.to_prompt()

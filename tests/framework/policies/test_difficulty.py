@@ -1,4 +1,4 @@
-"""Given a level, when attempts succeed or fail, then it moves by one, within its bounds, after so many in a row."""
+"""The level changes by one within its bounds after a number of successes or failures in a row."""
 
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,4 +1,4 @@
-"""Given the attempts so far, when the next one comes, then a kind word and a rest come where they help."""
+"""Encouragement before hard attempts, and rests at intervals."""
 
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,4 +1,4 @@
-"""Given an attempt's score, when it is judged, then outcome and valence follow from the goal alone."""
+"""Outcome and valence of feedback depend only on score and goal."""
 
 import pytest
 from hypothesis import given

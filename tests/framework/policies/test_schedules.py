@@ -1,4 +1,4 @@
-"""Given a schedule of feedback, when attempts are scored one after the other, then each is answered when it is due."""
+"""Feedback schedules answer attempts when feedback is due."""
 
 from typing import Any
 

@@ -48,49 +48,49 @@ WRITES_RUBBISH = f"{ENGINE}\ndef speak(engine): open(engine.path, 'wb').write(b'
 
 def test_a_voice_killed_in_mid_utterance_fails_it_and_the_next_is_spoken(calm: Theme, tmp_path: Path) -> None:
     file = tmp_path / "pids"
-    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
-        ear.speech.say("a1", LONG)
-        ear.wait("a1", "started")
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
+        listener.speech.say("a1", LONG)
+        listener.wait("a1", "started")
         os.kill(pids(file)[0], signal.SIGKILL)
-        assert ear.wait("a1").detail == "The voice stopped working in the middle of it."
-        ear.speech.say("a2", "Well done.")
-        assert ear.wait("a2").state == "done"
-        assert ear.states("a1") == ["started", "failed"]
+        assert listener.wait("a1").detail == "The voice stopped working in the middle of it."
+        listener.speech.say("a2", "Well done.")
+        assert listener.wait("a2").state == "done"
+        assert listener.states("a1") == ["started", "failed"]
         assert len(pids(file)) == 2
 
 
 def test_a_voice_that_stands_still_is_killed_when_it_is_to_stop(calm: Theme, tmp_path: Path) -> None:
     file = tmp_path / "pids"
-    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
-        ear.speech.say("a1", LONG)
-        ear.wait("a1", "started")
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
+        listener.speech.say("a1", LONG)
+        listener.wait("a1", "started")
         os.kill(pids(file)[0], signal.SIGSTOP)
-        ear.speech.stop()
-        assert ear.wait("a1").state == "aborted"
+        listener.speech.stop()
+        assert listener.wait("a1").state == "aborted"
         assert not is_alive(pids(file)[0])
-        ear.speech.say("a2", "Well done.")
-        assert ear.wait("a2").state == "done"
+        listener.speech.say("a2", "Well done.")
+        assert listener.wait("a2").state == "done"
 
 
 @pytest.mark.parametrize("engine", [HANGS, HANGS_IN_C], ids=["it sleeps", "it holds every thread"])
 def test_an_engine_that_hangs_is_aborted_by_a_stop(calm: Theme, engine: str) -> None:
-    with listening(Sound(backends=NOBODY, program=program_with(engine)), calm) as ear:
-        ear.tones.tone("go", "go")
-        ear.wait("go")
-        ear.speech.say("a1", "Please hang.")
-        ear.speech.stop()
-        assert ear.wait("a1").state == "aborted"
-        ear.speech.say("a2", "Well done.")
-        assert ear.wait("a2").state == "done"
+    with listening(Sound(backends=NOBODY, program=program_with(engine)), calm) as listener:
+        listener.tones.tone("go", "go")
+        listener.wait("go")
+        listener.speech.say("a1", "Please hang.")
+        listener.speech.stop()
+        assert listener.wait("a1").state == "aborted"
+        listener.speech.say("a2", "Well done.")
+        assert listener.wait("a2").state == "done"
 
 
 def test_an_engine_that_hangs_is_killed_after_a_while_and_the_next_is_spoken(calm: Theme) -> None:
-    with listening(Sound(backends=NOBODY, program=program_with(HANGS), patience_s=1.0), calm) as ear:
-        ear.speech.say("a1", "Please hang.")
-        ear.speech.say("a2", "Well done.")
-        assert ear.wait("a1").detail == "The voice did not begin within 1 s and was ended."
-        assert ear.wait("a2").state == "done"
-        assert ear.states("a1") == ["failed"]
+    with listening(Sound(backends=NOBODY, program=program_with(HANGS), patience_s=1.0), calm) as listener:
+        listener.speech.say("a1", "Please hang.")
+        listener.speech.say("a2", "Well done.")
+        assert listener.wait("a1").detail == "The voice did not begin within 1 s and was ended."
+        assert listener.wait("a2").state == "done"
+        assert listener.states("a1") == ["failed"]
 
 
 def test_a_voice_that_never_comes_to_an_end_is_killed(
@@ -98,151 +98,151 @@ def test_a_voice_that_never_comes_to_an_end_is_killed(
 ) -> None:
     monkeypatch.setattr("sar_tui.outputs.sound.supervisor._OVERTIME_S", 0.2)
     file = tmp_path / "pids"
-    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
-        ear.tones.tone("a1", "success")
-        ear.wait("a1", "started")
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
+        listener.tones.tone("a1", "success")
+        listener.wait("a1", "started")
         os.kill(pids(file)[0], signal.SIGSTOP)
-        assert ear.wait("a1").detail == "The voice did not come to an end and was ended."
+        assert listener.wait("a1").detail == "The voice did not come to an end and was ended."
         assert not is_alive(pids(file)[0])
 
 
 def test_an_engine_that_crashes_fails_what_it_was_to_say_and_the_rest_is_spoken(calm: Theme) -> None:
-    with listening(Sound(backends=NOBODY, program=program_with(CRASHES)), calm) as ear:
+    with listening(Sound(backends=NOBODY, program=program_with(CRASHES)), calm) as listener:
         for action, text in (("a1", "Now crash."), ("a2", "Well done."), ("a3", "Now crash."), ("a4", "Well done.")):
-            ear.speech.say(action, text)
-        assert ear.wait("a4").state == "done"
-        assert ear.wait("a1").detail == ear.wait("a3").detail == "The voice stopped working before it began."
-        assert ear.states("a2") == ["started", "done"]
+            listener.speech.say(action, text)
+        assert listener.wait("a4").state == "done"
+        assert listener.wait("a1").detail == listener.wait("a3").detail == "The voice stopped working before it began."
+        assert listener.states("a2") == ["started", "done"]
 
 
 def test_a_voice_that_dies_while_idle_costs_nothing(calm: Theme, tmp_path: Path) -> None:
     file = tmp_path / "pids"
-    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
-        ear.tones.tone("a1", "go")
-        ear.wait("a1")
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
+        listener.tones.tone("a1", "go")
+        listener.wait("a1")
         os.kill(pids(file)[0], signal.SIGKILL)
         until(lambda: not is_alive(pids(file)[0]))
-        ear.tones.tone("a2", "go")
-        assert ear.wait("a2").state == "done"
+        listener.tones.tone("a2", "go")
+        assert listener.wait("a2").state == "done"
 
 
 @pytest.mark.parametrize("program", [["/no/such/program"], [sys.executable, "-c", "print('no reply')"]])
 def test_a_program_that_is_no_voice_fails_each_part(calm: Theme, program: list[str]) -> None:
-    with listening(Sound(backends=NOBODY, program=program), calm) as ear:
-        ear.speech.say("a1", "Well done.")
-        assert ear.wait("a1").state == "failed"
-        assert ear.wait("a1").detail.startswith("The voice ")
+    with listening(Sound(backends=NOBODY, program=program), calm) as listener:
+        listener.speech.say("a1", "Well done.")
+        assert listener.wait("a1").state == "failed"
+        assert listener.wait("a1").detail.startswith("The voice ")
 
 
 # --- what is missing -----------------------------------------------------------------------------------------
 
 
 def test_without_an_engine_it_says_what_to_install_and_tones_sound(calm: Theme) -> None:
-    with listening(Sound(backends=NOBODY, program=program_with(LACKING)), calm) as ear:
-        ear.speech.say("a1", "Well done.")
-        ear.tones.tone("a2", "go")
-        assert ear.wait("a1").state == "failed"
-        assert ear.wait("a2").state == "done"
+    with listening(Sound(backends=NOBODY, program=program_with(LACKING)), calm) as listener:
+        listener.speech.say("a1", "Well done.")
+        listener.tones.tone("a2", "go")
+        assert listener.wait("a1").state == "failed"
+        assert listener.wait("a2").state == "done"
 
 
 def test_without_a_sound_card_each_part_fails_with_the_reason(calm: Theme) -> None:
-    with listening(Sound(backends=("WASAPI",)), calm) as ear:
-        ear.speech.say("a1", "Well done.")
-        ear.tones.tone("a2", "go")
+    with listening(Sound(backends=("WASAPI",)), calm) as listener:
+        listener.speech.say("a1", "Well done.")
+        listener.tones.tone("a2", "go")
         for action in ("a1", "a2"):
-            assert "There is no sound card that can be used" in ear.wait(action, "failed").detail
+            assert "There is no sound card that can be used" in listener.wait(action, "failed").detail
 
 
 def test_after_three_failures_in_a_row_speech_stays_off_and_says_why(calm: Theme) -> None:
-    with listening(Sound(backends=NOBODY, program=program_with(WRITES_RUBBISH)), calm) as ear:
+    with listening(Sound(backends=NOBODY, program=program_with(WRITES_RUBBISH)), calm) as listener:
         for index in range(5):
-            ear.speech.say(f"a{index}", "Well done.")
-        ear.tones.tone("go", "go")
-        reason = ear.wait("a2").detail
+            listener.speech.say(f"a{index}", "Well done.")
+        listener.tones.tone("go", "go")
+        reason = listener.wait("a2").detail
         off = f"Speech is off for the rest of this session because it failed three times in a row: {reason}"
         assert reason.startswith("The speech engine gave no sound that can be read")
-        assert [ear.wait(action).detail for action in ("a3", "a4")] == [off, off]
-        assert ear.wait("go").state == "done"
+        assert [listener.wait(action).detail for action in ("a3", "a4")] == [off, off]
+        assert listener.wait("go").state == "done"
 
 
 def test_a_success_between_failures_keeps_speech_on(calm: Theme) -> None:
-    with listening(Sound(backends=NOBODY, program=program_with(CRASHES)), calm) as ear:
+    with listening(Sound(backends=NOBODY, program=program_with(CRASHES)), calm) as listener:
         for index, text in enumerate(["crash", "crash", "fine by me", "crash", "crash", "fine by me"]):
-            ear.speech.say(f"a{index}", text)
-        assert ear.wait("a5").state == "done"
+            listener.speech.say(f"a{index}", text)
+        assert listener.wait("a5").state == "done"
 
 
 def test_texts_that_cannot_be_read_do_not_put_speech_off(calm: Theme) -> None:
-    with listening(Sound(backends=NOBODY), calm) as ear:
+    with listening(Sound(backends=NOBODY), calm) as listener:
         for index in range(4):
-            ear.speech.say(f"a{index}", "做得好")
-        ear.speech.say("a4", "Good.")
-        assert ear.wait("a4").state == "done"
-        assert {ear.wait(f"a{index}").state for index in range(4)} == {"failed"}
+            listener.speech.say(f"a{index}", "做得好")
+        listener.speech.say("a4", "Good.")
+        assert listener.wait("a4").state == "done"
+        assert {listener.wait(f"a{index}").state for index in range(4)} == {"failed"}
 
 
 # --- stop and close ------------------------------------------------------------------------------------------
 
 
 def test_stop_aborts_a_queue_of_three(calm: Theme) -> None:
-    with listening(Sound(backends=NOBODY), calm) as ear:
+    with listening(Sound(backends=NOBODY), calm) as listener:
         for action in ("a1", "a2", "a3"):
-            ear.speech.say(action, LONG)
-        ear.wait("a1", "started")
-        ear.speech.stop()
+            listener.speech.say(action, LONG)
+        listener.wait("a1", "started")
+        listener.speech.stop()
         for action in ("a1", "a2", "a3"):
-            assert ear.wait(action).state == "aborted"
-        assert ear.states("a1") == ["started", "aborted"]
-        assert ear.states("a2") == ear.states("a3") == ["aborted"]
+            assert listener.wait(action).state == "aborted"
+        assert listener.states("a1") == ["started", "aborted"]
+        assert listener.states("a2") == listener.states("a3") == ["aborted"]
 
 
 def test_stop_of_speech_leaves_the_tones(calm: Theme) -> None:
-    with listening(Sound(backends=NOBODY), calm) as ear:
-        ear.speech.say("a1", LONG)
-        ear.tones.tone("a1-tone", "success")
-        ear.wait("a1", "started")
-        ear.speech.stop()
-        assert ear.wait("a1").state == "aborted"
-        assert ear.wait("a1-tone").state == "done"
+    with listening(Sound(backends=NOBODY), calm) as listener:
+        listener.speech.say("a1", LONG)
+        listener.tones.tone("a1-tone", "success")
+        listener.wait("a1", "started")
+        listener.speech.stop()
+        assert listener.wait("a1").state == "aborted"
+        assert listener.wait("a1-tone").state == "done"
 
 
 def test_a_voice_that_stops_as_told_is_used_again(calm: Theme, tmp_path: Path) -> None:
     file = tmp_path / "pids"
-    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
         for action in ("a1", "a2", "a3"):
-            ear.speech.say(action, LONG)
-            ear.wait(action, "started")
-            ear.speech.stop()
-            ear.wait(action, "aborted")
+            listener.speech.say(action, LONG)
+            listener.wait(action, "started")
+            listener.speech.stop()
+            listener.wait(action, "aborted")
         assert len(pids(file)) == 1
 
 
 def test_close_ends_the_process_and_the_threads_and_nothing_is_reported_afterwards(calm: Theme, tmp_path: Path) -> None:
     file = tmp_path / "pids"
     before = set(threading.enumerate())
-    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as ear:
-        ear.speech.say("a1", LONG)
-        ear.speech.say("a2", LONG)
-        ear.wait("a1", "started")
-        ear.close()
-        reported = list(ear.reports)
+    with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
+        listener.speech.say("a1", LONG)
+        listener.speech.say("a2", LONG)
+        listener.wait("a1", "started")
+        listener.close()
+        reported = list(listener.reports)
         assert set(threading.enumerate()) <= before
         assert not is_alive(pids(file)[0])
-        ear.speech.say("a3", "Well done.")
-        ear.speech.stop()
-        ear.close()
-        assert ear.reports == reported
-        assert ear.states("a1") == ["started"]
+        listener.speech.say("a3", "Well done.")
+        listener.speech.stop()
+        listener.close()
+        assert listener.reports == reported
+        assert listener.states("a1") == ["started"]
 
 
 def test_speech_may_leave_while_tones_stay(calm: Theme) -> None:
-    with listening(Sound(backends=NOBODY), calm) as ear:
-        ear.speech.say("a1", LONG)
-        ear.wait("a1", "started")
-        ear.speech.close()
-        ear.tones.tone("a2", "go")
-        assert ear.wait("a2").state == "done"
-        assert ear.states("a1") == ["started"]
+    with listening(Sound(backends=NOBODY), calm) as listener:
+        listener.speech.say("a1", LONG)
+        listener.wait("a1", "started")
+        listener.speech.close()
+        listener.tones.tone("a2", "go")
+        assert listener.wait("a2").state == "done"
+        assert listener.states("a1") == ["started"]
 
 
 # --- where sound goes ----------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Given a keyboard layout and the hands that can be used, when levels are made, then each is harder than the last."""
+"""Levels of the keyboard task for each layout and hand, each harder than the last."""
 
 from itertools import pairwise, product
 

@@ -1,4 +1,4 @@
-"""Given the keyboard task, when it is asked for prompts and answers, then the same question has the same answer."""
+"""Prompts, scores and texts of the keyboard task."""
 
 from collections import Counter
 from itertools import product

@@ -1,4 +1,4 @@
-"""Two people at one table: who pressed what, and what is kept of it."""
+"""Drives the pairs task with keys."""
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.clock import MS
@@ -9,10 +9,10 @@ SHORT: dict[str, object] = {"prompts_per_attempt": 2, "attempts": 2, "foreperiod
 
 
 class PairsDriver(LoopDriver):
-    """A desk at which two press keys after so many milliseconds."""
+    """Session in which two participants press keys at given times."""
 
     def press_after(self, *presses: tuple[float, str]) -> list[m.TrialEnded]:
-        """See the next prompt; then let keys be pressed so long after it. The rows that come of it."""
+        """Press keys at times after the next prompt (ms) and return the resulting rows."""
         self.to_prompt()
         onset = self.clock.now()
         known = len(self.all(TRIAL))
@@ -23,7 +23,7 @@ class PairsDriver(LoopDriver):
 
     @property
     def keys(self) -> tuple[str, str]:
-        """What A and B are asked for: "" for who is not."""
+        """Return the keys prompted from A and B; "" for a seat without a prompt."""
         prompt = self.to_prompt()
         left, right = prompt.halves
         return left, right
@@ -33,6 +33,6 @@ class PairsDriver(LoopDriver):
         return {row.seat: row for row in rows}
 
     def both(self, a_ms: float, b_ms: float) -> dict[str, m.TrialEnded]:
-        """Both press their own key, so long after the prompt."""
+        """Press the correct key of each seat at times after the prompt (ms)."""
         left, right = self.keys
         return self.by_seat(self.press_after((a_ms, left), (b_ms, right)))

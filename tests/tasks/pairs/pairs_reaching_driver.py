@@ -1,4 +1,4 @@
-"""Two people at one table, a sensor on a hand of each: who reached when, and what is kept of it."""
+"""Drives the pairs task with reaches and one sensor per participant."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -19,9 +19,9 @@ REACH = ReachShape(out_s=0.5, back_s=0.5, peak_out=1.5, peak_back=-1.5)
 """A reach of one second."""
 SLOW = ReachShape(out_s=1.0, back_s=1.0, peak_out=1.0, peak_back=-1.0)
 TWITCH = ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0)
-"""The hand goes nowhere."""
+"""A movement without a reach."""
 Reach = tuple[str, float] | tuple[str, float, ReachShape]
-"""Whose it is, how long after the prompt (ms), and of what shape."""
+"""Seat, time after the prompt (ms) and shape."""
 
 
 class PairsReachingDriver(PairsDriver):
@@ -37,20 +37,20 @@ class PairsReachingDriver(PairsDriver):
         )
 
     def _sensing(self) -> Iterator[Node]:
-        """The sensors, made when the clock is there."""
+        """Yield the sensors; called once the clock exists."""
         self.hands: dict[str, SimulatedSource] = {}
         for number, seat in enumerate("AB"):
             hand = SimulatedHand(PROFILES["steady"], 100.0, seed=number)
             self.hands[seat] = SimulatedSource(hand, self.clock)
             yield Imu(ImuFeed(self.hands[seat], self.clock.now), seat)
 
-    def sit_down(self) -> m.Prompt:
-        """From the instructions to the first prompt, the hands at rest."""
+    def start_session(self) -> m.Prompt:
+        """Continue from the instructions to the first prompt, with the hands at rest."""
         self.wait(1500)
         return self.start()
 
     def to_prompt(self) -> m.Prompt:
-        """A sensor never stops, so that something is always due: at most for half a minute."""
+        """Continue for at most half a minute, as a sensor always has something due."""
         until = self.clock.now() + 30_000 * MS
         while self.screen.onset is None:
             assert self.clock.step(until), f"the session waits for {self.screen.waiting}"
@@ -58,7 +58,7 @@ class PairsReachingDriver(PairsDriver):
         return self.screen.prompt
 
     def reach(self, *reaches: Reach) -> dict[str, m.TrialEnded]:
-        """See the next prompt, and let hands move so long after it. The rows that come of it, by seat."""
+        """Move hands at times after the next prompt (ms) and return the resulting rows, by seat."""
         self.to_prompt()
         onset, known = self.clock.now(), len(self.all(TRIAL))
         for seat, after_ms, *shape in reaches:
@@ -69,6 +69,6 @@ class PairsReachingDriver(PairsDriver):
         return self.by_seat(self.all(TRIAL)[known:])
 
     def sensor(self, seat: str, state: m.SensorState, detail: str = "") -> None:
-        """Something happens to the sensor of a seat."""
+        """Publish a change of a seat's sensor."""
         changed = m.SensorChanged(seat=seat, state=state, at=self.clock.now(), detail=detail, rate_hz=100.0)
         self.session.bus.publish(SENSOR, changed)

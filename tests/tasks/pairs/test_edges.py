@@ -1,4 +1,4 @@
-"""Given two people, when what they do lies at the edge of a policy, then it is what the policy says it is."""
+"""Edge cases of the pair policies with keys."""
 
 from collections.abc import Callable
 from typing import Any
@@ -14,7 +14,7 @@ from sar_tui.framework.trial_types import Performance, Result, Situation, Stimul
 from sar_tui.plugins import Catalogue
 from tests.tasks.pairs.pairs_driver import SHORT, PairsDriver
 
-Sit = Callable[..., PairsDriver]
+NewSession = Callable[..., PairsDriver]
 
 
 @pytest.fixture
@@ -23,38 +23,38 @@ def pairs(catalogue: Catalogue) -> type[Task]:
 
 
 @pytest.fixture
-def sit(pairs: type[Task], calm: Theme) -> Sit:
-    def sit_down(policy: str, **parameters: Any) -> PairsDriver:
+def new_session(pairs: type[Task], calm: Theme) -> NewSession:
+    def open_session(policy: str, **parameters: Any) -> PairsDriver:
         driver = PairsDriver(pairs, calm, policy=policy, **(SHORT | parameters))
         driver.start()
         return driver
 
-    return sit_down
+    return open_session
 
 
-def test_together_an_anticipation_is_no_response_however_close_to_the_other(sit: Sit) -> None:
-    rows = sit("cooperative", window_ms=300).both(a_ms=80, b_ms=200)
+def test_together_an_anticipation_is_no_response_however_close_to_the_other(new_session: NewSession) -> None:
+    rows = new_session("cooperative", window_ms=300).both(a_ms=80, b_ms=200)
     assert [(rows[seat].correct, rows[seat].details["together"]) for seat in "AB"] == [(False, False)] * 2
     assert ["anticipation" in rows[seat].timing.flags for seat in "AB"] == [True, False]
 
 
-def test_together_both_miss_if_nobody_responds(sit: Sit) -> None:
-    driver = sit("cooperative", response_timeout_ms=500)
+def test_together_both_miss_if_nobody_responds(new_session: NewSession) -> None:
+    driver = new_session("cooperative", response_timeout_ms=500)
     driver.to_prompt()
     driver.wait(600)
     rows = driver.by_seat(driver.all(TRIAL))
     assert [(rows[seat].response, rows[seat].correct, rows[seat].value) for seat in "AB"] == [(None, False, None)] * 2
 
 
-def test_a_correct_key_counts_with_caps_lock_on(sit: Sit) -> None:
-    driver = sit("race")
+def test_a_correct_key_counts_with_caps_lock_on(new_session: NewSession) -> None:
+    driver = new_session("race")
     left, right = driver.keys
     rows = driver.by_seat(driver.press_after((300, left.upper()), (400, right)))
     assert (rows["A"].correct, rows["A"].details["won"], rows["A"].response) == (True, True, left.upper())
 
 
-def test_the_time_since_the_last_key_is_stored_per_seat_in_milliseconds(sit: Sit) -> None:
-    driver = sit("race")
+def test_the_time_since_the_last_key_is_stored_per_seat_in_milliseconds(new_session: NewSession) -> None:
+    driver = new_session("race")
     first = driver.both(300, 350)
     second = driver.both(310, 400)
     since = (second["A"].response_at or 0) - (first["A"].response_at or 0)
@@ -62,8 +62,8 @@ def test_the_time_since_the_last_key_is_stored_per_seat_in_milliseconds(sit: Sit
     assert first["B"].details["key_gap_ms"] is None
 
 
-def test_each_row_of_a_race_has_the_delay_of_its_seats_key(sit: Sit) -> None:
-    driver = sit("race")
+def test_each_row_of_a_race_has_the_delay_of_its_seats_key(new_session: NewSession) -> None:
+    driver = new_session("race")
     left, right = driver.keys
     now = driver.clock.now()
     driver.wait(400)
@@ -97,8 +97,8 @@ def test_the_order_of_sides_differs_between_attempts(pairs: type[Task]) -> None:
     assert all(sorted(sides(attempt)) == ["A"] * 10 + ["B"] * 10 for attempt in range(1, 6))
 
 
-def test_a_key_before_the_cue_delays_the_cue_which_is_given_once(sit: Sit) -> None:
-    driver = sit("joint attention", cue_lead_ms=400, foreperiod_min_ms=1500, foreperiod_max_ms=1600)
+def test_a_key_before_the_cue_delays_the_cue_which_is_given_once(new_session: NewSession) -> None:
+    driver = new_session("joint attention", cue_lead_ms=400, foreperiod_min_ms=1500, foreperiod_max_ms=1600)
     driver.press_after((300, "".join(driver.keys)))
     known = len(driver.all(CUE))
     driver.until(lambda: driver.waiting.what == "foreperiod")
@@ -110,8 +110,8 @@ def test_a_key_before_the_cue_delays_the_cue_which_is_given_once(sit: Sit) -> No
     assert len(driver.all(CUE)) == known + 1
 
 
-def test_a_second_key_does_not_change_the_row_of_the_first(sit: Sit) -> None:
-    driver = sit("race")
+def test_a_second_key_does_not_change_the_row_of_the_first(new_session: NewSession) -> None:
+    driver = new_session("race")
     left, right = driver.keys
     driver.wait(300)
     driver.press(left)
@@ -123,8 +123,8 @@ def test_a_second_key_does_not_change_the_row_of_the_first(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize("policy", ["alternate", "cooperative", "joint attention"])
-def test_wins_are_mentioned_only_in_a_race(sit: Sit, policy: str) -> None:
-    driver = sit(policy)
+def test_wins_are_mentioned_only_in_a_race(new_session: NewSession, policy: str) -> None:
+    driver = new_session(policy)
     for _ in range(2):
         left, right = driver.keys
         driver.press_after(*((300, key) for key in (left, right) if key))
@@ -141,8 +141,8 @@ def test_a_simulated_slip_is_another_key_of_the_same_half(pairs: type[Task], sea
         assert task.seat_of(key) == seat
 
 
-def test_feedback_on_a_race_says_plainly_who_won(sit: Sit) -> None:
-    driver = sit("race", threshold=5000)
+def test_feedback_on_a_race_says_plainly_who_won(new_session: NewSession) -> None:
+    driver = new_session("race", threshold=5000)
     for _ in range(2):
         driver.both(300, 350)
     assert [(answer.reason, answer.choice.degree) for answer in driver.all(FEEDBACK)] == [

@@ -1,4 +1,4 @@
-"""Given a keyboard layout, when two share the keyboard, then each has a half of it, and levels ask both for as much."""
+"""Halves of a keyboard layout and levels of equal difficulty for both seats."""
 
 import importlib
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Given two people and a policy, when they press keys, then each has their own row, score and answer."""
+"""Pair policies with keys: rows, scores and feedback per seat."""
 
 from collections.abc import Callable
 from typing import Any
@@ -11,7 +11,7 @@ from sar_tui.framework.topics import ATTEMPT_ENDED, CUE, FEEDBACK, LEVEL, PERCEI
 from sar_tui.plugins import Catalogue
 from tests.tasks.pairs.pairs_driver import SHORT, PairsDriver
 
-Sit = Callable[..., PairsDriver]
+NewSession = Callable[..., PairsDriver]
 
 
 @pytest.fixture(scope="session")
@@ -20,28 +20,28 @@ def pairs(catalogue: Catalogue) -> type[Task]:
 
 
 @pytest.fixture
-def sit(pairs: type[Task], calm: Theme) -> Sit:
-    def sit_down(policy: str, **parameters: Any) -> PairsDriver:
+def new_session(pairs: type[Task], calm: Theme) -> NewSession:
+    def open_session(policy: str, **parameters: Any) -> PairsDriver:
         return PairsDriver(pairs, calm, policy=policy, **(SHORT | parameters))
 
-    return sit_down
+    return open_session
 
 
 def ended(driver: PairsDriver, attempt: int = 1) -> dict[str, Any]:
-    """How an attempt ended for each seat."""
+    """Return the results of an attempt, by seat."""
     return {one.seat: one for one in driver.all(ATTEMPT_ENDED) if one.attempt == attempt}
 
 
 def feedback_of(driver: PairsDriver, attempt: int = 1) -> dict[str, Any]:
-    """What the agent would say of an attempt, by seat."""
+    """Return the proposed feedback on an attempt, by seat."""
     return {one.seat: one for one in driver.all(PROPOSED) if one.kind == "feedback" and one.attempt == attempt}
 
 
 # --- alternate ---------------------------------------------------------------------------------------------------
 
 
-def test_in_turn_seats_alternate_and_so_does_the_first_seat(sit: Sit) -> None:
-    driver = sit("alternate", prompts_per_attempt=3)
+def test_in_turn_seats_alternate_and_so_does_the_first_seat(new_session: NewSession) -> None:
+    driver = new_session("alternate", prompts_per_attempt=3)
     driver.start()
     for _ in range(2):
         for _ in range(3):
@@ -56,8 +56,8 @@ def test_in_turn_seats_alternate_and_so_does_the_first_seat(sit: Sit) -> None:
     assert [prompt.seat for prompt in driver.all(PROMPT)] == [row.seat for row in driver.all(TRIAL)]
 
 
-def test_in_turn_keys_of_the_other_seat_are_ignored_and_flagged(sit: Sit) -> None:
-    driver = sit("alternate")
+def test_in_turn_keys_of_the_other_seat_are_ignored_and_flagged(new_session: NewSession) -> None:
+    driver = new_session("alternate")
     driver.start()
     left, _ = driver.keys
     assert driver.press_after((200, "j"), (250, "k")) == []
@@ -66,8 +66,8 @@ def test_in_turn_keys_of_the_other_seat_are_ignored_and_flagged(sit: Sit) -> Non
     assert row.timing.flags == ("other_seat",)
 
 
-def test_in_turn_keys_of_neither_half_are_ignored(sit: Sit) -> None:
-    driver = sit("alternate")
+def test_in_turn_keys_of_neither_half_are_ignored(new_session: NewSession) -> None:
+    driver = new_session("alternate")
     driver.start()
     left, _ = driver.keys
     assert driver.press_after((200, "space"), (250, "enter"), (270, "left")) == []
@@ -75,8 +75,8 @@ def test_in_turn_keys_of_neither_half_are_ignored(sit: Sit) -> None:
     assert (row.correct, row.timing.flags) == (True, ())
 
 
-def test_in_turn_the_turn_is_announced_before_the_prompt(sit: Sit) -> None:
-    driver = sit("alternate")
+def test_in_turn_the_turn_is_announced_before_the_prompt(new_session: NewSession) -> None:
+    driver = new_session("alternate")
     driver.start()
     assert {waiting.seat for waiting in driver.all(WAITING) if waiting.stage == "trial"} == {"A"}
     assert {waiting.seat for waiting in driver.all(WAITING) if waiting.stage != "trial"} == {""}
@@ -86,8 +86,8 @@ def test_in_turn_the_turn_is_announced_before_the_prompt(sit: Sit) -> None:
     assert driver.waiting.seat == "B"
 
 
-def test_in_turn_wrong_keys_and_misses_are_stored(sit: Sit) -> None:
-    driver = sit("alternate", response_timeout_ms=1000)
+def test_in_turn_wrong_keys_and_misses_are_stored(new_session: NewSession) -> None:
+    driver = new_session("alternate", response_timeout_ms=1000)
     driver.start()
     left, _ = driver.keys
     (row,) = driver.press_after((300, "x" if left != "x" else "z"))
@@ -97,8 +97,8 @@ def test_in_turn_wrong_keys_and_misses_are_stored(sit: Sit) -> None:
     assert (driver.last(TRIAL).seat, driver.last(TRIAL).response, driver.last(TRIAL).correct) == ("B", None, False)
 
 
-def test_in_turn_each_seat_has_its_score_and_feedback_and_the_level_is_shared(sit: Sit) -> None:
-    driver = sit("alternate", prompts_per_attempt=4)
+def test_in_turn_each_seat_has_its_score_and_feedback_and_the_level_is_shared(new_session: NewSession) -> None:
+    driver = new_session("alternate", prompts_per_attempt=4)
     driver.start()
     for _ in range(4):
         left, right = driver.keys
@@ -112,8 +112,8 @@ def test_in_turn_each_seat_has_its_score_and_feedback_and_the_level_is_shared(si
     assert [(one.seat, one.valence) for one in driver.all(FEEDBACK)] == [("A", "positive"), ("B", "negative")]
 
 
-def test_the_level_rises_if_both_reach_the_goal(sit: Sit) -> None:
-    driver = sit("alternate")
+def test_the_level_rises_if_both_reach_the_goal(new_session: NewSession) -> None:
+    driver = new_session("alternate")
     driver.start()
     for _ in range(2):
         left, right = driver.keys
@@ -126,8 +126,8 @@ def test_the_level_rises_if_both_reach_the_goal(sit: Sit) -> None:
 # --- race ----------------------------------------------------------------------------------------------------------
 
 
-def test_in_a_race_the_fastest_correct_response_wins_and_both_are_stored(sit: Sit) -> None:
-    driver = sit("race")
+def test_in_a_race_the_fastest_correct_response_wins_and_both_are_stored(new_session: NewSession) -> None:
+    driver = new_session("race")
     driver.start()
     rows = driver.both(a_ms=500, b_ms=400)
     assert {seat: (row.correct, row.details["won"]) for seat, row in rows.items()} == {
@@ -137,8 +137,8 @@ def test_in_a_race_the_fastest_correct_response_wins_and_both_are_stored(sit: Si
     assert {seat: round(row.reaction_time_ms or 0) for seat, row in rows.items()} == {"A": 500, "B": 400}
 
 
-def test_in_a_race_a_slow_correct_key_wins_over_a_fast_wrong_one(sit: Sit) -> None:
-    driver = sit("race")
+def test_in_a_race_a_slow_correct_key_wins_over_a_fast_wrong_one(new_session: NewSession) -> None:
+    driver = new_session("race")
     driver.start()
     left, right = driver.keys
     rows = driver.by_seat(driver.press_after((300, "x" if left != "x" else "z"), (900, right)))
@@ -146,8 +146,8 @@ def test_in_a_race_a_slow_correct_key_wins_over_a_fast_wrong_one(sit: Sit) -> No
     assert (rows["B"].correct, rows["B"].details["won"]) == (True, True)
 
 
-def test_in_a_race_a_second_key_corrects_nothing(sit: Sit) -> None:
-    driver = sit("race")
+def test_in_a_race_a_second_key_corrects_nothing(new_session: NewSession) -> None:
+    driver = new_session("race")
     driver.start()
     left, right = driver.keys
     rows = driver.by_seat(driver.press_after((300, "x" if left != "x" else "z"), (350, left), (900, right)))
@@ -155,8 +155,8 @@ def test_in_a_race_a_second_key_corrects_nothing(sit: Sit) -> None:
     assert rows["B"].details["won"] is True
 
 
-def test_in_a_race_an_anticipation_does_not_win(sit: Sit) -> None:
-    driver = sit("race")
+def test_in_a_race_an_anticipation_does_not_win(new_session: NewSession) -> None:
+    driver = new_session("race")
     driver.start()
     rows = driver.both(a_ms=50, b_ms=400)
     assert rows["A"].timing.flags == ("anticipation",)
@@ -164,8 +164,8 @@ def test_in_a_race_an_anticipation_does_not_win(sit: Sit) -> None:
     assert (rows["A"].value, round(rows["B"].value or 0)) == (None, 400)
 
 
-def test_in_a_race_the_other_seat_wins_after_a_miss(sit: Sit) -> None:
-    driver = sit("race", response_timeout_ms=1000)
+def test_in_a_race_the_other_seat_wins_after_a_miss(new_session: NewSession) -> None:
+    driver = new_session("race", response_timeout_ms=1000)
     driver.start()
     left, _ = driver.keys
     assert driver.press_after((300, left)) == []
@@ -175,8 +175,8 @@ def test_in_a_race_the_other_seat_wins_after_a_miss(sit: Sit) -> None:
     assert (rows["B"].response, rows["B"].correct, rows["B"].details["won"]) == (None, False, False)
 
 
-def test_in_a_race_simultaneous_responses_both_win(sit: Sit) -> None:
-    driver = sit("race")
+def test_in_a_race_simultaneous_responses_both_win(new_session: NewSession) -> None:
+    driver = new_session("race")
     driver.start()
     assert [row.details["won"] for row in driver.both(400, 400).values()] == [True, True]
 
@@ -190,9 +190,13 @@ def test_in_a_race_simultaneous_responses_both_win(sit: Sit) -> None:
     ],
 )
 def test_feedback_on_a_race_depends_on_winning_not_on_the_goal(
-    sit: Sit, a_ms: tuple[int, int], b_ms: tuple[int, int], valences: tuple[str, str], won: tuple[int, int]
+    new_session: NewSession,
+    a_ms: tuple[int, int],
+    b_ms: tuple[int, int],
+    valences: tuple[str, str],
+    won: tuple[int, int],
 ) -> None:
-    driver = sit("race", feedback_form="quantitative")
+    driver = new_session("race", feedback_form="quantitative")
     driver.start()
     for a, b in zip(a_ms, b_ms, strict=True):
         driver.both(a, b)
@@ -205,8 +209,8 @@ def test_feedback_on_a_race_depends_on_winning_not_on_the_goal(
     assert [feedback.won for feedback in driver.all(FEEDBACK)] == list(won)
 
 
-def test_the_level_of_a_race_depends_on_the_goal_not_on_winning(sit: Sit) -> None:
-    driver = sit("race")
+def test_the_level_of_a_race_depends_on_the_goal_not_on_winning(new_session: NewSession) -> None:
+    driver = new_session("race")
     driver.start()
     for _ in range(2):
         driver.both(400, 500)
@@ -215,8 +219,8 @@ def test_the_level_of_a_race_depends_on_the_goal_not_on_winning(sit: Sit) -> Non
     assert [change.level for change in driver.all(LEVEL)] == [2]
 
 
-def test_feedback_on_a_race_without_a_winner_depends_on_the_goal(sit: Sit) -> None:
-    driver = sit("race", response_timeout_ms=500)
+def test_feedback_on_a_race_without_a_winner_depends_on_the_goal(new_session: NewSession) -> None:
+    driver = new_session("race", response_timeout_ms=500)
     driver.start()
     for _ in range(2):
         driver.to_prompt()
@@ -225,8 +229,8 @@ def test_feedback_on_a_race_without_a_winner_depends_on_the_goal(sit: Sit) -> No
     assert {feedback.reason for feedback in driver.all(FEEDBACK)} == {"accuracy"}
 
 
-def test_a_skipped_prompt_of_a_race_has_no_winner(sit: Sit) -> None:
-    driver = sit("race")
+def test_a_skipped_prompt_of_a_race_has_no_winner(new_session: NewSession) -> None:
+    driver = new_session("race")
     driver.start()
     driver.operate("skip")
     assert [(row.seat, row.correct, row.timing.flags) for row in driver.all(TRIAL)] == [
@@ -242,8 +246,10 @@ def test_a_skipped_prompt_of_a_race_has_no_winner(sit: Sit) -> None:
 
 
 @pytest.mark.parametrize(("b_ms", "together"), [(650, True), (700, True), (701, False), (100, True), (90, False)])
-def test_together_is_correct_only_if_both_are_correct_within_the_window(sit: Sit, b_ms: int, together: bool) -> None:
-    driver = sit("cooperative", window_ms=300)
+def test_together_is_correct_only_if_both_are_correct_within_the_window(
+    new_session: NewSession, b_ms: int, together: bool
+) -> None:
+    driver = new_session("cooperative", window_ms=300)
     driver.start()
     rows = driver.both(a_ms=400, b_ms=b_ms)
     assert {row.correct for row in rows.values()} == {together}
@@ -254,8 +260,8 @@ def test_together_is_correct_only_if_both_are_correct_within_the_window(sit: Sit
     assert values == (pytest.approx([max(400, b_ms)] * 2) if together else [None, None])
 
 
-def test_together_one_wrong_key_fails_both(sit: Sit) -> None:
-    driver = sit("cooperative")
+def test_together_one_wrong_key_fails_both(new_session: NewSession) -> None:
+    driver = new_session("cooperative")
     driver.start()
     left, right = driver.keys
     rows = driver.by_seat(driver.press_after((400, left), (450, "m" if right != "m" else "n")))
@@ -263,8 +269,8 @@ def test_together_one_wrong_key_fails_both(sit: Sit) -> None:
     assert [rows[seat].details["right"] for seat in "AB"] == [True, False]
 
 
-def test_together_both_have_one_result_and_one_outcome(sit: Sit) -> None:
-    driver = sit("cooperative")
+def test_together_both_have_one_result_and_one_outcome(new_session: NewSession) -> None:
+    driver = new_session("cooperative")
     driver.start()
     driver.both(300, 500)
     driver.both(600, 400)
@@ -276,8 +282,8 @@ def test_together_both_have_one_result_and_one_outcome(sit: Sit) -> None:
     assert {one.valence for one in feedback_of(driver).values()} == {"positive"}
 
 
-def test_together_one_response_alone_is_not_correct(sit: Sit) -> None:
-    driver = sit("cooperative", response_timeout_ms=800)
+def test_together_one_response_alone_is_not_correct(new_session: NewSession) -> None:
+    driver = new_session("cooperative", response_timeout_ms=800)
     driver.start()
     left, _ = driver.keys
     driver.press_after((300, left))
@@ -290,8 +296,8 @@ def test_together_one_response_alone_is_not_correct(sit: Sit) -> None:
 # --- joint attention -------------------------------------------------------------------------------------------------
 
 
-def test_the_agent_looks_to_a_side_before_the_prompt_and_the_lead_is_measured(sit: Sit) -> None:
-    driver = sit("joint attention", cue_lead_ms=300)
+def test_the_agent_looks_to_a_side_before_the_prompt_and_the_lead_is_measured(new_session: NewSession) -> None:
+    driver = new_session("joint attention", cue_lead_ms=300)
     driver.start()
     left, right = driver.keys
     (row,) = driver.press_after((350, left or right))
@@ -307,23 +313,23 @@ def test_the_agent_looks_to_a_side_before_the_prompt_and_the_lead_is_measured(si
 @pytest.mark.parametrize(
     ("cue_by", "gaze", "gesture"), [("gaze", True, False), ("gesture", False, True), ("both", True, True)]
 )
-def test_the_cue_is_gaze_gesture_or_both(sit: Sit, cue_by: str, gaze: bool, gesture: bool) -> None:
-    driver = sit("joint attention", cue_by=cue_by)
+def test_the_cue_is_gaze_gesture_or_both(new_session: NewSession, cue_by: str, gaze: bool, gesture: bool) -> None:
+    driver = new_session("joint attention", cue_by=cue_by)
     driver.start()
     cue = driver.last(CUE)
     assert cue.gaze == (cue.side if gaze else "")
     assert cue.gesture == (f"point_{cue.side}" if gesture else "")
 
 
-def test_only_the_cue_announces_the_side_of_the_prompt(sit: Sit) -> None:
-    driver = sit("joint attention")
+def test_only_the_cue_announces_the_side_of_the_prompt(new_session: NewSession) -> None:
+    driver = new_session("joint attention")
     driver.start()
     assert {waiting.seat for waiting in driver.all(WAITING)} == {""}
     assert driver.last(PROMPT).seat in ("A", "B")
 
 
-def test_in_joint_attention_only_keys_on_the_side_of_the_prompt_count(sit: Sit) -> None:
-    driver = sit("joint attention")
+def test_in_joint_attention_only_keys_on_the_side_of_the_prompt_count(new_session: NewSession) -> None:
+    driver = new_session("joint attention")
     driver.start()
     left, right = driver.keys
     other = "k" if left else "d"
@@ -335,9 +341,9 @@ def test_in_joint_attention_only_keys_on_the_side_of_the_prompt_count(sit: Sit) 
 
 @pytest.mark.parametrize(("share", "congruent"), [(1.0, {True}), (0.0, {False})])
 def test_the_share_of_congruent_trials_is_as_set_and_sides_are_balanced(
-    sit: Sit, share: float, congruent: set[bool]
+    new_session: NewSession, share: float, congruent: set[bool]
 ) -> None:
-    driver = sit("joint attention", congruent_share=share, prompts_per_attempt=10)
+    driver = new_session("joint attention", congruent_share=share, prompts_per_attempt=10)
     driver.start()
     for _ in range(10):
         left, right = driver.keys
@@ -346,8 +352,8 @@ def test_the_share_of_congruent_trials_is_as_set_and_sides_are_balanced(
     assert [row.seat for row in driver.all(TRIAL)].count("A") == 5
 
 
-def test_a_key_after_the_cue_restarts_the_foreperiod_with_a_new_cue(sit: Sit) -> None:
-    driver = sit("joint attention")
+def test_a_key_after_the_cue_restarts_the_foreperiod_with_a_new_cue(new_session: NewSession) -> None:
+    driver = new_session("joint attention")
     driver.enter()
     driver.press("enter")
     driver.until(lambda: driver.all(CUE))
@@ -360,8 +366,8 @@ def test_a_key_after_the_cue_restarts_the_foreperiod_with_a_new_cue(sit: Sit) ->
     assert row.timing.false_starts == 1
 
 
-def test_the_cueing_effect_is_incongruent_minus_congruent(sit: Sit) -> None:
-    driver = sit("joint attention", prompts_per_attempt=20)
+def test_the_cueing_effect_is_incongruent_minus_congruent(new_session: NewSession) -> None:
+    driver = new_session("joint attention", prompts_per_attempt=20)
     driver.start()
     for _ in range(20):
         left, right = driver.keys
@@ -383,8 +389,8 @@ def test_a_lead_longer_than_the_shortest_foreperiod_is_refused(pairs: type[Task]
 # --- perception ------------------------------------------------------------------------------------------------------
 
 
-def test_presses_repeats_and_gaps_are_counted_per_seat(sit: Sit) -> None:
-    driver = sit("race")
+def test_presses_repeats_and_gaps_are_counted_per_seat(new_session: NewSession) -> None:
+    driver = new_session("race")
     for at, key in ((0, "f"), (10, "j"), (30, "f"), (45, "j"), (50, "space"), (200, "f")):
         driver.press(key, at=driver.clock.now() + at * 1_000_000)
     seen = [(one.seat, one.key, one.repeat, one.gap and one.gap // 1_000_000) for one in driver.all(PERCEIVED)]

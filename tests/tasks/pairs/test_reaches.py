@@ -1,4 +1,4 @@
-"""Given two people with a sensor on a hand each, when they reach, then who set off when decides, by policy."""
+"""Pair policies with reaches: the movement onsets of both seats decide."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ KIND: Any = Catalogue().task("pairs")
 
 @pytest.fixture(autouse=True)
 def samples_in_fewer_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What comes of them is the same; the making of many small ones is what takes time."""
+    """Send samples in larger blocks, which is faster and does not change the results."""
     monkeypatch.setattr("sar_tui.inputs.simulated.STEP", 40 * MS)
     monkeypatch.setattr("sar_tui.inputs.sensor.DRAIN", 40 * MS)
 
@@ -37,7 +37,7 @@ def near(ms: float) -> Any:
 
 def test_in_turn_the_onset_of_the_reach_is_the_response() -> None:
     driver = PairsReachingDriver("alternate")
-    assert driver.sit_down().seat == "A"
+    assert driver.start_session().seat == "A"
     (left,) = driver.reach(("A", 400)).values()
     assert (left.seat, left.correct, left.stimulus, left.response) == ("A", True, "reach", "reach")
     assert left.reaction_time_ms == left.value == near(400)
@@ -56,7 +56,7 @@ def test_in_turn_the_onset_of_the_reach_is_the_response() -> None:
 
 def test_in_turn_a_reach_of_the_other_seat_is_only_flagged() -> None:
     driver = PairsReachingDriver("alternate", response_timeout_ms=6000)
-    driver.sit_down()
+    driver.start_session()
     rows = driver.reach(("B", 300), ("A", 1500))
     assert set(rows) == {"A"}
     assert (rows["A"].correct, rows["A"].reaction_time_ms) == (True, near(1500))
@@ -65,7 +65,7 @@ def test_in_turn_a_reach_of_the_other_seat_is_only_flagged() -> None:
 
 def test_in_a_race_the_first_onset_wins_even_if_the_other_returns_first() -> None:
     driver = PairsReachingDriver("race", response_timeout_ms=6000)
-    driver.sit_down()
+    driver.start_session()
     rows = driver.reach(("A", 700), ("B", 500, SLOW))
     assert rows["A"].details["movement_end_ns"] < rows["B"].details["movement_end_ns"]
     assert (rows["A"].details["won"], rows["B"].details["won"]) == (False, True)
@@ -78,7 +78,7 @@ def test_in_a_race_the_first_onset_wins_even_if_the_other_returns_first() -> Non
 
 def test_together_both_onsets_must_be_within_the_window() -> None:
     driver = PairsReachingDriver("cooperative", window_ms=200, response_timeout_ms=6000)
-    driver.sit_down()
+    driver.start_session()
     rows = driver.reach(("A", 500), ("B", 600, SLOW))
     for row in rows.values():
         assert (row.correct, row.details["together"], row.value) == (True, True, near(600))
@@ -90,7 +90,7 @@ def test_together_both_onsets_must_be_within_the_window() -> None:
 
 def test_in_joint_attention_the_prompted_seat_reaches_and_the_cue_is_stored() -> None:
     driver = PairsReachingDriver("joint attention", congruent_share=0.0)
-    prompt = driver.sit_down()
+    prompt = driver.start_session()
     rows = driver.reach((prompt.seat, 450))
     (cue,) = driver.all(CUE)
     row = rows[prompt.seat]
@@ -105,7 +105,7 @@ def test_in_joint_attention_the_prompted_seat_reaches_and_the_cue_is_stored() ->
 
 def test_an_anticipating_reach_is_stored_and_never_wins() -> None:
     driver = PairsReachingDriver("race")
-    driver.sit_down()
+    driver.start_session()
     rows = driver.reach(("A", 20), ("B", 800))
     assert rows["A"].timing.flags == ("anticipation",)
     assert (rows["A"].details["won"], rows["B"].details["won"]) == (False, True)
@@ -114,7 +114,7 @@ def test_an_anticipating_reach_is_stored_and_never_wins() -> None:
 
 def test_a_missing_reach_is_a_miss_with_an_instruction() -> None:
     driver = PairsReachingDriver("alternate", prompts_per_attempt=2, attempts=1)
-    driver.sit_down()
+    driver.start_session()
     (row,) = driver.reach().values()
     assert (row.seat, row.response, row.correct, row.timing.flags) == ("A", None, False, ("no_reach",))
     driver.reach(("B", 500))
@@ -125,7 +125,7 @@ def test_a_missing_reach_is_a_miss_with_an_instruction() -> None:
 
 def test_keys_are_no_response_in_a_session_of_reaches() -> None:
     driver = PairsReachingDriver("alternate")
-    driver.sit_down()
+    driver.start_session()
     for key in ("f", "j", "space"):
         driver.press(key)
     assert driver.all(TRIAL) == []
@@ -135,7 +135,7 @@ def test_keys_are_no_response_in_a_session_of_reaches() -> None:
 
 def test_a_reach_that_a_sensor_missed_is_repeated_by_both() -> None:
     driver = PairsReachingDriver("race")
-    driver.sit_down()
+    driver.start_session()
     onset = driver.clock.now()
     for seat, hand in driver.hands.items():
         hand.move(onset + 500_000_000, SLOW)
@@ -153,7 +153,7 @@ def test_a_reach_that_a_sensor_missed_is_repeated_by_both() -> None:
 
 def test_a_detached_sensor_pauses_the_session_and_its_seat_is_named() -> None:
     driver = PairsReachingDriver("alternate")
-    driver.sit_down()
+    driver.start_session()
     driver.sensor("B", "detached", "Unplugged.")
     by_seat = driver.last(WAITING)
     assert (by_seat.what, by_seat.stage, by_seat.seat, by_seat.detail) == ("sensor", "paused", "B", "Unplugged.")
@@ -178,7 +178,7 @@ def test_a_session_of_keys_has_no_sensor() -> None:
 
 def test_go_is_shown_in_the_half_of_the_prompted_seat() -> None:
     driver = PairsReachingDriver("alternate")
-    driver.sit_down()
+    driver.start_session()
     driver.reach(("A", 400))
     driver.to_prompt()
     shown = [(prompt.halves, prompt.text, prompt.choices) for prompt in driver.all(PROMPT)]
@@ -214,6 +214,6 @@ def test_goals_have_a_singular_and_a_plural(parameters: dict[str, Any], goal: st
 
 def test_each_reach_is_reported_once() -> None:
     driver = PairsReachingDriver("race")
-    driver.sit_down()
+    driver.start_session()
     driver.reach(("A", 400), ("B", 500))
     assert sorted(reach.seat for reach in driver.all(REACH)) == ["A", "B"]

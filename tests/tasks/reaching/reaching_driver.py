@@ -1,4 +1,4 @@
-"""A table with markers on it, a hand with a sensor, and somebody who reaches when a test says, on a virtual clock."""
+"""Drives the reaching task with a simulated hand on a virtual clock."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -31,8 +31,8 @@ class ReachingDriver(LoopDriver):
 
     Args:
         sensor: a profile of the hand and its sensor, or its name.
-        history: what was recorded before; the session is then resumed.
-        rate_hz: samples a second.
+        history: an earlier record, to resume.
+        rate_hz: samples per second.
     """
 
     def __init__(
@@ -57,39 +57,39 @@ class ReachingDriver(LoopDriver):
         )
 
     def _sensing(self, profile: Profile, rate_hz: float, extra: Iterable[Node]) -> Iterator[Node]:
-        """The sensor, made when the clock is there."""
+        """Yield the sensor; called once the clock exists."""
         self.hand = SimulatedSource(SimulatedHand(profile, rate_hz, seed=3), self.clock)
         self.feed = ImuFeed(self.hand, self.clock.now)
         yield Imu(self.feed)
         yield from extra
 
-    # --- what is done ---------------------------------------------------------------------------------------
+    # --- actions --------------------------------------------------------------------------------------------
 
-    def sit_down(self, rest_ms: float = 3000) -> None:
-        """From the instructions to where the first reach can be started, the hand at rest."""
+    def start_session(self, rest_ms: float = 3000) -> None:
+        """Continue from the instructions until the first reach can be started, with the hand at rest."""
         self.wait(100)
         self.enter()
         self.begin()
         self.wait(rest_ms)
 
     def begin(self) -> None:
-        """Begin the attempt that is offered."""
+        """Begin the next attempt."""
         assert (self.waiting.what, self.waiting.stage) == ("enter", "attempt"), self.waiting
         self.press("enter")
         self.wait(300)
 
     def move(self, after_ms: float = 0, shape: ReachShape = REACH_OUT) -> None:
-        """Have the hand make a movement so much later; before now, if negative, and then it was made."""
+        """Move the hand after a time (ms); a negative time is in the past."""
         self.hand.move(self.clock.now() + round(after_ms * MS), shape)
 
     def start(self) -> None:
-        """Press space where that starts a reach, and see the prompt."""
+        """Press space to start a reach, and wait for the prompt."""
         assert self.waiting.what == "start", self.waiting
         self.press("space")
         self.to_prompt()
 
     def reach(self, shape: ReachShape = REACH_OUT) -> TrialEnded:
-        """A whole reach: space, out and back, space."""
+        """Do a whole reach: space, out and back, space."""
         self.start()
         self.move(300, shape)
         self.wait(300 + shape.duration_s * 1000 + 400)
@@ -97,22 +97,22 @@ class ReachingDriver(LoopDriver):
         return self.to_row()
 
     def to_row(self, ms: float = PATIENCE_MS) -> TrialEnded:
-        """Go on until the trial in hand is a row."""
+        """Continue until the current trial is a row."""
         before = len(self.all(TRIAL))
         self._until(lambda: len(self.all(TRIAL)) > before, ms)
         return self.last(TRIAL)
 
     def to_start(self, ms: float = PATIENCE_MS) -> None:
-        """Go on until a reach can be started."""
+        """Continue until a reach can be started."""
         self._until(lambda: self.waiting.what == "start", ms)
 
     def _until(self, is_so: Any, ms: float) -> None:
-        """A sensor never stops, so that something is always due."""
+        """Continue until a condition holds, as a sensor always has something due."""
         until = self.clock.now() + round(ms * MS)
         while not is_so():
             assert self.clock.step(until), f"{ms:g} ms have passed; the session waits for {self.waiting}"
 
-    # --- what is there ----------------------------------------------------------------------------------------
+    # --- results ----------------------------------------------------------------------------------------------
 
     @property
     def percept(self) -> ReachPerceived:
@@ -120,7 +120,7 @@ class ReachingDriver(LoopDriver):
 
     @property
     def samples(self) -> Samples:
-        """All that the sensor has sent, as it was on the bus."""
+        """All samples that the sensor has published."""
         blocks = [unpack(record.message.samples) for record in self.records if isinstance(record.message, ImuBlock)]
         return np.concatenate(blocks)
 
@@ -130,7 +130,7 @@ def ms(stamp: int) -> float:
 
 
 def merged(records: Iterable[Record]) -> list[Record]:
-    """The same records with sensor blocks joined where nothing lies between them, as the database keeps them."""
+    """Return the records with adjacent sensor blocks joined, as in the database."""
     found: list[Record] = []
     for record in records:
         last = found[-1] if found else None

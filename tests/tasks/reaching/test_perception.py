@@ -23,15 +23,15 @@ FAST = ReachShape(out_s=0.25, back_s=0.25, peak_out=3.1, peak_back=-3.1)
 TOO_FAST = ReachShape(out_s=0.4, back_s=0.4, peak_out=6.0, peak_back=-6.0)
 
 
-def begun(**settings: Any) -> ReachingDriver:
+def started(**settings: Any) -> ReachingDriver:
     """A table at which the first reach has just been started."""
     driver = ReachingDriver(**settings)
-    driver.sit_down()
+    driver.start_session()
     driver.start()
     return driver
 
 
-def gagged(driver: ReachingDriver, milliseconds: float) -> None:
+def muted(driver: ReachingDriver, milliseconds: float) -> None:
     """So long the sensor's samples are lost on their way."""
     sink = driver.hand._sink
     driver.hand._sink = lambda sample: None
@@ -39,7 +39,7 @@ def gagged(driver: ReachingDriver, milliseconds: float) -> None:
     driver.hand._sink = sink
 
 
-def again(driver: ReachingDriver, to_ns: int = 0) -> Any:
+def reanalysed(driver: ReachingDriver, to_ns: int = 0) -> Any:
     """The last reach, analysed once more from the samples and the window that its details name."""
     details = driver.last(TRIAL).details
     window = Window(
@@ -55,7 +55,7 @@ def again(driver: ReachingDriver, to_ns: int = 0) -> Any:
 
 
 def test_a_reach_is_one_row_timed_by_the_hand_not_by_the_keys() -> None:
-    driver = begun()
+    driver = started()
     driver.move(300)
     onset = driver.clock.now() + 300 * MS
     driver.wait(1700)
@@ -75,7 +75,7 @@ def test_a_reach_is_one_row_timed_by_the_hand_not_by_the_keys() -> None:
 
 
 def test_a_reach_is_reported_as_soon_as_the_hand_rests() -> None:
-    driver = begun()
+    driver = started()
     driver.move(300)
     driver.wait(1300 + 2000)
     driver.press("space")
@@ -85,7 +85,7 @@ def test_a_reach_is_reported_as_soon_as_the_hand_rests() -> None:
 
 
 def test_a_second_press_before_the_return_does_not_shorten_the_reach() -> None:
-    driver = begun()
+    driver = started()
     driver.move(300, SLOW)
     driver.wait(300 + SLOW.duration_s * 1000 - 600)
     driver.press("space")
@@ -97,7 +97,7 @@ def test_a_second_press_before_the_return_does_not_shorten_the_reach() -> None:
 
 
 def test_a_hand_that_keeps_moving_after_the_second_press_repeats_the_trial() -> None:
-    driver = begun()
+    driver = started()
     driver.move(300, ReachShape(out_s=5.0, back_s=5.0))
     driver.wait(2000)
     driver.press("space")
@@ -110,7 +110,7 @@ def test_a_hand_that_keeps_moving_after_the_second_press_repeats_the_trial() -> 
 
 @pytest.mark.parametrize("between_ms", first(1, [90, 300, 600]))
 def test_a_held_key_does_not_end_a_trial_before_the_hand_has_moved(between_ms: float) -> None:
-    driver = begun()
+    driver = started()
     for _ in range(6):
         driver.wait(between_ms)
         driver.press("space")
@@ -124,7 +124,7 @@ def test_a_held_key_does_not_end_a_trial_before_the_hand_has_moved(between_ms: f
 
 def test_successive_reaches_have_separate_windows() -> None:
     driver = ReachingDriver(reaches_per_attempt=3, attempts=1)
-    driver.sit_down()
+    driver.start_session()
     values = []
     for number, shape in enumerate([REACH_OUT, SLOW, FAST], 1):
         trial = driver.reach(shape)
@@ -139,7 +139,7 @@ def test_successive_reaches_have_separate_windows() -> None:
 def test_both_detectors_are_stored_and_the_selected_one_scores() -> None:
     for name, stored in (("single-axis", "robust"), ("fixed-threshold", "thesis")):
         driver = ReachingDriver(detector=name)
-        driver.sit_down()
+        driver.start_session()
         trial = driver.reach()
         details = trial.details
         assert details["detector"] == stored
@@ -152,18 +152,18 @@ def test_both_detectors_are_stored_and_the_selected_one_scores() -> None:
 
 def test_a_reach_stores_the_declared_details() -> None:
     driver = ReachingDriver()
-    driver.sit_down()
-    kept = driver.reach().details
+    driver.start_session()
+    stored = driver.reach().details
     declared = set(Catalogue().task("reaching").Details.__struct_fields__)
-    assert set(kept) | {"mark"} == declared
-    assert all(value is not None for value in kept.values())
+    assert set(stored) | {"mark"} == declared
+    assert all(value is not None for value in stored.values())
 
 
 def test_the_same_samples_and_window_give_the_same_details() -> None:
     driver = ReachingDriver(sensor="noisy")
-    driver.sit_down()
+    driver.start_session()
     trial = driver.reach()
-    found = again(driver)
+    found = reanalysed(driver)
     assert found.details.items() <= trial.details.items()
     assert (found.onset_ns, found.turn_ns, found.end_ns) == (
         trial.onset,
@@ -177,7 +177,7 @@ def test_the_same_samples_and_window_give_the_same_details() -> None:
 
 @pytest.mark.parametrize("still_ms", first(1, [1500, 2500, 6000]))
 def test_rest_replaces_a_forgotten_second_press(still_ms: int) -> None:
-    driver = begun(still_ms=still_ms)
+    driver = started(still_ms=still_ms)
     driver.move(300)
     end = driver.clock.now() + 1300 * MS
     trial = driver.to_row()
@@ -187,7 +187,7 @@ def test_rest_replaces_a_forgotten_second_press(still_ms: int) -> None:
 
 
 def test_rest_before_the_reach_does_not_end_it() -> None:
-    driver = begun()
+    driver = started()
     driver.wait(9000)
     assert driver.all(REACH) == []
     driver.move()
@@ -195,7 +195,7 @@ def test_rest_before_the_reach_does_not_end_it() -> None:
 
 
 def test_rest_at_the_marker_does_not_end_the_reach() -> None:
-    driver = begun(still_ms=1000)
+    driver = started(still_ms=1000)
     driver.move(100, ReachShape(out_s=0.5, dwell_s=1.8, back_s=0.5, peak_out=1.5, peak_back=-1.5))
     driver.wait(100 + 500 + 1700)
     assert driver.all(REACH) == []
@@ -204,7 +204,7 @@ def test_rest_at_the_marker_does_not_end_the_reach() -> None:
 
 
 def test_every_trial_ends_at_the_time_out() -> None:
-    driver = begun(response_timeout_ms=5000)
+    driver = started(response_timeout_ms=5000)
     prompted = [record.at for record in driver.records if record.topic is PROMPT][-1]
     trial = driver.to_row()
     assert (trial.correct, trial.response, trial.value) == (False, None, None)
@@ -213,7 +213,7 @@ def test_every_trial_ends_at_the_time_out() -> None:
 
 
 def test_a_reach_completed_at_the_time_out_without_rest_is_stored() -> None:
-    driver = begun(response_timeout_ms=3000, still_ms=6000)
+    driver = started(response_timeout_ms=3000, still_ms=6000)
     driver.move(300)
     trial = driver.to_row()
     assert (trial.correct, trial.details["closed"]) == (True, "timeout")
@@ -221,7 +221,7 @@ def test_a_reach_completed_at_the_time_out_without_rest_is_stored() -> None:
 
 
 def test_a_press_right_before_the_time_out_still_ends_the_reach() -> None:
-    driver = begun(response_timeout_ms=3000, sensor="tremor")
+    driver = started(response_timeout_ms=3000, sensor="tremor")
     driver.move(1500)
     driver.wait(2600)
     driver.press("space")
@@ -232,7 +232,7 @@ def test_a_press_right_before_the_time_out_still_ends_the_reach() -> None:
 
 @pytest.mark.parametrize("after_ms", first(1, [40, 120, 240]))
 def test_a_double_press_at_the_start_does_not_end_the_trial(after_ms: float) -> None:
-    driver = begun()
+    driver = started()
     driver.wait(after_ms)
     driver.press("space")
     driver.wait(200)
@@ -244,7 +244,7 @@ def test_a_double_press_at_the_start_does_not_end_the_trial(after_ms: float) -> 
 
 
 def test_a_double_press_at_the_end_does_not_start_a_trial() -> None:
-    driver = begun(reaches_per_attempt=2)
+    driver = started(reaches_per_attempt=2)
     driver.move(300)
     driver.wait(1700)
     driver.press("space")
@@ -258,7 +258,7 @@ def test_a_double_press_at_the_end_does_not_start_a_trial() -> None:
 
 @pytest.mark.parametrize("key", ["enter", "x", "s"])
 def test_another_key_does_not_end_a_reach(key: str) -> None:
-    driver = begun()
+    driver = started()
     driver.move(300)
     driver.wait(1500)
     driver.press(key)
@@ -270,7 +270,7 @@ def test_another_key_does_not_end_a_reach(key: str) -> None:
 
 
 def test_a_flick_of_the_wrist_is_no_reach() -> None:
-    driver = begun()
+    driver = started()
     driver.move(300, FLICK)
     driver.wait(1000)
     driver.press("space")
@@ -281,7 +281,7 @@ def test_a_flick_of_the_wrist_is_no_reach() -> None:
 
 
 def test_a_flick_does_not_end_the_wait_for_a_reach() -> None:
-    driver = begun()
+    driver = started()
     driver.move(300, FLICK)
     driver.wait(6000)
     assert driver.all(REACH) == []
@@ -294,7 +294,7 @@ def test_a_flick_does_not_end_the_wait_for_a_reach() -> None:
 
 
 def test_the_larger_of_two_reaches_is_used_and_flagged() -> None:
-    driver = begun()
+    driver = started()
     driver.move(300, SLOW)
     driver.move(4000)
     driver.move(5700, SLOW)
@@ -308,7 +308,7 @@ def test_the_larger_of_two_reaches_is_used_and_flagged() -> None:
 @pytest.mark.parametrize(("before_ms", "is_it"), [(50, True), (300, True), (450, True), (560, False), (900, False)])
 def test_a_reach_may_begin_up_to_half_a_second_before_the_press(before_ms: float, is_it: bool) -> None:
     driver = ReachingDriver()
-    driver.sit_down()
+    driver.start_session()
     driver.move(2000)
     onset = driver.clock.now() + 2000 * MS
     driver.wait(2000 + before_ms)
@@ -324,7 +324,7 @@ def test_a_reach_may_begin_up_to_half_a_second_before_the_press(before_ms: float
 
 def test_a_reach_that_ended_before_the_press_is_ignored() -> None:
     driver = ReachingDriver()
-    driver.sit_down()
+    driver.start_session()
     driver.move()
     driver.wait(1500)
     driver.start()
@@ -339,7 +339,7 @@ def test_a_reach_that_ended_before_the_press_is_ignored() -> None:
 
 @pytest.mark.parametrize("reaction_ms", first(1, [180, 320]))
 def test_with_a_go_signal_there_is_a_reaction_time(reaction_ms: float) -> None:
-    driver = begun(go_signal=True)
+    driver = started(go_signal=True)
     driver.move(reaction_ms)
     driver.wait(reaction_ms + 1400)
     driver.press("space")
@@ -351,12 +351,12 @@ def test_with_a_go_signal_there_is_a_reaction_time(reaction_ms: float) -> None:
 
 def test_without_a_signal_there_is_no_reaction_time() -> None:
     driver = ReachingDriver()
-    driver.sit_down()
+    driver.start_session()
     assert driver.reach().reaction_time_ms is None
 
 
 def test_movement_before_the_signal_is_an_anticipation() -> None:
-    driver = begun(go_signal=True)
+    driver = started(go_signal=True)
     driver.move(-200)
     driver.wait(1400)
     driver.press("space")
@@ -374,7 +374,7 @@ def test_movement_before_the_signal_is_an_anticipation() -> None:
 )
 def test_the_left_hand_turns_the_other_way(hand: str, shape: ReachShape, flagged: bool) -> None:
     driver = ReachingDriver(hand=hand)
-    driver.sit_down()
+    driver.start_session()
     trial = driver.reach(shape)
     assert (trial.correct, trial.details["hand"]) == (True, hand)
     assert ("reversed" in trial.timing.flags) is flagged
@@ -388,7 +388,7 @@ def test_the_left_hand_turns_the_other_way(hand: str, shape: ReachShape, flagged
 )
 def test_a_reach_is_found_and_timed_with_every_sensor(name: str) -> None:
     driver = ReachingDriver(sensor=name)
-    driver.sit_down()
+    driver.start_session()
     trial = driver.reach()
     assert trial.correct
     assert trial.value == pytest.approx(1000, abs=60)
@@ -396,7 +396,7 @@ def test_a_reach_is_found_and_timed_with_every_sensor(name: str) -> None:
 
 def test_a_reach_beyond_the_range_is_timed_without_peaks() -> None:
     driver = ReachingDriver(sensor="saturating")
-    driver.sit_down()
+    driver.start_session()
     trial = driver.reach(FAST)
     assert trial.correct
     assert "saturated" in trial.timing.flags
@@ -415,10 +415,10 @@ def test_a_reach_beyond_the_range_is_timed_without_peaks() -> None:
 
 
 def test_a_reach_with_missing_samples_is_repeated() -> None:
-    driver = begun()
+    driver = started()
     driver.move(300)
     driver.wait(600)
-    gagged(driver, 250)
+    muted(driver, 250)
     driver.wait(1000)
     driver.press("space")
     driver.to_start()
@@ -431,8 +431,8 @@ def test_a_reach_with_missing_samples_is_repeated() -> None:
 
 
 def test_a_gap_at_rest_does_not_affect_the_reach() -> None:
-    driver = begun()
-    gagged(driver, 250)
+    driver = started()
+    muted(driver, 250)
     driver.wait(300)
     driver.move()
     driver.wait(1500)
@@ -444,7 +444,7 @@ def test_a_gap_at_rest_does_not_affect_the_reach() -> None:
 
 def test_a_reach_without_samples_is_repeated() -> None:
     driver = ReachingDriver()
-    driver.sit_down()
+    driver.start_session()
     driver.session.bus.publish(SENSOR, SensorChanged(state="attached", at=driver.clock.now(), rate_hz=250.0))
     sink = driver.hand._sink
     driver.hand._sink = lambda sample: sink(sample) if sample.device_ms % 400 < 4 else None
@@ -457,7 +457,7 @@ def test_a_reach_without_samples_is_repeated() -> None:
 
 
 def test_a_sensor_too_slow_for_a_reach_is_reported() -> None:
-    driver = begun(rate_hz=15.0)
+    driver = started(rate_hz=15.0)
     driver.move(300)
     driver.wait(1700)
     driver.press("space")
@@ -468,7 +468,7 @@ def test_a_sensor_too_slow_for_a_reach_is_reported() -> None:
 
 
 def test_a_sensor_detached_during_a_reach_voids_it_and_old_samples_are_dropped() -> None:
-    driver = begun()
+    driver = started()
     driver.move(300)
     driver.wait(800)
     for state in ("detached", "attached"):
@@ -491,7 +491,7 @@ def test_a_sensor_detached_during_a_reach_voids_it_and_old_samples_are_dropped()
 
 def one_reach(monkeypatch: pytest.MonkeyPatch, drain_ms: float, press: bool) -> tuple[Any, Samples]:
     monkeypatch.setattr(sensor, "DRAIN", round(drain_ms * MS))
-    driver = begun(sensor="patient")
+    driver = started(sensor="patient")
     driver.move(300)
     driver.wait(1700)
     if press:

@@ -1,4 +1,4 @@
-"""Given the reaching task, when it speaks, judges and rehearses, then in plain words and by what was seen."""
+"""Texts, scores and simulated participants of the reaching task."""
 
 import re
 from collections.abc import Iterator
