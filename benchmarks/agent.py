@@ -222,7 +222,7 @@ class _Log:
         raise NotStopped(f"The agent did not answer attempt {attempt}.")
 
     def wait_for_stops(self, terminal: Terminal, since: int) -> dict[str, int]:
-        """When each output says that it was still, after ``since``. Raises NotStopped."""
+        """Return the time at which each output reported its stop after ``since``; raise NotStopped if one did not."""
         outputs = {output for output, _ in _UNDER_WAY}
         deadline = time.monotonic() + _PATIENCE_S
         while time.monotonic() < deadline:

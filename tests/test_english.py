@@ -20,7 +20,7 @@ def first_lines(path: Path) -> Iterator[tuple[int, str]]:
                 yield node.lineno, text.strip().partition("\n")[0]
 
 
-@pytest.mark.parametrize("folder", ["sar_tui", "tasks", "benchmarks"])
+@pytest.mark.parametrize("folder", ["sar_tui", "tasks", "benchmarks", "tests", "docs"])
 def test_docstrings_open_with_a_verb_or_a_noun_phrase(folder: str) -> None:
     found = [
         f"{path.relative_to(ROOT)}:{number}: {line}"

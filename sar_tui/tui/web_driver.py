@@ -57,7 +57,7 @@ class ServedDriver(WebDriver):
             super().on_meta(packet_type, payload)
 
     def run_input_thread(self) -> None:
-        """When the server is no more, however it ended, neither is the app."""
+        """Exit the app when its server has ended for whatever reason."""
         super().run_input_thread()
         if not self.exit_event.is_set():
             self._app.call_later(self._app.exit)

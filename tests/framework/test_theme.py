@@ -30,14 +30,14 @@ UNKIND = {
         perezos[oa] tont[oa] débil peor inútil triste vergüenza lástima pena decepci\w+ fracas\w+ desgraciadamente
         descuid\w+ nunca debe debes debería deberías lento lenta""",
 }
-"""What blames, belittles or mocks."""
+"""Pattern of words that blame, belittle or mock."""
 UNTRUE = {
     "en": r"""perfect\w* amazing incredible unbelievable genius champion always guarantee\w* promise\w* heal\w* cure\w*
         recover\w* therapy doctor medicine pain hurts? exercises?""",
     "es": r"""perfect[oa]\w* increíble asombros[oa] genio campe\w+ siempre garantiz\w+ promet\w+ cur[aeo]r?\w* sana\w*
         recupera\w* terapia médic[oa] medicina dolor duele ejercicios?""",
 }
-"""What exaggerates, gives medical advice or promises recovery."""
+"""Pattern of words that exaggerate, give medical advice or promise recovery."""
 
 CHANGES = {"en": ("faster", "slower", "smoother"), "es": ("más rápido", "más lento", "más suave")}
 AIMS = {"en": ("as smoothly as you can", "with a steady hand"), "es": ("lo más suavemente posible", "con pulso firme")}

@@ -1,4 +1,4 @@
-"""Given a session of two in the database, when it is interrupted and resumed, then both runs are stored as one."""
+"""A session of two that is interrupted and resumed is stored as one."""
 
 from pathlib import Path
 from typing import Any

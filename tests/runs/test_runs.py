@@ -1,4 +1,4 @@
-"""Given a session in the database, when the program ends in its middle, then a later run brings it to its end."""
+"""A session that was cut off is completed by a later run."""
 
 import shutil
 import tempfile

@@ -1,4 +1,4 @@
-"""Given whole simulated sessions, when the database is read, then feedback came when and as it was set."""
+"""Feedback in simulated sessions is stored as the settings demand."""
 
 from collections import Counter
 from pathlib import Path

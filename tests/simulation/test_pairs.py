@@ -1,4 +1,4 @@
-"""Given two simulated participants and a pair policy, when they play, then right seat, right score, right feedback."""
+"""Simulated sessions of two with keys: seats, scores and feedback of each policy."""
 
 import functools
 from typing import Any, NamedTuple

@@ -1,4 +1,4 @@
-"""Given two simulated participants who reach, when they play a policy, then right seat, right score, right feedback."""
+"""Simulated sessions of two with reaches: seats, scores and feedback of each policy."""
 
 from pathlib import Path
 from typing import Any, NamedTuple

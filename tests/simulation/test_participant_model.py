@@ -1,4 +1,4 @@
-"""Given a simulated person, when they react, then as reaction-time science says, and the same each time."""
+"""Simulated reaction times are realistic and reproducible."""
 
 import statistics
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Given three users who reach, when each does a session, then the task adapts to each, and every row can be redone."""
+"""The reaching task adapts to three simulated users, and every row can be reanalysed."""
 
 from itertools import pairwise
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Given two people with a sensor on a hand each, when they reach, then each reach is stored for the right seat."""
+"""Reaches of two participants with a sensor each are stored for the right seat."""
 
 from pathlib import Path
 from typing import Annotated, Any

@@ -1,4 +1,4 @@
-"""Given three users and twenty seeds, when each does twenty attempts, then the task adapts to each of them."""
+"""The keyboard task adapts to three simulated users with twenty seeds."""
 
 from itertools import pairwise
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Given a data folder, when its database is opened, then it is private, durable and up to date, or refused in words."""
+"""The database is private, durable and up to date, or refused with a reason."""
 
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""Given a sensor's samples among a session's messages, when they are stored, then each is there, whole and in place."""
+"""Samples of a sensor are stored completely and in order."""
 
 import json
 import zlib

@@ -1,4 +1,4 @@
-"""Given two programs, when both want the same participant or session, then one of them has it."""
+"""Locks give a participant or session to one of two programs."""
 
 import subprocess
 import sys

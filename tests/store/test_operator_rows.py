@@ -1,4 +1,4 @@
-"""Given an operator who acts, when the session is stored, then each act can be read: what, who, how and when."""
+"""Acts of an operator are stored with actor, kind, reason and time."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""Given a session and a disk, when trials end, then what is acknowledged is there, and nothing else is."""
+"""The recorder acknowledges exactly the trials that are stored."""
 
 import sqlite3
 import threading

@@ -1,4 +1,4 @@
-"""Given messages that are written together, when they become rows, then the last word on a trial is what is kept."""
+"""Rows of messages that are written together: the last version of a trial is stored."""
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record, Topic

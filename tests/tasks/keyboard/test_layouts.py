@@ -17,7 +17,7 @@ UNSHIFTED = {
     "azerty": "&é\"'(-è_çàazertyuiopqsdfghjklmwxcvbn,;:!",
     "qwertz": "1234567890qwertzuiopasdfghjklöyxcvbnm,.-",
 }
-"""What the keys of the three rows and the digits type without Shift, left to right, top to bottom."""
+"""Characters of the three rows and the digits without Shift, left to right, top to bottom."""
 
 
 def levels(choice_set: str, layout: str) -> list[tuple[str, ...]]:
