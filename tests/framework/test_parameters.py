@@ -1,4 +1,4 @@
-"""Parameters of a task: parsing, and clear errors for invalid values."""
+"""Parameters of a task: parsing, clear errors for invalid values, and headings."""
 
 import math
 from typing import Annotated, Any, Literal
@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.declaration import Field, ParameterError, meta, read, show
-from sar_tui.framework.parameters import TaskParameters, build, changed, current_values, fields
+from sar_tui.framework.parameters import TaskParameters, build, changed, current_values, fields, grouped
 
 
 class Parameters(TaskParameters, frozen=True, kw_only=True):
@@ -188,3 +188,49 @@ def test_a_redeclared_common_parameter_keeps_its_former_spellings() -> None:
         difficulty_policy: Annotated[Literal["consecutive", "fixed"], meta("Steps")] = "fixed"
 
     assert build(Redeclared, {"difficulty_policy": "thesis"}).difficulty_policy == "consecutive"
+
+
+# --- headings --------------------------------------------------------------------------------------------------------
+
+
+class GroupedParameters(TaskParameters, frozen=True, kw_only=True):
+    """A task with headings of its own, and with common parameters declared anew."""
+
+    drum: Annotated[bool, meta("Drum", group="Music")] = True
+    reach: Annotated[float, meta("Reach", ge=0, le=100)] = 30.5
+    slack_ms: Annotated[int, meta("Slack", "ms", group="Timing", ge=0, le=100)] = 10
+    threshold: Annotated[float, meta("Goal", "cm", ge=0, le=100)] = 20.0
+    rest_every: Annotated[int, meta("Rest", group="Music", ge=0, le=9)] = 2
+
+
+def names_under(heading: str) -> list[str]:
+    return [field.name for field in grouped(GroupedParameters)[heading]]
+
+
+@pytest.mark.parametrize("field", fields(TaskParameters), ids=lambda field: field.name)
+def test_every_common_parameter_has_a_heading(field: Field) -> None:
+    assert field.group
+
+
+def test_headings_are_ordered_from_the_tasks_own_to_the_common_ones() -> None:
+    common = ["Session", "Difficulty", "Feedback", "Agent", "Operator", "Timing"]
+    assert list(grouped(TaskParameters)) == sorted(grouped(TaskParameters), key=common.index)
+    assert list(grouped(GroupedParameters)) == ["", "Music", *grouped(TaskParameters)]
+    assert names_under("") == ["reach"]
+
+
+def test_each_parameter_has_exactly_one_heading() -> None:
+    assert sorted(name for heading in grouped(GroupedParameters) for name in names_under(heading)) == sorted(
+        field.name for field in fields(GroupedParameters)
+    )
+
+
+def test_a_task_may_add_or_move_a_parameter_to_a_common_heading() -> None:
+    assert names_under("Timing")[0] == "slack_ms"
+    assert names_under("Music") == ["drum", "rest_every"]
+
+
+def test_a_redeclared_common_parameter_keeps_its_heading_and_position() -> None:
+    assert names_under("Difficulty") == [field.name for field in grouped(TaskParameters)["Difficulty"]]
+    goal = grouped(GroupedParameters)["Difficulty"][0]
+    assert (goal.name, goal.unit, goal.default) == ("threshold", "cm", 20.0)
