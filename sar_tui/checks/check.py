@@ -1,10 +1,10 @@
-"""One check of a plug-in, and its result."""
+"""Result of one check of a plug-in."""
 
 import msgspec
 
 
 class Check(msgspec.Struct, frozen=True):
-    """A named check, the problems it found, and what it measured if that is worth showing."""
+    """A named check, the problems it found, and, if worth showing, what it found otherwise."""
 
     check: str
     problems: tuple[str, ...] = ()

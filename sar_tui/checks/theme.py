@@ -20,7 +20,7 @@ _LOOKS = {
 
 
 class Contrast(msgspec.Struct, frozen=True):
-    """The least contrast of a text colour, and the background where it has it."""
+    """Lowest contrast of a text colour, with the background that it has there."""
 
     color: str
     ground: str
@@ -97,13 +97,13 @@ def _words(readings: dict[str, Reading]) -> Iterator[Check]:
 
 
 def _screens(folder: Path, texts: Collection[str]) -> Iterator[Check]:
-    """Check the theme's own wordings of texts on the screens, if it has any."""
+    """Check the theme's own texts for the screens, if it has any."""
     for path in sorted(folder.glob("words.*.toml")):
-        name = f"words the screens in {path.name.split('.')[1]}"
+        name = f"has valid texts for the screens in {path.name.split('.')[1]}"
         try:
             own, problems = read_texts(path)
         except ThemeError as error:
             yield Check(name, (str(error),))
             continue
-        unknown = [f"Nothing says {english!r}, which {path.name} has words for." for english in own.keys() - texts]
+        unknown = [f"No screen shows {english!r}, which {path.name} translates." for english in own.keys() - texts]
         yield Check(name, (*problems, *sorted(unknown)), f"{len(own)} texts")

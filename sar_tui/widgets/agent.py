@@ -18,19 +18,18 @@ from sar_tui.widgets.robot import HEIGHT, WIDTH, draw, posed, with_mouth
 FRAME = SECOND // 15
 """Time between two frames of a moving robot."""
 MOUTH = SECOND // 6
-"""Time for which the mouth stays open, or shut, while a voice sounds."""
+"""Time between opening and shutting the mouth while a voice sounds."""
 _VALENCES = ("positive", "neutral", "negative")
 
 
 class Agent(Horizontal):
     """Shows the agent and its last words.
 
-    It moves on the session's clock, and only for a gesture or to move its mouth with a voice; while held it does not
-    move at all.
+    It moves on the session's clock, for gestures and to move its mouth with a voice; while held it is still.
 
     Args:
-        theme: with the faces.
-        clock: of its motion.
+        theme: has the faces.
+        clock: drives its motion.
         picture: the widget that shows pictures, if the terminal can; an expression with a picture does not move.
         folder: of the theme's pictures.
     """
@@ -94,11 +93,11 @@ class Agent(Horizontal):
     # --- words and expression ------------------------------------------------------------------------------
 
     def say(self, text: str, face: str = "", valence: str | None = None, *, joins: bool = False) -> None:
-        """Show words until the next ones; without any, those shown stay.
+        """Show words until the next ones; an empty text keeps those shown.
 
         Args:
             text: the words.
-            face: the expression (see `theme.FACES`); without one it stays.
+            face: the expression (see `theme.FACES`); empty to keep it.
             valence: sets the colour of the words.
             joins: adds the words below those shown.
         """
@@ -116,7 +115,7 @@ class Agent(Horizontal):
             self.look(face)
 
     def clear(self, face: str) -> None:
-        """Take the words away, and look ahead."""
+        """Remove the words, and look ahead."""
         if self._has_words:
             self._has_words = False
             self._said.update("")
@@ -137,11 +136,11 @@ class Agent(Horizontal):
         self._go_on()
 
     def note(self, text: str) -> None:
-        """Show a remark below the words that is not the agent's; empty for none."""
+        """Show a note below the words, which the agent does not say; empty for none."""
         self._put(self._note, text)
 
     def apply_theme(self, theme: Theme) -> None:
-        """Draw the face as another theme does."""
+        """Use the faces of another theme."""
         if theme != self._theme:
             self._theme = theme
             self._load_pictures()
@@ -163,7 +162,7 @@ class Agent(Horizontal):
     def cue(self, gaze: str, gesture: Gesture | None = None) -> None:
         """Look somewhere, or take the farthest pose of a gesture, in a single frame, also while held.
 
-        It stays so until it may move again. A picture, which can neither look nor point, is replaced by the drawing.
+        The pose stays until ``release``. A picture, which can neither look nor point, is replaced by the drawing.
         """
         self._gaze = gaze or "ahead"
         self._still = gesture.farthest if gesture else REST

@@ -1,4 +1,4 @@
-"""The prompt: very large, and as one plain line of text for screen readers and tests."""
+"""Widget of the prompt: very large, and as a plain line for screen readers and tests."""
 
 from collections.abc import Callable, Sequence
 
@@ -19,7 +19,7 @@ class BigPrompt(Widget):
     """Shows one prompt or a fixation point. A change repaints its own region only, never the layout.
 
     Args:
-        draw: draws the prompt; a task's view may bring its own (see `task_view.TaskView.prompt_lines`).
+        draw: draws the prompt (see `task_view.TaskView.prompt_lines`).
     """
 
     DEFAULT_CSS = "BigPrompt { height: 1fr; width: 1fr; }"
@@ -32,7 +32,7 @@ class BigPrompt(Widget):
         self._drawn_for: Size | None = None
 
     def show(self, prompt: Prompt) -> None:
-        """Put a prompt up."""
+        """Show a prompt."""
         self._change(prompt)
 
     def clear(self) -> None:
@@ -53,7 +53,7 @@ class BigPrompt(Widget):
         self.refresh(*before, *self._regions())
 
     def _regions(self) -> list[Region]:
-        """The regions that hold text: a small frame reaches the terminal in one piece."""
+        """Return the regions that hold text: a small frame reaches the terminal in one piece."""
         return [
             Region(_indent(line), y, len(line.strip()), 1) for y, (line, _) in enumerate(self._lines) if line.strip()
         ]

@@ -1,4 +1,4 @@
-"""A choice of one of a few values, from a list that opens on demand."""
+"""A field for one of a few values, with a list that opens on demand."""
 
 from collections.abc import Sequence
 from typing import ClassVar
@@ -14,7 +14,7 @@ from textual.widgets import OptionList
 
 
 class ChoiceList(OptionList):
-    """The values. It closes when it loses the focus."""
+    """List of the values. It closes when it loses the focus."""
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "close", "Close the list", id="close-list")]
 
@@ -24,7 +24,7 @@ class ChoiceList(OptionList):
             self.screen.set_focus(self.query_ancestor(Choice))
 
     def on_blur(self) -> None:
-        """Close it, and keep a click on the value beside it from opening it again."""
+        """Close the list; a click on the value that caused this must not open it again."""
         self.suppress_click()
         self.remove()
 
@@ -47,7 +47,7 @@ class Choice(Widget, can_focus=True):
 
     Args:
         values: to choose from.
-        value: the present one; it may be none of ``values``.
+        value: the current one; it need not be one of ``values``.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter,space,down,up", "open", "Show", show=False, id="choices")]
@@ -76,7 +76,7 @@ class Choice(Widget, can_focus=True):
         self.set_reactive(Choice.value, value)
 
     def render(self) -> Content:
-        """The value, cut to fit, and the arrow."""
+        """Draw the value, cut to fit, and the arrow."""
         arrow = "▲" if self.children else "▼"
         words = Content(self.value).truncate(self.content_size.width - 2, ellipsis=True, pad=True)
         return Content.assemble(words, " ", (arrow, "$foreground 50%"))

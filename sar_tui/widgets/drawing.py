@@ -1,4 +1,4 @@
-"""A drawing that a task's view makes, and that is drawn again when it has another size."""
+"""Area for a drawing of a task's view, drawn again when its size changes."""
 
 from rich.text import Text
 from textual.widget import Widget
@@ -16,7 +16,7 @@ class DrawingArea(Widget):
         self._drawing: Drawing | None = None
 
     def show(self, drawing: Drawing | None) -> None:
-        """Draw this; nothing if it is None."""
+        """Show a drawing; None for nothing."""
         self._drawing = drawing
         self.display = drawing is not None
         self.refresh()

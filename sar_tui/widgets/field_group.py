@@ -16,7 +16,7 @@ from sar_tui.framework.declaration import show
 from sar_tui.widgets.parameter_field import ParameterField
 
 _TITLE = 28
-"""Columns that a title takes at least, so that what is summary beside the titles stands in one column."""
+"""Least columns for a title, so that the summaries beside the titles are aligned."""
 
 
 class Heading(Widget, can_focus=True):
@@ -34,7 +34,7 @@ class Heading(Widget, can_focus=True):
         """Requests that the group be folded or unfolded."""
 
     def render(self) -> Content:
-        """The parts that there is room for: of what is summary, as much as fits."""
+        """Draw the title, as much of the summary as fits, and the hint."""
         style = "bold reverse $accent" if self.has_focus else "bold $accent"
         title = Content.assemble((self.title, style), " " * (_TITLE - len(self.title)))
         hint = Content.styled(f" {self.hint}" if self.has_focus else "", "$text-muted")
@@ -134,6 +134,6 @@ class FieldGroup(Vertical):
 
 
 def _in_short(field: ParameterField) -> str:
-    """Return a field and its value in a few words: "feedback: approve", "time to decide: 6000 ms"."""
+    """Return a short text of a field and its value: "feedback: approve", "time to decide: 6000 ms"."""
     title = field.field.title.removesuffix(" mode")
     return f"{title[:1].lower()}{title[1:]}: {show(field.value) or 'none'} {field.field.unit}".rstrip()

@@ -21,12 +21,12 @@ _MARK, _TITLE, _EDITOR = 2, 26, 20
 class ParameterField(Widget):
     """Title, value, unit and bounds, with the meaning or a problem below.
 
-    It holds its value and problem also while it is not mounted. It draws everything except the value itself, because
+    It has its value and problem even while it is not mounted. It draws everything except the value itself, because
     a form of many fields would be slow with a widget for each text.
 
     Args:
         field: the declaration.
-        value: the present value.
+        value: the current value.
     """
 
     DEFAULT_CSS = f"""
@@ -56,7 +56,7 @@ class ParameterField(Widget):
                 yield Input(show(self.value), compact=True)
 
     def render(self) -> Content:
-        """Everything except the value, for which room is left."""
+        """Draw everything except the value, for which room is left."""
         mark = "●" if self.is_changed else ""
         lines = (
             Content.assemble(
@@ -92,7 +92,7 @@ class ParameterField(Widget):
         return show(self.value) != show(self.field.default)
 
     def focus_editor(self) -> None:
-        """Put the cursor into it."""
+        """Focus the editor."""
         self.query_exactly_one("Input, Choice").focus()
 
     def reset(self) -> None:
@@ -124,7 +124,7 @@ class ParameterField(Widget):
         self.refresh()
 
     def show_problem(self, problem: str) -> None:
-        """Show a problem, or none, and whether the value differs from its default."""
+        """Show a problem (empty for none), and mark a value that differs from its default."""
         self.problem = problem
         drawn = self.is_changed, self.note
         if drawn != self._drawn:

@@ -38,7 +38,7 @@ def draw(face: Sequence[str], pose: Pose) -> list[str]:
 
     Args:
         face: its lines, all of one width, at most 11 characters by 4 lines.
-        pose: drawn where it is large enough to be seen; 0 is rest.
+        pose: positions of the joints; 0 is rest. Small deviations are not drawn.
     """
     cells = [[" "] * WIDTH for _ in range(HEIGHT)]
     leans = pose.lean >= _LEANS
@@ -63,7 +63,7 @@ def with_mouth(face: Sequence[str], mouth_line: int, mouth: Sequence[str]) -> li
 
 
 def _put_head(cells: Cells, face: Sequence[str], pose: Pose, *, leans: bool) -> None:
-    """Draw the head over the body: turned, its features move; leaning in, it comes down over the shoulders."""
+    """Draw the head over the body: turned, its features move; leaning in, it covers the shoulders."""
     lines = _turned(face, _step(pose.turn))
     top = _HEAD_TOP + (4 - len(lines)) + max(-1, min(1, _step(pose.nod) + leans))
     left = (WIDTH - len(lines[0])) // 2
@@ -127,7 +127,7 @@ def _add(one: float, other: float) -> float:
 
 
 def _put(cells: Cells, column: int, row: int, text: str) -> None:
-    """Write text into the cells; text outside of them is cut off."""
+    """Write text into the cells, without the part that is outside."""
     for offset, character in enumerate(text):
         if 0 <= row < HEIGHT and 0 <= column + offset < WIDTH:
             cells[row][column + offset] = character

@@ -65,12 +65,12 @@ class SpeedTrace(Widget):
 def draw_traces(
     traces: Sequence[Trace], width: int, height: int, styles: Styles | None = None, tr: Language = _ENGLISH
 ) -> Text:
-    """Reaches as text, all beginning at 0 s: the phases of the newest by name, the curves, a line at rest, the time.
+    """Draw reaches as text, all beginning at 0 s: names of the newest one's phases, curves, zero line, time axis.
 
     Args:
         traces: the newest last, at least one.
         width, height: in characters, at least 40 by 6; from 9 rows on, several reaches have a legend.
-        styles: of the ``PARTS``; the plot can be read without.
+        styles: of the ``PARTS``; the plot can be read without any.
         tr: the language of the phases' names and of the figures.
     """
     width, height = max(width, SMALLEST[0]), max(height, SMALLEST[1])

@@ -76,7 +76,7 @@ def _both_hands(layout: str) -> tuple[Level, ...]:
 
 
 def needs_shift(key: str, layout: str) -> bool:
-    """Return whether a key is typed with Shift on a layout."""
+    """Return True if a key is typed with Shift on a layout."""
     return any(key in row for row in SHIFTED[layout]) and not any(key in row for row in PLAIN[layout])
 
 

@@ -45,7 +45,7 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
         tuple[str, ...],
         meta(
             "Own levels",
-            help="Your own sets of keys, easiest first, one word each (fj dfjk asdfjkl). Empty: as Keys.",
+            help="Your own sets of keys, easiest first, one word each (fj dfjk asdfjkl). Empty: those of Keys.",
         ),
     ] = ()
     sequence: Annotated[

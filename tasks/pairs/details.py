@@ -1,4 +1,4 @@
-"""Details stored with a trial of two."""
+"""Details stored with a trial of the pairs task."""
 
 from typing import Annotated
 
@@ -41,13 +41,17 @@ class PairsDetails(Details, frozen=True):
     ] = None
     out_ms: Annotated[float | None, msgspec.Meta(description="Reaches: the way out.")] = None
     back_ms: Annotated[float | None, msgspec.Meta(description="Reaches: the way back.")] = None
-    dwell_ms: Annotated[float | None, msgspec.Meta(description="Reaches: the rest between them.")] = None
+    dwell_ms: Annotated[float | None, msgspec.Meta(description="Reaches: the rest between the ways out and back.")] = (
+        None
+    )
     peak_extension_rad_s: Annotated[
         float | None, msgspec.Meta(description="Reaches: fastest turning on the way out.")
     ] = None
     peak_return_rad_s: Annotated[float | None, msgspec.Meta(description="Reaches: on the way back; negative.")] = None
     hand: Annotated[str | None, msgspec.Meta(description="Reaches: the hand that reached.")] = None
-    detector: Annotated[str | None, msgspec.Meta(description="Reaches: what found the movement.")] = None
-    detector_version: Annotated[str | None, msgspec.Meta(description="Reaches: its version.")] = None
+    detector: Annotated[str | None, msgspec.Meta(description="Reaches: the detector that found the movement.")] = None
+    detector_version: Annotated[str | None, msgspec.Meta(description="Reaches: version of the detector.")] = None
     samples: Annotated[int | None, msgspec.Meta(description="Reaches: number of samples analysed.")] = None
-    rate_hz: Annotated[float | None, msgspec.Meta(description="Reaches: their rate, from the median step.")] = None
+    rate_hz: Annotated[
+        float | None, msgspec.Meta(description="Reaches: rate of the samples, from the median step.")
+    ] = None

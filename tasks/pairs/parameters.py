@@ -60,7 +60,7 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     ] = "gaze"
     address: Annotated[
         Literal["seat", "code"],
-        meta("Called by", help="The agent calls participants by seat (left, right) or by code."),
+        meta("Names", help="The agent calls participants by seat (left, right) or by code."),
     ] = "seat"
     imu: Annotated[
         str,

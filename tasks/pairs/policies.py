@@ -1,4 +1,4 @@
-"""Results of a trial of two by policy, as pure functions of both responses."""
+"""Results of a trial by policy, as pure functions of both responses."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -14,7 +14,7 @@ class Response(NamedTuple):
 
     Args:
         asked: the response asked for: a key's name, or a reach.
-        is_over: True if no more is expected: the seat responded, or its time was seen to pass without a response.
+        is_over: True if no more is expected: the seat responded, or its sensor saw no whole reach.
         done: the response; None for none.
         at: time stamp of the key press or the movement onset (ns).
         latency_ms: time from the prompt's onset.

@@ -39,7 +39,7 @@ _GAZE_EFFECT = 0.06
 Driver et al. 1999)."""
 
 _AGAIN = {
-    "samples": "A sensor told us nothing of that reach, so it does not count.",
+    "samples": "A sensor sent nothing during that reach, so it does not count.",
     "gap": "A sensor missed a part of that reach, so it does not count.",
     "rate": "A sensor is too slow to see a reach. Please fetch the experimenter.",
 }
@@ -107,14 +107,14 @@ class PairsTask(Task):
         tr = self.tr
         does = {
             "alternate": tr("A letter appears in one half of the screen: it is that person's turn."),
-            "race": tr("A letter appears in each half of the screen. Who is first to press theirs wins."),
+            "race": tr("A letter appears in each half of the screen. The first to press theirs wins."),
             "cooperative": tr(
                 "A letter appears in each half of the screen. Press yours at the same time as the other."
             ),
             "joint attention": tr("I look to one side. Then a letter appears on one side, the same or the other."),
         }
         return (
-            f"{tr('Two take part. Each has one half of the screen, and that half of the keyboard.')}\n"
+            f"{tr('Two people take part. Each has one half of the screen, and that half of the keyboard.')}\n"
             f"{does[self.parameters.policy]}\n"
             f"{tr('Press the letter in your half as fast as you can. Leave the other half alone.')}"
         )
@@ -123,12 +123,12 @@ class PairsTask(Task):
         tr = self.tr
         does = {
             "alternate": tr("GO appears in one half of the screen: it is that person's turn."),
-            "race": tr("GO appears in each half of the screen. Who is first to set off wins."),
+            "race": tr("GO appears in each half of the screen. The first to set off wins."),
             "cooperative": tr("GO appears in each half of the screen. Set off at the same time as the other."),
             "joint attention": tr("I look to one side. Then GO appears on one side, the same or the other."),
         }
         return (
-            f"{tr('Two take part. Each has one half of the screen, and a sensor on one hand.')}\n"
+            f"{tr('Two people take part. Each has one half of the screen, and a sensor on one hand.')}\n"
             f"{tr('Rest that hand on the table, and keep it still until it is your turn.')}\n"
             f"{does[self.parameters.policy]}\n"
             f"{tr('At GO in your half reach out and come back, as fast as you can. Then keep still.')}"

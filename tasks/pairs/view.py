@@ -1,4 +1,4 @@
-"""A screen in two halves, each headed with its participant, the turn and how often they were ahead."""
+"""The view of the pairs task: a screen in two halves, each headed with its participant, turn and score."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -45,12 +45,12 @@ class PairsView(TaskView):
         self._won[trial.seat] += trial.details.get("won") is True
 
     def prompt_lines(self, prompt: Prompt | None, width: int, height: int) -> list[Line]:
-        """A name at the top of each half, its prompt below, and the plain line at the foot."""
+        """Draw a name at the top of each half, its prompt below it, and the plain line at the bottom."""
         names = [self._name(seat, width) for seat in self.task.seats]
         return halves(names, prompt.halves if prompt else (), prompt.text if prompt else "", width, height)
 
     def _name(self, seat: str, width: int) -> str:
-        """Name a seat by its place, and by its participant's code too if both fit."""
+        """Return the heading of a half: the seat's place, with its participant's code if both fit."""
         place, name = self.task.seat_name(seat), self.task.display_name(seat)
         words = "{who}"
         if seat == self._turn:
@@ -73,7 +73,7 @@ class PairsView(TaskView):
             facts.append(tr("Together in {count} of {trials}.", count=round(sum(both)), trials=trials))
         if effects := _measured(attempts, "congruency_effect_ms"):
             effect = metric.show(fmean(effects))
-            slower = "Reaction time where I looked to the other side, minus where I looked: {effect}."
+            slower = "Reaction time when I looked to the other side, minus when I looked to yours: {effect}."
             facts.append(tr(slower, effect=effect))
         return facts
 
@@ -104,7 +104,7 @@ def halves(names: Sequence[str], glyphs: Sequence[str], text: str, width: int, h
 
 
 def _row(lines: Sequence[str], row: int, room: int) -> str:
-    """Return what stands in a row if ``lines`` are in the middle of ``room`` rows."""
+    """Return the text in a row if ``lines`` are in the middle of ``room`` rows."""
     at = row - (room - len(lines)) // 2
     return lines[at] if 0 <= at < len(lines) else ""
 

@@ -13,15 +13,17 @@ class ReachDetails(Details, frozen=True):
     marker_cm: Annotated[float | None, msgspec.Meta(description="Distance of the marker, in cm.")] = None
     closed: Annotated[str | None, msgspec.Meta(description="The end of the reach: key, stillness or timeout.")] = None
     turn_ns: Annotated[int | None, msgspec.Meta(description="Time stamp of the turn, ns.")] = None
-    detector: Annotated[str | None, msgspec.Meta(description="The detector that scored.")] = None
-    detector_version: Annotated[str | None, msgspec.Meta(description="Its version.")] = None
-    detector_parameters: Annotated[str | None, msgspec.Meta(description="Its parameters, as JSON.")] = None
+    detector: Annotated[str | None, msgspec.Meta(description="The detector whose reach counts.")] = None
+    detector_version: Annotated[str | None, msgspec.Meta(description="Version of the detector.")] = None
+    detector_parameters: Annotated[str | None, msgspec.Meta(description="Parameters of the detector, as JSON.")] = None
     hand: Annotated[str | None, msgspec.Meta(description="The hand that reached.")] = None
     window_from_ns: Annotated[int | None, msgspec.Meta(description="First time stamp of the samples analysed.")] = None
-    window_started_ns: Annotated[int | None, msgspec.Meta(description="The key that started the reach.")] = None
+    window_started_ns: Annotated[
+        int | None, msgspec.Meta(description="Time stamp of the key that started the reach.")
+    ] = None
     window_to_ns: Annotated[int | None, msgspec.Meta(description="End of the samples analysed, exclusive.")] = None
     samples: Annotated[int | None, msgspec.Meta(description="Number of samples analysed.")] = None
-    rate_hz: Annotated[float | None, msgspec.Meta(description="Their rate, from the median step.")] = None
+    rate_hz: Annotated[float | None, msgspec.Meta(description="Rate of the samples, from the median step.")] = None
     reaches: Annotated[int | None, msgspec.Meta(description="Number of reaches found; the largest counts.")] = None
     robust_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the single-axis detector.")] = None
     thesis_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the fixed-threshold detector.")] = None
@@ -36,11 +38,13 @@ class ReachDetails(Details, frozen=True):
     time_to_peak_share: Annotated[float | None, msgspec.Meta(description="The same as a share of the way out.")] = None
     movement_units_out: Annotated[int | None, msgspec.Meta(description="Speed peaks on the way out.")] = None
     movement_units_back: Annotated[int | None, msgspec.Meta(description="Speed peaks on the way back.")] = None
-    movement_units: Annotated[int | None, msgspec.Meta(description="Both.")] = None
+    movement_units: Annotated[int | None, msgspec.Meta(description="Speed peaks on both ways.")] = None
     sparc_out: Annotated[float | None, msgspec.Meta(description="Smoothness, spectral arc length; way out.")] = None
-    sparc_back: Annotated[float | None, msgspec.Meta(description="The same; way back.")] = None
+    sparc_back: Annotated[float | None, msgspec.Meta(description="Smoothness, spectral arc length; way back.")] = None
     sparc: Annotated[float | None, msgspec.Meta(description="The mean of both.")] = None
     ldlj_out: Annotated[float | None, msgspec.Meta(description="Smoothness, log dimensionless jerk; way out.")] = None
-    ldlj_back: Annotated[float | None, msgspec.Meta(description="The same; way back.")] = None
+    ldlj_back: Annotated[float | None, msgspec.Meta(description="Smoothness, log dimensionless jerk; way back.")] = None
     tremor_index: Annotated[float | None, msgspec.Meta(description="The share of 3-12 Hz in the movement.")] = None
-    mark: Annotated[str | None, msgspec.Meta(description="The therapist's: missed, compensated, assisted.")] = None
+    mark: Annotated[str | None, msgspec.Meta(description="The therapist's mark: missed, compensated or assisted.")] = (
+        None
+    )

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from sar_tui.motion.analysis import AnalysisParameters
 
 _AGAIN = {
-    "samples": "The sensor told us nothing of that reach, so it does not count.",
+    "samples": "The sensor sent nothing during that reach, so it does not count.",
     "gap": "The sensor missed a part of that reach, so it does not count.",
     "unfinished": "Your hand was still moving. Come all the way back, let it rest, and then press Space.",
     "rate": "The sensor is too slow to see a reach. Please fetch the experimenter.",

@@ -1,4 +1,4 @@
-"""The screen of reaches: between attempts, the last ones as curves of how fast the hand turned."""
+"""The view of the reaching task: between attempts, curves of the hand's angular rate in the last reaches."""
 
 from collections import deque
 from typing import TYPE_CHECKING

@@ -251,4 +251,4 @@ async def test_the_summary_reports_the_cost_of_an_invalid_cue(data: Path, catalo
         effects = driver.stored("SELECT json_extract(qualities, '$.congruency_effect_ms') FROM attempts ORDER BY seat")
         assert None not in [effect for (effect,) in effects], "both kinds came up for each"
         for (effect,) in effects:
-            assert driver.sees(f"minus where I looked: {effect:.0f} ms.")
+            assert driver.sees(f"minus when I looked to yours: {effect:.0f} ms.")

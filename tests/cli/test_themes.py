@@ -246,17 +246,17 @@ def test_each_breach_of_the_contract_is_named(
 def test_screen_texts_of_a_theme_are_checked_in_every_language(call: Call, evening: Path) -> None:
     (evening / "words.es.toml").write_text('"Press: {key}" = "¡Pulsa {key}!"\n"Help" = "¿Qué es esto?"\n', "utf-8")
     called = call("themes", "check", evening)
-    assert (called.code, "✓ words the screens in es (2 texts)" in called.out) == (0, True)
+    assert (called.code, "✓ has valid texts for the screens in es (2 texts)" in called.out) == (0, True)
     (evening / "words.es.toml").write_text('"level {level}" = "{nivel}"\n"Halp" = "Ayuda"\n"Quit" = 3', "utf-8")
     (evening / "words.fr.toml").write_text('"Help = ', "utf-8")
     called = call("themes", "check", evening)
     assert called.code == 1
     for expected in (
-        "✗ words the screens in es (1 texts)",
+        "✗ has valid texts for the screens in es (1 texts)",
         "    The wording of 'level {level}' in words.es.toml lacks {level}.",
         "    The wording of 'Quit' in words.es.toml is not a text.",
-        "    Nothing says 'Halp', which words.es.toml has words for.",
-        "✗ words the screens in fr\n    words.fr.toml is not TOML: ",
+        "    No screen shows 'Halp', which words.es.toml translates.",
+        "✗ has valid texts for the screens in fr\n    words.fr.toml is not TOML: ",
     ):
         assert expected in called.out
 

@@ -453,7 +453,7 @@ def test_a_reach_without_samples_is_repeated() -> None:
     driver.press("space")
     driver.to_start()
     assert (driver.percept.invalid, driver.all(TRIAL)) == ("samples", [])
-    assert "told us nothing" in driver.waiting.notice
+    assert "sent nothing" in driver.waiting.notice
 
 
 def test_a_sensor_too_slow_for_a_reach_is_reported() -> None:
