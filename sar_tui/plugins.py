@@ -21,6 +21,10 @@ from sar_tui.theme_folder import read_theme
 
 _PACKAGE = "sar_tui_tasks"
 DEFAULT_THEME = "calm"
+CURRENT_NAMES = "The names of this version are in docs/write-your-own-task.md."
+"""Hint for a task that uses a name that sar-tui does not have."""
+_FORMER = {"sensed": "sensor_seats"}
+"""Former names of methods that a task overrides, which would have no effect now."""
 
 
 class PluginError(Exception):
@@ -133,7 +137,7 @@ def view_module(task: type[Task]) -> types.ModuleType | None:
 
 
 def _package_of(folder: Path) -> str:
-    """Return the name under which a task folder's modules are imported; it is this folder's from here on."""
+    """Return the package of a task folder's modules; modules of another folder of that name are unloaded."""
     name = f"{_PACKAGE}.{folder.name}"
     _make_package(_PACKAGE, [])
     known = sys.modules.get(name)
@@ -157,6 +161,9 @@ def _from_entry_point(entry: EntryPoint) -> type[Task]:
 def _why(error: BaseException) -> str:
     if isinstance(error, SyntaxError):
         return f"line {error.lineno} of {Path(error.filename or '').name}: {error.msg}."
+    if isinstance(error, ImportError) and (error.name or "").split(".")[0] == sar_tui.__name__:
+        missing = str(error).partition(" (")[0]  # without the path of the module
+        return f"{missing}. {CURRENT_NAMES}"
     return f"{type(error).__name__}: {error}."
 
 
@@ -183,6 +190,9 @@ def _checked(task: type[Task], name: str) -> type[Task]:
         raise PluginError(f"The task {name} does not declare its {' or its '.join(missing)}.")
     if task.metric.better not in ("lower", "higher"):
         raise PluginError(f"The metric of the task {name} has better={task.metric.better}; use lower or higher.")
+    for former, current in _FORMER.items():
+        if hasattr(task, former):
+            raise PluginError(f"The task {name} defines {former}, which is named {current} now. {CURRENT_NAMES}")
     if task.name != name:
         raise PluginError(f"The task in the folder {name} has the name {task.name}; the two must be the same.")
     return task

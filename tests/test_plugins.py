@@ -175,6 +175,29 @@ def test_a_missing_dependency_of_a_task_is_reported(own: Path) -> None:
     assert "No module named 'nothing_of_that_name'" in sentence(own, "needy")
 
 
+@pytest.mark.parametrize(
+    ("statement", "missing"),
+    [
+        ("from sar_tui.no_such_package.imu import Imu", "No module named 'sar_tui.no_such_package'"),
+        (
+            "from sar_tui.framework.task import NoSuchName",
+            "cannot import name 'NoSuchName' from 'sar_tui.framework.task'",
+        ),
+        ("from sar_tui import no_such_package", "cannot import name 'no_such_package' from 'sar_tui'"),
+    ],
+)
+def test_a_task_with_names_of_another_version_is_reported(own: Path, statement: str, missing: str) -> None:
+    write(own, "minimal", f"{statement}\n{MINIMAL}")
+    assert sentence(own, "minimal") == (
+        f"The task minimal cannot be loaded: {missing}. The names of this version are in docs/write-your-own-task.md."
+    )
+
+
+def test_a_method_by_its_former_name_is_reported_with_the_current_one(own: Path) -> None:
+    write(own, "minimal", f"{MINIMAL}\n    @classmethod\n    def sensed(cls, parameters):\n        return ()\n")
+    assert sentence(own, "minimal").startswith("The task minimal defines sensed, which is named sensor_seats now. ")
+
+
 def test_a_fixed_task_is_loaded_the_next_time(own: Path) -> None:
     folder = write(own, "minimal", "1 / 0\n")
     assert "cannot be loaded" in sentence(own, "minimal")
