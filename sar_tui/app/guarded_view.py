@@ -11,7 +11,7 @@ from sar_tui.framework.node import Node
 from sar_tui.framework.task import Task
 from sar_tui.tui.language import session_language
 from sar_tui.widgets.prompt_lines import Line, plain_lines
-from sar_tui.widgets.task_view import Colors, Drawing, TaskView, view_of
+from sar_tui.widgets.task_view import Colors, Drawing, TaskView, sentences, view_of
 
 R = TypeVar("R")
 
@@ -65,7 +65,7 @@ class GuardedView(Node):
     def facts(self, attempts: Sequence[AttemptEnded]) -> list[str]:
         """Return the sentences that the view adds to a seat's summary."""
         task, tr = self._view.task, self._view.tr
-        return self._try("facts", lambda: [str(fact) for fact in self._view.facts(attempts, task.metric, tr)], [])
+        return self._try("facts", lambda: sentences(self._view.facts(attempts, task.metric, tr)), [])
 
     def _try(self, place: str, call: Callable[[], R], fallback: R) -> R:
         if place in self._failed:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.checks import task_translations
+from sar_tui.checks import task_translations, task_view
 from sar_tui.checks.check import Check
 from sar_tui.framework.bus import FAULT, Record
 from sar_tui.framework.clock import VirtualClock
@@ -18,7 +18,7 @@ from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric, Situation
-from sar_tui.plugins import Catalogue, PluginError, load_task
+from sar_tui.plugins import CURRENT_NAMES, Catalogue, PluginError, load_task
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE, Person
@@ -41,7 +41,7 @@ class Simulated(msgspec.Struct, frozen=True):
 
 
 def check(folder: Path) -> Iterator[Check]:
-    """Check a task folder. Checks that an earlier problem makes impossible are left out."""
+    """Check a task folder. Checks that an earlier problem makes impossible are skipped."""
     try:
         kind = load_task(folder)
     except PluginError as error:
@@ -60,6 +60,8 @@ def check(folder: Path) -> Iterator[Check]:
     yield _check("gives instructions, and a goal for each level", lambda: _words(task))
     yield _check("has all its texts in each of its languages", lambda: " ".join(task_translations.problems(kind)))
     yield _check("gives feedback in words without numbers", lambda: " ".join(task_translations.numbers(kind)))
+    if task_view.has_view(kind):
+        yield _check("has a view that keeps its contract", lambda: task_view.contract_problem(kind))
     prompts = _check("makes the same one-line prompts when asked twice", lambda: _prompts(kind, task))
     yield prompts
     if declared.ok and prompts.ok:
@@ -67,7 +69,7 @@ def check(folder: Path) -> Iterator[Check]:
 
 
 def _check(name: str, problem: str | Callable[[], str]) -> Check:
-    """Return a check with the problem given or found; an exception that the task raises is one."""
+    """Return a check with the problem given or found; an exception is a problem as well."""
     try:
         found = problem if isinstance(problem, str) else problem()
     except Exception as error:
@@ -76,7 +78,10 @@ def _check(name: str, problem: str | Callable[[], str]) -> Check:
 
 
 def _reason(error: Exception) -> str:
-    return str(error) if isinstance(error, ParameterError | Failed) else f"It raised {type(error).__name__}: {error}."
+    if isinstance(error, ParameterError | Failed):
+        return str(error)
+    raised = f"It raised {type(error).__name__}: {error}."
+    return f"{raised} {CURRENT_NAMES}" if isinstance(error, AttributeError) else raised
 
 
 # --- what it declares ----------------------------------------------------------------------------------------
@@ -141,7 +146,7 @@ def _prompts(kind: type[Task], task: Task) -> str:
             if prompt.choices < 1:
                 return f"The prompt is drawn from {prompt.choices} stimuli {where}."
             if prompt != task.stimulus(situation) or prompt != again.stimulus(situation):
-                return f"The prompt is another one when asked again {where}. Draw from situation.streams alone."
+                return f"The prompt differs when asked for again {where}. Draw from situation.streams only."
     return ""
 
 
@@ -163,6 +168,8 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
     yield _check("stores only the details that it declares", _details(kind, done))
     yield _check("changes its level", _level_moves(kind, parameters, done))
     yield _check("gives the same result when replayed, so that it can be resumed", _replay(kind, parameters, done))
+    if task_view.has_view(kind) and not task_view.contract_problem(kind):
+        yield _check("draws its view in a whole session", lambda: _drawing(kind, parameters, done))
 
 
 def _simulate(kind: type[Task], parameters: TaskParameters, person: Person, folder: Path) -> Simulated:
@@ -196,7 +203,7 @@ def _outcome(simulated: Simulated, parameters: TaskParameters) -> str:
         return "An attempt's metric is not a finite number."
     if scores.count(None) > len(scores) / 2:
         return (
-            f"{scores.count(None)} of {len(scores)} attempts have no metric: no trial of theirs was right and had a "
+            f"{scores.count(None)} of {len(scores)} attempts have no metric: no trial in them was right and had a "
             "value. Look at perceived, timed_out and rehearse."
         )
     return ""
@@ -227,3 +234,9 @@ def _replay(kind: type[Task], parameters: TaskParameters, done: list[Simulated])
         except ReplayError as error:
             return f"{error} Does the task keep state, or draw from elsewhere than situation.streams?"
     return ""
+
+
+def _drawing(kind: type[Task], parameters: TaskParameters, done: list[Simulated]) -> str:
+    theme = Catalogue().theme(THEME)
+    problems = (task_view.drawing_problem(kind(parameters), theme, SEED, simulated.history) for simulated in done)
+    return next(filter(None, problems), "")

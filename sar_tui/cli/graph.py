@@ -34,7 +34,7 @@ def graph(
 
 
 def _loop(kind: "type[Task]", theme: "Theme") -> "Graph":
-    """Return the loop as the app runs it: keyboard and sensors, the framework's nodes, screen, and recorder."""
+    """Return the loop as the app runs it: inputs, the framework's nodes, the task's view, screen and recorder."""
     from sar_tui.app.screen_output import ScreenOutput
     from sar_tui.framework.graph import graph
     from sar_tui.framework.parameters import build
@@ -42,8 +42,10 @@ def _loop(kind: "type[Task]", theme: "Theme") -> "Graph":
     from sar_tui.inputs.keyboard import Keyboard
     from sar_tui.inputs.sensor import Imu
     from sar_tui.store.recorder import Recorder
+    from sar_tui.widgets.task_view import view_of
 
     task = kind(build(kind.Parameters, {}))
     core = core_nodes(task, theme, seed=0)
     sensors = [Imu] if kind.sensor_seats(task.parameters) else []
-    return graph([Keyboard, *sensors, *(type(node) for node in core), ScreenOutput], [Recorder])
+    views = [view for view in [view_of(kind)] if view.receives()]
+    return graph([Keyboard, *sensors, *(type(node) for node in core), *views, ScreenOutput], [Recorder])

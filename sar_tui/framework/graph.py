@@ -23,8 +23,8 @@ class Listener(Protocol):
 class Part(msgspec.Struct, frozen=True, rename={"receives": "hears"}):
     """A node of the graph, with the names of its topics and services.
 
-    ``kind``: ``input`` (receives nothing), ``output`` (emits only reports), ``node`` (in between), ``tap`` (receives
-    everything), ``outside`` (the program around them).
+    ``kind``: ``input`` (receives nothing), ``output`` (emits only reports, or nothing), ``node`` (in between), ``tap``
+    (receives everything), ``outside`` (the program around them).
     """
 
     name: str
@@ -83,9 +83,9 @@ def graph(nodes: Sequence[type[Node]], taps: Sequence[type[Listener]] = ()) -> G
 
 
 def _part(node: type[Node]) -> Part:
-    emits, receives = _names(node.emits), _names(node.receives())
+    emits, receives, answers = _names(node.emits), _names(node.receives()), node.answers()
     kind: Literal["input", "node", "output"] = "node"
-    if all(topic.origin == "input" for topic in node.emits) and emits:
+    if all(topic.origin == "input" for topic in node.emits) and not answers:
         kind = "output" if receives else "input"
     return Part(
         node.name,
@@ -93,7 +93,7 @@ def _part(node: type[Node]) -> Part:
         emits=emits,
         receives=receives,
         asks=tuple(service.name for service in node.asks),
-        answers=tuple(service.name for service in node.answers()),
+        answers=tuple(service.name for service in answers),
     )
 
 

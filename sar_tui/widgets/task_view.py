@@ -88,10 +88,17 @@ def view_of(task: type[Task]) -> type[TaskView]:
     return views[0]
 
 
+def sentences(value: object) -> list[str]:
+    """Return a view's facts or findings. Raises TypeError if they are not a list of texts."""
+    if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
+        raise TypeError(f"facts and findings are a list of texts, not {value!r}")
+    return value
+
+
 def stored_facts(task: type[Task], attempts: Sequence[AttemptEnded], metric: Metric, tr: Language) -> list[str]:
     """Return a view's facts about a session in the database; none if the view fails."""
     try:
-        return view_of(task).facts(attempts, metric, tr)
+        return sentences(view_of(task).facts(attempts, metric, tr))
     except Exception:  # of somebody else's code: the rest of the summary is still right
         return []
 
@@ -99,6 +106,6 @@ def stored_facts(task: type[Task], attempts: Sequence[AttemptEnded], metric: Met
 def stored_findings(task: type[Task], attempts: Sequence[AttemptEnded], metric: Metric) -> list[str]:
     """Return a view's findings about a session in the database; none if the view fails."""
     try:
-        return view_of(task).findings(attempts, metric)
+        return sentences(view_of(task).findings(attempts, metric))
     except Exception:
         return []

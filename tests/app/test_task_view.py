@@ -6,82 +6,13 @@ import pytest
 
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import AppDriver, open_app, plan
-
-TASK = """
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric, Result, Stimulus
-
-
-class Sides(Task):
-    name = "sides"
-    title = "Sides"
-    summary = "Press the key of the side that is named."
-    metric = Metric("reaction_time", unit="ms", better="lower")
-
-    class Parameters(TaskParameters, frozen=True, kw_only=True):
-        prompts_per_attempt: int = 2
-
-    @property
-    def trials_per_attempt(self):
-        return self.parameters.prompts_per_attempt
-
-    def instructions(self):
-        return "Press the key."
-
-    def goal(self, level):
-        return "As fast as you can."
-
-    def stimulus(self, situation):
-        return Stimulus("f", "f", "Press: f", glyph="f")
-
-    def perceived(self, trial, percept):
-        return Result(
-            correct=percept.key == "f",
-            response=percept.key,
-            response_at=percept.at,
-            value=trial.latency_ms(percept.at),
-        )
-"""
-VIEW = """
-from rich.text import Text
-
-from sar_tui.framework.node import on
-from sar_tui.framework.topics import TRIAL
-from sar_tui.widgets.task_view import TaskView
-
-from .task import Sides
-
-
-class SidesView(TaskView):
-    def __init__(self, task):
-        super().__init__(task)
-        assert isinstance(task, Sides)
-        self.trials = 0
-
-    @on(TRIAL)
-    def trial_ended(self, trial):
-        self.trials += 1
-
-    def prompt_lines(self, prompt, width, height):
-        return [(f"<<< {prompt.text} >>>" if prompt else f"({self.trials} so far)", True)]
-
-    def between_attempts(self):
-        return lambda width, height, colors: Text(f"{self.trials} trials, drawn {width} wide", colors["accent"])
-
-    @classmethod
-    def facts(cls, attempts, metric, tr):
-        return [f"The view counts {sum(a.trials for a in attempts)}."]
-"""
+from tests.sides_task import VIEW, write_sides
 
 
 @pytest.fixture
 def own_tasks(tmp_path: Path) -> Path:
     """A folder of tasks outside of the checkout, as `--tasks DIR` names it."""
-    folder = tmp_path / "mine" / "sides"
-    folder.mkdir(parents=True)
-    (folder / "task.py").write_text(TASK)
-    return folder.parent
+    return write_sides(tmp_path / "mine").parent
 
 
 async def play(driver: AppDriver) -> list[str]:

@@ -66,6 +66,13 @@ def test_the_drawing_goes_down_the_loop(call: Call) -> None:
     assert max(map(len, called.out.splitlines())) <= 160
 
 
+def test_a_view_that_listens_is_shown_beside_the_screen(call: Call) -> None:
+    nodes = {node["name"]: node for node in call("graph", "pairs", "--json").json["nodes"]}
+    assert (nodes["view"]["kind"], nodes["screen"]["kind"]) == ("output", "output")
+    assert "event_handler/prompt" in nodes["view"]["hears"]
+    assert "view" not in [node["name"] for node in call("graph", "keyboard", "--json").json["nodes"]]
+
+
 def test_an_unknown_task_has_no_graph(call: Call) -> None:
     assert call("graph", "juggling").code == 2
 

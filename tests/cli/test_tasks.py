@@ -20,7 +20,7 @@ def tapping(call: Call, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def change(tapping: Path) -> Change:
-    """``change(old, new)`` mends, or breaks, the new task; returns its folder."""
+    """``change(old, new)`` changes the new task and returns its folder."""
 
     def changed(old: str, new: str) -> Path:
         text = (tapping / "task.py").read_text()
@@ -156,7 +156,7 @@ def test_checks_as_json(call: Call, tapping: Path) -> None:
         ("] = 0.2", "]", "✗ describes every parameter: title, help, bounds. These have no default: wrong_share."),
         ("] = 3\n", "] = 0\n", "✗ makes the same one-line prompts when asked twice. It has 5 levels and 0 trials"),
         ('f"Tap: {keys}"', 'f"Tap:\\n{keys}"', "is not one line of plain text at level 1, trial 1"),
-        ('f"Tap: {keys}"', 'f"Tap: {keys} {__import__(\'time\').monotonic_ns()}"', "another one when asked"),
+        ('f"Tap: {keys}"', 'f"Tap: {keys} {__import__(\'time\').monotonic_ns()}"', "differs when asked for"),
         ("SEQUENCES[situation.level - 1]", "SEQUENCES[situation.level]", "asked twice. It raised IndexError"),
         ("right = 0\n", "right = 0\n        boom\n", "poor participant. The task tapping failed (NameError"),
         ("performance.reaction_ms / 2", "performance.reaction_ms / 0", "The node participant failed at event_handl"),

@@ -1,0 +1,48 @@
+"""The task and the view of docs/write-your-own-task.md, taken from the page: they pass the check and run in the app."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from sar_tui.checks.task import check
+from sar_tui.framework.parameters import build
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import Plan
+from tests.app.app_driver import open_app
+
+PAGE = (Path(__file__).parents[2] / "docs" / "write-your-own-task.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def arrows(tmp_path: Path) -> Path:
+    """The task's folder, as the page describes it."""
+    folder = tmp_path / "mytasks" / "arrows"
+    folder.mkdir(parents=True)
+    for file in ("task", "view"):
+        (source,) = re.findall(rf"`mytasks/arrows/{file}\.py`:\n\n```python\n(.*?)```", PAGE, re.DOTALL)
+        (folder / f"{file}.py").write_text(source, encoding="utf-8")
+    return folder
+
+
+def test_they_pass_the_check(arrows: Path) -> None:
+    results = list(check(arrows))
+    assert [each.problems for each in results if not each.ok] == []
+    assert "draws its view in a whole session" in [each.check for each in results]
+
+
+async def test_the_view_draws_in_a_session(data: Path, arrows: Path) -> None:
+    catalogue = Catalogue(tasks=(arrows.parent,))
+    task = catalogue.task("arrows")
+    plan = Plan(task, build(task.Parameters, {"attempts": 2}), "calm", "P01", seed=7)
+    async with open_app(data, catalogue, plan) as driver:
+        prompt = await driver.to_first_prompt()
+        sign = {"left": "←", "right": "→", "up": "↑", "down": "↓"}[prompt.expected]
+        assert sign * 80 in driver.text
+        assert driver.sees(f"Press: {prompt.expected}")
+        await driver.do_attempt(prompt)
+        assert "██████" in driver.text
+        await driver.do_attempt(await driver.begin())
+        await driver.see_the_summary()
+        assert driver.sees("Right arrows: 20.")
+        assert [fault.error for fault in driver.session.faults] == []

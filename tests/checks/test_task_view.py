@@ -1,0 +1,97 @@
+"""`sar-tui tasks check` draws a task's view, and names what is wrong with it in one sentence."""
+
+from pathlib import Path
+
+import pytest
+
+from sar_tui.checks.task_view import contract_problem, drawing_problem
+from sar_tui.framework.bus import Record
+from sar_tui.framework.parameters import TaskParameters, build
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.plugins import Catalogue, load_task
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+from tests.program import Call
+from tests.sides_task import VIEW, write_sides
+
+SEED = 3
+
+
+def settings(task: type[Task]) -> TaskParameters:
+    return build(task.Parameters, {"attempts": 2})
+
+
+@pytest.fixture(scope="module")
+def history(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
+    """The messages of a simulated session of the task."""
+    folder = tmp_path_factory.mktemp("sides")
+    catalogue = Catalogue(tasks=(write_sides(folder / "mine").parent,))
+    plan = make_plan(catalogue, "sides", ["SIM"], {"attempts": 2}, theme="calm", seed=SEED, mode="simulated")
+    session = simulate(plan, PEOPLE["poor"], folder / "data", catalogue)
+    database = connect(folder / "data")
+    records = list(sessions.history(database, session))
+    database.conn.close()
+    return records
+
+
+def test_a_view_that_keeps_the_contract_passes(tmp_path: Path, history: list[Record], calm: Theme) -> None:
+    task = load_task(write_sides(tmp_path, VIEW))
+    assert contract_problem(task) == ""
+    assert drawing_problem(task(settings(task)), calm, SEED, history) == ""
+
+
+@pytest.mark.parametrize(
+    ("broken", "says"),
+    [
+        ("import no_such_library", "The view of the task sides cannot be loaded: ModuleNotFoundError: No module named"),
+        (
+            "from sar_tui.widgets.no_such_module import draw",
+            "The view of the task sides cannot be loaded: No module named 'sar_tui.widgets.no_such_module'. The n",
+        ),
+        (
+            VIEW.replace("class SidesView(TaskView)", "class SidesView"),
+            "The view.py of the task sides must define one TaskView; it defines 0.",
+        ),
+        (
+            VIEW.replace("class SidesView(TaskView):", "class SidesView(TaskView):\n    emits = (TRIAL,)"),
+            "The view may only listen, but it declares event_handler/trial.",
+        ),
+    ],
+    ids=["missing library", "missing module", "no view", "a view that emits"],
+)
+def test_a_view_against_the_contract_is_named(tmp_path: Path, broken: str, says: str) -> None:
+    assert contract_problem(load_task(write_sides(tmp_path, broken))).startswith(says)
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "says"),
+    [
+        ("self.trials = 0", "raise RuntimeError", "It cannot be set up (RuntimeError: , line "),
+        ("{prompt.text}", "your prompt", "Its prompt_lines failed (ValueError: no line of the prompt holds its text, "),
+        ("return [(f", "return 3 #", "Its prompt_lines failed (TypeError: 'int' object is not iterable)."),
+        ("so far)", 'so far)" * 9 + "', "Its prompt_lines returned 1 lines of up to 90 characters, where there is"),
+        ("self.trials += 1", "self.trial += 1", "Its handler of event_handler/trial failed (AttributeError: "),
+        ("return lambda", "raise RuntimeError\n        return lambda", "Its between_attempts failed (RuntimeError"),
+        ('colors["accent"]', 'colors["no colour"]', "The drawing of its between_attempts failed (KeyError: 'no col"),
+        ("for a in attempts", "for a in attempt", "Its facts failed (NameError: name 'attempt' is not defined, line "),
+        ('return [f"The view counts {sum(a.trials for a in attempts)}."]', 'return "Good."', "Its facts failed (Ty"),
+        ("def facts(cls, attempts, metric, tr)", "def findings(cls, attempts)", "Its findings failed (TypeError: "),
+    ],
+)  # fmt: skip
+def test_a_view_that_fails_to_draw_is_named(
+    tmp_path: Path, history: list[Record], calm: Theme, right: str, wrong: str, says: str
+) -> None:
+    assert right in VIEW
+    task = load_task(write_sides(tmp_path, VIEW.replace(right, wrong)))
+    assert drawing_problem(task(settings(task)), calm, SEED, history).startswith(says)
+
+
+def test_the_command_says_what_is_wrong_with_a_view(tmp_path: Path, call: Call) -> None:
+    folder = write_sides(tmp_path, VIEW.replace("{prompt.text}", "your prompt"))
+    called = call("tasks", "check", folder)
+    assert called.code == 1
+    assert "✗ draws its view in a whole session. Its prompt_lines failed (ValueError: no line of" in called.out
