@@ -11,7 +11,7 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import FOCUS, KEY, OPERATOR, PASTE, PROMPT, SHOWN, STORAGE, STORED, TRIAL, WAITING
+from sar_tui.framework.topics import COMMAND, FOCUS, KEY, PASTE, PROMPT, SHOWN, STORAGE, STORED, TRIAL, WAITING
 
 M = TypeVar("M", bound=m.Message)
 
@@ -123,7 +123,7 @@ class LoopDriver:
         self.session.bus.publish(FOCUS, m.FocusChanged(focused=focused, at=self.clock.now()))
 
     def operate(self, command: Any, reason: str = "", value: int | None = None) -> None:
-        self.session.bus.publish(OPERATOR, m.Operator(command=command, reason=reason, value=value))
+        self.session.bus.publish(COMMAND, m.SessionCommand(command=command, reason=reason, value=value))
 
     def disk(self, working: bool) -> None:
         self.session.bus.publish(STORAGE, m.StorageChanged(working=working, reason="" if working else "full"))

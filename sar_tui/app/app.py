@@ -22,7 +22,7 @@ from sar_tui.app.exit_message import UNSAVED, exit_message
 from sar_tui.app.theming import ThemedApp
 from sar_tui.framework.clock import SECOND, Clock, LiveClock
 from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.messages import Operator
+from sar_tui.framework.messages import SessionCommand
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.database import StoreError, connect, explain
 from sar_tui.theme_folder import may_have_images
@@ -215,7 +215,7 @@ class SarTui(ThemedApp):
         """F2, anywhere in a session: stop everything the agent says and does."""
         if self._open:
             asked = round(self._open.stamp(self.key_seconds) * SECOND)
-            self._open.operate(Operator(command="stop", at=asked))
+            self._open.operate(SessionCommand(command="stop", at=asked))
 
     # --- the terminal --------------------------------------------------------------------------------------
 

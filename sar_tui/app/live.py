@@ -10,11 +10,11 @@ from sar_tui.app.guarded_view import GuardedView
 from sar_tui.app.screen_output import ScreenOutput, Stage
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.clock import SECOND, Clock, LiveClock
-from sar_tui.framework.messages import Fault, Operator
+from sar_tui.framework.messages import Fault, SessionCommand
 from sar_tui.framework.node import Node
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import OPERATOR
+from sar_tui.framework.topics import COMMAND
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
@@ -122,9 +122,9 @@ class LiveSession:
         worker = get_current_worker()
         self.run.recorder.run(lambda: self._closing or worker.is_cancelled)
 
-    def operate(self, act: Operator) -> None:
+    def operate(self, act: SessionCommand) -> None:
         """Send an operator's act to the session."""
-        self.run.session.bus.post(OPERATOR, act)
+        self.run.session.bus.post(COMMAND, act)
 
     @property
     def is_closed(self) -> bool:

@@ -1,7 +1,8 @@
 """Every topic and service of the system, by name.
 
 Databases and recordings hold these names, so a name never changes, even where its constant is called otherwise now:
-``theme/worn``, ``arbiter/offered``, ``arbiter/standing``, ``arbiter/stalling``, ``arbiter/level_ruled``.
+``theme/worn``, ``arbiter/offered``, ``arbiter/standing``, ``arbiter/stalling``, ``arbiter/level_ruled``,
+``arbiter/missed``.
 """
 
 from typing import Any
@@ -18,14 +19,14 @@ SHOWN = Topic("screen/shown", m.Shown, origin="input")
 IMU = Topic("input/imu", m.ImuBlock, origin="input", stream=True)
 SENSOR = Topic("input/sensor", m.SensorChanged, origin="input")
 TIMER = Topic("timer/fired", m.TimerFired, origin="input")
-OPERATOR = Topic("operator/act", m.Operator, origin="input")
+COMMAND = Topic("operator/act", m.SessionCommand, origin="input")
 DECISION = Topic("operator/decision", m.Decision, origin="input")
 REMARK = Topic("operator/remark", m.Remark, origin="input")
 MODE = Topic("operator/mode", m.ModeChanged, origin="input")
 PROPOSAL_SEEN = Topic("operator/seen", m.ProposalSeen, origin="input")
 NOTE_ADDED = Topic("operator/noted", m.NoteAdded, origin="input")
 PRESENCE = Topic("operator/presence", m.OperatorChanged, origin="input", keep=True)
-REFUSED = Topic("operator/refused", m.ActRefused, origin="input")
+REFUSED = Topic("operator/refused", m.PeerRequestRefused, origin="input")
 REPORT = Topic("output/report", m.OutputReport, origin="input")
 OUTPUT = Topic("output/opened", m.OutputOpened, origin="input")
 STOPPED = Topic("output/stopped", m.OutputStopped, origin="input")
@@ -50,7 +51,7 @@ PENDING_APPROVAL = Topic("arbiter/offered", m.PendingApproval)
 ARBITER_STATE = Topic("arbiter/standing", m.ArbiterState, keep=True)
 FILLER_DUE = Topic("arbiter/stalling", m.FillerDue)
 LEVEL_DECIDED = Topic("arbiter/level_ruled", m.LevelDecided)
-MISSED = Topic("arbiter/missed", m.ActMissed)
+LATE_DECISION = Topic("arbiter/missed", m.LateDecision)
 DECIDED = Topic("arbiter/decided", m.Action)
 ACTION = Topic("arbiter/action", m.Action)
 DROPPED = Topic("arbiter/dropped", m.Dropped)

@@ -9,7 +9,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.node import Node
-from sar_tui.framework.topics import DECISION, MODE, NOTE_ADDED, OPERATOR, PRESENCE, PROPOSAL_SEEN, REFUSED, REMARK
+from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PRESENCE, PROPOSAL_SEEN, REFUSED, REMARK
 from sar_tui.link import protocol
 from sar_tui.link.admission import role_of
 from sar_tui.link.channel import BrokerEnded, Channel, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
@@ -52,7 +52,7 @@ class LinkNode(Node):
 
     name = "link"
     emits: ClassVar[tuple[Topic[Any], ...]] = (
-        OPERATOR,
+        COMMAND,
         DECISION,
         REMARK,
         MODE,
@@ -164,7 +164,7 @@ class LinkNode(Node):
             self._report_refused(name, what, why, count)
 
     def _report_refused(self, name: str, what: str, why: str, count: int) -> None:
-        self.emit(REFUSED, m.ActRefused(actor=name, what=what, why=why, count=count))
+        self.emit(REFUSED, m.PeerRequestRefused(actor=name, what=what, why=why, count=count))
 
     def _report_holder(self, before: str) -> None:
         """Report who is in control, if that changed."""

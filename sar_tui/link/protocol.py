@@ -11,8 +11,8 @@ from typing import IO, Any, Literal, TypeVar
 import msgspec
 
 from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.messages import Message, Operator
-from sar_tui.framework.topics import DECISION, MODE, NOTE_ADDED, OPERATOR, PROPOSAL_SEEN, REMARK
+from sar_tui.framework.messages import Message, SessionCommand
+from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
 from sar_tui.link.peer import Frame, MotionTrace, Welcome
 
 T = TypeVar("T")
@@ -27,7 +27,7 @@ MAX_FRAME_BYTES = 16_000_000
 """Between the program and its broker; a snapshot carries a whole theme."""
 
 OPERATOR_TOPICS: dict[str, Topic[Any]] = {
-    topic.name: topic for topic in (OPERATOR, DECISION, REMARK, MODE, PROPOSAL_SEEN, NOTE_ADDED)
+    topic.name: topic for topic in (COMMAND, DECISION, REMARK, MODE, PROPOSAL_SEEN, NOTE_ADDED)
 }
 """Topics that an operator may publish on."""
 TAKE_CONTROL = "baton"
@@ -252,7 +252,7 @@ def decode_act(topic: str, raw: msgspec.Raw) -> Message:
                 raise ProtocolError(f"A text is longer than {longest} characters.")
             if not all(_is_plain(each) for each in value if not (is_note and each in "\n\t")):
                 raise ProtocolError("A text contains control characters.")
-    if isinstance(message, Operator) and message.command == "pause" and message.reason not in _PAUSE_REASONS:
+    if isinstance(message, SessionCommand) and message.command == "pause" and message.reason not in _PAUSE_REASONS:
         raise ProtocolError("That is not a valid reason for a pause.")
     return message
 

@@ -15,11 +15,11 @@ SENT: tuple[Topic[Any], ...] = (
     # results; keys and percepts are not sent, as a trial holds their outcome
     t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.FEEDBACK,
     # what the agent proposes and does
-    t.PROPOSED, t.PENDING_APPROVAL, t.ARBITER_STATE, t.FILLER_DUE, t.LEVEL_DECIDED, t.MISSED,
+    t.PROPOSED, t.PENDING_APPROVAL, t.ARBITER_STATE, t.FILLER_DUE, t.LEVEL_DECIDED, t.LATE_DECISION,
     t.ACTION, t.DROPPED, t.HALT, t.ACTING,
     t.OUTPUT, t.REPORT, t.STOPPED,
     # what operators did, so that each sees the outcome and what the others do
-    t.OPERATOR, t.DECISION, t.REMARK, t.MODE, t.PROPOSAL_SEEN, t.NOTE_ADDED, t.PRESENCE, t.REFUSED,
+    t.COMMAND, t.DECISION, t.REMARK, t.MODE, t.PROPOSAL_SEEN, t.NOTE_ADDED, t.PRESENCE, t.REFUSED,
 )  # fmt: skip
 """Faults are not sent: their tracebacks reveal details of the machine, and WAITING says that a session is broken."""
 

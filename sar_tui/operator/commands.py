@@ -7,18 +7,18 @@ from msgspec.structs import replace
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
-    ActRefused,
     Decision,
     Mode,
     ModeChanged,
     NoteAdded,
-    Operator,
+    PeerRequestRefused,
     PendingApproval,
     ProposalSeen,
     Remark,
+    SessionCommand,
     Valence,
 )
-from sar_tui.framework.topics import DECISION, MODE, NOTE_ADDED, OPERATOR, PROPOSAL_SEEN, REMARK
+from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
 from sar_tui.link.peer import Peer, PeerEvent, Welcome
 from sar_tui.operator import proposal_view
 from sar_tui.operator.event_log import SLOW, ActLog
@@ -67,7 +67,7 @@ class Commands:
         if isinstance(event, list) and self.state.welcome:
             for frame in event:
                 self.log.receive(frame, self.state.welcome.name)
-                if isinstance(frame.message, ActRefused) and frame.message.actor == self.state.welcome.name:
+                if isinstance(frame.message, PeerRequestRefused) and frame.message.actor == self.state.welcome.name:
                     self._sent_decisions = {}
 
     @property
@@ -155,8 +155,8 @@ class Commands:
     # --- the session -------------------------------------------------------------------------------------------
 
     def command(self, text: str, command: Any, at: int, **more: Any) -> bool:
-        """Send a command to the session (see `Operator`). ``text``: for the log."""
-        return self.send(text, OPERATOR, Operator(command=command, **more), at)
+        """Send a command to the session (see `SessionCommand`). ``text``: for the log."""
+        return self.send(text, COMMAND, SessionCommand(command=command, **more), at)
 
     def prompt_command(self, text: str, command: Literal["skip", "repeat"], at: int) -> bool:
         """Skip or repeat the prompt that is shown or about to appear."""
@@ -201,7 +201,7 @@ class Commands:
 
     def _sent_level(self) -> int | None:
         """Return the last level that was sent and is not confirmed yet."""
-        pending = [act for act in self.log.acts if act.topic == OPERATOR.name and act.is_pending]
+        pending = [act for act in self.log.acts if act.topic == COMMAND.name and act.is_pending]
         return next((act.message.value for act in reversed(pending) if act.message.command == "level"), None)
 
     def hold(self, at: int) -> bool:

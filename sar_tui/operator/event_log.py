@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.messages import ActRefused, Message
+from sar_tui.framework.messages import Message, PeerRequestRefused
 from sar_tui.link.peer import Frame
 from sar_tui.operator.text_charts import cut
 
@@ -90,7 +90,7 @@ class ActLog:
         """
         if getattr(frame.message, "actor", None) != me:
             return
-        refused = frame.message.what if isinstance(frame.message, ActRefused) else ""
+        refused = frame.message.what if isinstance(frame.message, PeerRequestRefused) else ""
         for index, act in enumerate(self.acts):
             if not act.is_pending:
                 continue

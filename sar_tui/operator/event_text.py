@@ -4,27 +4,27 @@ from typing import Any
 
 from sar_tui.framework.messages import (
     Action,
-    ActMissed,
-    ActRefused,
     ArbiterState,
     Dropped,
+    LateDecision,
     LevelChanged,
     LevelDecided,
-    Operator,
     OperatorChanged,
+    PeerRequestRefused,
     SensorChanged,
+    SessionCommand,
     StorageChanged,
 )
 from sar_tui.framework.topics import (
     ACTION,
+    COMMAND,
     DECISION,
     DROPPED,
+    LATE_DECISION,
     LEVEL,
     LEVEL_DECIDED,
-    MISSED,
     MODE,
     NOTE_ADDED,
-    OPERATOR,
     PRESENCE,
     PROPOSAL_SEEN,
     REFUSED,
@@ -54,7 +54,7 @@ _SENSOR: dict[str, _Text] = {
 PAUSE_REASONS = {"tired": "tired", "pain": "in pain", "finished": "wants to end"}
 """Reasons for which a participant pauses."""
 _ACTS = {
-    OPERATOR.name: "a command",
+    COMMAND.name: "a command",
     DECISION.name: "a decision",
     REMARK.name: "a phrase or gesture",
     MODE.name: "a change of mode",
@@ -82,7 +82,7 @@ def event_line(frame: Frame, me: Welcome | None, before: ArbiterState | None) ->
         me: this panel at the session; its operator is called "you".
         before: the arbiter's state until then.
     """
-    if isinstance(frame.message, Operator):
+    if isinstance(frame.message, SessionCommand):
         text = _pause_or_resume(frame.message, me)
     else:
         text = _text(frame.topic.name, frame.message, me.name if me else "", before)
@@ -93,8 +93,8 @@ def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Te
     text: _Text | None = None
     if topic == REFUSED.name:
         text = _refused(message, me), "bad"
-    elif topic == MISSED.name:
-        text = _missed(message, me), "bad"
+    elif topic == LATE_DECISION.name:
+        text = _late_decision(message, me), "bad"
     elif topic == PRESENCE.name:
         text = _presence(message, me)
     elif topic == DROPPED.name:
@@ -112,7 +112,7 @@ def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Te
     return text
 
 
-def _pause_or_resume(act: Operator, me: Welcome | None) -> _Text | None:
+def _pause_or_resume(act: SessionCommand, me: Welcome | None) -> _Text | None:
     """Describe a pause or its end, unless it is this operator's own act, which the log has already."""
     if me is None or act.actor == me.name or act.command not in ("pause", "resume"):
         return None
@@ -123,15 +123,15 @@ def _pause_or_resume(act: Operator, me: Welcome | None) -> _Text | None:
     return f"{who} paused{why}.", "bad" if why or act.actor == "participant" else "plain"
 
 
-def _refused(refused: ActRefused, me: str) -> str:
+def _refused(refused: PeerRequestRefused, me: str) -> str:
     times = f" ({refused.count} times)" if refused.count > 1 else ""
     whose = "" if refused.actor == me else f" for {short_name(refused.actor)}"
     return f"Refused{whose}: {_ACTS.get(refused.what, refused.what)}{times}. {refused.why}"
 
 
-def _missed(missed: ActMissed, me: str) -> str:
-    whose = "" if missed.actor == me else f" for {short_name(missed.actor)}"
-    return f"Too late{whose}: {missed.what}. {missed.why}"
+def _late_decision(late: LateDecision, me: str) -> str:
+    whose = "" if late.actor == me else f" for {short_name(late.actor)}"
+    return f"Too late{whose}: {late.what}. {late.why}"
 
 
 def _presence(changed: OperatorChanged, me: str) -> _Text:

@@ -5,8 +5,17 @@ from typing import Any, Literal, NamedTuple
 import msgspec
 
 from sar_tui.framework.bus import Topic
-from sar_tui.framework.messages import Action, ControlledKind, Decision, Message, Mode, ModeChanged, Operator, Remark
-from sar_tui.framework.topics import DECISION, MODE, OPERATOR, REMARK
+from sar_tui.framework.messages import (
+    Action,
+    ControlledKind,
+    Decision,
+    Message,
+    Mode,
+    ModeChanged,
+    Remark,
+    SessionCommand,
+)
+from sar_tui.framework.topics import COMMAND, DECISION, MODE, REMARK
 from sar_tui.operator.keymap import KeymapFile
 from sar_tui.operator.phrases import Filled, addressed, addressee, fill, slot_values, theme_phrases
 from sar_tui.operator.session_state import SessionState
@@ -97,7 +106,7 @@ def _gestures(state: SessionState, seat: str) -> Page:
 def _marks(state: SessionState) -> Page:
     marks = state.welcome.marks[:PER_PAGE] if state.welcome else ()
     items = [
-        Item(mark.title, f"Marked: {mark.title.lower()}", OPERATOR, Operator(command="mark", reason=mark.name))
+        Item(mark.title, f"Marked: {mark.title.lower()}", COMMAND, SessionCommand(command="mark", reason=mark.name))
         for mark in marks
     ]
     return Page("marks", "Marks", tuple(items), "This task has no marks.")

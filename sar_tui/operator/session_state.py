@@ -12,13 +12,13 @@ from sar_tui.framework.messages import (
     ArbiterState,
     AttemptEnded,
     LevelChanged,
-    Operator,
     OperatorChanged,
     OutputReport,
     Prompt,
     PromptVoided,
     Role,
     SensorChanged,
+    SessionCommand,
     SessionEnded,
     ThemeApplied,
     TrialEnded,
@@ -29,9 +29,9 @@ from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
     ARBITER_STATE,
     ATTEMPT_ENDED,
+    COMMAND,
     LEVEL,
     MARKED,
-    OPERATOR,
     PRESENCE,
     PROMPT,
     REPORT,
@@ -175,7 +175,7 @@ def _on_waiting(state: SessionState, waiting: Waiting) -> SessionState:
     return replace(state, waiting=waiting, level=level, prompt=prompt, pauser=pauser)
 
 
-def _on_operator(state: SessionState, act: Operator) -> SessionState:
+def _on_command(state: SessionState, act: SessionCommand) -> SessionState:
     return replace(state, pauser=act.actor) if act.command == "pause" else state
 
 
@@ -244,7 +244,7 @@ def _on_presence(state: SessionState, changed: OperatorChanged) -> SessionState:
 
 
 _HANDLERS: dict[str, Callable[[SessionState, Any], SessionState]] = {
-    OPERATOR.name: _on_operator,
+    COMMAND.name: _on_command,
     WAITING.name: _on_waiting,
     PROMPT.name: _on_prompt,
     VOIDED.name: _on_prompt_voided,

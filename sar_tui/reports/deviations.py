@@ -1,4 +1,4 @@
-"""Deviations from the session's plan: operators' commands, lost operators, refused and missed acts. Pure."""
+"""Deviations from the plan: operators' commands, lost operators, refused requests and late decisions. Pure."""
 
 from collections.abc import Collection, Iterator, Sequence
 
@@ -18,10 +18,10 @@ class Deviation(msgspec.Struct, frozen=True):
     Attributes:
         at_s: from the start of its run.
         what: ``mode``, ``level``, ``skip``, ``repeat``, ``pause``, ``end``, ``stop``, ``mark``; ``baton`` (stored
-            spelling: another operator took control); ``lost``, ``left`` (an operator); ``refused``, ``missed`` (an
-            act).
+            spelling: another operator took control); ``lost``, ``left`` (an operator); ``refused`` (a request),
+            ``missed`` (a late decision).
         actor: who caused it.
-        count: number of refused acts that one message reports.
+        count: number of refused requests that one message reports.
         duration_s: of a pause.
     """
 
@@ -47,7 +47,7 @@ def deviations(messages: Sequence[LoggedMessage], operators: Collection[str]) ->
             if before in ("", holder):
                 continue
         for what, detail in _deviation(message, operators):
-            count = message.count if isinstance(message, m.ActRefused) else 1
+            count = message.count if isinstance(message, m.PeerRequestRefused) else 1
             duration = _pause_s(messages, index) if what == "pause" else None
             at_s = seconds(at - known[run].began)
             found.append(Deviation(run, at_s, what, getattr(message, "actor", ""), detail, count, duration))
@@ -58,15 +58,15 @@ def _deviation(message: m.Message, operators: Collection[str]) -> Iterator[tuple
     match message:
         case m.ModeChanged():
             yield "mode", f"{message.kind}: {message.mode}"
-        case m.Operator(command=what) if message.actor in operators and what in _COMMANDS:
+        case m.SessionCommand(command=what) if message.actor in operators and what in _COMMANDS:
             yield what, "" if message.value is None and what == "level" else str(message.value or message.reason)
         case m.OperatorChanged(state="baton"):
             yield "baton", ""
         case m.OperatorChanged(role="operator", state="lost" | "left" as what):
             yield what, message.detail
-        case m.ActRefused():
+        case m.PeerRequestRefused():
             yield "refused", f"{message.what}: {message.why}"
-        case m.ActMissed():
+        case m.LateDecision():
             yield "missed", f"{message.what}: {message.why}"
 
 

@@ -40,13 +40,13 @@ def pauses(messages: Sequence[LoggedMessage], operators: Collection[str]) -> lis
         match message:
             case m.SessionStarted():
                 is_open = is_paused = False
-            case m.Operator(command="pause") if message.actor not in operators:
+            case m.SessionCommand(command="pause") if message.actor not in operators:
                 if not is_open:
                     found.append(Pause(run, seconds(at - known[run].began), 0.0, "", ""))
                     is_open = True
                 if message.reason:  # given after the pause has begun
                     found[-1] = msgspec.structs.replace(found[-1], reason=message.reason)
-            case m.Operator(command="resume") if is_open:
+            case m.SessionCommand(command="resume") if is_open:
                 found[-1] = msgspec.structs.replace(found[-1], ended_by=message.actor)
             case m.Waiting():
                 if message.stage != "paused" and is_open:

@@ -152,7 +152,7 @@ class ProposalLog:
                 self._cause = (at, "amended")
             case m.SessionEnded():
                 self._cause = (at, "late")
-            case m.Operator(command="stop"):
+            case m.SessionCommand(command="stop"):
                 self._cause = (at, "stopped")
 
     def _propose(self, run: int, at: int, proposal: m.Proposal) -> ProposalRecord:

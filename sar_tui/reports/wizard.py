@@ -197,7 +197,7 @@ def _initiated(messages: Iterable[LoggedMessage], operators: Collection[str]) ->
         match message:
             case m.Remark():
                 yield message.source
-            case m.Operator() if message.actor in operators:
+            case m.SessionCommand() if message.actor in operators:
                 yield message.command
             case m.ModeChanged():
                 yield "mode"
@@ -205,7 +205,7 @@ def _initiated(messages: Iterable[LoggedMessage], operators: Collection[str]) ->
 
 def _link_ms(messages: Iterable[LoggedMessage], operators: Collection[str]) -> Iterator[float]:
     """Yield the time from the time stamp of each act to its arrival."""
-    acts = m.Operator | m.Decision | m.Remark | m.ModeChanged | m.ProposalSeen | m.NoteAdded
+    acts = m.SessionCommand | m.Decision | m.Remark | m.ModeChanged | m.ProposalSeen | m.NoteAdded
     for _, at, message in messages:
         if isinstance(message, acts) and message.at and message.actor in operators:
             yield (at - message.at) / 1e6

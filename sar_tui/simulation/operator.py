@@ -12,12 +12,12 @@ from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
     ACTION,
     ATTEMPT_ENDED,
+    COMMAND,
     DECIDED,
     DECISION,
     DROPPED,
     LEVEL_DECIDED,
     NOTE_ADDED,
-    OPERATOR,
     PENDING_APPROVAL,
     PRESENCE,
     PROPOSAL_SEEN,
@@ -123,7 +123,7 @@ class SimulatedOperator(Node):
     """
 
     name = "operator"
-    emits = (DECISION, NOTE_ADDED, OPERATOR, PRESENCE, REMARK, PROPOSAL_SEEN)
+    emits = (DECISION, NOTE_ADDED, COMMAND, PRESENCE, REMARK, PROPOSAL_SEEN)
 
     def __init__(self, profile: OperatorProfile, seed: int) -> None:
         super().__init__()
@@ -247,7 +247,7 @@ class SimulatedOperator(Node):
     def _set_level(self, ended: m.AttemptEnded, at: int) -> None:
         """Lower the level after a failure, raise it after a success."""
         level = ended.level + 1 if ended.outcome == "success" else max(1, ended.level - 1)
-        self.emit(OPERATOR, m.Operator(seat=ended.seat, command="level", value=level, actor=NAME, at=at))
+        self.emit(COMMAND, m.SessionCommand(seat=ended.seat, command="level", value=level, actor=NAME, at=at))
 
     # --- presence -----------------------------------------------------------------------------------------
 

@@ -6,7 +6,7 @@ import msgspec
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import OPERATOR, PROMPT, SHOWN, THEME
+from sar_tui.framework.topics import COMMAND, PROMPT, SHOWN, THEME
 from sar_tui.link import protocol
 from sar_tui.link.channel import OutgoingBatch, OutgoingSnapshot
 from sar_tui.link.protocol import ActReceived, PeerJoined, SnapshotRequested
@@ -41,9 +41,9 @@ async def test_operator_who_ends_the_session_is_recorded_by_name(
     channel = FakeChannel()
     async with open_app(data, catalogue, plan(keyboard), link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
-        channel.notify(ActReceived(ANNA, OPERATOR.name, msgspec.Raw(protocol.encode(m.Operator(command="end")))))
+        channel.notify(ActReceived(ANNA, COMMAND.name, msgspec.Raw(protocol.encode(m.SessionCommand(command="end")))))
         await driver.wait(1000)
         assert driver.session.ended
-        assert [(act["command"], act["actor"]) for act in driver.messages(OPERATOR.name)] == [("end", ANNA)]
+        assert [(act["command"], act["actor"]) for act in driver.messages(COMMAND.name)] == [("end", ANNA)]
         assert any(f"sar-tui report wizard {driver.session_id}" in words for words in driver.app.exit_lines(0))
     assert stored(data, "SELECT status FROM sessions") == [("aborted",)]

@@ -12,13 +12,13 @@ from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import Message
 from sar_tui.framework.node import Node
 from sar_tui.framework.topics import (
+    COMMAND,
     CUE,
     DECISION,
     IMU,
     KEY,
     LEVEL,
     NOTE_ADDED,
-    OPERATOR,
     PRESENCE,
     PROMPT,
     PROPOSAL_SEEN,
@@ -172,9 +172,9 @@ def test_act_without_stamp_gets_the_time_of_receipt(bench: Bench) -> None:
 
 def test_act_of_operator_not_in_control_is_refused(bench: Bench) -> None:
     bench.receive(PeerJoined(ANNA), PeerJoined(BEN))
-    bench.act(BEN, OPERATOR, m.Operator(command="end"))
-    assert bench.of(OPERATOR) == []
-    assert [(refused.actor, refused.what) for refused in bench.of(REFUSED)] == [(BEN, OPERATOR.name)]
+    bench.act(BEN, COMMAND, m.SessionCommand(command="end"))
+    assert bench.of(COMMAND) == []
+    assert [(refused.actor, refused.what) for refused in bench.of(REFUSED)] == [(BEN, COMMAND.name)]
 
 
 def test_proposal_seen_by_another_operator_is_ignored(bench: Bench) -> None:
@@ -185,16 +185,16 @@ def test_proposal_seen_by_another_operator_is_ignored(bench: Bench) -> None:
 
 def test_control_moves_at_once_when_taken(bench: Bench) -> None:
     bench.receive(PeerJoined(ANNA), PeerJoined(BEN), ActReceived(BEN, protocol.TAKE_CONTROL, msgspec.Raw(b"\xc0")))
-    bench.act(ANNA, OPERATOR, m.Operator(command="pause"))
-    bench.act(BEN, OPERATOR, m.Operator(command="skip"))
+    bench.act(ANNA, COMMAND, m.SessionCommand(command="pause"))
+    bench.act(BEN, COMMAND, m.SessionCommand(command="skip"))
     assert bench.presence()[-1] == (BEN, "baton", True)
-    assert [act.command for act in bench.of(OPERATOR)] == ["skip"]
+    assert [act.command for act in bench.of(COMMAND)] == ["skip"]
 
 
 def test_observer_can_neither_act_nor_take_control(bench: Bench) -> None:
     bench.receive(PeerJoined(OLAF), ActReceived(OLAF, protocol.TAKE_CONTROL, msgspec.Raw(b"\xc0")))
-    bench.act(OLAF, OPERATOR, m.Operator(command="end"))
-    assert bench.of(OPERATOR) == []
+    bench.act(OLAF, COMMAND, m.SessionCommand(command="end"))
+    assert bench.of(COMMAND) == []
     assert [refused.actor for refused in bench.of(REFUSED)] == [OLAF, OLAF]
 
 
@@ -217,7 +217,7 @@ def test_invalid_act_from_the_broker_is_refused(bench: Bench) -> None:
 def test_repeated_refusal_is_reported_once_a_second_with_count(bench: Bench) -> None:
     bench.receive(PeerJoined(ANNA), PeerJoined(BEN))
     for _ in range(20):
-        bench.act(BEN, OPERATOR, m.Operator(command="end"))
+        bench.act(BEN, COMMAND, m.SessionCommand(command="end"))
     bench.clock.advance(3 * SECOND)
     assert [refused.count for refused in bench.of(REFUSED)] == [1, 19]
 
@@ -246,7 +246,7 @@ def test_when_the_process_ends_all_are_lost_and_when_it_cannot_come_back_that_is
 
 def test_refusal_of_the_broker_is_logged_with_count(bench: Bench) -> None:
     bench.receive(RequestRefused(OLAF, "an act", "An observer cannot act.", 12))
-    refused = m.ActRefused(actor=OLAF, what="an act", why="An observer cannot act.", count=12)
+    refused = m.PeerRequestRefused(actor=OLAF, what="an act", why="An observer cannot act.", count=12)
     assert bench.of(REFUSED) == [refused]
 
 

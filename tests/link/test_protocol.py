@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record
 from sar_tui.framework.messages import Message
-from sar_tui.framework.topics import ALL, DECISION, KEY, NOTE_ADDED, OPERATOR, REMARK, TRIAL
+from sar_tui.framework.topics import ALL, COMMAND, DECISION, KEY, NOTE_ADDED, REMARK, TRIAL
 from sar_tui.link import protocol
 from sar_tui.link.protocol import ProtocolError
 
@@ -54,7 +54,7 @@ def test_unknown_or_invalid_frames_are_skipped() -> None:
         (REMARK.name, m.Remark(text="turned \u202e round"), "control characters"),
         (NOTE_ADDED.name, m.NoteAdded(text="bell \a"), "control characters"),
         (NOTE_ADDED.name, m.NoteAdded(actor="\0"), "control characters"),
-        (OPERATOR.name, m.Operator(command="pause", reason="sensor"), "not a valid reason"),
+        (COMMAND.name, m.SessionCommand(command="pause", reason="sensor"), "not a valid reason"),
     ],
 )
 def test_invalid_act_is_refused_with_a_reason(topic: str, message: Message, why: str) -> None:

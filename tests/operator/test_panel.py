@@ -81,7 +81,7 @@ async def test_typed_text_never_acts_as_keys_and_an_edit_that_is_too_late_can_be
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("e", "s", "r", "space", "u", "enter")
-        assert driver.sent(t.OPERATOR) == []
+        assert driver.sent(t.COMMAND) == []
         assert driver.sent(t.REMARK) == [m.Remark(text="sr u", source="free text", actor=ANNA)]
         await driver.propose(b.approval(text="Well done"))
         await driver.press("e", "!")
@@ -156,7 +156,7 @@ async def test_a_decided_proposal_makes_room_for_the_next_and_is_not_decided_twi
         await driver.press("x", "x")
         assert [(each.action, each.verdict) for each in driver.sent(t.DECISION)] == [("p1", "accept"), ("p2", "veto")]
         assert "Vetoed feedback …" in driver.text
-        await driver.publish(t.REFUSED, m.ActRefused(actor=ANNA, what=t.DECISION.name, why="Too many at once."))
+        await driver.publish(t.REFUSED, m.PeerRequestRefused(actor=ANNA, what=t.DECISION.name, why="Too many at once."))
         await driver.press("x")
         await driver.advance(4000)  # and this one never arrived
         await driver.press("enter")
@@ -190,12 +190,12 @@ async def test_single_keys_control_the_session_and_levels_stop_at_the_highest(
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("u", "u")
-        assert [act.value for act in driver.sent(t.OPERATOR)] == [5, 6]
-        await driver.publish(t.OPERATOR, replace(driver.peer.sent[0][1]))
-        await driver.publish(t.OPERATOR, replace(driver.peer.sent[1][1]))
+        assert [act.value for act in driver.sent(t.COMMAND)] == [5, 6]
+        await driver.publish(t.COMMAND, replace(driver.peer.sent[0][1]))
+        await driver.publish(t.COMMAND, replace(driver.peer.sent[1][1]))
         await driver.publish(t.LEVEL, m.LevelChanged(previous=6, level=10, reason="success"))
         await driver.press("u")
-        assert len(driver.sent(t.OPERATOR)) == 2
+        assert len(driver.sent(t.COMMAND)) == 2
         assert "Level 10 is the highest level." in driver.text
         await driver.join()
         driver.peer.sent.clear()
@@ -204,27 +204,27 @@ async def test_single_keys_control_the_session_and_levels_stop_at_the_highest(
         await driver.press("s", "r", "u")
         await driver.join()
         await driver.press("d")
-        assert driver.sent(t.OPERATOR) == [
-            m.Operator(command="stop", actor=ANNA),
-            m.Operator(command="pause", actor=ANNA),
-            m.Operator(command="skip", actor=ANNA),
-            m.Operator(command="repeat", actor=ANNA),
-            m.Operator(command="level", value=5, actor=ANNA),
-            m.Operator(command="level", value=4, actor=ANNA),
+        assert driver.sent(t.COMMAND) == [
+            m.SessionCommand(command="stop", actor=ANNA),
+            m.SessionCommand(command="pause", actor=ANNA),
+            m.SessionCommand(command="skip", actor=ANNA),
+            m.SessionCommand(command="repeat", actor=ANNA),
+            m.SessionCommand(command="level", value=5, actor=ANNA),
+            m.SessionCommand(command="level", value=4, actor=ANNA),
         ]
 
 
 async def test_pause_and_hold_toggle_and_end_asks_once(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.publish(t.OPERATOR, m.Operator(command="pause", actor="operator.ben"))
+        await driver.publish(t.COMMAND, m.SessionCommand(command="pause", actor="operator.ben"))
         await driver.publish(t.WAITING, b.waiting("resume", "paused"))
         assert "ben paused" in driver.text
         await driver.press("space", "end")
         assert "End the session? Press End again to end it" in driver.text
         await driver.press("escape", "end")
-        assert [act.command for act in driver.sent(t.OPERATOR)] == ["resume"]
+        assert [act.command for act in driver.sent(t.COMMAND)] == ["resume"]
         await driver.press("end")
-        assert [act.command for act in driver.sent(t.OPERATOR)] == ["resume", "end"]
+        assert [act.command for act in driver.sent(t.COMMAND)] == ["resume", "end"]
         await driver.press("h")
         held = b.arbiter_state(modes={**b.MODES, "difficulty": "manual"})
         await driver.publish(t.ARBITER_STATE, held)
@@ -243,7 +243,7 @@ async def test_a_participants_pause_is_highlighted_and_ended_only_by_a_second_ke
         for reason, text in (("", "P01 paused"), ("pain", "P01 paused: in pain"), ("tired", "P01 paused: tired")):
             await driver.join()
             driver.peer.sent.clear()
-            await driver.publish(t.OPERATOR, m.Operator(command="pause", reason=reason))
+            await driver.publish(t.COMMAND, m.SessionCommand(command="pause", reason=reason))
             await driver.publish(t.WAITING, b.waiting("resume", "paused", reason=reason))
             assert driver.text.count(text) == 2, "in the activity and in the log"
             await driver.press("space")
@@ -251,10 +251,10 @@ async def test_a_participants_pause_is_highlighted_and_ended_only_by_a_second_ke
             await driver.press("space")  # a key that bounces
             await driver.advance(3200)
             await driver.press("space")
-            assert driver.sent(t.OPERATOR) == []
+            assert driver.sent(t.COMMAND) == []
             await driver.advance(1000)
             await driver.press("space")
-            assert [act.command for act in driver.sent(t.OPERATOR)] == ["resume"]
+            assert [act.command for act in driver.sent(t.COMMAND)] == ["resume"]
             assert "Space again" not in driver.text
 
 
@@ -265,7 +265,7 @@ async def test_a_pause_for_pain_counts_as_the_participants_for_an_operator_who_j
         await driver.publish(t.WAITING, b.waiting("resume", "paused", reason="pain"))
         assert "Paused: in pain" in driver.text
         await driver.press("space")
-        assert driver.sent(t.OPERATOR) == []
+        assert driver.sent(t.COMMAND) == []
 
 
 async def test_in_a_burst_of_keys_each_key_goes_to_what_the_one_before_opened(
@@ -279,7 +279,7 @@ async def test_in_a_burst_of_keys_each_key_goes_to_what_the_one_before_opened(
         await driver.propose(b.approval(text="Well done"))
         await driver.burst("e", "!", "enter", "u")
         assert [each.text for each in driver.sent(t.DECISION)] == ["Well done!"]
-        assert [act.command for act in driver.sent(t.OPERATOR)] == ["level"]
+        assert [act.command for act in driver.sent(t.COMMAND)] == ["level"]
         driver.app.post_message(Key("n", "n"))
         driver.app.post_message(Paste("pasted\nlines"))
         await driver.burst("enter")
@@ -310,13 +310,13 @@ async def test_an_edit_whose_time_runs_out_says_so_and_is_not_shown_with_the_nex
 async def test_while_the_panel_is_hidden_only_the_stop_key_acts(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("f1", "space", "u", "h", "1", "t", "x", "f2")
-        assert [name for name, _ in driver.peer.sent] == [t.OPERATOR.name]
+        assert [name for name, _ in driver.peer.sent] == [t.COMMAND.name]
         await driver.press("escape")
         await driver.pilot.resize_terminal(60, 16)
         await settle(driver.app)
         assert "This window is too small: it has 60 by 16 characters" in driver.text
         await driver.press("space", "f2")
-        assert [act.command for act in driver.sent(t.OPERATOR)] == ["stop", "stop"]
+        assert [act.command for act in driver.sent(t.COMMAND)] == ["stop", "stop"]
         await driver.pilot.resize_terminal(80, 24)
         await settle(driver.app)
         assert "too small" not in driver.text
@@ -342,7 +342,7 @@ async def test_remarks_that_must_wait_are_logged_so_and_typed_slots_are_filled(
 async def test_without_a_prompt_nothing_is_skipped_or_repeated(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("s", "r")
-        assert driver.sent(t.OPERATOR) == []
+        assert driver.sent(t.COMMAND) == []
         assert "No prompt is shown. Nothing was sent." in driver.text
 
 
@@ -376,7 +376,7 @@ async def test_numbers_choose_items_tab_turns_the_page_and_escape_goes_back(cata
         phrase, gesture = driver.sent(t.REMARK)
         assert (phrase.text, phrase.source) == (catalogue.theme("calm").phrases["encouragement"][0], "phrase")
         assert gesture == m.Remark(gesture="wave", source="gesture", actor=ANNA)
-        assert driver.sent(t.OPERATOR) == [m.Operator(command="mark", reason="assisted", actor=ANNA)]
+        assert driver.sent(t.COMMAND) == [m.SessionCommand(command="mark", reason="assisted", actor=ANNA)]
         assert driver.sent(t.MODE) == [m.ModeChanged(kind="difficulty", mode="approve", actor=ANNA)]
         assert driver.sent(t.DECISION) == [m.Decision(action="a9", verdict="veto", actor=ANNA)]
         await driver.press("escape")
@@ -447,7 +447,7 @@ async def test_an_invalid_file_is_logged_and_the_default_keys_work(catalogue: Ca
     async with panel(catalogue, folder) as driver:
         assert "is ignored" in driver.text
         await driver.press("f2")
-        assert [act.command for act in driver.sent(t.OPERATOR)] == ["stop"]
+        assert [act.command for act in driver.sent(t.COMMAND)] == ["stop"]
 
 
 # --- operators and the link ------------------------------------------------------------------------------------
@@ -459,10 +459,10 @@ async def test_the_log_shows_each_act_with_its_outcome(catalogue: Catalogue, fol
         await driver.press("s")
         assert "Skipped the prompt …" in driver.text
         sent = driver.peer.sent[-1][1]
-        await driver.receive([b.frame(t.OPERATOR, sent, sent.at + 14 * MS)])
+        await driver.receive([b.frame(t.COMMAND, sent, sent.at + 14 * MS)])
         assert "Skipped the prompt · link 14 ms" in driver.text
         await driver.press("r")
-        refused = m.ActRefused(actor=ANNA, what=t.OPERATOR.name, why="Another operator has control.")
+        refused = m.PeerRequestRefused(actor=ANNA, what=t.COMMAND.name, why="Another operator has control.")
         await driver.publish(t.REFUSED, refused)
         assert "Repeated the prompt: refused" in driver.text
         assert "Refused: a command. Another operator has control." in driver.text
@@ -500,13 +500,13 @@ async def test_without_control_nothing_is_sent_until_it_is_taken(catalogue: Cata
         assert "ben decides; b takes control." in driver.text
         await driver.publish(t.WAITING, b.waiting())
         await driver.press("s", "t")
-        assert driver.sent(t.OPERATOR) == []
+        assert driver.sent(t.COMMAND) == []
         assert "ben has control; b takes it. Nothing was sent." in driver.text
         await driver.press("b")
         assert driver.peer.control_requests == 1
         await driver.publish(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
         await driver.press("s")
-        assert [act.command for act in driver.sent(t.OPERATOR)] == ["skip"]
+        assert [act.command for act in driver.sent(t.COMMAND)] == ["skip"]
 
 
 async def test_a_lost_link_is_shown_until_it_is_back(catalogue: Catalogue, folder: Path) -> None:
@@ -516,13 +516,13 @@ async def test_a_lost_link_is_shown_until_it_is_back(catalogue: Catalogue, folde
         assert "connection lost" in driver.text
         assert "the session goes on by" in driver.text
         await driver.press("enter", "s")
-        assert driver.sent(t.DECISION) == driver.sent(t.OPERATOR) == []
+        assert driver.sent(t.DECISION) == driver.sent(t.COMMAND) == []
         assert "There is no connection. Nothing was sent." in driver.text
         await driver.join()
         await driver.publish(t.WAITING, b.waiting())
         await driver.press("s")
         assert "● in control" in driver.text
-        assert [act.command for act in driver.sent(t.OPERATOR)] == ["skip"]
+        assert [act.command for act in driver.sent(t.COMMAND)] == ["skip"]
 
 
 async def test_the_panel_takes_the_theme_of_the_session(catalogue: Catalogue, folder: Path) -> None:
@@ -569,7 +569,7 @@ async def test_at_80_by_24_all_keys_are_listed_stop_works_anywhere_and_other_pro
         ):
             assert words in driver.text
         await driver.press("f2", "f1")
-        assert [act.command for act in driver.sent(t.OPERATOR)] == ["stop", "stop"]
+        assert [act.command for act in driver.sent(t.COMMAND)] == ["stop", "stop"]
         assert "Take control" not in driver.text
         wave = b.approval("p2", kind="gesture", text="", spoken="", gesture="wave")
         await driver.propose(b.approval("p1"), wave)

@@ -154,10 +154,13 @@ def test_a_lost_link_keeps_the_last_state_and_says_what_the_session_does() -> No
     assert "The connection broke" in status_view.link_loss(state)
 
 
-def test_refused_missed_and_dropped_acts_are_logged() -> None:
+def test_refused_late_and_dropped_acts_are_logged() -> None:
     state = after(
-        (t.REFUSED, m.ActRefused(actor="observer.cara", what="a command", why="An observer cannot act.", count=3)),
-        (t.MISSED, m.ActMissed(actor=b.ANNA, what="veto p1", why="Its time was over.")),
+        (
+            t.REFUSED,
+            m.PeerRequestRefused(actor="observer.cara", what="a command", why="An observer cannot act.", count=3),
+        ),
+        (t.LATE_DECISION, m.LateDecision(actor=b.ANNA, what="veto p1", why="Its time was over.")),
         (t.DROPPED, m.Dropped(id="p1", reason="expired")),
         (t.DROPPED, m.Dropped(id="p2", reason="vetoed", actor=b.ANNA)),
         (t.STORAGE, m.StorageChanged(working=False, reason="The disk is full.")),
@@ -330,7 +333,7 @@ def test_text_is_wrapped_and_cut_with_an_ellipsis(text: str, lines: list[str]) -
 
 def test_repeated_events_share_one_line_of_the_log() -> None:
     state = SessionState().receive(Connection("connected")).receive(b.welcome())
-    knock = m.ActRefused(actor="unknown", what="a connection", why="It has no certificate.")
+    knock = m.PeerRequestRefused(actor="unknown", what="a connection", why="It has no certificate.")
     state = state.receive([b.frame(t.REFUSED, knock) for _ in range(40)])
     text = "40 times: Refused for unknown: a connection. It has no certificate."
     assert [line.text_with_count for line in state.log] == [text]

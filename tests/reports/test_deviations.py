@@ -12,8 +12,8 @@ GOES_ON = m.Waiting(what="foreperiod", stage="trial")
 PAUSED = m.Waiting(what="resume", stage="paused")
 
 
-def act(command: Any, **parts: Any) -> m.Operator:
-    return m.Operator(command=command, actor=WHO, **parts)
+def act(command: Any, **parts: Any) -> m.SessionCommand:
+    return m.SessionCommand(command=command, actor=WHO, **parts)
 
 
 def found(script: Script) -> list[Deviation]:
@@ -35,7 +35,7 @@ def test_a_session_that_went_as_planned_has_none() -> None:
         (act("end", reason="tired"), "end", "tired"),
         (act("stop"), "stop", ""),
         (act("mark", reason="assisted"), "mark", "assisted"),
-        (m.ActMissed(actor=WHO, what="veto a3", why="It was over."), "missed", "veto a3: It was over."),
+        (m.LateDecision(actor=WHO, what="veto a3", why="It was over."), "missed", "veto a3: It was over."),
         (m.OperatorChanged(actor=WHO, state="lost", operated=False, detail="silent"), "lost", "silent"),
         (m.OperatorChanged(actor=WHO, state="left", operated=False), "left", ""),
     ],
@@ -46,19 +46,22 @@ def test_each_deviation_has_its_time_and_actor(message: m.Message, what: str, de
 
 
 def test_refused_acts_reported_together_are_counted() -> None:
-    refused = m.ActRefused(actor="observer.eve", what="operator/act", why="An observer cannot act.", count=12)
+    refused = m.PeerRequestRefused(actor="observer.eve", what="operator/act", why="An observer cannot act.", count=12)
     (deviation,) = found(Script().log(2000, refused))
     assert (deviation.what, deviation.actor, deviation.count) == ("refused", "observer.eve", 12)
 
 
 def test_acts_of_participants_and_observers_are_no_deviations() -> None:
     gone = m.OperatorChanged(actor="observer.eve", role="observer", state="left", operated=True)
-    assert found(Script().join(10).log(1000, m.Operator(command="pause"), m.Operator(command="stop"), gone)) == []
+    assert (
+        found(Script().join(10).log(1000, m.SessionCommand(command="pause"), m.SessionCommand(command="stop"), gone))
+        == []
+    )
 
 
 def test_a_pause_lasts_until_the_session_goes_on() -> None:
     script = Script().join(10).log(5000, act("pause", reason="tired"), PAUSED).log(7000, PAUSED)
-    (pause,) = found(script.log(12_250, m.Operator(command="resume"), GOES_ON).log(90_000, GOES_ON))
+    (pause,) = found(script.log(12_250, m.SessionCommand(command="resume"), GOES_ON).log(90_000, GOES_ON))
     assert (pause.what, pause.detail, pause.duration_s) == ("pause", "tired", 7.25)
 
 

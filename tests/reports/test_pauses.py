@@ -10,8 +10,8 @@ GOES_ON = m.Waiting(what="foreperiod", stage="trial")
 PAUSED = m.Waiting(what="resume", stage="paused")
 
 
-def act(command: Any, reason: str = "", actor: str = "participant") -> m.Operator:
-    return m.Operator(command=command, reason=reason, actor=actor)
+def act(command: Any, reason: str = "", actor: str = "participant") -> m.SessionCommand:
+    return m.SessionCommand(command=command, reason=reason, actor=actor)
 
 
 def found(script: Script) -> list[Pause]:

@@ -93,7 +93,7 @@ def test_a_halt_of_everything_is_not_an_operators_verdict() -> None:
 
 def test_a_key_after_the_deadline_decides_nothing() -> None:
     script = pending_feedback().log(5000, action(A1, ground="deadline"))
-    record = only(script.log(5100, decision("a1", "veto", 5090), m.ActMissed(actor="x", what="veto a1", why="late")))
+    record = only(script.log(5100, decision("a1", "veto", 5090), m.LateDecision(actor="x", what="veto a1", why="late")))
     assert (record.fate, record.verdict, record.key_at, record.waiting_ms) == ("timed_out_done", None, None, 4000)
 
 
@@ -239,7 +239,7 @@ def test_feedback_whose_mode_changed_while_pending_is_dropped_for_that_reason() 
     ("cause", "fate"),
     [
         (ENDED, "amended"),
-        (m.Operator(command="stop", actor="x"), "stopped"),
+        (m.SessionCommand(command="stop", actor="x"), "stopped"),
         (m.SessionEnded(status="aborted"), "late"),
     ],
 )

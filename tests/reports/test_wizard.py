@@ -41,7 +41,7 @@ def written_session() -> Script:
     script.log(25_003, m.Remark(text="Take your time.", actor=WHO, at=25_000_000_000))
     script.log(26_000, m.Remark(gesture="nod", source="gesture", actor=WHO, at=26_000_000_000))
     script.log(27_000, m.NoteAdded(text="Tired today.", actor=WHO)).log(28_000, m.NoteAdded(label="yawn", actor=WHO))
-    script.log(29_001, m.Operator(command="level", value=2, actor=WHO, at=29_000_000_000))
+    script.log(29_001, m.SessionCommand(command="level", value=2, actor=WHO, at=29_000_000_000))
     script.log(30_000, third, pending(third)).log(30_040, seen("a3", 30_030)).log(
         34_000, action(third, ground="deadline")
     )
@@ -90,7 +90,7 @@ def test_a_session_without_duration_has_no_time_shares() -> None:
 
 
 def test_a_participants_stop_is_no_act_of_an_operator() -> None:
-    made, latencies = report("s1", {}, Script().join(0).log(5000, m.Operator(command="stop", at=4_000_000_000)))
+    made, latencies = report("s1", {}, Script().join(0).log(5000, m.SessionCommand(command="stop", at=4_000_000_000)))
     assert (made.initiated, latencies.link, made.counts) == ({}, [], {})
 
 

@@ -135,10 +135,10 @@ def test_a_key_already_on_its_way_is_pressed_and_comes_too_late(play: Play) -> N
     """The deadline is at 1000 ms: a key due at 1130 ms is on its way, one due at 2000 ms is not."""
     on_the_way = msgspec.structs.replace(PLAIN, mean_ms=1100)
     messages = play(on_the_way, operator_time_ms=1000)
-    assert len(of(m.ActMissed, messages)) == len(of(m.PendingApproval, messages)) == 6
+    assert len(of(m.LateDecision, messages)) == len(of(m.PendingApproval, messages)) == 6
     assert 100_000_000 < TOO_LATE_TO_STOP < 970_000_000
     messages = play(msgspec.structs.replace(PLAIN, mean_ms=2000), operator_time_ms=1000)
-    assert of(m.ActMissed, messages) == of(m.Decision, messages) == []
+    assert of(m.LateDecision, messages) == of(m.Decision, messages) == []
 
 
 def test_an_absent_operator_decides_nothing(play: Play) -> None:
@@ -165,16 +165,18 @@ def test_a_proposal_that_becomes_pending_again_is_decided_once(play: Play) -> No
     decisions = Counter(message.action for message in of(m.Decision, messages))
     assert sorted(pending.values()) == [1] * 5 + [2]
     assert decisions == Counter(pending.keys())
-    assert of(m.ActMissed, messages) == []
+    assert of(m.LateDecision, messages) == []
 
 
 def test_acts_on_its_own_initiative(play: Play) -> None:
     messages = play(msgspec.structs.replace(PLAIN, remarks=1.0, notes=1.0, levels=1.0), attempts=8)
-    acts = Counter(type(message).__name__ for message in of(m.Remark | m.NoteAdded | m.Operator, messages))
+    acts = Counter(type(message).__name__ for message in of(m.Remark | m.NoteAdded | m.SessionCommand, messages))
     assert acts["Remark"] >= 7
     assert acts["NoteAdded"] >= 7
-    assert {message.command for message in of(m.Operator, messages)} == {"level"}
-    assert all(message.actor == NAME and message.at for message in of(m.Remark | m.NoteAdded | m.Operator, messages))
+    assert {message.command for message in of(m.SessionCommand, messages)} == {"level"}
+    assert all(
+        message.actor == NAME and message.at for message in of(m.Remark | m.NoteAdded | m.SessionCommand, messages)
+    )
 
 
 def test_the_participant_is_as_fast_with_an_operator_as_without(play: Play) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.topics import DECISION, NOTE_ADDED, OPERATOR, PENDING_APPROVAL, PRESENCE, PROPOSAL_SEEN, REMARK
+from sar_tui.framework.topics import COMMAND, DECISION, NOTE_ADDED, PENDING_APPROVAL, PRESENCE, PROPOSAL_SEEN, REMARK
 from sar_tui.store import sessions
 from tests.store.test_recorder import Recorded
 
@@ -146,9 +146,9 @@ def test_the_first_time_a_proposal_was_seen_is_stored(data: Path) -> None:
 
 def test_an_operators_stop_differs_from_the_participants(data: Path) -> None:
     operated = Operated(data, {}, operator_feedback="approve", operator_time_ms=60_000)
-    stop = m.Operator(command="stop", actor=ANA)
+    stop = m.SessionCommand(command="stop", actor=ANA)
     bus, clock = operated.session.bus, operated.clock
-    bus.subscribe(PENDING_APPROVAL, lambda _: clock.call_at(clock.now() + 1, lambda: bus.publish(OPERATOR, stop)))
+    bus.subscribe(PENDING_APPROVAL, lambda _: clock.call_at(clock.now() + 1, lambda: bus.publish(COMMAND, stop)))
     rows = operated.rows("feedback")
     reported = [(row["decision"], row["actor"], row["reason"], row["ground"]) for row in rows]
     assert reported == [("dropped", ANA, "stopped", "operator")] * 3

@@ -12,12 +12,12 @@ import sqlite_utils
 
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.messages import KeyPressed, Operator, StorageChanged, Stored, Timing, TrialEnded
+from sar_tui.framework.messages import KeyPressed, SessionCommand, StorageChanged, Stored, Timing, TrialEnded
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, OPERATOR, STORAGE, STORED, TRIAL, WAITING
+from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, COMMAND, STORAGE, STORED, TRIAL, WAITING
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output, Report
 from sar_tui.plugins import Catalogue
@@ -172,7 +172,7 @@ def test_a_dropped_action_is_stored_with_who_dropped_it(data: Path) -> None:
     recorded.session.begin()
     recorded.clock.advance(SECOND)
     stopped_at = recorded.clock.now()
-    recorded.session.bus.publish(OPERATOR, Operator(command="stop", at=stopped_at))
+    recorded.session.bus.publish(COMMAND, SessionCommand(command="stop", at=stopped_at))
     recorded.finish()
     recorded.recorder.write()
     rows = {row["kind"]: row for row in sessions.rows(recorded.eyes, "actions", recorded.id)}

@@ -4,7 +4,7 @@ from textual.message import Message
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
-from sar_tui.framework.messages import Operator
+from sar_tui.framework.messages import SessionCommand
 from sar_tui.widgets.language import language_of
 
 _WORDS = {
@@ -34,7 +34,7 @@ class PauseMenu(OptionList):
     class Chosen(Message):
         """The participant chose."""
 
-        def __init__(self, act: Operator) -> None:
+        def __init__(self, act: SessionCommand) -> None:
             super().__init__()
             self.act = act
 
@@ -53,9 +53,9 @@ class PauseMenu(OptionList):
         event.stop()
         match event.option.id:
             case "go on":
-                act = Operator(command="resume")
+                act = SessionCommand(command="resume")
             case "end":
-                act = Operator(command="end", reason="finished")
+                act = SessionCommand(command="end", reason="finished")
             case reason:
-                act = Operator(command="pause", reason=reason or "")
+                act = SessionCommand(command="pause", reason=reason or "")
         self.post_message(self.Chosen(act))

@@ -19,9 +19,9 @@ from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
     AttemptEnded,
     AttemptStarted,
-    Operator,
     Prompt,
     Recall,
+    SessionCommand,
     SessionEnded,
     TrialMarked,
     Waiting,
@@ -106,7 +106,7 @@ class SessionScreen(AgentScreen):
             event.prevent_default()
         for mark in self._live.run.session.task.marks:
             if event.key == mark.key:
-                self._live.operate(Operator(command="mark", actor="therapist", reason=mark.name))
+                self._live.operate(SessionCommand(command="mark", actor="therapist", reason=mark.name))
                 return
         self._live.keyboard.pressed(event.key, event.character, self._live.stamp(event.time), self._gc.lag)
         self._correct_key(event.key, waiting)
@@ -139,7 +139,7 @@ class SessionScreen(AgentScreen):
 
     def action_pause(self) -> None:
         """Pause at once, without a question."""
-        self._live.operate(Operator(command="pause"))
+        self._live.operate(SessionCommand(command="pause"))
 
     def on_screen_suspend(self) -> None:
         """Pause a trial that another screen covers: the participant cannot see the prompt."""

@@ -5,19 +5,19 @@ from typing import Literal
 from sar_tui.framework.messages.base import ControlledKind, Message, Mode, Role, Valence
 
 __all__ = [
-    "ActMissed",
-    "ActRefused",
     "Decision",
+    "LateDecision",
     "ModeChanged",
     "NoteAdded",
-    "Operator",
     "OperatorChanged",
+    "PeerRequestRefused",
     "ProposalSeen",
     "Remark",
+    "SessionCommand",
 ]
 
 
-class Operator(Message, frozen=True, kw_only=True):
+class SessionCommand(Message, frozen=True, kw_only=True):
     """A command that controls the session.
 
     ``command``: ``pause``, ``resume``, ``end``, ``skip`` (this prompt), ``repeat`` (this prompt), ``level`` (sets it to
@@ -111,8 +111,8 @@ class OperatorChanged(Message, frozen=True, kw_only=True):
     peers: dict[str, Role] = {}
 
 
-class ActRefused(Message, frozen=True, kw_only=True):
-    """An act of a peer was refused. ``count``: how many like it since the last such message."""
+class PeerRequestRefused(Message, frozen=True, kw_only=True):
+    """A request of a peer was refused: a connection or an act. ``count``: how many like it since the last report."""
 
     actor: str
     what: str
@@ -120,8 +120,8 @@ class ActRefused(Message, frozen=True, kw_only=True):
     count: int = 1
 
 
-class ActMissed(Message, frozen=True, kw_only=True):
-    """An operator's act had no effect, because it came too late (derived)."""
+class LateDecision(Message, frozen=True, kw_only=True):
+    """An operator's decision had no effect, because it came too late (derived)."""
 
     actor: str
     what: str

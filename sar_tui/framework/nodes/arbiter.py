@@ -27,15 +27,15 @@ from sar_tui.framework.topics import (
     ARBITER_STATE,
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
+    COMMAND,
     DECIDED,
     DECISION,
     DROPPED,
     FILLER_DUE,
     HALT,
+    LATE_DECISION,
     LEVEL_DECIDED,
-    MISSED,
     MODE,
-    OPERATOR,
     OUTPUT,
     PENDING_APPROVAL,
     PRESENCE,
@@ -75,7 +75,7 @@ class Arbiter(Approvals):
         HALT,
         ACTING,
         FILLER_DUE,
-        MISSED,
+        LATE_DECISION,
         ARBITER_STATE,
     )
 
@@ -204,7 +204,10 @@ class Arbiter(Approvals):
             self.emit(HALT, Halt(action=current.id, reason="vetoed", asked=decision.at or self.now))
         else:
             why = "It was decided, or its time was over."
-            self.emit(MISSED, m.ActMissed(actor=decision.actor, what=f"{decision.verdict} {decision.action}", why=why))
+            self.emit(
+                LATE_DECISION,
+                m.LateDecision(actor=decision.actor, what=f"{decision.verdict} {decision.action}", why=why),
+            )
         self._begin_next()
 
     @on(REMARK)
@@ -216,8 +219,8 @@ class Arbiter(Approvals):
         self.emit(DECIDED, action)
         self._begin_next()
 
-    @on(OPERATOR)
-    def operator_acted(self, act: m.Operator) -> None:
+    @on(COMMAND)
+    def command_received(self, act: m.SessionCommand) -> None:
         """Stop and drop everything on the stop key; drop a pending level when an operator sets the level."""
         if act.command == "stop":
             self._drop("stopped", actor=act.actor)

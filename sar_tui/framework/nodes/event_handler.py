@@ -23,12 +23,12 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.topics import (
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
+    COMMAND,
     CUE,
     FEEDBACK,
     LEVEL,
     LEVEL_REQUEST,
     MARKED,
-    OPERATOR,
     PROMPT,
     SENSOR,
     SESSION,
@@ -101,8 +101,8 @@ class EventHandler(AttemptFlow):
             self._void("fault")
             self._wait(Phase.BROKEN)
 
-    @on(OPERATOR)
-    def operator_acted(self, act: m.Operator) -> None:
+    @on(COMMAND)
+    def command_received(self, act: m.SessionCommand) -> None:
         if self._phase in OVER:
             return
         match act.command:

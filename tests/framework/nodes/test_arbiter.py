@@ -15,9 +15,9 @@ from sar_tui.framework.parameters import TaskParameters, build
 from sar_tui.framework.topics import (
     ACTING,
     ACTION,
+    COMMAND,
     DROPPED,
     HALT,
-    OPERATOR,
     OUTPUT,
     PROPOSED,
     REPORT,
@@ -92,7 +92,7 @@ class ArbiterDriver:
         self.bus.publish(REPORT, report)
 
     def stop(self, at: int = 0) -> None:
-        self.bus.publish(OPERATOR, m.Operator(command="stop", at=at))
+        self.bus.publish(COMMAND, m.SessionCommand(command="stop", at=at))
 
     def all(self, topic: Topic[Any]) -> list[Any]:
         return [record.message for record in self.records if record.topic is topic]
@@ -330,7 +330,7 @@ def test_the_stop_key_works_in_a_trial_too(driver: ArbiterDriver) -> None:
 def test_other_commands_stop_nothing(driver: ArbiterDriver) -> None:
     driver.propose("a")
     for command in ("pause", "resume", "skip", "mark"):
-        driver.bus.publish(OPERATOR, m.Operator(command=command))  # type: ignore[arg-type]
+        driver.bus.publish(COMMAND, m.SessionCommand(command=command))  # type: ignore[arg-type]
     assert driver.halted == []
 
 

@@ -13,9 +13,9 @@ from sar_tui.framework.topics import (
     ACTION,
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
+    COMMAND,
     DROPPED,
     FEEDBACK,
-    OPERATOR,
     PROPOSED,
     SESSION_ENDED,
     TRIAL,
@@ -299,4 +299,4 @@ def test_a_request_in_a_pause_is_ignored(new_session: NewSession) -> None:
     assert answers(driver) == []
     driver.operate("resume")
     assert driver.waiting.ask == "tab"
-    assert len(driver.all(OPERATOR)) == 2
+    assert len(driver.all(COMMAND)) == 2

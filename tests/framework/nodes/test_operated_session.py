@@ -13,12 +13,12 @@ from sar_tui.framework.topics import (
     ACTION,
     ARBITER_STATE,
     ATTEMPT_ENDED,
+    COMMAND,
     DECISION,
     DROPPED,
     LEVEL,
     LEVEL_DECIDED,
     MODE,
-    OPERATOR,
     PENDING_APPROVAL,
     PRESENCE,
     REMARK,
@@ -221,7 +221,7 @@ def test_a_level_held_by_hand_stays(calm: Theme) -> None:
 
 def test_a_level_set_by_hand_overrides_a_pending_one(calm: Theme) -> None:
     driver = operated(calm, operator_difficulty="veto", operator_time_ms=5000)
-    driver.session.bus.publish(OPERATOR, m.Operator(command="level", value=4, actor="operator.ana"))
+    driver.session.bus.publish(COMMAND, m.SessionCommand(command="level", value=4, actor="operator.ana"))
     driver.wait(10_000)
     assert driver.waiting.level == 4
 

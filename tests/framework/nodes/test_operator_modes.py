@@ -12,15 +12,15 @@ from sar_tui.framework.topics import (
     ACTING,
     ACTION,
     ARBITER_STATE,
+    COMMAND,
     DECIDED,
     DECISION,
     DROPPED,
     FILLER_DUE,
+    LATE_DECISION,
     LEVEL_DECIDED,
     LEVEL_REQUEST,
-    MISSED,
     MODE,
-    OPERATOR,
     PENDING_APPROVAL,
     PRESENCE,
     REMARK,
@@ -49,12 +49,12 @@ class OperatedDriver(ArbiterDriver):
         change = m.LevelChanged(previous=previous, level=level, reason="success")
         happens: list[bool] = []
         self.bus.subscribe(
-            OPERATOR,
+            COMMAND,
             lambda _: happens.append(
                 self.bus.call(LEVEL_REQUEST, m.LevelRequest(change=change, is_last=is_last)).happens
             ),
         )
-        self.bus.publish(OPERATOR, m.Operator(command="mark"))
+        self.bus.publish(COMMAND, m.SessionCommand(command="mark"))
         return happens[0]
 
     def ask_unsaid(self, attempt: int) -> tuple[str, ...]:
@@ -247,7 +247,7 @@ def test_a_decision_after_the_deadline_is_reported_as_missed() -> None:
     driver.report("a1")
     driver.decide("a1", "veto")
     assert driver.acted == ["a1"]
-    (missed,) = driver.all(MISSED)
+    (missed,) = driver.all(LATE_DECISION)
     assert (missed.actor, missed.what) == ("operator.ana", "veto a1")
 
 
@@ -264,7 +264,7 @@ def test_the_current_action_cannot_be_edited() -> None:
     driver.decide("a1", "edit", text="Else.")
     driver.decide("a7", "veto")
     assert driver.halted == []
-    assert [missed.what for missed in driver.all(MISSED)] == ["edit a1", "veto a7"]
+    assert [missed.what for missed in driver.all(LATE_DECISION)] == ["edit a1", "veto a7"]
 
 
 def test_an_edited_action_is_published_when_decided_and_when_begun() -> None:
@@ -584,6 +584,6 @@ def test_an_operator_decides_on_the_level(how: dict[str, Any], expected: str) ->
 def test_a_level_set_by_hand_rejects_a_pending_one() -> None:
     driver = OperatedDriver(operator_difficulty="veto")
     driver.ask_for_level(2, 3)
-    driver.bus.publish(OPERATOR, m.Operator(command="level", value=1, actor="operator.ana"))
+    driver.bus.publish(COMMAND, m.SessionCommand(command="level", value=1, actor="operator.ana"))
     driver.clock.advance(60 * SECOND)
     assert [decided.decision for decided in driver.all(LEVEL_DECIDED)] == ["rejected"]
