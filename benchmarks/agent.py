@@ -212,7 +212,7 @@ class _Log:
                     said[0]["id"],
                 )
                 states = {(report["output"], report["deed"]): report["state"] for report in reports}
-                found = [states.get(deed, "queued") for deed in _UNDER_WAY]
+                found = [states.get(part, "queued") for part in _UNDER_WAY]
                 if "failed" in found:
                     raise NotStopped(next(report["detail"] for report in reports if report["state"] == "failed"))
                 if any(state in _OVER for state in found):

@@ -53,8 +53,8 @@ def _quality(trials: list[Trial]) -> dict[str, Any]:
     }
 
 
-def _checks(own: ErrorStatistics, bare: ErrorStatistics) -> dict[str, bool]:
+def _checks(own: ErrorStatistics, baseline: ErrorStatistics) -> dict[str, bool]:
     return {
         f"|median| ≤ {MAX_MEDIAN_MS} ms": abs(own.median_ms) <= MAX_MEDIAN_MS,
-        f"IQR ≤ {MAX_IQR_RATIO} × bare loop": own.iqr_ms <= MAX_IQR_RATIO * bare.iqr_ms,
+        f"IQR ≤ {MAX_IQR_RATIO} × bare loop": own.iqr_ms <= MAX_IQR_RATIO * baseline.iqr_ms,
     }

@@ -131,13 +131,13 @@ class _Channel:
     """In the place of the link's process: what it would send is kept."""
 
     link = "picture"
-    hear: BrokerListener
+    listener: BrokerListener
 
     def __init__(self) -> None:
         self.sent: list[Outgoing] = []
 
-    def listen(self, hear: BrokerListener) -> None:
-        self.hear = hear
+    def listen(self, listener: BrokerListener) -> None:
+        self.listener = listener
 
     def send(self, what: Outgoing) -> bool:
         self.sent.append(what)
@@ -146,7 +146,7 @@ class _Channel:
     def check(self) -> None:
         pass
 
-    def heard(self) -> list[PeerEvent]:
+    def events(self) -> list[PeerEvent]:
         """Receive the events of a panel."""
         reported: list[PeerEvent] = [Connection("connected")]
         for what in self.sent:
@@ -186,7 +186,7 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
         await _settle(pilot, clock)
         news: tuple[BrokerEvent | BrokerEnded, ...] = (PeerJoined(_Peer.name), SnapshotRequested(_Peer.name))
         for each in news:
-            channel.hear(each)
+            channel.listener(each)
         for key in ("enter", "enter"):
             for _ in range(20):
                 await _settle(pilot, clock)
@@ -198,8 +198,8 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
         for _ in range(6):
             await _settle(pilot, clock)
 
-    def join(hear: Any) -> _Peer:
-        asyncio.get_running_loop().call_soon(lambda: [hear(reported) for reported in channel.heard()])
+    def join(listener: Any) -> _Peer:
+        asyncio.get_running_loop().call_soon(lambda: [listener(reported) for reported in channel.events()])
         return _Peer(clock)
 
     class Panel(WizardApp):

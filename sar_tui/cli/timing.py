@@ -83,14 +83,14 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
     except (NoPrompt, Mismatch, TimeoutError) as error:
         print(f"Timing could not be measured. {error}", file=sys.stderr)
         return FAILED
-    own, bare = (
+    own, baseline = (
         error_statistics([trial.error_ms for trial in measured[program.name]]) for program in (SAR_TUI, BASELINE)
     )
     machine = provenance.machine()
     at_flush = [trial.timing.get("onset_source") == "flush" for trial in measured[SAR_TUI.name]]
     verdict, reasons = judge(
         own,
-        bare,
+        baseline,
         Circumstances(
             ssh=machine["ssh"],
             multiplexer=machine["multiplexer"],
@@ -107,13 +107,13 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
     }
     _write(folder / FILE, figures)
     if as_json:
-        print_json({"timing": {**figures, "reasons": reasons, "bare": _figures(bare)}})
+        print_json({"timing": {**figures, "reasons": reasons, "bare": _figures(baseline)}})
     else:
-        _print(own, bare, verdict, reasons)
+        _print(own, baseline, verdict, reasons)
     return 0
 
 
-def judge(own: ErrorStatistics, bare: ErrorStatistics, here: Circumstances) -> tuple[str, list[str]]:
+def judge(own: ErrorStatistics, baseline: ErrorStatistics, here: Circumstances) -> tuple[str, list[str]]:
     """Return the verdict and its reasons: first the findings, then possible causes."""
     worst, reasons = 0, []
     for name, fit, care, words in _LIMITS:
@@ -122,7 +122,7 @@ def judge(own: ErrorStatistics, bare: ErrorStatistics, here: Circumstances) -> t
             worst = max(worst, 1 if abs(value) <= care else 2)
             reasons.append(words.format(value))
     if worst:
-        reasons += _causes(own, bare, here)
+        reasons += _causes(own, baseline, here)
     if here.stamped_at_flush < 1:
         worst = max(worst, 1)
         reasons.append("Some prompts could not be stamped as they reached the terminal; the next best was used.")
@@ -140,14 +140,14 @@ def judge(own: ErrorStatistics, bare: ErrorStatistics, here: Circumstances) -> t
     return VERDICTS[worst], reasons
 
 
-def _causes(own: ErrorStatistics, bare: ErrorStatistics, here: Circumstances) -> list[str]:
+def _causes(own: ErrorStatistics, baseline: ErrorStatistics, here: Circumstances) -> list[str]:
     causes = []
     if here.load is not None and here.load > _BUSY * here.cores:
         causes.append(
             f"The machine is busy (load {here.load:.1f} on {here.cores} core{'s' if here.cores > 1 else ''}). "
             "Close other programs and measure again."
         )
-    if any(abs(getattr(bare, name)) > fit for name, fit, *_ in _LIMITS):
+    if any(abs(getattr(baseline, name)) > fit for name, fit, *_ in _LIMITS):
         causes.append("A bare loop is no better, so the cause is the machine: is it virtual, or saving power?")
     else:
         causes.append(
@@ -170,10 +170,10 @@ def _write(path: Path, figures: Mapping[str, object]) -> None:
     Path(name).replace(path)
 
 
-def _print(own: ErrorStatistics, bare: ErrorStatistics, verdict: str, reasons: list[str]) -> None:
+def _print(own: ErrorStatistics, baseline: ErrorStatistics, verdict: str, reasons: list[str]) -> None:
     columns = ("bias (median)", "SD", "robust SD", "p99", "worst")
     made = table("error, ms", "trials", *columns, right=("trials", *columns))
-    for name, figures in (("sar-tui", own), ("a bare loop", bare)):
+    for name, figures in (("sar-tui", own), ("a bare loop", baseline)):
         shown = (figures.median_ms, figures.sd_ms, figures.robust_sd_ms, figures.p99_ms, figures.max_ms)
         add(made, name, figures.n, *(f"{value:.2f}" for value in shown))
     out = console()

@@ -69,7 +69,7 @@ class ImuFeed:
         self._queue: deque[Sample | Status] = deque()
         self.received = self.lost = self.dropped = 0
         self._attached = self._has_arrived = self._stalled = False
-        self._words = ""
+        self._detail = ""
         self._last_arrival = 0
         self._interval_ms = self._rate_range = self._acceleration_range = inf
         self._counts: deque[tuple[int, int]] = deque()
@@ -90,9 +90,9 @@ class ImuFeed:
         return self.source.info
 
     @property
-    def words(self) -> str:
-        """Last detail reported about a missing sensor, for the experimenter."""
-        return self._words
+    def detail(self) -> str:
+        """Detail of the last report of an attached or missing sensor, for the experimenter."""
+        return self._detail
 
     @property
     def is_attached(self) -> bool:
@@ -218,7 +218,7 @@ class ImuFeed:
             self._rate_range = (info.rate_range_rad_s if info else 0) or inf
             self._acceleration_range = (info.acceleration_range_m_s2 if info else 0) or inf
         if status.state in ("attached", "detached", "error", "ended"):
-            self._words = status.detail
+            self._detail = status.detail
         statuses.append(status)
 
     def _watch(self, now: int, statuses: list[Status]) -> None:

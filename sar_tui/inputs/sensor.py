@@ -60,9 +60,9 @@ class Imu(Node):
             if self.feed.is_attached:
                 self._publish(Status(state="attached", at=now))
             else:
-                self._publish(Status(state="detached", at=now, detail=self.feed.words))
+                self._publish(Status(state="detached", at=now, detail=self.feed.detail))
             if self.feed.is_stalled:
-                self._publish(Status(state="stalled", at=now, detail=self.feed.words))
+                self._publish(Status(state="stalled", at=now, detail=self.feed.detail))
         else:
             self.feed.start()
         self._drain()

@@ -183,10 +183,10 @@ class Ros(Output):
                 self._end(request, "aborted" if request.is_stopping and not why else report.state, at, why)
                 self._advance(request.part)
 
-    def _request(self, action: str, part: ActionPart, topic: str, what: dict[str, Any], bare: str, lasts: int) -> None:
+    def _request(self, action: str, part: ActionPart, topic: str, what: dict[str, Any], text: str, lasts: int) -> None:
         if self._bridge is None:
             return
-        message = self._topics.message(self._id(action), what, bare)
+        message = self._topics.message(self._id(action), what, text)
         self._queues[part].append(_Request(action, part, topic, message, lasts))
         self._advance(part)
 

@@ -32,16 +32,16 @@ class Topics(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         return {"data": text if self.form == "text" else msgspec.json.encode({"id": identity} | fields).decode()}
 
 
-class RobotReport(msgspec.Struct, frozen=True):
+class RobotReport(msgspec.Struct, frozen=True, rename={"former_part": "deed"}):
     """A robot's report. In the form ``text``, without an id, it is about the oldest request that is under way.
 
-    ``deed`` is the name of ``part`` in the protocol; robots may use either.
+    ``former_part``: ``part`` under its former name in the protocol, ``deed``; robots may use either.
     """
 
     state: Literal["started", "done", "failed", "aborted"]
     id: str = ""
     part: Literal["say", "gesture", "gaze", ""] = ""
-    deed: Literal["say", "gesture", "gaze", ""] = ""
+    former_part: Literal["say", "gesture", "gaze", ""] = ""
     detail: str = ""
 
 
@@ -65,7 +65,7 @@ def read_report(message: Any) -> RobotReport | str:
         report = msgspec.json.decode(msgspec.convert(message, dict[str, str])["data"], type=RobotReport)
     except (msgspec.MsgspecError, KeyError, UnicodeError) as error:
         return plain(str(error))
-    return msgspec.structs.replace(report, part=report.part or report.deed, detail=plain(report.detail))
+    return msgspec.structs.replace(report, part=report.part or report.former_part, detail=plain(report.detail))
 
 
 def plain(text: str) -> str:

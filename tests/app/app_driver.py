@@ -54,7 +54,7 @@ class AppDriver:
         self.app = app
         self.pilot: Pilot[int]
         self.clock = clock
-        self._heard: Session | None = None
+        self._watched: Session | None = None
         self._waiting: list[Waiting] = []
         self._prompts: list[Prompt] = []
 
@@ -105,8 +105,8 @@ class AppDriver:
     def session(self) -> Session:
         assert self.app.live
         session = self.app.live.run.session
-        if session is not self._heard:
-            self._heard = session
+        if session is not self._watched:
+            self._watched = session
             session.bus.subscribe(WAITING, self._waiting.append)
             session.bus.subscribe(PROMPT, self._prompts.append)
         return session

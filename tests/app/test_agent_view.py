@@ -29,18 +29,18 @@ class Link:
     name, role = "observer.agent-view", "observer"
 
     def __init__(self) -> None:
-        self.heard: list[tuple[str, ...]] = []
+        self.spoken: list[tuple[str, ...]] = []
         self.closed = False
         self._seq = 0
-        self._hear: PeerListener
+        self._listener: PeerListener
 
-    def join(self, hear: PeerListener, _: asyncio.AbstractEventLoop) -> "Link":
-        self._hear = hear
+    def join(self, listener: PeerListener, _: asyncio.AbstractEventLoop) -> "Link":
+        self._listener = listener
         return self
 
     def welcome(self, **parameters: Any) -> None:
-        self._hear(Connection("connected"))
-        self._hear(
+        self._listener(Connection("connected"))
+        self._listener(
             Welcome(
                 link="l",
                 session="s",
@@ -58,18 +58,18 @@ class Link:
             )
         )
 
-    def tell(self, topic: Topic[Any], message: Message, *, ago_s: float = 0, seq: int | None = None) -> None:
+    def deliver(self, topic: Topic[Any], message: Message, *, ago_s: float = 0, seq: int | None = None) -> None:
         self._seq += 1
-        self._hear([Frame(seq or self._seq, self.now() - round(ago_s * SECOND), topic, message)])
+        self._listener([Frame(seq or self._seq, self.now() - round(ago_s * SECOND), topic, message)])
 
     def refuse(self, why: str) -> None:
-        self._hear(Connection("connecting", why))
+        self._listener(Connection("connecting", why))
 
     def lose(self) -> None:
-        self._hear(Connection("lost"))
+        self._listener(Connection("lost"))
 
     def end(self) -> None:
-        self._hear(Connection("ended"))
+        self._listener(Connection("ended"))
 
     def now(self) -> int:
         return host_now()
@@ -84,10 +84,10 @@ class Link:
         self.closed = True
 
     def say(self, text: str, language: str) -> None:
-        self.heard.append(("say", text, language))
+        self.spoken.append(("say", text, language))
 
     def hush(self) -> None:
-        self.heard.append(("hush",))
+        self.spoken.append(("hush",))
 
 
 class Watcher:
@@ -132,8 +132,8 @@ async def test_the_agent_sleeps_until_there_is_a_session(calm: Theme) -> None:
 async def test_its_text_and_face_are_shown(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
-        watcher.link.tell(WAITING, BETWEEN)
-        watcher.link.tell(ACTION, said("Well done!"))
+        watcher.link.deliver(WAITING, BETWEEN)
+        watcher.link.deliver(ACTION, said("Well done!"))
         seen = await watcher.see()
         assert "Well done!" in seen
         assert "◠   ◠" in seen
@@ -142,9 +142,9 @@ async def test_its_text_and_face_are_shown(calm: Theme) -> None:
 async def test_while_a_response_is_awaited_there_is_no_text_and_no_movement(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
-        watcher.link.tell(ACTION, said("Well done!", gesture="wave"))
-        watcher.link.tell(WAITING, IN_A_TRIAL)
-        watcher.link.tell(REPORT, OutputReport(action="a1", output="speech", part="say", state="started", at=0))
+        watcher.link.deliver(ACTION, said("Well done!", gesture="wave"))
+        watcher.link.deliver(WAITING, IN_A_TRIAL)
+        watcher.link.deliver(REPORT, OutputReport(action="a1", output="speech", part="say", state="started", at=0))
         assert "Well done!" not in await watcher.see()
         assert not watcher.moves
 
@@ -153,27 +153,27 @@ async def test_a_view_that_joins_during_a_trial_shows_no_earlier_text(calm: Them
     """Kept topics and the last messages arrive in any order; their sequence numbers say which came first."""
     async with watching(calm) as watcher:
         watcher.link.welcome()
-        watcher.link.tell(WAITING, IN_A_TRIAL, seq=20)
-        watcher.link.tell(ACTION, said("Well done!"), seq=12, ago_s=1)
+        watcher.link.deliver(WAITING, IN_A_TRIAL, seq=20)
+        watcher.link.deliver(ACTION, said("Well done!"), seq=12, ago_s=1)
         assert "Well done!" not in await watcher.see()
 
 
 async def test_an_old_utterance_is_shown_but_not_spoken_again(calm: Theme) -> None:
     async with watching(calm, speaks=True) as watcher:
         watcher.link.welcome(outputs=["screen"])
-        watcher.link.heard.clear()
-        watcher.link.tell(ACTION, said("Welcome back."), ago_s=10)
+        watcher.link.spoken.clear()
+        watcher.link.deliver(ACTION, said("Welcome back."), ago_s=10)
         assert "Welcome back." in await watcher.see()
-        assert watcher.link.heard == []
+        assert watcher.link.spoken == []
 
 
 async def test_the_browsers_voice_speaks_the_sessions_language_and_can_be_stopped(calm: Theme) -> None:
     async with watching(calm, speaks=True) as watcher:
         watcher.link.welcome(outputs=["screen"], language="es")
-        watcher.link.heard.clear()
-        watcher.link.tell(ACTION, said("0,5 s", spoken="cero coma cinco segundos"))
-        watcher.link.tell(HALT, Halt(reason="stopped", asked=0))
-        assert watcher.link.heard == [("say", "cero coma cinco segundos", "es"), ("hush",)]
+        watcher.link.spoken.clear()
+        watcher.link.deliver(ACTION, said("0,5 s", spoken="cero coma cinco segundos"))
+        watcher.link.deliver(HALT, Halt(reason="stopped", asked=0))
+        assert watcher.link.spoken == [("say", "cero coma cinco segundos", "es"), ("hush",)]
 
 
 @pytest.mark.parametrize(
@@ -183,39 +183,39 @@ async def test_the_browsers_voice_speaks_the_sessions_language_and_can_be_stoppe
 async def test_the_agent_sleeps_silently_when_the_link_is_lost(calm: Theme, how: str, report: str) -> None:
     async with watching(calm, speaks=True) as watcher:
         watcher.link.welcome(language="es")
-        watcher.link.tell(ACTION, said("Well done!"))
-        watcher.link.heard.clear()
+        watcher.link.deliver(ACTION, said("Well done!"))
+        watcher.link.spoken.clear()
         getattr(watcher.link, how)()
         seen = await watcher.see()
         assert {"lose": "Fuera de alcance por ahora; vuelve solo.", "end": "Aquí hemos terminado. Gracias."}[
             how
         ] in seen
         assert "Well done!" not in seen
-        assert watcher.link.heard == [("hush",)]
+        assert watcher.link.spoken == [("hush",)]
 
 
 async def test_a_filler_disappears_after_its_wait_and_feedback_stays(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
-        watcher.link.tell(ACTION, said("Just a moment, please.", kind="filler"))
+        watcher.link.deliver(ACTION, said("Just a moment, please.", kind="filler"))
         assert "Just a moment, please." in await watcher.see()
-        watcher.link.tell(WAITING, BETWEEN)
+        watcher.link.deliver(WAITING, BETWEEN)
         assert "Just a moment, please." not in await watcher.see()
-        watcher.link.tell(ACTION, said("Well done!"))
-        watcher.link.tell(WAITING, BETWEEN)
+        watcher.link.deliver(ACTION, said("Well done!"))
+        watcher.link.deliver(WAITING, BETWEEN)
         assert "Well done!" in await watcher.see()
 
 
 async def test_it_looks_to_a_side_until_the_response(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
-        watcher.link.tell(WAITING, FOREPERIOD)
+        watcher.link.deliver(WAITING, FOREPERIOD)
         ahead = await watcher.see()
-        watcher.link.tell(CUE, CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left"))
-        watcher.link.tell(WAITING, IN_A_TRIAL)
+        watcher.link.deliver(CUE, CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left"))
+        watcher.link.deliver(WAITING, IN_A_TRIAL)
         assert await watcher.see() != ahead
-        watcher.link.tell(WAITING, FOREPERIOD)
-        watcher.link.tell(WAITING, Waiting(what="quiet", stage="trial", attempt=1, trial=2))
+        watcher.link.deliver(WAITING, FOREPERIOD)
+        watcher.link.deliver(WAITING, Waiting(what="quiet", stage="trial", attempt=1, trial=2))
         assert await watcher.see() == ahead
 
 
@@ -230,7 +230,7 @@ async def test_a_refused_view_says_why(calm: Theme) -> None:
 async def test_it_applies_the_sessions_theme(calm: Theme, catalogue: Catalogue) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
-        watcher.link.tell(THEME, ThemeApplied(theme=catalogue.theme("playful")))
+        watcher.link.deliver(THEME, ThemeApplied(theme=catalogue.theme("playful")))
         await watcher.see()
         assert watcher.app.theme == "sar-playful"
 
@@ -238,20 +238,20 @@ async def test_it_applies_the_sessions_theme(calm: Theme, catalogue: Catalogue) 
 async def test_a_voice_moves_the_mouth(calm: Theme) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome(outputs=["screen", "speech"])
-        watcher.link.tell(ACTION, said("Well done!", face="speaking"))
+        watcher.link.deliver(ACTION, said("Well done!", face="speaking"))
         report = {"action": "a1", "output": "speech", "part": "say", "at": 0}
-        watcher.link.tell(REPORT, OutputReport(**report, state="started"))
+        watcher.link.deliver(REPORT, OutputReport(**report, state="started"))
         assert watcher.moves
-        watcher.link.tell(REPORT, OutputReport(**report, state="done"))
+        watcher.link.deliver(REPORT, OutputReport(**report, state="done"))
         assert not watcher.moves
 
 
 async def test_the_browsers_voice_moves_the_mouth_if_the_session_has_none(calm: Theme) -> None:
     async with watching(calm, speaks=True) as watcher:
         watcher.link.welcome(outputs=["screen"])
-        watcher.link.tell(ACTION, said("Well done!", face="speaking"))
+        watcher.link.deliver(ACTION, said("Well done!", face="speaking"))
         assert watcher.moves
-        watcher.link.tell(HALT, Halt(reason="stopped", asked=0))
+        watcher.link.deliver(HALT, Halt(reason="stopped", asked=0))
         assert not watcher.moves
 
 
@@ -259,10 +259,10 @@ async def test_its_mouth_shuts_at_the_end_of_an_utterance_even_if_reported_late(
     async with watching(calm) as watcher:
         watcher.link.welcome()
         voice: dict[str, Any] = {"action": "a1", "output": "speech", "part": "say", "at": 0}
-        watcher.link.tell(REPORT, OutputReport(**voice, state="started"))
+        watcher.link.deliver(REPORT, OutputReport(**voice, state="started"))
         assert watcher.moves
-        watcher.link.tell(REPORT, OutputReport(**voice, state="done"), ago_s=10)
+        watcher.link.deliver(REPORT, OutputReport(**voice, state="done"), ago_s=10)
         assert not watcher.moves
-        watcher.link.tell(REPORT, OutputReport(**voice, state="started"))
-        watcher.link.tell(ACTING, AgentActing(acting=False))
+        watcher.link.deliver(REPORT, OutputReport(**voice, state="started"))
+        watcher.link.deliver(ACTING, AgentActing(acting=False))
         assert not watcher.moves

@@ -72,9 +72,9 @@ class Plugged:
     def unplug(self) -> None:
         self.inner.stop()
         self.info = None
-        self.tell("detached")
+        self.report("detached")
 
-    def tell(self, state: Any, detail: str = "") -> None:
+    def report(self, state: Any, detail: str = "") -> None:
         self.on_status(Status(state=state, at=self.clock.now(), detail=detail))
 
 
@@ -244,7 +244,7 @@ async def test_a_finished_recording_is_replayed_by_the_session(open_check: Calla
     source = Plugged()
     async with open_check(source) as driver:
         await driver.wait(300)
-        source.tell("ended")
+        source.report("ended")
         await driver.wait(100)
         assert driver.sees("! The recording is over. A session plays it from its beginning.")
         await driver.press("enter")
@@ -297,16 +297,16 @@ async def test_messages_of_the_sensor_are_shown_literally(
 ) -> None:
     source = Plugged(at_once=False)
     async with open_check(source) as driver:
-        source.tell("detached", "Waiting for the sensor with the number 12.")
+        source.report("detached", "Waiting for the sensor with the number 12.")
         await driver.wait(3100)
         assert driver.sees("! No sensor found. Waiting for the sensor with the number 12.")
-        source.tell("error", "You may not use it: ask for permission.")
+        source.report("error", "You may not use it: ask for permission.")
         await driver.wait(100)
         assert driver.sees("Sensor ! You may not use it: ask for permission.")
         source.plug()
         await driver.wait(200)
         assert not driver.sees("permission")
-        source.tell("error", "The sensor reports: packet lost.")
+        source.report("error", "The sensor reports: packet lost.")
         await driver.wait(100)
         assert driver.sees("Trouble ! The sensor reports: packet lost.")
         await driver.wait(5000)

@@ -121,7 +121,7 @@ def test_a_metric_is_labelled_with_its_unit_if_it_has_one(unit: str, label: str)
 # --- outputs ---------------------------------------------------------------------------------------------------------
 
 
-def tell(folder: Path, session: str, topic: str, **message: object) -> None:
+def record(folder: Path, session: str, topic: str, **message: object) -> None:
     """One more message at the end of a session."""
     change(
         folder,
@@ -136,16 +136,16 @@ def tell(folder: Path, session: str, topic: str, **message: object) -> None:
 def test_show_ends_with_a_line_for_each_output_that_failed(call: Call, tmp_path: Path, simulated: str) -> None:
     card, busy = "There is no sound card [yet].", "It is busy."
     for output in ("speech", "tones"):
-        tell(tmp_path, simulated, "output/opened", output=output, address=output, can=["say"])
+        record(tmp_path, simulated, "output/opened", output=output, address=output, can=["say"])
     for action, state, detail in (("a1", "failed", card), ("a2", "failed", busy), ("a3", "failed", card)):
-        tell(tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state="queued", at=1)
-        tell(
+        record(tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state="queued", at=1)
+        record(
             tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state=state, at=2,
             detail=detail,
         )  # fmt: skip
     for action, state in (("a4", "done"), ("a5", "aborted"), ("a6", "queued")):
-        tell(tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state=state, at=3)
-    tell(tmp_path, simulated, "output/report", output="tones", action="a1", deed="tone", state="done", at=3)
+        record(tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state=state, at=3)
+    record(tmp_path, simulated, "output/report", output="tones", action="a1", deed="tone", state="done", at=3)
 
     assert call("show", simulated).out.rstrip().split("\n")[-1] == f"! speech: 3 of 5 failed ({card})"
     outputs = {each["output"]: each for each in call("show", simulated, "--json").json["outputs"]}

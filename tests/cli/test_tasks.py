@@ -20,7 +20,7 @@ def tapping(call: Call, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def change(tapping: Path) -> Change:
-    """``change(old, new)`` changes the new task and returns its folder."""
+    """Return a function ``change(old, new)`` that edits the new task and returns its folder."""
 
     def changed(old: str, new: str) -> Path:
         text = (tapping / "task.py").read_text()

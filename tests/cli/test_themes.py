@@ -22,7 +22,7 @@ def evening(call: Call, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def change(evening: Path) -> Change:
-    """``change("theme.toml", old, new)`` mends, or breaks, the new theme; returns its folder."""
+    """Return a function ``change("theme.toml", old, new)`` that edits the new theme and returns its folder."""
 
     def changed(file: str, old: str, new: str) -> Path:
         text = (evening / file).read_text(encoding="utf-8")

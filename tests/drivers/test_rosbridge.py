@@ -21,12 +21,12 @@ class Caller:
     """A program that publishes to one topic and subscribes to another."""
 
     def __init__(self, port: int) -> None:
-        self.heard: list[Any] = []
+        self.received: list[Any] = []
         self.changes: list[bool] = []
         self.bridge = Bridge(
             Address("127.0.0.1", port, "", {}),
             {"/out": STRING},
-            {"/in": (STRING, self.heard.append)},
+            {"/in": (STRING, self.received.append)},
             lambda: self.changes.append(self.bridge.is_connected),
         )
         self.bridge.open()
@@ -85,7 +85,7 @@ def test_it_advertises_and_subscribes_before_it_publishes(server: RosBridge, cal
         ("publish", "/out"),
     ]
     server.publish("/in", {"data": "hello yourself"})
-    wait_until(lambda: caller.heard == [{"data": "hello yourself"}])
+    wait_until(lambda: caller.received == [{"data": "hello yourself"}])
 
 
 def test_it_can_be_opened_and_closed_again_and_again_in_one_program_with_the_server_started_anew_in_between(
@@ -108,8 +108,8 @@ def test_two_at_a_time_do_not_disturb_each_other(server: RosBridge, call: Callab
     other.wait_until_connected(server)
     one.bridge.close()
     server.publish("/in", {"data": "still there?"})
-    wait_until(lambda: other.heard == [{"data": "still there?"}])
-    assert one.heard == []
+    wait_until(lambda: other.received == [{"data": "still there?"}])
+    assert one.received == []
 
 
 def test_nothing_piles_up_while_the_server_is_away_and_all_works_when_it_is_back(
@@ -129,8 +129,8 @@ def test_nothing_piles_up_while_the_server_is_away_and_all_works_when_it_is_back
     assert server.ops("subscribe") == ["/in", "/in"]
     server.publish("/in", {"data": "once"})
     server.publish("/in", {"data": "twice"})
-    wait_until(lambda: len(caller.heard) >= 2)
-    assert caller.heard == [{"data": "once"}, {"data": "twice"}]
+    wait_until(lambda: len(caller.received) >= 2)
+    assert caller.received == [{"data": "once"}, {"data": "twice"}]
     assert caller.changes == [True, False, True]
 
 
@@ -220,7 +220,7 @@ def test_nonsense_from_the_server_does_no_harm(server: RosBridge, call: Callable
     wait_until(lambda: server.has_subscriber("/in"))
     server.send(nonsense)
     server.publish("/in", {"data": "sense"})
-    wait_until(lambda: {"data": "sense"} in caller.heard)
+    wait_until(lambda: {"data": "sense"} in caller.received)
     assert caller.changes == [True]
     assert caller.say("me too")
 
@@ -248,11 +248,11 @@ def test_where_another_transport_is_in_use_it_says_so(monkeypatch: pytest.Monkey
 PROGRAM = """
 import sys, time
 from sar_tui.drivers.rosbridge import Address, Bridge
-heard, lost = [], []
+received, lost = [], []
 bridge = Bridge(Address("127.0.0.1", int(sys.argv[1]), "", {}), {"/out": "std_msgs/String"},
-                {"/in": ("std_msgs/String", heard.append)}, lambda: lost.append(not bridge.is_connected))
+                {"/in": ("std_msgs/String", received.append)}, lambda: lost.append(not bridge.is_connected))
 bridge.open()
-while not heard:
+while not received:
     time.sleep(0.005)
 bridge.publish("/out", {"data": "farewell"})
 if sys.argv[2] == "politely":

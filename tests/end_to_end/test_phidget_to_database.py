@@ -25,25 +25,25 @@ from sar_tui.store.database import connect
 PATIENCE_S = 60.0
 
 
-async def streamed(run: Run, driven: FakeSpatial, plugged: tuple[int, ...]) -> list[str]:
+async def streamed(run: Run, fake: FakeSpatial, plugged: tuple[int, ...]) -> list[str]:
     """Plug the sensor in repeatedly, each time for a number of samples; return what the session received."""
     states: list[str] = []
-    heard = 0
-    all_heard = asyncio.Event()
+    received = 0
+    all_received = asyncio.Event()
     quiet = threading.Semaphore(0)
 
     def count(block: ImuBlock) -> None:
-        nonlocal heard
-        heard += len(unpack(block.samples))
-        if heard in (plugged[0], sum(plugged)):
+        nonlocal received
+        received += len(unpack(block.samples))
+        if received in (plugged[0], sum(plugged)):
             quiet.release()
 
     def note(sensor: SensorChanged) -> None:
         states.append(sensor.state)
         if len(states) == 1:
             quiet.release()
-        if states.count("detached") == len(plugged) + 1 and heard == sum(plugged):
-            all_heard.set()
+        if states.count("detached") == len(plugged) + 1 and received == sum(plugged):
+            all_received.set()
 
     run.session.bus.subscribe(IMU, count)
     run.session.bus.subscribe(SENSOR, note)
@@ -51,11 +51,11 @@ async def streamed(run: Run, driven: FakeSpatial, plugged: tuple[int, ...]) -> l
     def drive() -> None:
         quiet.acquire(timeout=PATIENCE_S)
         for samples in plugged:
-            driven.attach()
+            fake.attach()
             for index in range(samples):
-                driven.send(index, (0.0, 0.0, index % 90))
+                fake.send(index, (0.0, 0.0, index % 90))
             quiet.acquire(timeout=PATIENCE_S)
-            driven.detach()
+            fake.detach()
 
     assert isinstance(run.session.clock, LiveClock)
     loop = asyncio.create_task(run.session.clock.run())
@@ -63,7 +63,7 @@ async def streamed(run: Run, driven: FakeSpatial, plugged: tuple[int, ...]) -> l
     driver = threading.Thread(target=drive)
     driver.start()
     try:
-        await asyncio.wait_for(all_heard.wait(), PATIENCE_S)
+        await asyncio.wait_for(all_received.wait(), PATIENCE_S)
     finally:
         driver.join()
         loop.cancel()
@@ -73,19 +73,19 @@ async def streamed(run: Run, driven: FakeSpatial, plugged: tuple[int, ...]) -> l
 @pytest.mark.parametrize("interval_ms", [4, 1])
 def test_all_samples_are_stored_and_a_reattached_sensor_is_a_new_stream(tmp_path: Path, interval_ms: int) -> None:
     count = 5000 // interval_ms
-    driven = FakeSpatial(new_channel("Spatial"), interval_ms)
+    fake = FakeSpatial(new_channel("Spatial"), interval_ms)
     catalogue = Catalogue()
     plan = make_plan(catalogue, "reaching", ["P01"], seed=1)
 
     async def session() -> tuple[str, list[str]]:
         clock = LiveClock(asyncio.get_running_loop())
-        feed = ImuFeed(PhidgetSource(make=lambda: driven.spatial, denied=lambda: False), clock.now)
+        feed = ImuFeed(PhidgetSource(make=lambda: fake.spatial, denied=lambda: False), clock.now)
         run = start(plan, tmp_path, catalogue, clock, lambda task, theme: [Imu(feed)])
         stop = threading.Event()
         writer = threading.Thread(target=run.recorder.run, args=(stop.is_set,))
         writer.start()
         try:
-            states = await streamed(run, driven, (count, count // 2))
+            states = await streamed(run, fake, (count, count // 2))
         finally:
             stop.set()
             run.recorder.stop()

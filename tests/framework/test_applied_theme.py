@@ -125,8 +125,8 @@ def test_feedback_uses_the_theme_of_its_time_despite_edits_and_resumes(steps: li
                 driver.press("enter")
                 driver.wait(300)
                 driver.records[:0] = before
-    heard = said(driver)
-    assert len(heard) == len(expected) == len(driver.all(TRIAL))
-    for words, theme in zip(heard, expected, strict=True):
+    utterances = said(driver)
+    assert len(utterances) == len(expected) == len(driver.all(TRIAL))
+    for words, theme in zip(utterances, expected, strict=True):
         assert words in theme.phrases["positive_strong"]
     assert driver.all(WAITING)[-1].stage == "attempt"

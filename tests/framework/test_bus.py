@@ -248,12 +248,12 @@ def test_messages_of_a_stream_have_no_number_of_their_own(bus: Bus, cascades: li
 
 
 def test_a_removed_tap_receives_nothing_more(bus: Bus) -> None:
-    heard: list[list[Record]] = []
-    bus.tap(heard.append)
+    cascades: list[list[Record]] = []
+    bus.tap(cascades.append)
     bus.publish(IN, said("one"))
-    bus.untap(heard.append)
+    bus.untap(cascades.append)
     bus.publish(IN, said("two"))
-    assert [words(cascade) for cascade in heard] == [["one"]]
+    assert [words(cascade) for cascade in cascades] == [["one"]]
 
 
 def test_a_node_may_only_use_what_it_declares(bus: Bus) -> None:
@@ -262,7 +262,7 @@ def test_a_node_may_only_use_what_it_declares(bus: Bus) -> None:
         emits = (OUT,)
 
         @on(IN)
-        def heard(self, message: Said) -> None:
+        def received(self, message: Said) -> None:
             self.emit(OUT, message)
             self.ask(DOUBLE, Asked(number=1))
 
@@ -311,7 +311,7 @@ def test_a_timer_that_was_cancelled_while_its_message_waited_is_ignored(bus: Bus
         name = "meddler"
 
         @on(IN)
-        def heard(self, _: Said) -> None:
+        def received(self, _: Said) -> None:
             clock.advance(100)
             alarm.cancel_timers()
 

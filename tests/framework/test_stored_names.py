@@ -38,6 +38,8 @@ TOPICS = {
     "arbiter/standing": "ARBITER_STATE",
     "arbiter/stalling": "FILLER_DUE",
     "arbiter/level_ruled": "LEVEL_DECIDED",
+    "operator/act": "COMMAND",
+    "arbiter/missed": "LATE_DECISION",
     "operator/noted": "NOTE_ADDED",
 }
 

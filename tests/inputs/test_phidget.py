@@ -94,10 +94,10 @@ class Bench:
         return channel
 
     def start(self) -> FakeSpatial:
-        self.source.start(self.samples.append, self.hear)
+        self.source.start(self.samples.append, self.receive_status)
         return self.channels[-1]
 
-    def hear(self, status: Status) -> None:
+    def receive_status(self, status: Status) -> None:
         self.statuses.append(status)
         if status.state == "error":
             self.reported.set()

@@ -20,20 +20,20 @@ WAIT_S = 60.0
 @pytest.mark.parametrize("interval_ms", [4, 1])
 def test_five_seconds_of_samples_arrive_whole_in_order_and_in_our_units(interval_ms: int) -> None:
     count = 5000 // interval_ms
-    driven = FakeSpatial(new_channel("Spatial"), interval_ms)
-    feed = ImuFeed(PhidgetSource(make=lambda: driven.spatial, denied=lambda: False), host_now)
+    fake = FakeSpatial(new_channel("Spatial"), interval_ms)
+    feed = ImuFeed(PhidgetSource(make=lambda: fake.spatial, denied=lambda: False), host_now)
     feed.start()
 
     sent: queue.Queue[bool] = queue.Queue()
 
     def send() -> None:
-        driven.attach()
+        fake.attach()
         for index in range(count):
-            driven.send(index, (90.0, 0.0, -0.01 * index), (1.0, 0.0, -1.0))
+            fake.send(index, (90.0, 0.0, -0.01 * index), (1.0, 0.0, -1.0))
             if index % 10 == 9:
                 sent.put(True)
-        driven.saturate()
-        driven.detach()
+        fake.saturate()
+        fake.detach()
         sent.put(False)
 
     driver = threading.Thread(target=send)

@@ -97,16 +97,16 @@ def test_a_looped_recording_has_no_gap() -> None:
 def test_stop_returns_at_once_although_the_next_sample_is_an_hour_away() -> None:
     source = RecordedSource(samples(3, step_ms=3_600_000))
     first = threading.Event()
-    heard: list[Sample] = []
+    received: list[Sample] = []
 
-    def hear(sample: Sample) -> None:
-        heard.append(sample)
+    def receive(sample: Sample) -> None:
+        received.append(sample)
         first.set()
 
-    source.start(hear, lambda _: None)
+    source.start(receive, lambda _: None)
     assert first.wait(WAIT_S)
     source.stop()
-    assert len(heard) == 1
+    assert len(received) == 1
 
 
 @pytest.mark.parametrize("clock", [None, VirtualClock()])
@@ -115,11 +115,11 @@ def test_a_listener_may_stop_the_recording(clock: VirtualClock | None) -> None:
     over = threading.Event()
     states: list[str] = []
 
-    def hear(_: Sample) -> None:
+    def receive(_: Sample) -> None:
         source.stop()
         over.set()
 
-    source.start(hear, lambda status: states.append(status.state))
+    source.start(receive, lambda status: states.append(status.state))
     if clock:
         clock.advance(SECOND)
     assert over.wait(WAIT_S)

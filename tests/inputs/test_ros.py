@@ -59,7 +59,7 @@ class Bench:
         else:
             self.source.start(self.samples.append, self.statuses.append)
 
-    def wait_until_heard(self) -> None:
+    def wait_until_connected(self) -> None:
         wait_until(lambda: self.server.has_subscriber(TOPIC), "the topic is subscribed to")
 
     def send(self, count: int = 1, *, step_ns: int = 10 * MS, **facts: Any) -> None:
@@ -100,7 +100,7 @@ def connect() -> Iterator[Callable[..., Bench]]:
         def connect(options: str = "", *, by_feed: bool = False) -> Bench:
             benches.append(Bench(server, options))
             benches[-1].start(by_feed=by_feed)
-            benches[-1].wait_until_heard()
+            benches[-1].wait_until_connected()
             return benches[-1]
 
         yield connect
@@ -248,7 +248,7 @@ def test_it_is_detached_while_the_bridge_is_away(
     assert bench.wait_for("detached", 3).detail.endswith("was lost. Waiting for it.")
     assert bench.source.info is None
     bench.server.arrive()
-    bench.wait_until_heard()
+    bench.wait_until_connected()
     bench.sent_ns += 60 * SECOND
     bench.send(LOOKED_AT)
     bench.wait_for("attached", 2)
@@ -268,7 +268,7 @@ def test_after_a_stop_nothing_arrives_until_a_restart(connect: Callable[..., Ben
     wait_until(lambda: not bench.server.has_subscriber(TOPIC))
     assert bench.statuses == reported
     bench.start()
-    bench.wait_until_heard()
+    bench.wait_until_connected()
     bench.send()
     wait_until(lambda: len(bench.samples) == 2)
     assert bench.samples[1].device_ms == 0.0

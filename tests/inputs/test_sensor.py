@@ -28,7 +28,7 @@ class Bench:
         self.bus.tap(self.records.extend)
         if looked_at:
             self.feed.start()
-            self.tell("attached")
+            self.report("attached")
         self.node = Imu(self.feed)
 
     def begin(self) -> None:
@@ -36,7 +36,7 @@ class Bench:
         self.node.attach(self.bus)
         self.wait(0)
 
-    def tell(self, state: Any, info: Info = INFO, **facts: Any) -> None:
+    def report(self, state: Any, info: Info = INFO, **facts: Any) -> None:
         if state == "attached":
             self.source.info = info
         elif state == "detached":
@@ -51,7 +51,7 @@ class Bench:
         self.clock.advance(round(ms * MS))
 
     @property
-    def heard(self) -> list[str | list[float]]:
+    def published(self) -> list[str | list[float]]:
         """Return the statuses and the sensor's stamps of each block, in order."""
         return [
             unpack(message.samples)["device_ms"].tolist() if isinstance(message, ImuBlock) else message.state
@@ -64,7 +64,7 @@ class Bench:
 def bench() -> Bench:
     made = Bench()
     made.begin()
-    made.tell("attached")
+    made.report("attached")
     made.wait(10)
     return made
 
@@ -82,15 +82,15 @@ def test_samples_are_published_in_one_block_every_ten_milliseconds(bench: Bench)
     assert DRAIN == 10 * MS
     bench.send(0, 4)
     bench.wait(9)
-    assert bench.heard == ["attached"]
+    assert bench.published == ["attached"]
     bench.send(8)
     bench.wait(1)
-    assert bench.heard == ["attached", [0, 4, 8]]
+    assert bench.published == ["attached", [0, 4, 8]]
     bench.wait(10)
-    assert bench.heard == ["attached", [0, 4, 8]], "nothing came, so nothing is reported"
+    assert bench.published == ["attached", [0, 4, 8]], "nothing came, so nothing is reported"
     bench.send(12)
     bench.wait(10)
-    assert bench.heard[2:] == [[12]]
+    assert bench.published[2:] == [[12]]
 
 
 def test_a_block_holds_the_samples_as_the_feed_made_them(bench: Bench) -> None:
@@ -117,7 +117,7 @@ def test_an_attached_sensor_is_described(bench: Bench) -> None:
 
 
 def test_other_reports_are_passed_on_literally(bench: Bench) -> None:
-    bench.tell("error", detail="The cable is broken.")
+    bench.report("error", detail="The cable is broken.")
     bench.wait(10)
     assert bench.records[-1].message == SensorChanged(state="error", at=1010 * MS, detail="The cable is broken.")
 
@@ -125,17 +125,17 @@ def test_other_reports_are_passed_on_literally(bench: Bench) -> None:
 def test_reports_are_published_in_order_with_the_samples() -> None:
     bench = Bench()
     bench.begin()
-    bench.tell("attached")
+    bench.report("attached")
     bench.send(0, 4)
-    bench.tell("detached")
+    bench.report("detached")
     bench.wait(10)
-    assert bench.heard == ["attached", [0, 4], "detached"]
+    assert bench.published == ["attached", [0, 4], "detached"]
 
 
 def test_a_gap_is_reported_after_the_samples_that_it_lies_between(bench: Bench) -> None:
     bench.send(0, 4, 40)
     bench.wait(10)
-    assert bench.heard == ["attached", [0, 4, 40], "gap"]
+    assert bench.published == ["attached", [0, 4, 40], "gap"]
     gap = bench.records[-1].message
     assert isinstance(gap, SensorChanged)
     assert (gap.count, gap.duration_ms) == (8, 36.0)
@@ -144,10 +144,10 @@ def test_a_gap_is_reported_after_the_samples_that_it_lies_between(bench: Bench) 
 def test_a_stall_and_its_end_are_reported_before_the_samples(bench: Bench) -> None:
     bench.send(0)
     bench.wait(600)
-    assert bench.heard[-1] == "stalled"
+    assert bench.published[-1] == "stalled"
     bench.send(604)
     bench.wait(10)
-    assert bench.heard[3:] == ["flowing", [604], "gap"]
+    assert bench.published[3:] == ["flowing", [604], "gap"]
 
 
 def test_a_detached_node_is_silent_and_releases_the_sensor(bench: Bench) -> None:
@@ -155,7 +155,7 @@ def test_a_detached_node_is_silent_and_releases_the_sensor(bench: Bench) -> None
     assert (bench.source.stopped, bench.feed.is_running) == (1, False)
     bench.send(0)
     bench.wait(1000)
-    assert bench.heard == ["attached"]
+    assert bench.published == ["attached"]
     bench.node.detach()
     assert not bench.feed.is_running
 
@@ -179,13 +179,13 @@ def test_a_running_sensor_is_taken_over_without_a_restart() -> None:
     assert len(received) == 2
     bench.begin()
     assert bench.feed.received == 2, "its counts go on"
-    assert bench.heard == ["attached"]
+    assert bench.published == ["attached"]
     changed = bench.records[0].message
     assert isinstance(changed, SensorChanged)
     assert (changed.model, changed.rate_hz, changed.at) == ("By hand", 250.0, bench.clock.now())
     bench.send(8)
     bench.wait(10)
-    assert bench.heard == ["attached", [8]]
+    assert bench.published == ["attached", [8]]
 
 
 def test_samples_from_before_the_session_are_discarded() -> None:
@@ -194,25 +194,25 @@ def test_samples_from_before_the_session_are_discarded() -> None:
     bench.begin()
     bench.send(8)
     bench.wait(10)
-    assert bench.heard == ["attached", [8]]
+    assert bench.published == ["attached", [8]]
 
 
 def test_a_sensor_found_during_the_session_is_reported() -> None:
     bench = Bench()
     bench.feed.start()
     bench.begin()
-    assert bench.heard == ["detached"]
-    bench.tell("attached")
+    assert bench.published == ["detached"]
+    bench.report("attached")
     bench.send(0)
     bench.wait(10)
-    assert bench.heard == ["detached", "attached", [0]]
+    assert bench.published == ["detached", "attached", [0]]
 
 
 def test_a_sensor_detached_during_the_check_is_not_reported_as_attached() -> None:
     bench = Bench(looked_at=True)
-    bench.tell("detached")
+    bench.report("detached")
     bench.begin()
-    assert bench.heard == ["detached"]
-    bench.tell("attached")
+    assert bench.published == ["detached"]
+    bench.report("attached")
     bench.wait(10)
-    assert bench.heard == ["detached", "attached"]
+    assert bench.published == ["detached", "attached"]

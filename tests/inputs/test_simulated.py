@@ -62,31 +62,31 @@ def test_samples_beyond_the_range_are_missing_and_reported_as_saturation() -> No
 def test_nothing_arrives_after_a_stop() -> None:
     clock = VirtualClock()
     source = SimulatedSource(SimulatedHand(PROFILES["clean"]), clock)
-    heard: list[Sample] = []
-    source.start(heard.append, lambda _: None)
+    received: list[Sample] = []
+    source.start(received.append, lambda _: None)
     clock.advance(SECOND)
     source.stop()
-    count = len(heard)
+    count = len(received)
     clock.advance(SECOND)
     source.zero()
-    assert (count, len(heard)) == (250, 250)
+    assert (count, len(received)) == (250, 250)
 
 
 def test_without_a_clock_it_runs_in_real_time_on_its_own_thread() -> None:
     source = SimulatedSource(SimulatedHand(PROFILES["clean"], 1000.0))
     begun, enough = host_now(), threading.Event()
-    heard: list[Sample] = []
+    received: list[Sample] = []
 
-    def hear(sample: Sample) -> None:
-        heard.append(sample)
-        if len(heard) >= 30:
+    def receive(sample: Sample) -> None:
+        received.append(sample)
+        if len(received) >= 30:
             enough.set()
 
-    source.start(hear, lambda _: None)
+    source.start(receive, lambda _: None)
     source.move(begun, REACH)
     assert enough.wait(WAIT_S)
     source.stop()
-    assert begun <= heard[0].host_ns <= heard[-1].host_ns <= host_now()
-    assert [sample.device_ms for sample in heard] == pytest.approx(range(len(heard)))
+    assert begun <= received[0].host_ns <= received[-1].host_ns <= host_now()
+    assert [sample.device_ms for sample in received] == pytest.approx(range(len(received)))
     assert source.info is not None
     assert (source.info.model, source.info.rate_hz) == ("Simulated hand", 1000.0)

@@ -29,9 +29,9 @@ def joined(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """Sessions that were joined, with names and roles, over fake links."""
     found: list[Any] = []
 
-    def connect(where: Any, name: str, role: Any, hear: PeerListener, loop: Any) -> FakePeer:
+    def connect(where: Any, name: str, role: Any, listener: PeerListener, loop: Any) -> FakePeer:
         found.append((where, name, role))
-        return FakePeer(hear, role)
+        return FakePeer(listener, role)
 
     monkeypatch.setattr(session_picker, "connect", connect)
     return found

@@ -203,11 +203,11 @@ def test_two_participants_have_results_between_attempts_and_times_in_trials() ->
 
 def test_a_filler_disappears_when_the_wait_is_over() -> None:
     filler = b.action("s1", kind="filler", text="Just a moment, please.")
-    stalling = after((t.ACTION, filler), (t.WAITING, b.waiting("answer", "answer")))
-    assert stalling.agent.words == "Just a moment, please."
-    over = stalling.receive([b.frame(t.WAITING, b.waiting("enter", "attempt"))])
+    waiting = after((t.ACTION, filler), (t.WAITING, b.waiting("answer", "answer")))
+    assert waiting.agent.words == "Just a moment, please."
+    over = waiting.receive([b.frame(t.WAITING, b.waiting("enter", "attempt"))])
     assert (over.agent.words, over.agent.face) == ("", "listening")
-    answered = stalling.receive([b.frame(t.ACTION, b.action("a1")), b.frame(t.WAITING, b.waiting("enter", "attempt"))])
+    answered = waiting.receive([b.frame(t.ACTION, b.action("a1")), b.frame(t.WAITING, b.waiting("enter", "attempt"))])
     assert answered.agent.words == b.proposal().text
 
 
@@ -333,9 +333,9 @@ def test_text_is_wrapped_and_cut_with_an_ellipsis(text: str, lines: list[str]) -
 
 def test_repeated_events_share_one_line_of_the_log() -> None:
     state = SessionState().receive(Connection("connected")).receive(b.welcome())
-    knock = m.PeerRequestRefused(actor="unknown", what="a connection", why="It has no certificate.")
-    state = state.receive([b.frame(t.REFUSED, knock) for _ in range(40)])
+    refused = m.PeerRequestRefused(actor="unknown", what="a connection", why="It has no certificate.")
+    state = state.receive([b.frame(t.REFUSED, refused) for _ in range(40)])
     text = "40 times: Refused for unknown: a connection. It has no certificate."
     assert [line.text_with_count for line in state.log] == [text]
-    state = state.receive([b.frame(t.REFUSED, replace(knock, why="It has expired."))])
+    state = state.receive([b.frame(t.REFUSED, replace(refused, why="It has expired."))])
     assert [line.times for line in state.log] == [40, 1]

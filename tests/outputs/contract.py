@@ -85,9 +85,9 @@ class Rig:
         self.reports: list[Report] = []
         self.asked: list[tuple[str, ActionPart]] = []
         self._lock = threading.Lock()
-        output.open(THEME, clock, self._hear)
+        output.open(THEME, clock, self._collect)
 
-    def _hear(self, report: Report) -> None:
+    def _collect(self, report: Report) -> None:
         with self._lock:
             self.reports.append(report)
 
@@ -263,7 +263,7 @@ def stop_of_another_action_stops_nothing(rig: Rig) -> None:
         assert rig.states("mine", part) == ["started", "done"]
 
 
-def another_theme_may_be_worn_while_something_is_under_way(rig: Rig) -> None:
+def another_theme_may_be_applied_while_a_part_is_under_way(rig: Rig) -> None:
     for part in rig.lasting:
         rig.ask(part, "before")
         rig.wait_for_start(part, "before")
@@ -329,7 +329,7 @@ CHECKS: tuple[Callable[[Rig], None], ...] = (
     stop_of_one_that_is_under_way_leaves_the_one_that_waits,
     stop_of_one_that_waits_leaves_the_one_that_is_under_way,
     stop_of_another_action_stops_nothing,
-    another_theme_may_be_worn_while_something_is_under_way,
+    another_theme_may_be_applied_while_a_part_is_under_way,
     a_name_that_the_theme_lacks_fails_with_a_sentence,
     any_text_is_borne,
     close_is_harmless_twice_and_nothing_is_reported_afterwards,

@@ -107,7 +107,7 @@ class ServoBench:
         self.failing: dict[str, Exception] = {}
         self.servo = Servo(address, make=self.make, denied=lambda: denied)
         self.rig = Rig(self.servo, self.time, lasting=["gesture"])
-        self.rig.wait(lambda: len(self.channels) == len(self.servo._address.wires) and self.settled())
+        self.rig.wait(lambda: len(self.channels) == len(self.servo._address.joint_channels) and self.settled())
 
     def settled(self) -> bool:
         return all(channel.plugged_in or not self.plug for channel in self.channels)

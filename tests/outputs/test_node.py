@@ -16,7 +16,7 @@ from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
 from sar_tui.outputs.node import PER_CHARACTER, STOP_TIMEOUT, TIMEOUT, OutputNode
 from sar_tui.outputs.output import Output, OutputError, Report
-from tests.outputs.contract import THEME as BARE
+from tests.outputs.contract import THEME as PLAIN_THEME
 from tests.outputs.fake_outputs import EVERYTHING, FakeOutput, Speaker
 
 LASTING: tuple[ActionPart, ...] = ("say", "gesture", "gaze", "tone")
@@ -52,7 +52,7 @@ class Loop(Node):
 class Stage:
     """An output on a bus, and its reports."""
 
-    def __init__(self, output: Output, cues: tuple[str, ...] = (), theme: Theme = BARE) -> None:
+    def __init__(self, output: Output, cues: tuple[str, ...] = (), theme: Theme = PLAIN_THEME) -> None:
         self.clock = VirtualClock(SECOND)
         self.bus = Bus(self.clock)
         Loop().attach(self.bus)
@@ -78,7 +78,7 @@ class Stage:
     def halt(self, action: str = "", reason: Any = "stopped", asked: int | None = None) -> None:
         self.publish(m.Halt(action=action, reason=reason, asked=self.clock.now() if asked is None else asked))
 
-    def tell(self, part: ActionPart, state: Any, action: str = "a1", at: int | None = None, detail: str = "") -> None:
+    def report(self, part: ActionPart, state: Any, action: str = "a1", at: int | None = None, detail: str = "") -> None:
         """Have the output report."""
         self.node.output._send_report(Report(action, part, state, self.clock.now() if at is None else at, detail))
         self.clock.advance(0)
@@ -145,7 +145,7 @@ def test_parts_that_an_action_lacks_are_not_requested() -> None:
 
 def test_an_edited_theme_is_applied() -> None:
     stage = Stage(FakeOutput())
-    stage.bus.publish(THEME, m.ThemeApplied(theme=msgspec.structs.replace(BARE, name="edited")))
+    stage.bus.publish(THEME, m.ThemeApplied(theme=msgspec.structs.replace(PLAIN_THEME, name="edited")))
     assert isinstance(stage.node.output, FakeOutput)
     assert stage.node.output.asked == [("apply_theme", "bench"), ("apply_theme", "edited")]
 
@@ -158,9 +158,9 @@ def test_reports_are_passed_on_with_their_times() -> None:
     stage.act(spoken="Well done.")
     begun = stage.clock.now() + 7 * MS
     stage.wait(10 * MS)
-    stage.tell("say", "started", at=begun)
+    stage.report("say", "started", at=begun)
     stage.wait(900 * MS)
-    stage.tell("say", "failed", at=begun + 800 * MS, detail="The cable is out.")
+    stage.report("say", "failed", at=begun + 800 * MS, detail="The cable is out.")
     assert [(report.state, report.at) for report in stage.reports] == [
         ("queued", SECOND),
         ("started", begun),
@@ -205,7 +205,7 @@ def test_the_end_of_a_part_is_reported_once(end: str) -> None:
     stage = Stage(FakeOutput())
     stage.act(spoken="Well done.")
     for state in (end, "done", "aborted", "failed", "started"):
-        stage.tell("say", state)
+        stage.report("say", state)
     stage.wait(TIMEOUT + PER_CHARACTER * 100)
     assert stage.states() == ["queued", end]
 
@@ -213,8 +213,8 @@ def test_the_end_of_a_part_is_reported_once(end: str) -> None:
 def test_reports_on_unrequested_parts_are_ignored() -> None:
     stage = Stage(FakeOutput())
     stage.act(spoken="Well done.")
-    stage.tell("gesture", "done")
-    stage.tell("say", "done", action="a9")
+    stage.report("gesture", "done")
+    stage.report("say", "done", action="a9")
     assert [report.state for report in stage.reports] == ["queued"]
 
 
@@ -236,7 +236,7 @@ class Unreadable(Exception):
 def test_a_detail_is_stored_as_encodable_text(detail: Any, kept: str) -> None:
     stage = Stage(FakeOutput())
     stage.act(gesture="wave")
-    stage.tell("gesture", "failed", detail=detail)
+    stage.report("gesture", "failed", detail=detail)
     assert stage.reports[-1].detail == kept
     assert stage.states(part="gesture") == ["queued", "failed"]
 
@@ -255,7 +255,7 @@ def test_an_exception_that_cannot_be_encoded_is_reported_readably() -> None:
 def test_a_fractional_time_is_rounded() -> None:
     stage = Stage(FakeOutput())
     stage.act(gesture="wave")
-    stage.tell("gesture", "done", at=stage.clock.now() + 0.25)  # type: ignore[arg-type]
+    stage.report("gesture", "done", at=stage.clock.now() + 0.25)  # type: ignore[arg-type]
     assert stage.reports[-1].at == stage.clock.now()
     assert type(stage.reports[-1].at) is int
 
@@ -318,7 +318,7 @@ def test_nothing_is_reported_after_a_release() -> None:
     stage.halt()
     stage.node.detach()
     stage.node.detach()
-    stage.tell("say", "done")
+    stage.report("say", "done")
     stage.wait(3600 * SECOND)
     assert stage.states() == ["queued", "aborted"], "what it had not brought to its end"
     assert [stopped.detail for stopped in stage.stopped] == ["The session was left."]
@@ -327,7 +327,7 @@ def test_nothing_is_reported_after_a_release() -> None:
 
 def test_an_unattached_output_can_be_released() -> None:
     fake = FakeOutput()
-    OutputNode(fake, "fake", BARE).detach()
+    OutputNode(fake, "fake", PLAIN_THEME).detach()
     assert fake.asked == []
 
 
@@ -372,7 +372,7 @@ def test_a_stop_is_reported_when_the_last_active_part_has_ended() -> None:
     at = stage.clock.now()
     for part, after in ends.items():
         assert stage.stopped == []
-        stage.tell(part, "aborted", at=at + after)  # type: ignore[arg-type]
+        stage.report(part, "aborted", at=at + after)  # type: ignore[arg-type]
     (stopped,) = stage.stopped
     assert (stopped.output, stopped.asked, stopped.at) == ("fake", asked_at, at + 60 * MS)
     assert stopped.detail == ""
@@ -394,7 +394,7 @@ def test_two_stops_in_a_row_are_reported_once() -> None:
     stage.wait(30 * MS)
     stage.halt()
     assert asked(stage).count(("stop", "")) == 2
-    stage.tell("say", "aborted")
+    stage.report("say", "aborted")
     assert [(stopped.asked, stopped.at) for stopped in stage.stopped] == [(first, first + 30 * MS)]
 
 
@@ -425,7 +425,7 @@ def test_an_output_that_did_not_stop_can_be_stopped_again() -> None:
     stage.wait(STOP_TIMEOUT)
     stage.act("a2", gesture="wave")
     stage.halt()
-    stage.tell("gesture", "aborted", "a2")
+    stage.report("gesture", "aborted", "a2")
     stage.wait(STOP_TIMEOUT)
     assert [stopped.detail for stopped in stage.stopped] == ["It did not stop in time.", ""]
 
@@ -436,10 +436,10 @@ def test_a_stop_reports_each_failure_and_each_output_that_may_still_move_once() 
     stage.halt()
     at = stage.clock.now() + 5 * MS
     stage.wait(5 * MS)
-    stage.tell("tone", "done", detail="It was over in any case.")
-    stage.tell("gesture", "failed", detail="The arm could not be made limp.")
-    stage.tell("say", "aborted", detail="The robot did not confirm that it stopped.")
-    stage.tell("gaze", "aborted", detail="The robot did not confirm that it stopped.")
+    stage.report("tone", "done", detail="It was over in any case.")
+    stage.report("gesture", "failed", detail="The arm could not be made limp.")
+    stage.report("say", "aborted", detail="The robot did not confirm that it stopped.")
+    stage.report("gaze", "aborted", detail="The robot did not confirm that it stopped.")
     (stopped,) = stage.stopped
     assert stopped.at == at
     assert stopped.detail == "The arm could not be made limp. The robot did not confirm that it stopped."
@@ -450,7 +450,7 @@ def test_a_stop_does_not_wait_for_later_parts() -> None:
     stage.act("a1", gesture="wave")
     stage.halt()
     stage.act("a2", gesture="wave")
-    stage.tell("gesture", "aborted", "a1")
+    stage.report("gesture", "aborted", "a1")
     assert len(stage.stopped) == 1
 
 

@@ -22,7 +22,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
-from tests.outputs.contract import THEME as BARE
+from tests.outputs.contract import THEME as PLAIN_THEME
 from tests.outputs.fake_outputs import FakeOutput, Speaker
 
 PlugIn = Callable[..., None]
@@ -42,7 +42,7 @@ def plug_in(monkeypatch: pytest.MonkeyPatch) -> PlugIn:
 
 def made(*addresses: str, speech: str = "sound") -> list[tuple[str, tuple[str, ...]]]:
     """Return the names and parts of the outputs of some addresses."""
-    return [(node.name, tuple(sorted(node._can))) for node in open_outputs(addresses, speech, BARE)]
+    return [(node.name, tuple(sorted(node._can))) for node in open_outputs(addresses, speech, PLAIN_THEME)]
 
 
 def problem(*addresses: str, speech: str = "sound") -> str:
@@ -59,7 +59,7 @@ def test_names_of_the_shipped_outputs() -> None:
 
 
 def test_the_screen_is_not_made_by_its_name() -> None:
-    assert open_outputs(["screen"], "sound", BARE) == []
+    assert open_outputs(["screen"], "sound", PLAIN_THEME) == []
 
 
 def test_each_output_is_made_with_its_abilities() -> None:
@@ -112,7 +112,7 @@ def test_invalid_options_are_refused(address: str, says: str) -> None:
 def test_the_screen_has_no_options() -> None:
     assert problem("screen:big") == 'The screen has nothing after its name; it was given "big".'
     with pytest.raises(OutputError):
-        open_outputs(["screen:big"], "sound", BARE)
+        open_outputs(["screen:big"], "sound", PLAIN_THEME)
 
 
 @pytest.mark.parametrize("address", ["servo:?joint=", "servo:x", "ros", "ros:", "ros://", "ros://host:port"])
@@ -141,7 +141,7 @@ def test_an_output_of_a_plug_in_is_made_with_its_options(plug_in: PlugIn) -> Non
 
     plug_in("lamp", lamp)
     assert "lamp" in output_names()
-    (node,) = open_outputs(["lamp:red:3"], "sound", BARE)
+    (node,) = open_outputs(["lamp:red:3"], "sound", PLAIN_THEME)
     assert (given, node.name) == (["red:3"], "lamp")
 
 
@@ -179,7 +179,7 @@ def test_an_output_made_for_a_check_is_opened_once_and_then_a_new_one_is_made(pl
     for session in (1, 2):
         check_outputs(["lamp:red"])
         check_outputs(["screen", "lamp:red"])
-        (node,) = open_outputs(["lamp:red"], "sound", BARE)
+        (node,) = open_outputs(["lamp:red"], "sound", PLAIN_THEME)
         assert node.output is lamps[-1]
         assert len(lamps) == session
     check_outputs(["lamp:red"])
@@ -282,6 +282,6 @@ def test_an_output_with_the_method_wear_is_refused_in_a_sentence(
 def test_an_output_may_report_by_the_earlier_name() -> None:
     reports: list[Report] = []
     output = FakeOutput()
-    output.open(BARE, VirtualClock(), reports.append)
+    output.open(PLAIN_THEME, VirtualClock(), reports.append)
     output.tell("a1", "say", "started")
     assert [(report.action, report.part, report.state) for report in reports] == [("a1", "say", "started")]

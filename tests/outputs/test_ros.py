@@ -463,15 +463,15 @@ class _Ros2:
     """The part of rclpy that the robot in the documentation uses. Tests feed it messages and run its timers."""
 
     def __init__(self, name: str) -> None:
-        self.hears: dict[str, Callable[[Any], None]] = {}
+        self.subscriptions: dict[str, Callable[[Any], None]] = {}
         self.said: list[Any] = []
         self.due: dict[Callable[[], None], float] = {}
 
     def create_publisher(self, kind: type, topic: str, depth: int) -> Any:
         return SimpleNamespace(publish=lambda message: self.said.append(read_report(vars(message))))
 
-    def create_subscription(self, kind: type, topic: str, hear: Callable[[Any], None], depth: int) -> None:
-        self.hears[topic] = hear
+    def create_subscription(self, kind: type, topic: str, callback: Callable[[Any], None], depth: int) -> None:
+        self.subscriptions[topic] = callback
 
     def create_timer(self, seconds: float, ring: Callable[[], None]) -> Any:
         self.due[ring] = seconds
@@ -489,16 +489,16 @@ def test_the_robot_in_the_documentation_answers_commands(monkeypatch: pytest.Mon
     exec(program, {})
     (robot,) = robots
 
-    def hears(topic: str, identity: str, **what: Any) -> None:
-        robot.hears[topic](SimpleNamespace(**Topics().message(identity, what, "")))
+    def receive(topic: str, identity: str, **what: Any) -> None:
+        robot.subscriptions[topic](SimpleNamespace(**Topics().message(identity, what, "")))
 
-    hears("/sar_tui/speech", "a", text="Hello.", language="en")
-    hears("/sar_tui/gesture", "a", gesture="nod", keyframes=THEME.gestures["nod"].keyframes)
-    hears("/sar_tui/gaze", "b", gaze="left")
+    receive("/sar_tui/speech", "a", text="Hello.", language="en")
+    receive("/sar_tui/gesture", "a", gesture="nod", keyframes=THEME.gestures["nod"].keyframes)
+    receive("/sar_tui/gaze", "b", gaze="left")
     assert sorted(robot.due.values()) == pytest.approx([0.3, 0.4, 0.42])
-    hears("/sar_tui/stop", "b")
+    receive("/sar_tui/stop", "b")
     next(iter(robot.due))()
-    hears("/sar_tui/stop", "")
+    receive("/sar_tui/stop", "")
     assert [(answer.id, answer.part, answer.state) for answer in robot.said] == [
         ("a", "say", "started"),
         ("a", "gesture", "started"),

@@ -107,10 +107,10 @@ class Listener:
         self.reports: list[Report] = []
         self._new = threading.Condition()
         self.speech, self.tones = Speech(sound), Tones(sound)
-        self.speech.open(theme, clock, self._tell)
-        self.tones.open(theme, clock, self._tell)
+        self.speech.open(theme, clock, self._collect)
+        self.tones.open(theme, clock, self._collect)
 
-    def _tell(self, report: Report) -> None:
+    def _collect(self, report: Report) -> None:
         with self._new:
             self.reports.append(report)
             self._new.notify_all()

@@ -124,7 +124,7 @@ def test_a_session_stored_with_former_spellings_resumes(data: Path) -> None:
 # --- what was achieved before ----------------------------------------------------------------------------------
 
 
-def told_best(data: Path, run: Run) -> dict[str, float]:
+def best_known(data: Path, run: Run) -> dict[str, float]:
     """The best results that a run was given at its beginning."""
     history = sessions.history(connect(data), run.id)
     (best,) = [r.message.best for r in history if r.topic is SESSION and r.message.run == run.number]
@@ -153,16 +153,16 @@ def test_a_session_gets_the_best_of_the_participants_earlier_ones_by_level(data:
     first, second = played(data, 1), played(data, 2)
     played(data, 3, participant="P02")
     third = played(data, 4)
-    assert told_best(data, first) == {}
-    assert told_best(data, second) == best_of(data, first.id)
-    assert told_best(data, third) == best_of(data, first.id, second.id) != {}
+    assert best_known(data, first) == {}
+    assert best_known(data, second) == best_of(data, first.id)
+    assert best_known(data, third) == best_of(data, first.id, second.id) != {}
 
 
 def test_a_simulated_session_neither_sets_a_best_nor_gets_one(data: Path) -> None:
     played(data, 1, mode="simulated")
     live = played(data, 2)
     simulated = played(data, 3, mode="simulated")
-    assert told_best(data, live) == told_best(data, simulated) == {}
+    assert best_known(data, live) == best_known(data, simulated) == {}
 
 
 def test_a_resumed_session_does_not_get_its_own_best_as_an_earlier_one(data: Path) -> None:
@@ -172,7 +172,7 @@ def test_a_resumed_session_does_not_get_its_own_best_as_an_earlier_one(data: Pat
     clock = VirtualClock(1000 * SECOND)
     again = resume(cut.id, data, CATALOGUE, clock, make_participants)
     play(again, clock)
-    assert told_best(data, again) == told_best(data, cut) == best_of(data, first.id)
+    assert best_known(data, again) == best_known(data, cut) == best_of(data, first.id)
 
 
 def test_a_theme_edited_between_two_runs_is_spoken_in_the_second_and_the_first_is_replayed(

@@ -22,7 +22,7 @@ SCHEDULES = ("every", "faded", "bandwidth", "summary", "request", "none")
 SEEDS = range(1, 13)
 
 
-class Kept:
+class StoredSession:
     """A simulated session, as the database keeps it."""
 
     def __init__(self, data: Path, user: str, seed: int, task: str = "keyboard", **parameters: Any) -> None:
@@ -58,7 +58,7 @@ def test_competent_users_are_praised_more_often_than_poor_ones_in_every_session(
 ) -> None:
     """Answered at each attempt (Figures 4.11, 4.12), and at every third (4.13, 4.14)."""
     settings = {"attempts": 20, "prompts_per_attempt": 8, "difficulty_policy": "fixed", "start_level": 3}
-    users = {user: Kept(data, user, seed, feedback_every=every, **settings) for user in ("poor", "competent")}
+    users = {user: StoredSession(data, user, seed, feedback_every=every, **settings) for user in ("poor", "competent")}
     poor, competent = users["poor"].valences, users["competent"].valences
     assert competent["positive"] > poor["positive"]
     assert poor["negative"] > competent["negative"]
@@ -67,7 +67,7 @@ def test_competent_users_are_praised_more_often_than_poor_ones_in_every_session(
 
 
 def test_with_every_three_feedback_stands_on_three_six_nine_and_nowhere_else(data: Path) -> None:
-    session = Kept(data, "average", 1, attempts=20, prompts_per_attempt=5, feedback_every=3)
+    session = StoredSession(data, "average", 1, attempts=20, prompts_per_attempt=5, feedback_every=3)
     assert session.answered == [3, 6, 9, 12, 15, 18]
     assert [feedback.attempt for feedback in session.all(FEEDBACK)] == session.answered
     said = [action["proposed"]["attempt"] for action in session.actions if action["kind"] == "feedback"]
@@ -75,7 +75,9 @@ def test_with_every_three_feedback_stands_on_three_six_nine_and_nowhere_else(dat
 
 
 def test_practice_is_answered_each_time_and_does_not_shift_what_follows(data: Path) -> None:
-    session = Kept(data, "average", 1, attempts=7, practice_attempts=2, prompts_per_attempt=5, feedback_every=3)
+    session = StoredSession(
+        data, "average", 1, attempts=7, practice_attempts=2, prompts_per_attempt=5, feedback_every=3
+    )
     assert session.answered == [1, 2, 5, 8]
 
 
@@ -83,9 +85,9 @@ def test_practice_is_answered_each_time_and_does_not_shift_what_follows(data: Pa
 
 
 @pytest.fixture(scope="module", params=SCHEDULES)
-def session(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Kept:
+def session(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> StoredSession:
     """A session under a schedule, with all else about feedback set to something that does not go without saying."""
-    return Kept(
+    return StoredSession(
         tmp_path_factory.mktemp("data"),
         "average",
         4,
@@ -102,7 +104,7 @@ def session(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     )
 
 
-def test_every_attempt_has_when_what_and_why_in_its_row(session: Kept) -> None:
+def test_every_attempt_has_when_what_and_why_in_its_row(session: StoredSession) -> None:
     schedule = session.parameters.feedback_schedule
     assert len(session.attempts) == 16
     for row in session.attempts:
@@ -116,7 +118,7 @@ def test_every_attempt_has_when_what_and_why_in_its_row(session: Kept) -> None:
         assert choice["why"].endswith(".")
 
 
-def test_why_is_true(session: Kept) -> None:
+def test_why_is_true(session: StoredSession) -> None:
     """The row alone shows whether feedback on the attempt was due."""
     unanswered = 0
     for row in session.attempts:
@@ -145,7 +147,7 @@ def test_why_is_true(session: Kept) -> None:
             unanswered = 0
 
 
-def test_the_row_is_the_last_message_and_the_answer_has_the_same_choice(session: Kept) -> None:
+def test_the_row_is_the_last_message_and_the_answer_has_the_same_choice(session: StoredSession) -> None:
     by_attempt = {message.attempt: message for message in session.all(ATTEMPT_ENDED)}
     assert [row["choice"] for row in session.attempts] == [
         msgspec.to_builtins(by_attempt[row["attempt"]].choice) for row in session.attempts
@@ -157,7 +159,7 @@ def test_the_row_is_the_last_message_and_the_answer_has_the_same_choice(session:
         assert answer.valence == by_attempt[answer.attempt].feedback
 
 
-def test_what_was_said_is_what_was_chosen_at_the_time_it_was_chosen_for(session: Kept) -> None:
+def test_what_was_said_is_what_was_chosen_at_the_time_it_was_chosen_for(session: StoredSession) -> None:
     rows = {row["attempt"]: row for row in session.attempts}
     asked = [key.at for key in session.all(KEY) if key.key == REQUEST_KEY]
     on_request = session.parameters.feedback_schedule == "request"
@@ -173,19 +175,19 @@ def test_what_was_said_is_what_was_chosen_at_the_time_it_was_chosen_for(session:
         assert any(character.isdigit() for character in action["final"]["text"])
 
 
-def test_each_schedule_answers_some_attempts_and_not_others_and_none_answers_none(session: Kept) -> None:
+def test_each_schedule_answers_some_attempts_and_not_others_and_none_answers_none(session: StoredSession) -> None:
     how_many = len(session.answered)
     assert how_many == 0 if session.parameters.feedback_schedule == "none" else 0 < how_many < 16
 
 
-def test_everything_that_was_proposed_was_said_or_is_there_with_why_it_was_not(session: Kept) -> None:
+def test_everything_that_was_proposed_was_said_or_is_there_with_why_it_was_not(session: StoredSession) -> None:
     assert [action["id"] for action in session.actions] == [proposal.id for proposal in session.all(PROPOSED)]
     for action in session.actions:
         assert action["decision"] in ("accepted", "dropped")
         assert (action["final"] is None) == (action["decision"] == "dropped")
 
 
-def test_every_message_can_be_read_back(session: Kept) -> None:
+def test_every_message_can_be_read_back(session: StoredSession) -> None:
     for record in session.records:
         assert msgspec.json.decode(msgspec.json.encode(record.message), type=ALL[record.topic.name].type) == (
             record.message

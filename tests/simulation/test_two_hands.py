@@ -115,17 +115,17 @@ def test_a_session_with_two_sensors_comes_out_the_same_when_replayed(data: Path,
 
 def test_the_session_waits_for_the_sensor_of_either(calm: Any) -> None:
     driver = LoopDriver(TwoHands, calm, imu="simulated")
-    tell = driver.session.bus.publish
-    tell(SENSOR, m.SensorChanged(seat="A", state="attached", at=driver.clock.now(), rate_hz=250))
+    publish = driver.session.bus.publish
+    publish(SENSOR, m.SensorChanged(seat="A", state="attached", at=driver.clock.now(), rate_hz=250))
     driver.enter()
     assert (driver.last(WAITING).stage, driver.last(WAITING).what) == ("paused", "sensor")
-    tell(SENSOR, m.SensorChanged(seat="B", state="attached", at=driver.clock.now(), rate_hz=250))
+    publish(SENSOR, m.SensorChanged(seat="B", state="attached", at=driver.clock.now(), rate_hz=250))
     assert (driver.last(WAITING).stage, driver.last(WAITING).what) == ("attempt", "enter")
-    tell(SENSOR, m.SensorChanged(seat="A", state="detached", at=driver.clock.now(), detail="Unplugged."))
+    publish(SENSOR, m.SensorChanged(seat="A", state="detached", at=driver.clock.now(), detail="Unplugged."))
     assert (driver.last(WAITING).what, driver.last(WAITING).detail) == ("sensor", "Unplugged.")
-    tell(SENSOR, m.SensorChanged(seat="B", state="flowing", at=driver.clock.now()))
+    publish(SENSOR, m.SensorChanged(seat="B", state="flowing", at=driver.clock.now()))
     assert driver.last(WAITING).what == "sensor"
-    tell(SENSOR, m.SensorChanged(seat="A", state="attached", at=driver.clock.now(), rate_hz=250))
+    publish(SENSOR, m.SensorChanged(seat="A", state="attached", at=driver.clock.now(), rate_hz=250))
     assert driver.last(WAITING).stage == "attempt"
 
 
@@ -138,9 +138,9 @@ def test_of_a_stored_session_each_seat_is_given_the_samples_of_its_own(data: Pat
     for feed, seat in zip(open_sensors(TwoHands, given, 1, clock, data), "AB", strict=True):
         feed.start()
         clock.advance(SECOND)
-        heard, _ = feed.drain()
-        assert len(heard) > 100
-        assert np.array_equal(heard["rate"][:100], measured[seat]["rate"][:100])
+        drained, _ = feed.drain()
+        assert len(drained) > 100
+        assert np.array_equal(drained["rate"][:100], measured[seat]["rate"][:100])
         feed.stop()
 
 

@@ -100,10 +100,12 @@ def test_the_layout_says_how_to_read_the_bytes_without_this_program() -> None:
 # --- a session in the database --------------------------------------------------------------------------------
 
 
-class Kept:
-    """A table whose session is recorded: inline, or by a thread that a test runs by hand."""
+class StoredSession:
+    """A reaching session that is recorded: inline, or by a thread that a test runs by hand."""
 
-    def __init__(self, data: Path, *, inline: bool = True, of: "Kept | None" = None, **parameters: Any) -> None:
+    def __init__(
+        self, data: Path, *, inline: bool = True, of: "StoredSession | None" = None, **parameters: Any
+    ) -> None:
         self.data = data
         self.database = connect(data)
         history = None
@@ -121,8 +123,8 @@ class Kept:
         self.driver.session.begin(run)
         self.eyes = connect(data)
 
-    def do(self, reaches: int) -> "Kept":
-        """From the instructions through so many reaches, one an attempt."""
+    def do(self, reaches: int) -> "StoredSession":
+        """Do this many reaches, one per attempt, from the instructions on."""
         self.driver.start_session(rest_ms=2000)
         self.driver.reach()
         for _ in range(reaches - 1):
@@ -132,7 +134,7 @@ class Kept:
         return self
 
     def write(self) -> None:
-        """A turn of the recorder's thread; what it tells is heard."""
+        """Run one turn of the recorder's thread, and handle what it reports."""
         self.recorder.try_write()
         self.driver.wait(0)
 
@@ -148,63 +150,65 @@ class Kept:
 
 
 def test_every_sample_of_a_session_is_stored_as_it_was_measured(data: Path) -> None:
-    kept = Kept(data).do(2)
-    kept.recorder.write()
-    assert len(kept.driver.samples) > 1500
-    assert kept.samples().tobytes() == kept.driver.samples.tobytes()
-    (stream,) = sessions.rows(kept.eyes, "imu_streams", kept.id)
+    stored = StoredSession(data).do(2)
+    stored.recorder.write()
+    assert len(stored.driver.samples) > 1500
+    assert stored.samples().tobytes() == stored.driver.samples.tobytes()
+    (stream,) = sessions.rows(stored.eyes, "imu_streams", stored.id)
     assert (stream["stream"], stream["run"], stream["source"], stream["rate_hz"]) == (1, 1, "simulated", 250.0)
-    assert [chunk["seq"] for chunk in kept.chunks()] == list(range(1, len(kept.chunks()) + 1))
-    assert sum(chunk["n"] for chunk in kept.chunks()) == len(kept.driver.samples)
+    assert [chunk["seq"] for chunk in stored.chunks()] == list(range(1, len(stored.chunks()) + 1))
+    assert sum(chunk["n"] for chunk in stored.chunks()) == len(stored.driver.samples)
 
 
 def test_the_history_holds_messages_and_samples_in_the_order_in_which_they_passed(data: Path) -> None:
-    kept = Kept(data).do(2)
-    kept.recorder.write()
-    assert merged(kept.history) == merged(kept.driver.records)
-    assert len(kept.chunks()) < len([r for r in kept.driver.records if r.topic is IMU]) / 4, "few rows, not one a block"
+    stored = StoredSession(data).do(2)
+    stored.recorder.write()
+    assert merged(stored.history) == merged(stored.driver.records)
+    assert len(stored.chunks()) < len([r for r in stored.driver.records if r.topic is IMU]) / 4, (
+        "few rows, not one a block"
+    )
 
 
 def test_a_trial_is_not_acknowledged_before_the_samples_it_was_made_of_are_there(data: Path) -> None:
-    kept = Kept(data).do(1)
-    details = kept.driver.last(TRIAL).details
-    inside = kept.samples(int(details["window_from_ns"] or 0), int(details["window_to_ns"] or 0))
+    stored = StoredSession(data).do(1)
+    details = stored.driver.last(TRIAL).details
+    inside = stored.samples(int(details["window_from_ns"] or 0), int(details["window_to_ns"] or 0))
     assert len(inside) == details["samples"]
 
 
 def test_samples_are_found_by_when_they_were_measured(data: Path) -> None:
-    kept = Kept(data).do(1)
-    kept.recorder.write()
-    stamps = kept.driver.samples["at"]
+    stored = StoredSession(data).do(1)
+    stored.recorder.write()
+    stamps = stored.driver.samples["at"]
     for first, last in [(0, 1), (100, 100), (249, 900), (0, len(stamps) - 1)]:
-        found = kept.samples(int(stamps[first]), int(stamps[last]))
+        found = stored.samples(int(stamps[first]), int(stamps[last]))
         assert found["at"].tolist() == stamps[first:last].tolist()
-    assert len(kept.samples(int(stamps[-1]))) == 1
-    assert len(kept.samples(0, int(stamps[0]))) == 0
-    assert len(kept.samples(run=2)) == 0
-    assert len(imu.samples(kept.eyes, "another", 0, 2**62)) == 0
+    assert len(stored.samples(int(stamps[-1]))) == 1
+    assert len(stored.samples(0, int(stamps[0]))) == 0
+    assert len(stored.samples(run=2)) == 0
+    assert len(imu.samples(stored.eyes, "another", 0, 2**62)) == 0
 
 
 @pytest.mark.parametrize("change", ["a byte", "cut short", "another block's"])
 def test_a_damaged_block_is_reported_by_its_number_and_never_taken_for_samples(data: Path, change: str) -> None:
-    kept = Kept(data).do(1)
-    kept.recorder.write()
-    number = len(kept.chunks()) // 2
-    whole = kept.chunks()[number - 1]["data"]
+    stored = StoredSession(data).do(1)
+    stored.recorder.write()
+    number = len(stored.chunks()) // 2
+    whole = stored.chunks()[number - 1]["data"]
     damaged = {
         "a byte": bytes([whole[0] ^ 1]) + whole[1:],
         "cut short": whole[: -SAMPLE.itemsize],
-        "another block's": kept.chunks()[number]["data"],
+        "another block's": stored.chunks()[number]["data"],
     }[change]
-    with kept.eyes.conn:
-        kept.eyes.execute("UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", (damaged, kept.id, number))
-    words = f"Block {number} of sensor stream 1 of session {kept.id} is damaged"
+    with stored.eyes.conn:
+        stored.eyes.execute("UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", (damaged, stored.id, number))
+    words = f"Block {number} of sensor stream 1 of session {stored.id} is damaged"
     with pytest.raises(StoreError, match=words):
-        kept.samples()
+        stored.samples()
     with pytest.raises(StoreError, match=words):
-        list(kept.history)
-    before = kept.chunks()[number - 1]["t0_ns"]
-    assert len(kept.samples(0, before)), "what is not damaged can still be read"
+        list(stored.history)
+    before = stored.chunks()[number - 1]["t0_ns"]
+    assert len(stored.samples(0, before)), "what is not damaged can still be read"
 
 
 # --- resumed --------------------------------------------------------------------------------------------------
@@ -224,10 +228,10 @@ def replayed(history: list[Record], driver: ReachingDriver) -> list[Record]:
     [{}, {"go_signal": True}, {"sensor": "patient"}, {"detector": "fixed-threshold"}, {"detector": "thesis"}],
 )
 def test_a_session_with_a_sensor_is_derived_again_from_the_database(data: Path, parameters: dict[str, Any]) -> None:
-    kept = Kept(data, **parameters).do(2)
-    kept.recorder.write()
-    assert len(kept.driver.all(REACH)) >= 2
-    assert replayed(kept.history, kept.driver) == [r for r in kept.driver.records if r.topic is not IMU]
+    stored = StoredSession(data, **parameters).do(2)
+    stored.recorder.write()
+    assert len(stored.driver.all(REACH)) >= 2
+    assert replayed(stored.history, stored.driver) == [r for r in stored.driver.records if r.topic is not IMU]
 
 
 @examples(15)
@@ -236,27 +240,29 @@ def test_it_is_so_wherever_it_was_cut_off_and_in_whatever_batches_it_was_written
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
     """Samples that were written together come back as one block; with a signal to go, so does the long wait for it."""
-    kept = Kept(tmp_path_factory.mktemp("kept"), inline=False, go_signal=data.draw(st.booleans()), attempts=1)
-    driver, pauses = kept.driver, st.integers(20, 900)
+    stored = StoredSession(
+        tmp_path_factory.mktemp("stored"), inline=False, go_signal=data.draw(st.booleans()), attempts=1
+    )
+    driver, pauses = stored.driver, st.integers(20, 900)
     driver.start_session(rest_ms=1000)
     driver.start()
     driver.move(200)
     for _ in range(data.draw(st.integers(0, 8))):
         driver.wait(data.draw(pauses))
-        kept.write()
+        stored.write()
     if data.draw(st.booleans()):
         driver.press("space")
     for _ in range(data.draw(st.integers(0, 4))):
         driver.wait(data.draw(pauses))
-        kept.write()
-    events = [record for record in kept.history if record.topic is not IMU]
-    assert replayed(kept.history, driver) == events
-    resumed = Kept(kept.data, of=kept, go_signal=driver.session.task.has_foreperiod, attempts=1)
+        stored.write()
+    events = [record for record in stored.history if record.topic is not IMU]
+    assert replayed(stored.history, driver) == events
+    resumed = StoredSession(stored.data, of=stored, go_signal=driver.session.task.has_foreperiod, attempts=1)
     assert resumed.driver.session.faults == []
 
 
 def test_a_second_run_is_a_stream_of_its_own_numbered_on(data: Path) -> None:
-    first = Kept(data, inline=False).do(1)
+    first = StoredSession(data, inline=False).do(1)
     first.write()
     first.driver.wait(300)
     first.driver.begin()
@@ -266,7 +272,7 @@ def test_a_second_run_is_a_stream_of_its_own_numbered_on(data: Path) -> None:
     first.write()
     before, cut = first.chunks(), first.history
 
-    second = Kept(data, of=first)
+    second = StoredSession(data, of=first)
     second.driver.wait(100)
     assert second.driver.waiting.reason == "interrupted"
     second.driver.enter()
@@ -290,48 +296,48 @@ def test_a_second_run_is_a_stream_of_its_own_numbered_on(data: Path) -> None:
 
 
 def test_while_the_disk_refuses_samples_wait_in_order_and_none_is_lost_or_doubled(data: Path) -> None:
-    kept = Kept(data, inline=False)
-    kept.driver.start_session(rest_ms=500)
-    kept.write()
-    there = kept.chunks()
-    kept.database.execute("PRAGMA query_only=1")
-    kept.driver.wait(1000)
+    stored = StoredSession(data, inline=False)
+    stored.driver.start_session(rest_ms=500)
+    stored.write()
+    there = stored.chunks()
+    stored.database.execute("PRAGMA query_only=1")
+    stored.driver.wait(1000)
     for _ in range(3):
-        kept.write()
-        kept.driver.wait(700)
-    assert [storage.working for storage in kept.driver.all(STORAGE)] == [False]
-    assert (kept.driver.waiting.stage, kept.driver.waiting.reason) == ("paused", "storage")
-    assert kept.chunks() == there
+        stored.write()
+        stored.driver.wait(700)
+    assert [storage.working for storage in stored.driver.all(STORAGE)] == [False]
+    assert (stored.driver.waiting.stage, stored.driver.waiting.reason) == ("paused", "storage")
+    assert stored.chunks() == there
 
-    kept.database.execute("PRAGMA query_only=0")
-    kept.write()
-    assert kept.driver.waiting.reason == "restored"
-    kept.driver.enter()
-    kept.driver.wait(2000)
-    kept.driver.start()
-    kept.driver.move(200)
-    kept.driver.wait(2000)
-    kept.driver.press("space")
-    kept.driver.to_row()
-    kept.write()
-    kept.write()
-    assert kept.samples().tobytes() == kept.driver.samples.tobytes()
-    assert merged(kept.history) == merged(kept.driver.records)
-    assert [chunk["seq"] for chunk in kept.chunks()] == list(range(1, len(kept.chunks()) + 1))
-    assert replayed(kept.history, kept.driver) == [r for r in kept.driver.records if r.topic is not IMU]
+    stored.database.execute("PRAGMA query_only=0")
+    stored.write()
+    assert stored.driver.waiting.reason == "restored"
+    stored.driver.enter()
+    stored.driver.wait(2000)
+    stored.driver.start()
+    stored.driver.move(200)
+    stored.driver.wait(2000)
+    stored.driver.press("space")
+    stored.driver.to_row()
+    stored.write()
+    stored.write()
+    assert stored.samples().tobytes() == stored.driver.samples.tobytes()
+    assert merged(stored.history) == merged(stored.driver.records)
+    assert [chunk["seq"] for chunk in stored.chunks()] == list(range(1, len(stored.chunks()) + 1))
+    assert replayed(stored.history, stored.driver) == [r for r in stored.driver.records if r.topic is not IMU]
 
 
 def test_a_sensor_that_comes_loose_and_back_is_two_streams_of_one_run(data: Path) -> None:
-    kept = Kept(data).do(1)
-    driver = kept.driver
+    stored = StoredSession(data).do(1)
+    driver = stored.driver
     for state in ("detached", "attached"):
         driver.wait(100)
         driver.session.bus.publish(SENSOR, SensorChanged(state=state, at=driver.clock.now(), rate_hz=250.0))  # type: ignore[arg-type]
     driver.wait(500)
-    kept.recorder.write()
-    streams = sessions.rows(kept.eyes, "imu_streams", kept.id)
+    stored.recorder.write()
+    streams = sessions.rows(stored.eyes, "imu_streams", stored.id)
     assert [(stream["stream"], stream["run"]) for stream in streams] == [(1, 1), (2, 1)]
-    second = [chunk for chunk in kept.chunks() if chunk["stream"] == 2]
+    second = [chunk for chunk in stored.chunks() if chunk["stream"] == 2]
     assert sum(chunk["n"] for chunk in second) == pytest.approx(0.5 * 250, abs=3)
     assert second[0]["t0_ns"] >= streams[1]["attached_ns"] - 10 * MS
-    assert kept.samples().tobytes() == driver.samples.tobytes()
+    assert stored.samples().tobytes() == driver.samples.tobytes()

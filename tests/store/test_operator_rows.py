@@ -13,26 +13,26 @@ ANA = "operator.ana"
 
 
 class Operated(Recorded):
-    """A simulated session of three attempts with an operator, who does what a test says with each offer."""
+    """A simulated session of three attempts whose operator decides on each proposal as the test says."""
 
     def __init__(self, data: Path, verdicts: dict[int, dict[str, Any]], **parameters: Any) -> None:
         quiet = {"attempts": 3, "prompts_per_attempt": 2, "encouragement": False, "filler": "never"}
         super().__init__(data, **{**quiet, **parameters})
         self._verdicts = verdicts
-        self._offers = 0
+        self._count = 0
         self.session.begin()
         self.session.bus.publish(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
-        self.session.bus.subscribe(PENDING_APPROVAL, self._offered)
+        self.session.bus.subscribe(PENDING_APPROVAL, self._decide_later)
 
-    def _offered(self, offer: m.PendingApproval) -> None:
-        """Seen after 200 ms, decided after 700."""
-        self._offers += 1
+    def _decide_later(self, approval: m.PendingApproval) -> None:
+        """Report the proposal as seen after 200 ms, and decide on it after 700 ms."""
+        self._count += 1
         now, bus, clock = self.clock.now(), self.session.bus, self.clock
-        id = offer.proposal.id
+        id = approval.proposal.id
         clock.call_at(
             now + 200 * MS, lambda: bus.publish(PROPOSAL_SEEN, m.ProposalSeen(action=id, actor=ANA, at=clock.now()))
         )
-        if verdict := self._verdicts.get(self._offers):
+        if verdict := self._verdicts.get(self._count):
             reported = m.Decision(action=id, actor=ANA, at=now + 700 * MS, **verdict)
             clock.call_at(now + 700 * MS, lambda: bus.publish(DECISION, reported))
 
@@ -135,8 +135,8 @@ def test_the_first_time_a_proposal_was_seen_is_stored(data: Path) -> None:
     operated = Operated(data, {1: {"verdict": "accept"}}, operator_feedback="approve")
     bus, clock = operated.session.bus, operated.clock
 
-    def see_again(offer: m.PendingApproval) -> None:
-        late = m.ProposalSeen(action=offer.proposal.id, actor="observer.ben", at=clock.now() + 900 * MS)
+    def see_again(approval: m.PendingApproval) -> None:
+        late = m.ProposalSeen(action=approval.proposal.id, actor="observer.ben", at=clock.now() + 900 * MS)
         clock.call_at(clock.now() + 300 * MS, lambda: bus.publish(PROPOSAL_SEEN, late))
 
     bus.subscribe(PENDING_APPROVAL, see_again)

@@ -197,7 +197,7 @@ def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_whatever
     recorded = Recorded(data, speech=Speaker(2000), robot=robot)
     recorded.session.begin()
     recorded.clock.advance(SECOND // 2)
-    robot.tell("a1", "say", "started")
+    robot.report("a1", "say", "started")
     recorded.clock.advance(2 * SECOND)
     robot._send_report(Report("a1", "say", "done", SECOND))
     recorded.clock.advance(0)

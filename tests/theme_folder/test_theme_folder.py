@@ -63,7 +63,7 @@ def as_toml(value: object) -> str:
 
 
 def applied(folder: Path, language: str = "en") -> Theme:
-    """The theme as a session wears it: filled up from calm."""
+    """Return the theme as a session uses it: completed from calm."""
     theme = load_theme(folder, language)
     assert all(theme.phrases[situation] for situation in PHRASE_KEYS)
     assert all(theme.faces[face] for face in FACES)

@@ -25,7 +25,7 @@ def python(program: str) -> list[str]:
 
 
 @pytest.fixture
-def bare(tmp_path: Path) -> Iterator[Terminal]:
+def baseline(tmp_path: Path) -> Iterator[Terminal]:
     """The bare loop, with twelve prompts."""
     orders = ["--prompts", "12", "--shortest-ms", "50", "--longest-ms", "60"]
     with Terminal([sys.executable, "-m", "sar_tui.timing.baseline", str(tmp_path / "trials"), *orders]) as terminal:
@@ -139,9 +139,9 @@ def test_only_text_is_visible(output: bytes, seen: str) -> None:
 # --- the participant -----------------------------------------------------------------------------------------
 
 
-def test_every_press_is_a_row_right_or_wrong_as_pressed(bare: Terminal, tmp_path: Path) -> None:
-    presses = ScriptedParticipant(bare, random_answers(7, 1, 30, error_rate=0.4)).run(12)
-    assert bare.wait() == 0
+def test_every_press_is_a_row_right_or_wrong_as_pressed(baseline: Terminal, tmp_path: Path) -> None:
+    presses = ScriptedParticipant(baseline, random_answers(7, 1, 30, error_rate=0.4)).run(12)
+    assert baseline.wait() == 0
     recorded = rows(tmp_path)
     assert [row["stimulus"] for row in recorded] == [press.expected for press in presses]
     assert [row["response"] for row in recorded] == [press.key for press in presses]
@@ -151,37 +151,37 @@ def test_every_press_is_a_row_right_or_wrong_as_pressed(bare: Terminal, tmp_path
     assert any(first == second for first, second in pairwise(stimuli)), "the same twice in a row"
 
 
-def test_a_press_comes_no_sooner_than_planned(bare: Terminal) -> None:
-    participant = ScriptedParticipant(bare, random_answers(3, 5, 40))
+def test_a_press_comes_no_sooner_than_planned(baseline: Terminal) -> None:
+    participant = ScriptedParticipant(baseline, random_answers(3, 5, 40))
     for press in participant.run(4):
         assert press.reaction_time_ms >= 5
     delays = [random_answers(3, 5, 40)(number, "f")[0] for number in range(4)]
     assert all(press.reaction_time_ms >= delay for press, delay in zip(participant.presses, delays, strict=True))
 
 
-def test_a_participant_can_stop_and_go_on(bare: Terminal, tmp_path: Path) -> None:
-    participant = ScriptedParticipant(bare, random_answers(1, 1, 2))
+def test_a_participant_can_stop_and_go_on(baseline: Terminal, tmp_path: Path) -> None:
+    participant = ScriptedParticipant(baseline, random_answers(1, 1, 2))
     assert len(participant.run(3)) == 3
     assert len(participant.run(12)) == 12
-    assert bare.wait() == 0
+    assert baseline.wait() == 0
     assert len(rows(tmp_path)) == 12
 
 
-def test_a_participant_stops_at_the_moment_given_even_before_a_prompt_is_answered(bare: Terminal) -> None:
-    participant = ScriptedParticipant(bare, random_answers(1, 60_000, 60_000))
-    bare.wait_for("Enter")
+def test_a_participant_stops_at_the_moment_given_even_before_a_prompt_is_answered(baseline: Terminal) -> None:
+    participant = ScriptedParticipant(baseline, random_answers(1, 60_000, 60_000))
+    baseline.wait_for("Enter")
     assert participant.run(until=time.monotonic_ns() + 500_000_000) == []
-    assert not bare.ended
+    assert not baseline.ended
 
 
-def test_a_participant_leaves_when_the_program_is_killed(bare: Terminal) -> None:
+def test_a_participant_leaves_when_the_program_is_killed(baseline: Terminal) -> None:
     def answer(number: int, expected: str) -> tuple[float, str]:
         if number == 2:
-            bare.kill()
-            bare.wait()
+            baseline.kill()
+            baseline.wait()
         return 5, expected
 
-    assert len(ScriptedParticipant(bare, answer).run(12)) == 2
+    assert len(ScriptedParticipant(baseline, answer).run(12)) == 2
 
 
 def test_a_word_is_a_key_too() -> None:

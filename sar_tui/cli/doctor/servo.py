@@ -22,7 +22,7 @@ def servo_controller() -> Finding:
         return Finding(_NAME, "care", "a Phidget is plugged in that you may not use", "See: Motion sensor.")
     address = parse("")
     changed = threading.Event()
-    servo = ServoChannel(address.wires[0], address, failsafe=True, changed=changed.set)
+    servo = ServoChannel(address.joint_channels[0], address, failsafe=True, changed=changed.set)
     try:
         servo.open(new_channel("RCServo"))
         changed.wait(_SERVO_S)

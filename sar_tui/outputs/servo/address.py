@@ -19,7 +19,7 @@ _HOW = (
 )
 
 
-class Wire(NamedTuple):
+class JointChannel(NamedTuple):
     """A joint, its channel on the controller, and whether its direction is reversed."""
 
     joint: str
@@ -35,7 +35,7 @@ class ServoAddress(NamedTuple):
     """
 
     serial: int | None
-    wires: tuple[Wire, ...]
+    joint_channels: tuple[JointChannel, ...]
     range_deg: float
     speed_deg_s: float
 
@@ -65,20 +65,20 @@ def parse(text: str) -> ServoAddress:
         if len(dict(pairs)) < len(pairs):
             raise ValueError("a name is used twice")
         options = msgspec.convert(dict(pairs), _Options, strict=False)
-        wires = tuple(_wire(joint, getattr(options, joint)) for joint in JOINTS if joint in dict(pairs))
-        if len({wire.channel for wire in wires}) < len(wires):
+        channels = tuple(_joint_channel(joint, getattr(options, joint)) for joint in JOINTS if joint in dict(pairs))
+        if len({each.channel for each in channels}) < len(channels):
             raise ValueError("two joints have the same channel")
     except (ValueError, msgspec.ValidationError) as error:
         raise OutputError(f"There is no output servo:{text} ({error}). {_HOW}") from error
     return ServoAddress(
         serial=int(serial) if serial else None,
-        wires=wires or (Wire("right_arm", 0, reverse=False),),
+        joint_channels=channels or (JointChannel("right_arm", 0, reverse=False),),
         range_deg=options.range,
         speed_deg_s=options.speed,
     )
 
 
-def _wire(joint: str, channel: str) -> Wire:
+def _joint_channel(joint: str, channel: str) -> JointChannel:
     if not _CHANNEL.fullmatch(channel):
         raise ValueError(f'{joint} needs a channel number, not "{channel}"')
-    return Wire(joint, abs(int(channel)), channel.startswith("-"))
+    return JointChannel(joint, abs(int(channel)), channel.startswith("-"))

@@ -6,7 +6,7 @@ from typing import Any
 
 from sar_tui.drivers.phidget import describe
 from sar_tui.framework.clock import MS
-from sar_tui.outputs.servo.address import ServoAddress, Wire
+from sar_tui.outputs.servo.address import JointChannel, ServoAddress
 
 FAILSAFE_MS = 1000
 """Time without a sign of life after which a controller releases the motor."""
@@ -32,20 +32,22 @@ class ServoChannel:
     the driver's threads only call the handlers.
 
     Args:
-        wire: the joint and its channel.
+        joint_channel: the joint, its channel and direction.
         address: the controller, and the limits of movement.
         failsafe: True if the controller releases the motor when it gets no sign of life; False on a virtual clock.
         changed: called by the driver's thread when the channel is attached or detached.
     """
 
-    def __init__(self, wire: Wire, address: ServoAddress, failsafe: bool, changed: Callable[[], None]) -> None:
-        self.joint = wire.joint
+    def __init__(
+        self, joint_channel: JointChannel, address: ServoAddress, failsafe: bool, changed: Callable[[], None]
+    ) -> None:
+        self.joint = joint_channel.joint
         self.attached = False
         self.engaged = False
         self.has_failsafe = False
         self.trouble = ""
         self.model = ""
-        self._wire = wire
+        self._joint_channel = joint_channel
         self._address = address
         self._failsafe = failsafe
         self._changed = changed
@@ -58,7 +60,7 @@ class ServoChannel:
     @property
     def place(self) -> str:
         """Its name in a sentence."""
-        return f"{self.joint} on channel {self._wire.channel}"
+        return f"{self.joint} on channel {self._joint_channel.channel}"
 
     def open(self, channel: Any) -> None:
         """Wait in the background for the motor's controller. ``channel``: an unopened ``RCServo`` of Phidget22."""
@@ -68,7 +70,7 @@ class ServoChannel:
         channel.setOnErrorHandler(self._on_error)
         channel.setIsLocal(True)
         channel.setIsRemote(False)
-        channel.setChannel(self._wire.channel)
+        channel.setChannel(self._joint_channel.channel)
         if self._address.serial is not None:
             channel.setDeviceSerialNumber(self._address.serial)
         channel.open()
@@ -93,7 +95,7 @@ class ServoChannel:
 
     def move(self, value: float) -> None:
         """Send the motor to ``value`` (-1 to 1 of its range), unless that is its target already."""
-        value = max(-1.0, min(1.0, -value if self._wire.reverse else value))
+        value = max(-1.0, min(1.0, -value if self._joint_channel.reverse else value))
         target = self._middle + self._range * value
         if target != self._target:
             self._call(self._channel.setTargetPosition, target)

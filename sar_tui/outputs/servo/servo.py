@@ -84,7 +84,7 @@ class Servo(Output):
         """Wait in the background for the controller."""
         super().open(theme, clock, report)
         live = not isinstance(clock, VirtualClock)
-        self._channels = [ServoChannel(wire, self._address, live, self._wake) for wire in self._address.wires]
+        self._channels = [ServoChannel(each, self._address, live, self._wake) for each in self._address.joint_channels]
         self._waiting: deque[_GestureRequest] = deque()
         self._active: _ActiveGesture | None = None
         self._pose = REST

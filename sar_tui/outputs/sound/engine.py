@@ -29,7 +29,7 @@ _LOOK_S = 0.002
 _SET_S = 0.25
 """Time for the engine to apply a voice and a rate."""
 _SETTLED_S = 0.02
-_TOLD_S = 0.05
+_END_REPORT_S = 0.05
 """Time for the engine to report its end once the file is whole; on Windows it may never report."""
 
 _NO_PACKAGE = "Speech needs the Python package pyttsx3: pip install pyttsx3."
@@ -121,7 +121,7 @@ class Engine:
                 if self._problem:
                     raise SoundError(f"The speech engine could not speak ({self._problem}).")
                 time.sleep(_LOOK_S)
-            self._finished.wait(_TOLD_S)
+            self._finished.wait(_END_REPORT_S)
             return read(path)
 
     def _failed(self, exception: object = "", **_: object) -> None:

@@ -238,7 +238,7 @@ def test_a_udev_rule_is_known_by_its_vendor(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("error", "found", "mend"),
+    ("error", "found", "advice"),
     [
         (ImportError("Phidget22"), "The Python package Phidget22 is missing", "Install it with: pip install phidget22"),
         (OSError("libusb-1.0.so.0: none"), "libusb-1.0.so.0: none", "pip install phidget22 libusb-package"),
@@ -246,7 +246,7 @@ def test_a_udev_rule_is_known_by_its_vendor(tmp_path: Path) -> None:
     ids=["package", "library"],
 )
 def test_a_missing_driver_is_reported_with_its_fix(
-    call: Call, monkeypatch: pytest.MonkeyPatch, error: Exception, found: str, mend: str
+    call: Call, monkeypatch: pytest.MonkeyPatch, error: Exception, found: str, advice: str
 ) -> None:
     def fail(_kind: str) -> None:
         raise error
@@ -256,7 +256,7 @@ def test_a_missing_driver_is_reported_with_its_fix(
     row = finding(called, "Sensor driver")
     assert (called.code, row["state"]) == (0, "care")
     assert found in row["found"]
-    assert mend in row["mend"]
+    assert advice in row["mend"]
 
 
 # --- outputs ---------------------------------------------------------------------------------------------------------

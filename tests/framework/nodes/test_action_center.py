@@ -97,8 +97,8 @@ def test_encouragement_precedes_a_new_level_and_follows_two_failures(new_session
     driver.enter()
     for time_ms in (GOOD, BAD, GOOD, BAD, BAD):
         lift_once(driver, time_ms)
-    heard = [(proposal.attempt, proposal.joins) for proposal in proposed(driver, "encouragement")]
-    assert heard == [(2, True), (6, True)], "level 4 is new before attempt 2; attempts 4 and 5 failed"
+    proposals = [(proposal.attempt, proposal.joins) for proposal in proposed(driver, "encouragement")]
+    assert proposals == [(2, True), (6, True)], "level 4 is new before attempt 2; attempts 4 and 5 failed"
 
 
 def test_the_first_attempt_gets_no_encouragement(new_session: NewSession) -> None:

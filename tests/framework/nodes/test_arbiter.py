@@ -26,7 +26,7 @@ from sar_tui.framework.topics import (
     WAITING,
 )
 from sar_tui.outputs.node import OutputNode
-from tests.outputs.contract import THEME as BARE
+from tests.outputs.contract import THEME as PLAIN_THEME
 from tests.outputs.fake_outputs import Speaker
 
 
@@ -70,7 +70,7 @@ class ArbiterDriver:
         self.bus = Bus(self.clock)
         self.records: list[Record] = []
         self.bus.tap(self.records.extend)
-        for node in (EventSource(), Arbiter(parameters, BARE), *extra):
+        for node in (EventSource(), Arbiter(parameters, PLAIN_THEME), *extra):
             node.attach(self.bus)
         self.begin(outputs or {})
 
@@ -434,7 +434,7 @@ def test_actions_never_overlap_or_begin_in_a_trial_and_none_is_lost(
 ) -> None:
     robot = Speaker(robot_takes_ms)
     robot.name = "robot"
-    extra = tuple(OutputNode(output, output.name, BARE) for output in (Speaker(takes_ms), robot))
+    extra = tuple(OutputNode(output, output.name, PLAIN_THEME) for output in (Speaker(takes_ms), robot))
     driver = ArbiterDriver(extra=extra)
     in_trial = False
     for number, (what, *how) in enumerate(events):

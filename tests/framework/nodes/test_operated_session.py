@@ -440,13 +440,13 @@ def test_an_operator_who_accepts_everything_is_not_noticed_by_the_participant(ca
         driver.wait(5000)
         driver.attempt()
         driver.wait(5000)
-        heard = [
+        utterances = [
             (record.at, msgspec.structs.replace(record.message, decided=0, mode="manual", ground="mode", actor=""))
             for record in driver.records
             if record.topic is ACTION
         ]
         seen = [(record.at, record.message) for record in driver.records if record.topic is WAITING]
-        sessions.append((heard, seen[-1]))
+        sessions.append((utterances, seen[-1]))
     assert sessions[0] == sessions[1] == sessions[2]
 
 

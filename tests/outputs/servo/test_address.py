@@ -5,9 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.outputs.output import OutputError
-from sar_tui.outputs.servo.address import ServoAddress, Wire, parse
+from sar_tui.outputs.servo.address import JointChannel, ServoAddress, parse
 
-ALONE = (Wire("right_arm", 0, reverse=False),)
+ALONE = (JointChannel("right_arm", 0, reverse=False),)
 
 
 @pytest.mark.parametrize(
@@ -19,10 +19,16 @@ ALONE = (Wire("right_arm", 0, reverse=False),)
         (
             "620001?right_arm=3&nod=0&left_arm=-2",
             ServoAddress(
-                620_001, (Wire("nod", 0, False), Wire("left_arm", 2, True), Wire("right_arm", 3, False)), 45, 180
+                620_001,
+                (JointChannel("nod", 0, False), JointChannel("left_arm", 2, True), JointChannel("right_arm", 3, False)),
+                45,
+                180,
             ),
         ),
-        ("?turn=-0&lean=15", ServoAddress(None, (Wire("turn", 0, True), Wire("lean", 15, False)), 45, 180)),
+        (
+            "?turn=-0&lean=15",
+            ServoAddress(None, (JointChannel("turn", 0, True), JointChannel("lean", 15, False)), 45, 180),
+        ),
     ],
 )
 def test_an_address_says_which_controller_which_joints_and_how_far_and_fast(text: str, address: ServoAddress) -> None:
@@ -64,6 +70,6 @@ def test_whatever_is_written_it_is_read_or_refused(text: str) -> None:
         address = parse(text)
     except OutputError:
         return
-    assert address.wires
+    assert address.joint_channels
     assert 5 <= address.range_deg <= 90
     assert 30 <= address.speed_deg_s <= 360

@@ -13,7 +13,7 @@ from sar_tui.outputs.servo.servo import Servo
 from tests.outputs.contract import Rig
 
 
-class DrivenServo:
+class FakeServo:
     """A real channel with a fake device; commands to the device are in ``calls``."""
 
     def __init__(self) -> None:
@@ -62,41 +62,41 @@ def clock() -> Iterator[LiveClock]:
 
 
 def test_it_is_set_up_moved_lost_found_and_let_go(clock: LiveClock, capfd: pytest.CaptureFixture[str]) -> None:
-    driven = DrivenServo()
-    rig = Rig(Servo(make=lambda: driven.servo, denied=lambda: False), clock, ["gesture"])
-    rig.wait(lambda: driven.servo._onError is not None)
-    driven.attach()
-    rig.wait(lambda: ("enableFailsafe", 1000) in driven.calls)
+    fake = FakeServo()
+    rig = Rig(Servo(make=lambda: fake.servo, denied=lambda: False), clock, ["gesture"])
+    rig.wait(lambda: fake.servo._onError is not None)
+    fake.attach()
+    rig.wait(lambda: ("enableFailsafe", 1000) in fake.calls)
     rig.ask("gesture", "whole")
     rig.wait_for("gesture", "whole")
     assert rig.states("whole", "gesture") == ["started", "done"]
-    targets = [value for name, value in driven.calls if name == "TargetPosition"]
+    targets = [value for name, value in fake.calls if name == "TargetPosition"]
     assert len(targets) > 10
     assert (targets[0], targets[-1]) == (90, 90)
     assert 100 < max(targets) <= 117
-    assert [value for name, value in driven.calls if name == "Engaged"] == [True, False]
+    assert [value for name, value in fake.calls if name == "Engaged"] == [True, False]
 
     rig.ask("gesture", "lost")
     rig.wait_for_start("gesture", "lost")
-    driven.detach()
+    fake.detach()
     rig.wait_for("gesture", "lost")
     assert rig.states("lost", "gesture") == ["started", "failed"]
 
-    driven.err(2, b"Channel in use.")
+    fake.err(2, b"Channel in use.")
     rig.ask("gesture", "in use")
     rig.wait_for("gesture", "in use")
     assert "Close the other program" in rig.detail("in use", "gesture")
 
-    driven.attach()
+    fake.attach()
     rig.ask("gesture", "found")
     rig.wait_for_start("gesture", "found")
     rig.output.stop()
     rig.wait_for("gesture", "found")
     assert rig.states("found", "gesture") == ["started", "aborted"]
-    assert next(value for name, value in reversed(driven.calls) if name == "Engaged") is False
+    assert next(value for name, value in reversed(fake.calls) if name == "Engaged") is False
 
     rig.output.close()
-    assert not driven.servo.getIsOpen()
+    assert not fake.servo.getIsOpen()
     assert capfd.readouterr().err == ""
 
 
@@ -113,11 +113,11 @@ def test_with_no_device_it_waits_in_silence_and_a_gesture_fails(
 
 
 def test_what_the_driver_itself_refuses_is_reported_in_words(clock: LiveClock) -> None:
-    driven = DrivenServo()
-    del driven.servo.setEngaged
-    rig = Rig(Servo(make=lambda: driven.servo, denied=lambda: False), clock, ["gesture"])
-    rig.wait(lambda: driven.servo._onError is not None)
-    driven.attach()
+    fake = FakeServo()
+    del fake.servo.setEngaged
+    rig = Rig(Servo(make=lambda: fake.servo, denied=lambda: False), clock, ["gesture"])
+    rig.wait(lambda: fake.servo._onError is not None)
+    fake.attach()
     rig.ask("gesture", "a")
     rig.wait_for("gesture", "a")
     assert rig.states("a", "gesture") == ["failed"]

@@ -27,9 +27,9 @@ def test_the_next_is_sounded_though_the_news_of_the_last_was_refused() -> None:
     supervisor = Supervisor(Setup(backends=NOBODY), refuse)
     supervisor.add(SoundJob("tone", "a1", Tone(1, "a1", BEEP)))
     supervisor.add(SoundJob("tone", "a2", Tone(2, "a2", BEEP)))
-    heard_of_the_second = over.wait(DEADLINE_S)
+    second_was_reported = over.wait(DEADLINE_S)
     supervisor.close()
-    assert heard_of_the_second
+    assert second_was_reported
     assert [(event.job.action, event.state) for event in reported] == [
         (action, state) for action in ("a1", "a2") for state in ("started", "done")
     ]
