@@ -110,7 +110,7 @@ def test_a_graph_is_made_from_declarations_alone() -> None:
     assert spine(made) == ["eye", "brain", "mouth"]
 
 
-def test_what_only_the_recorder_hears_goes_there() -> None:
+def test_a_topic_without_other_receivers_goes_to_the_recorder() -> None:
     class Ear:
         name: ClassVar[str] = "ear"
         emits: ClassVar[tuple[Any, ...]] = ()

@@ -159,7 +159,7 @@ def test_a_sensor_that_cannot_be_never_opens_the_app(
     assert opened == []
 
 
-def test_seeds_are_drawn_anew(call: Call, opened: list[dict[str, Any]]) -> None:
+def test_each_session_draws_a_new_seed(call: Call, opened: list[dict[str, Any]]) -> None:
     for _ in range(2):
         call("run", "keyboard", "-p", "P01")
     assert opened[0]["plan"].seed != opened[1]["plan"].seed

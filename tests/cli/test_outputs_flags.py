@@ -89,7 +89,7 @@ def test_the_options_stand_over_what_was_saved_and_keep_the_rest(
     ],
 )
 @pytest.mark.parametrize("command", [RUN, SIMULATE], ids=["run", "simulate"])
-def test_what_cannot_be_is_refused_before_anything_begins(
+def test_invalid_options_are_refused_before_the_session_begins(
     call: Call, opened: list[Plan], tmp_path: Path, command: tuple[str, ...], options: tuple[str, str], says: str
 ) -> None:
     called = call(*command, *options)

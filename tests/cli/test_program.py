@@ -136,9 +136,7 @@ def test_a_database_error_is_explained(call: Call, monkeypatch: pytest.MonkeyPat
     assert call("sessions") == (1, "", "sar-tui.db: no such table: sessions.\n")
 
 
-def test_where_a_part_of_the_program_does_not_load_that_is_a_sentence_too(
-    call: Call, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_module_that_cannot_be_loaded_is_reported_in_a_sentence(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     def break_down(*_: object, **__: object) -> None:
         raise ZeroDivisionError("a plain mistake")
 

@@ -82,7 +82,7 @@ def test_show_prints_facts_attempts_plot_and_timing(call: Call, simulated: str) 
     assert "\x1b" not in called.out
 
 
-def test_show_tells_what_blurs_timing(call: Call, tmp_path: Path, simulated: str) -> None:
+def test_show_reports_causes_of_inexact_timing(call: Call, tmp_path: Path, simulated: str) -> None:
     change(tmp_path, "UPDATE sessions SET machine=?", json.dumps({"flags": ["ssh", "tmux"]}))
     timing = {"onset_source": "flush", "handler_delay_ms": 0.25, "flags": ["focus_lost"]}
     change(tmp_path, "UPDATE trials SET timing=? WHERE attempt=1", json.dumps(timing))
@@ -155,5 +155,5 @@ def test_show_ends_with_a_line_for_each_output_that_failed(call: Call, tmp_path:
     assert (outputs["tones"]["done"], outputs["tones"]["failed"], outputs["tones"]["why"]) == (1, 0, "")
 
 
-def test_show_says_nothing_of_outputs_that_worked(call: Call, simulated: str) -> None:
+def test_show_omits_outputs_that_worked(call: Call, simulated: str) -> None:
     assert "failed" not in call("show", simulated).out

@@ -61,7 +61,7 @@ def test_people_read_a_table_and_a_sentence(call: Call) -> None:
     assert "sar-tui show" in called.out
 
 
-def test_who_can_be_simulated_is_who_there_is() -> None:
+def test_user_choices_are_the_simulated_people() -> None:
     assert {user.value for user in User} == set(PEOPLE)
 
 
@@ -200,7 +200,7 @@ PLAYED = ("simulate", "pairs", "--user", "competent", "--user", "poor", "--attem
     ("policy", "quality", "says"),
     [("race", "won", "Ahead in {} of 24."), ("cooperative", "together", "Together in {} of 24.")],
 )
-def test_how_often_two_were_ahead_or_together_is_reported(call: Call, policy: str, quality: str, says: str) -> None:
+def test_wins_and_joint_responses_of_two_are_counted(call: Call, policy: str, quality: str, says: str) -> None:
     attempts = call(*PLAYED, "--set", f"policy={policy}", "--json").json["attempts"]
     shown = call("show", "last").out
     for seat in "AB":
@@ -210,7 +210,7 @@ def test_how_often_two_were_ahead_or_together_is_reported(call: Call, policy: st
         assert [row["qualities"]["together"] for row in attempts] == [row["correct"] for row in attempts]
 
 
-def test_what_the_cue_did_is_reported_seat_by_seat(call: Call) -> None:
+def test_the_congruency_effect_is_reported_for_each_seat(call: Call) -> None:
     given = ("--set", "policy=joint attention", "--set", "prompts_per_attempt=40", "--json")
     attempts = call(*PLAYED, *given).json["attempts"]
     shown = call("show", "last").out

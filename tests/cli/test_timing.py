@@ -48,7 +48,7 @@ def fine(monkeypatch: pytest.MonkeyPatch) -> None:
 # --- the verdict -------------------------------------------------------------------------------------------
 
 
-def test_small_errors_at_a_terminal_of_ones_own_are_fit() -> None:
+def test_small_errors_at_a_local_terminal_are_fit() -> None:
     assert judge(figures(), GOOD, Circumstances()) == ("fit", [])
 
 
@@ -79,7 +79,7 @@ def test_the_worst_figure_decides_and_is_named(measured: ErrorStatistics, verdic
         (Circumstances(stamped_at_flush=0.99), "fit with care", "stamped"),
     ],
 )
-def test_what_no_figure_shows_counts_too(here: Circumstances, verdict: str, word: str) -> None:
+def test_circumstances_that_no_figure_shows_affect_the_verdict(here: Circumstances, verdict: str, word: str) -> None:
     found, reasons = judge(figures(), GOOD, here)
     assert found == verdict
     assert word in " ".join(reasons)
@@ -91,7 +91,7 @@ def test_a_busy_machine_is_reported_as_the_cause_of_bad_figures_only() -> None:
     assert judge(figures(), GOOD, busy) == ("fit", [])
 
 
-def test_a_bare_loop_tells_whether_the_machine_or_the_program_is_to_blame() -> None:
+def test_the_baseline_shows_whether_the_machine_or_the_program_is_the_cause() -> None:
     assert "is the machine" in " ".join(judge(figures(p99=9), figures(p99=9), Circumstances())[1])
     assert "please report it" in " ".join(judge(figures(p99=9), GOOD, Circumstances())[1])
 

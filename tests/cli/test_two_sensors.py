@@ -27,7 +27,9 @@ def test_each_seats_sensor_is_named(call: Call, opened: list[Plan]) -> None:
         ((*REACHES, "--imu", "simulated:unheard-of"), 'There is no simulated hand "unheard-of".'),
     ],
 )
-def test_what_cannot_be_is_refused(call: Call, opened: list[Plan], options: tuple[str, ...], says: str) -> None:
+def test_invalid_sensor_options_are_refused(
+    call: Call, opened: list[Plan], options: tuple[str, ...], says: str
+) -> None:
     called = call(*RUN, *options)
     assert (called.code, called.out) == (2, "")
     assert says in called.err

@@ -88,9 +88,7 @@ def test_it_advertises_and_subscribes_before_it_publishes(server: RosBridge, cal
     wait_until(lambda: caller.received == [{"data": "hello yourself"}])
 
 
-def test_it_can_be_opened_and_closed_again_and_again_in_one_program_with_the_server_started_anew_in_between(
-    server: RosBridge, call: Callable[[int], Caller]
-) -> None:
+def test_it_can_be_reopened_after_a_restart_of_the_server(server: RosBridge, call: Callable[[int], Caller]) -> None:
     for session in ("first", "second", "third"):
         caller = call(server.port)
         caller.wait_until_connected(server)
@@ -170,7 +168,7 @@ def test_closing_ends_the_attempts_to_find_a_server(
     assert caller.changes == []
 
 
-def test_a_connection_that_comes_about_after_closing_is_let_go(
+def test_a_connection_made_after_closing_is_closed(
     server: RosBridge, call: Callable[[int], Caller], caplog: pytest.LogCaptureFixture
 ) -> None:
     server.freeze()
@@ -234,7 +232,7 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
     caller.bridge.close()
 
 
-def test_where_another_transport_is_in_use_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_transport_that_cannot_be_activated_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(transport: str) -> None:
         raise RuntimeError(f"Cannot activate the {transport!r} transport")
 
@@ -263,7 +261,7 @@ print("end")
 
 
 @pytest.mark.parametrize("manners", ["politely", "abruptly"])
-def test_a_program_says_nothing_on_the_terminal_of_a_connection_and_ends_whatever_its_state(
+def test_a_program_prints_nothing_about_its_connection_and_ends_in_any_state_of_it(
     server: RosBridge, manners: str
 ) -> None:
     program = subprocess.Popen(

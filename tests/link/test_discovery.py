@@ -68,7 +68,7 @@ def test_a_file_in_its_place_is_refused(runtime: Path) -> None:
         socket_folder()
 
 
-def test_somebody_elses_folder_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_of_another_user_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     owner = socket_folder().stat().st_uid
     monkeypatch.setattr(discovery.os, "getuid", lambda: owner + 1)
     with pytest.raises(LinkError, match="belongs to somebody else"):

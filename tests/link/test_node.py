@@ -236,7 +236,7 @@ def test_session_is_operated_while_an_operator_is_present(bench: Bench) -> None:
     assert [changed.holder for changed in bench.of(PRESENCE)] == [BEN, BEN, "", ANNA, ANNA]
 
 
-def test_when_the_process_ends_all_are_lost_and_when_it_cannot_come_back_that_is_told(bench: Bench) -> None:
+def test_all_peers_are_lost_when_the_broker_ends_and_a_final_end_is_reported(bench: Bench) -> None:
     bench.receive(PeerJoined(ANNA), PeerJoined(OLAF))
     bench.records.clear()
     bench.receive(BrokerEnded("It ended."), BrokerEnded("It ended for good.", is_final=True))

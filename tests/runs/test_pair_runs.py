@@ -88,13 +88,13 @@ def test_neither_of_two_can_be_in_another_live_session_meanwhile(data: Path) -> 
         ("keyboard", "P01", "P02", "The task keyboard is for one: name one participant only."),
     ],
 )
-def test_as_many_are_named_as_there_are_seats(task: str, left: str, right: str, why: str) -> None:
+def test_the_number_of_participants_must_match_the_seats(task: str, left: str, right: str, why: str) -> None:
     with pytest.raises(StoreError, match=why) as raised:
         make_plan(CATALOGUE, task, [code for code in (left, right) if code])
     assert raised.value.bad_input
 
 
-def test_each_has_the_best_of_their_own_whatever_the_seat(data: Path) -> None:
+def test_each_participant_has_their_own_best_at_either_seat(data: Path) -> None:
     whole(data, start_level=1, max_level=1)
     clock = VirtualClock()
     other_way = plan(left="P02", right="P01", start_level=1, max_level=1)

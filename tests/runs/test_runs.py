@@ -59,7 +59,7 @@ def undisturbed(data: Path) -> str:
 
 @examples(25)
 @given(st.lists(st.integers(0, 40), min_size=1, max_size=4))
-def test_a_session_resumed_however_often_has_every_trial_once_as_it_would_have_been(cuts: list[int]) -> None:
+def test_a_session_resumed_any_number_of_times_has_the_same_trials_as_an_uninterrupted_one(cuts: list[int]) -> None:
     data = Path(tempfile.mkdtemp())
     try:
         whole = undisturbed(data)
@@ -86,7 +86,7 @@ def test_a_session_resumed_however_often_has_every_trial_once_as_it_would_have_b
         shutil.rmtree(data)
 
 
-def test_each_run_says_on_what_it_was_made(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_run_stores_its_software_and_machine(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY", "ZELLIJ"):
         monkeypatch.delenv(name, raising=False)
     clock = VirtualClock()
@@ -102,7 +102,7 @@ def test_each_run_says_on_what_it_was_made(data: Path, monkeypatch: pytest.Monke
     assert ssh["software"] == driver["software"]
 
 
-def test_what_has_ended_cannot_be_resumed(data: Path) -> None:
+def test_a_session_that_has_ended_cannot_be_resumed(data: Path) -> None:
     session = undisturbed(data)
     with pytest.raises(StoreError, match="is completed; only a live one that was interrupted") as caught:
         resume(session, data, CATALOGUE, VirtualClock(), make_participants)

@@ -104,7 +104,7 @@ def session(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     )
 
 
-def test_every_attempt_has_when_what_and_why_in_its_row(session: StoredSession) -> None:
+def test_every_attempt_stores_its_feedback_choice(session: StoredSession) -> None:
     schedule = session.parameters.feedback_schedule
     assert len(session.attempts) == 16
     for row in session.attempts:
@@ -118,7 +118,7 @@ def test_every_attempt_has_when_what_and_why_in_its_row(session: StoredSession) 
         assert choice["why"].endswith(".")
 
 
-def test_why_is_true(session: StoredSession) -> None:
+def test_the_stored_reason_for_feedback_is_true(session: StoredSession) -> None:
     """The row alone shows whether feedback on the attempt was due."""
     unanswered = 0
     for row in session.attempts:
@@ -159,7 +159,7 @@ def test_the_row_is_the_last_message_and_the_answer_has_the_same_choice(session:
         assert answer.valence == by_attempt[answer.attempt].feedback
 
 
-def test_what_was_said_is_what_was_chosen_at_the_time_it_was_chosen_for(session: StoredSession) -> None:
+def test_feedback_is_said_as_chosen_and_when_it_was_due(session: StoredSession) -> None:
     rows = {row["attempt"]: row for row in session.attempts}
     asked = [key.at for key in session.all(KEY) if key.key == REQUEST_KEY]
     on_request = session.parameters.feedback_schedule == "request"
@@ -175,12 +175,12 @@ def test_what_was_said_is_what_was_chosen_at_the_time_it_was_chosen_for(session:
         assert any(character.isdigit() for character in action["final"]["text"])
 
 
-def test_each_schedule_answers_some_attempts_and_not_others_and_none_answers_none(session: StoredSession) -> None:
+def test_each_schedule_except_none_answers_some_attempts(session: StoredSession) -> None:
     how_many = len(session.answered)
     assert how_many == 0 if session.parameters.feedback_schedule == "none" else 0 < how_many < 16
 
 
-def test_everything_that_was_proposed_was_said_or_is_there_with_why_it_was_not(session: StoredSession) -> None:
+def test_each_proposal_was_said_or_has_a_reason_why_it_was_not(session: StoredSession) -> None:
     assert [action["id"] for action in session.actions] == [proposal.id for proposal in session.all(PROPOSED)]
     for action in session.actions:
         assert action["decision"] in ("accepted", "dropped")

@@ -66,7 +66,7 @@ def play(policy: str, seed: int, left: str = "average", right: str = "poor", **m
 
 @pytest.mark.parametrize("seed", first(4, SEEDS))
 @pytest.mark.parametrize("policy", POLICIES)
-def test_each_row_is_of_who_did_it_and_each_answer_for_whom_it_is_about(policy: str, seed: int) -> None:
+def test_each_row_and_each_feedback_has_the_seat_of_its_participant(policy: str, seed: int) -> None:
     played = play(policy, seed)
     owners = {(press.at, press.key): press.seat for press in played.all(PERCEIVED)}
     assert {press.seat for press in played.all(KEY)} == {"A"}  # there is one keyboard
@@ -109,7 +109,7 @@ def test_in_a_race_the_first_right_response_wins_and_the_answers_follow(seed: in
         assert (left.valence, right.valence) == reported[ahead]
 
 
-def test_who_is_faster_wins_most_races() -> None:
+def test_the_faster_participant_wins_most_races() -> None:
     won = {"A": 0.0, "B": 0.0}
     for seed in SEEDS:
         for attempt in play("race", seed, left="poor", right="competent").all(ATTEMPT_ENDED):

@@ -77,7 +77,7 @@ def play(policy: str, seed: int) -> Sat:
 
 @pytest.mark.parametrize("policy", POLICIES)
 @pytest.mark.parametrize("seed", first(1, SEEDS))
-def test_each_movement_is_of_who_made_it_and_each_answer_for_whom_it_is_about(policy: str, seed: int) -> None:
+def test_each_movement_and_each_feedback_has_the_seat_of_its_participant(policy: str, seed: int) -> None:
     played, onsets = play(policy, seed)
     trials = played.all(TRIAL)
     for trial in trials:

@@ -48,7 +48,7 @@ def test_nobody_reacts_faster_than_a_choice_can_be(seed: int, choices: int, atte
         assert person.reaction_ms(choices, attempt, RandomStreams(seed)) >= 120
 
 
-def test_practice_helps_at_first_and_fatigue_tells_in_the_end() -> None:
+def test_practice_helps_at_first_and_fatigue_slows_later() -> None:
     person = PEOPLE["average"]
     means = [person.mean_ms(4, attempt) for attempt in range(1, 101)]
     assert means[4] < means[0]

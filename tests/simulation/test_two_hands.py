@@ -72,7 +72,7 @@ def played(data: Path) -> str:
         return simulate(plan, PEOPLE["competent"], data, Catalogue(), partner=PEOPLE["poor"])
 
 
-def test_each_reach_is_of_whose_hand_made_it(data: Path, played: str) -> None:
+def test_each_reach_has_the_seat_of_its_hand(data: Path, played: str) -> None:
     database = connect(data)
     trials = sessions.rows(database, "trials", played)
     streams = sessions.rows(database, "imu_streams", played)
@@ -129,7 +129,7 @@ def test_the_session_waits_for_the_sensor_of_either(calm: Any) -> None:
     assert driver.last(WAITING).stage == "attempt"
 
 
-def test_of_a_stored_session_each_seat_is_given_the_samples_of_its_own(data: Path, played: str) -> None:
+def test_a_stored_session_gives_each_seat_its_own_samples(data: Path, played: str) -> None:
     database = connect(data)
     measured = {seat: imu.samples(database, played, seat=seat) for seat in "AB"}
     database.conn.close()

@@ -108,7 +108,7 @@ def test_a_database_of_a_newer_version_is_refused_and_left_alone(data: Path) -> 
 @pytest.mark.parametrize(
     "content", [b"hello", b"a diary, not a database\n" * 500, b"SQLite format 2\x00" + b"\x00" * 5000]
 )
-def test_what_is_not_a_database_is_refused_and_left_alone(data: Path, content: bytes) -> None:
+def test_a_file_that_is_not_a_database_is_refused_and_left_unchanged(data: Path, content: bytes) -> None:
     data.mkdir()
     (data / FILE).write_bytes(content)
     error = refusal(data)
@@ -272,7 +272,7 @@ for line in sys.stdin:
 """
 
 
-def test_what_a_program_commits_is_there_for_others_and_after_kill_9_however_often_others_look(data: Path) -> None:
+def test_committed_data_survive_kill_9_and_are_visible_to_other_programs(data: Path) -> None:
     """As a session does, the program has the database open twice."""
     look = "import sqlite3, sys; c = sqlite3.connect(sys.argv[1]); print(*c.execute('SELECT code FROM participants'))"
 
@@ -327,14 +327,14 @@ def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(databa
         connection.execute("INSERT INTO participants VALUES ('P02', 'now')")
 
 
-def test_where_data_lives_can_be_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_data_folder_can_be_set_by_an_environment_variable(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("SAR_TUI_DATA", str(tmp_path))
     assert default_folder() == tmp_path
     monkeypatch.delenv("SAR_TUI_DATA")
     assert default_folder().name == "sar-tui"
 
 
-def test_an_error_nobody_foresaw_is_reported_in_sqlites_own_words() -> None:
+def test_an_unforeseen_error_is_reported_in_sqlites_own_words() -> None:
     assert str(explain(sqlite3.OperationalError("no such thing"), Path("x.db"))) == "x.db: no such thing."
 
 

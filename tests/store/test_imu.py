@@ -67,7 +67,7 @@ def test_samples_that_a_message_followed_from_come_before_it() -> None:
     assert [(c["before_event"], c["t1_ns"]) for c in (first, second)] == [(2, 20), (4, 30)]
 
 
-def test_each_time_a_sensor_is_attached_a_stream_begins_and_its_chunks_are_counted_anew() -> None:
+def test_each_attachment_of_a_sensor_begins_a_stream_whose_chunks_are_counted_from_one() -> None:
     facts = {"source": "test", "model": "By hand", "serial": "7", "rate_hz": 250.0, "rate_range_rad_s": 5.0}
     records = [attached(1), block(2, 10), key(2), block(3, 20), attached(3, **facts), block(4, 30)]
     streams, rows, _ = imu.StreamRows("s", 4).rows(records)
@@ -77,7 +77,7 @@ def test_each_time_a_sensor_is_attached_a_stream_begins_and_its_chunks_are_count
 
 
 @pytest.mark.parametrize("state", ["detached", "gap", "saturated", "stalled", "flowing", "error", "ended"])
-def test_nothing_else_that_befalls_a_sensor_begins_a_stream(state: Any) -> None:
+def test_other_statuses_of_a_sensor_do_not_begin_a_stream(state: Any) -> None:
     other = Record(3, 3, SENSOR, SensorChanged(state=state, at=3))
     streams, rows, _ = imu.StreamRows("s", 1).rows([attached(1), block(2, 10), key(2), other, block(4, 20)])
     assert (len(streams), [(row[1], row[2]) for row in rows]) == (1, [(1, 1), (1, 2)])
@@ -236,7 +236,7 @@ def test_a_session_with_a_sensor_is_derived_again_from_the_database(data: Path, 
 
 @examples(15)
 @given(st.data())
-def test_it_is_so_wherever_it_was_cut_off_and_in_whatever_batches_it_was_written(
+def test_a_session_cut_off_anywhere_and_written_in_any_batches_can_be_replayed(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
     """Samples that were written together come back as one block; with a signal to go, so does the long wait for it."""

@@ -70,7 +70,7 @@ def another_program(data: Path) -> Iterator[Program]:
         program.communicate()
 
 
-def test_what_another_program_holds_cannot_be_taken(data: Path, another_program: Program) -> None:
+def test_a_lock_held_by_another_program_cannot_be_taken(data: Path, another_program: Program) -> None:
     another_program("participant", "P01")
     assert is_held(data, "participant", "P01")
     with pytest.raises(Held, match="The participant P01 is in a live session already"):
@@ -102,7 +102,7 @@ def test_asking_takes_nothing(data: Path) -> None:
     lock.release()
 
 
-def test_what_is_held_for_a_moment_only_is_waited_for(data: Path, another_program: Program) -> None:
+def test_a_lock_that_is_soon_released_is_waited_for(data: Path, another_program: Program) -> None:
     program = another_program("session", "abc")
     end = threading.Timer(0.1, program.kill)
     end.start()
@@ -144,7 +144,7 @@ def test_a_session_that_is_live_cannot_be_resumed_elsewhere(plan: Plan, data: Pa
     run.close()
 
 
-def test_nobody_sees_a_new_session_that_is_not_held(
+def test_a_new_session_that_is_not_locked_is_not_visible(
     plan: Plan, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen: list[str] = []

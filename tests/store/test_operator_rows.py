@@ -64,7 +64,7 @@ def test_approved_edited_and_vetoed_actions_can_be_told_apart(data: Path) -> Non
     assert [row["started_ns"] for row in rows] == [rows[0]["decided_ns"], rows[1]["decided_ns"], None]
 
 
-def test_what_nobody_decided_in_time_says_so(data: Path) -> None:
+def test_a_proposal_that_expired_is_stored_with_its_deadline(data: Path) -> None:
     for timeout, expected in (("act", ("accepted", "deadline", None)), ("drop", ("dropped", "deadline", "expired"))):
         operated = Operated(data / timeout, {}, operator_feedback="approve", operator_timeout=timeout)
         first = operated.rows("feedback")[0]
@@ -72,7 +72,7 @@ def test_what_nobody_decided_in_time_says_so(data: Path) -> None:
         assert (first["actor"], first["decided_ns"]) == ("agent", first["deadline_ns"])
 
 
-def test_what_was_decided_without_an_operator_says_so(data: Path) -> None:
+def test_a_decision_without_an_operator_is_stored_as_such(data: Path) -> None:
     operated = Operated(data, {}, operator_feedback="approve")
     gone = m.OperatorChanged(actor=ANA, state="lost", operated=False)
     operated.session.bus.subscribe(PENDING_APPROVAL, lambda _: operated.session.bus.publish(PRESENCE, gone))
@@ -154,7 +154,7 @@ def test_an_operators_stop_differs_from_the_participants(data: Path) -> None:
     assert reported == [("dropped", ANA, "stopped", "operator")] * 3
 
 
-def test_what_is_written_does_not_depend_on_what_was_written_together(data: Path) -> None:
+def test_stored_rows_do_not_depend_on_how_writes_are_batched(data: Path) -> None:
     stored = []
     for folder, is_apart in (("apart", True), ("together", False)):
         operated = Operated(

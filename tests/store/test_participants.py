@@ -20,7 +20,7 @@ def test_a_code_is_stored_in_capitals(typed: str, kept: str) -> None:
 
 
 @pytest.mark.parametrize("code", ["", " ", "Anna Berg", "-1", "_x", "a" * 33, "p/1", "../p", "P01\n2", "é1", "P.1"])
-def test_what_cannot_be_a_code_is_refused_and_names_are_warned_against(code: str) -> None:
+def test_an_invalid_code_is_refused_with_a_warning_against_names(code: str) -> None:
     with pytest.raises(StoreError, match="Never use a name") as caught:
         check_code(code)
     assert caught.value.bad_input

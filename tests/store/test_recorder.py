@@ -183,7 +183,7 @@ def test_a_dropped_action_is_stored_with_who_dropped_it(data: Path) -> None:
     assert instruction["proposed"]["spoken"] == recorded.session.task.instructions()
 
 
-def test_what_came_too_late_to_be_said_was_dropped_by_the_agent(data: Path) -> None:
+def test_an_utterance_that_is_too_late_is_dropped_by_the_agent(data: Path) -> None:
     recorded = Recorded(data, speech=Speaker(5000))
     recorded.session.begin()
     recorded.finish()
@@ -372,7 +372,7 @@ def test_a_message_that_cannot_be_written_down_does_not_end_the_thread(data: Pat
     assert not caught.value.temporary
 
 
-def test_inline_a_full_disk_is_the_callers_to_tell_and_what_was_there_stays(data: Path) -> None:
+def test_an_inline_recorder_raises_if_the_disk_is_full_and_keeps_the_stored_data(data: Path) -> None:
     recorded = Recorded(data, attempts=5, prompts_per_attempt=20)
     fill(recorded)
     recorded.session.begin()

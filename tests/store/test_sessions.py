@@ -83,7 +83,7 @@ def test_a_session_is_found_by_its_id_its_beginning_or_as_the_last(database: sql
 
 
 @pytest.mark.parametrize("name", ["last", "abc", "%", "_", "' OR 1=1 --"])
-def test_where_there_is_none_none_is_found(database: sqlite_utils.Database, data: Path, name: str) -> None:
+def test_a_session_that_does_not_exist_is_not_found(database: sqlite_utils.Database, data: Path, name: str) -> None:
     with pytest.raises(StoreError, match="There is no session"):
         sessions.find(database, data, name)
 
@@ -113,7 +113,7 @@ def test_only_a_running_session_is_marked_as_interrupted(database: sqlite_utils.
     }
 
 
-def test_how_many_were_right_is_a_number_and_whether_one_was_is_a_truth(database: sqlite_utils.Database) -> None:
+def test_correct_is_a_count_in_attempts_and_a_bool_in_trials(database: sqlite_utils.Database) -> None:
     database["attempts"].insert({"session": "s", "attempt": 1, "seat": "A", "practice": 0, "correct": 1, "trials": 1})
     database["trials"].insert({"session": "s", "attempt": 1, "trial": 1, "seat": "A", "correct": 1, "timing": "{}"})
     (attempt,) = sessions.rows(database, "attempts", "s")
@@ -193,7 +193,7 @@ def test_the_best_is_of_the_live_sessions_of_a_participant_in_a_task_by_level_wi
         database.conn.close()
 
 
-def test_what_was_done_with_other_keys_or_too_inaccurately_is_no_best(
+def test_the_best_result_excludes_other_keys_and_low_accuracy(
     database: sqlite_utils.Database, keyboard: type[Task]
 ) -> None:
     done = [("both hands", 1.0, 900.0), ("left hand", 1.0, 500.0), ("both hands", 0.4, 300.0)]

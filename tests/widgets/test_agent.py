@@ -184,7 +184,7 @@ async def test_repeated_reports_of_a_voice_do_not_change_the_pace_of_the_mouth(c
         assert frames == pytest.approx(SECOND / FRAME, abs=1)
 
 
-async def test_while_held_it_draws_nothing_whatever_it_is_asked(calm: Theme) -> None:
+async def test_nothing_is_drawn_while_drawing_is_held(calm: Theme) -> None:
     async with open_stage(calm) as stage:
         rest = stage.drawing
         stage.agent.gesture(ARMS_UP)

@@ -194,7 +194,7 @@ def test_every_manner_is_known_to_the_outputs(catalogue: Catalogue) -> None:
             assert said.tone in ("", *TONES)
 
 
-def test_what_is_spoken_has_its_units_in_full(calm: Theme) -> None:
+def test_units_are_spoken_in_full(calm: Theme) -> None:
     agent = Agent(Lift, calm)
     agent.feedback_on(700.0)
     (said,) = agent.said

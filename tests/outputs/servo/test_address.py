@@ -57,7 +57,7 @@ def test_an_address_says_which_controller_which_joints_and_how_far_and_fast(text
         ("//robot:5661", "not a serial number"),
     ],
 )
-def test_an_address_that_is_none_is_refused_with_why_and_what_there_is(text: str, why: str) -> None:
+def test_an_invalid_address_is_refused_with_the_reason_and_the_allowed_forms(text: str, why: str) -> None:
     with pytest.raises(OutputError) as refused:
         parse(text)
     assert why in str(refused.value)
@@ -65,7 +65,7 @@ def test_an_address_that_is_none_is_refused_with_why_and_what_there_is(text: str
 
 
 @given(st.text(max_size=40) | st.text("?&=-0123456789nodturnlean", max_size=40))
-def test_whatever_is_written_it_is_read_or_refused(text: str) -> None:
+def test_any_address_is_parsed_or_refused(text: str) -> None:
     try:
         address = parse(text)
     except OutputError:

@@ -61,7 +61,9 @@ def clock() -> Iterator[LiveClock]:
     loop.close()
 
 
-def test_it_is_set_up_moved_lost_found_and_let_go(clock: LiveClock, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_motor_is_set_up_moved_detached_reattached_and_released(
+    clock: LiveClock, capfd: pytest.CaptureFixture[str]
+) -> None:
     fake = FakeServo()
     rig = Rig(Servo(make=lambda: fake.servo, denied=lambda: False), clock, ["gesture"])
     rig.wait(lambda: fake.servo._onError is not None)
@@ -112,7 +114,7 @@ def test_with_no_device_it_waits_in_silence_and_a_gesture_fails(
     assert capfd.readouterr().err == ""
 
 
-def test_what_the_driver_itself_refuses_is_reported_in_words(clock: LiveClock) -> None:
+def test_an_error_of_the_driver_is_reported_in_words(clock: LiveClock) -> None:
     fake = FakeServo()
     del fake.servo.setEngaged
     rig = Rig(Servo(make=lambda: fake.servo, denied=lambda: False), clock, ["gesture"])

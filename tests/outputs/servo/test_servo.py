@@ -336,7 +336,7 @@ def test_a_motor_that_refuses_fails_the_gesture_in_its_words(bench: ServoBench, 
     assert make(bench, action="b") == "done"
 
 
-def test_a_trouble_that_the_controller_tells_of_stands_beside_what_was_done_until_it_has_passed(
+def test_an_error_of_the_controller_is_reported_with_each_gesture_until_it_is_over(
     bench: ServoBench,
 ) -> None:
     bench.channels[0].err(4104, "No external power.")
@@ -360,7 +360,7 @@ def test_without_a_controller_a_gesture_fails_with_what_to_do_after_a_second_and
     assert bench.rig.states("b", "gesture") == ["failed"]
 
 
-def test_a_controller_that_tells_of_itself_a_moment_after_opening_makes_the_first_gesture() -> None:
+def test_the_first_gesture_is_made_if_the_controller_attaches_just_after_opening() -> None:
     bench = ServoBench(plug=False)
     bench.rig.ask("gesture", "a")
     bench.rig.clock.advance(300 * MS)
@@ -445,14 +445,14 @@ def test_a_controller_that_wants_more_time_between_two_signs_of_life_gets_it(liv
     assert motor.sent("enableFailsafe") == [2000]
 
 
-def test_where_time_is_virtual_there_is_no_failsafe_and_nothing_is_left_to_do(bench: ServoBench) -> None:
+def test_on_a_virtual_clock_no_failsafe_is_set_and_no_timer_remains(bench: ServoBench) -> None:
     make(bench)
     assert bench.channels[0].sent("enableFailsafe") == []
     assert not bench.rig.clock.step()
 
 
 @pytest.mark.parametrize("trip", ["event", "refusal"])
-def test_a_motor_that_the_failsafe_let_go_of_is_opened_anew_and_works_again(bench: ServoBench, trip: str) -> None:
+def test_a_motor_released_by_its_failsafe_is_reopened_and_works_again(bench: ServoBench, trip: str) -> None:
     begin(bench)
     [motor] = bench.channels
     motor.during["open"] = lambda: (motor.failing.clear(), motor.plug_in())
@@ -467,7 +467,7 @@ def test_a_motor_that_the_failsafe_let_go_of_is_opened_anew_and_works_again(benc
     assert [name for _, name, _ in motor.calls].count("open") == 2
 
 
-def test_a_gesture_waits_for_a_motor_that_is_being_opened_anew(bench: ServoBench) -> None:
+def test_a_gesture_waits_for_a_motor_that_is_being_reopened(bench: ServoBench) -> None:
     bench.rig.clock.advance(5 * SECOND)
     [motor] = bench.channels
     motor.err(4108, "Failsafe condition detected.")
@@ -478,7 +478,7 @@ def test_a_gesture_waits_for_a_motor_that_is_being_opened_anew(bench: ServoBench
     assert bench.rig.states("a", "gesture") == ["started", "done"]
 
 
-def test_a_motor_that_cannot_be_opened_anew_is_reported(bench: ServoBench) -> None:
+def test_a_motor_that_cannot_be_reopened_is_reported(bench: ServoBench) -> None:
     [motor] = bench.channels
     motor.failing["open"] = PhidgetError(28, "Unexpected Error")
     motor.err(4108, "Failsafe condition detected.")

@@ -77,7 +77,7 @@ def test_a_language_without_a_voice_is_reported_in_words(engine: Engine) -> None
 
 
 @pytest.mark.parametrize("text", ["做得好", "😀😀", "..."])
-def test_what_the_voice_cannot_read_is_refused(engine: Engine, text: str) -> None:
+def test_text_that_the_voice_cannot_read_is_refused(engine: Engine, text: str) -> None:
     with pytest.raises(Unreadable, match="The voice cannot read this text"):
         engine.speak(text, ENGLISH)
 
@@ -100,7 +100,7 @@ def test_an_engine_that_writes_on_a_thread_of_its_own_is_waited_for(monkeypatch:
     assert seconds(Engine().speak("Well done.", ENGLISH)) == pytest.approx(1.0)
 
 
-def test_an_engine_that_tells_of_an_error_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_engine_that_reports_an_error_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
     stand_in(monkeypatch, "engine.listeners['error'](name=None, exception=OSError('The disk is full'))")
     with pytest.raises(SoundError, match=r"could not speak \(The disk is full\)"):
         Engine().speak("Well done.", ENGLISH)
@@ -137,7 +137,7 @@ def test_an_engine_that_lacks_something_may_be_mended_while_it_runs(monkeypatch:
     assert [voice.id for voice in engine.voices()] == ["plain"]
 
 
-def test_where_there_are_no_files_in_memory_a_private_folder_is_used_and_removed(
+def test_without_files_in_memory_a_private_folder_is_used_and_removed(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(sys, "platform", "darwin")

@@ -206,7 +206,7 @@ def test_stop_of_speech_leaves_the_tones(calm: Theme) -> None:
         assert listener.wait("a1-tone").state == "done"
 
 
-def test_a_voice_that_stops_as_told_is_used_again(calm: Theme, tmp_path: Path) -> None:
+def test_a_voice_that_stops_on_request_is_used_again(calm: Theme, tmp_path: Path) -> None:
     file = tmp_path / "pids"
     with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
         for action in ("a1", "a2", "a3"):
@@ -267,7 +267,7 @@ def test_sound_may_go_to_the_card_or_to_a_folder_that_may_not_exist_yet(tmp_path
         (f"file:/{'x' * 300}", "cannot be a folder for sound files"),
     ],
 )
-def test_where_sound_cannot_go_is_reported_in_words(tmp_path: Path, where: str, says: str) -> None:
+def test_an_unusable_destination_of_sound_is_reported_in_words(tmp_path: Path, where: str, says: str) -> None:
     (tmp_path / "taken").write_text("a file")
     with pytest.raises(SoundError, match=says):
         check_sound(where.format(tmp_path))

@@ -37,7 +37,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize("destination", [SoundCard(NOBODY), NoSound()], ids=["card", "nowhere"])
-def test_it_tells_once_when_it_begins_and_for_how_long(destination: Destination) -> None:
+def test_the_onset_and_duration_of_a_sound_are_reported_once(destination: Destination) -> None:
     began = Began()
     destination.play("a", BEEP, Playback(), began)
     ((at, lasts),) = began.reports
@@ -76,7 +76,7 @@ def test_files_are_numbered_after_what_is_there_and_nothing_is_overwritten(tmp_p
     assert found["007-a1-say.wav"] == b"mine"
 
 
-def test_two_that_write_to_one_folder_at_the_same_time_take_the_next_number_each(tmp_path: Path) -> None:
+def test_two_players_writing_to_one_folder_number_their_files_without_conflict(tmp_path: Path) -> None:
     mine, yours = Folder(str(tmp_path), False), Folder(str(tmp_path), False)
     for destination in (mine, yours, yours, mine, mine):
         destination.play("a1-say", BEEP, Playback(), Began())
@@ -132,7 +132,7 @@ def test_no_sound_card_is_reported_in_words_each_time() -> None:
             card.play("a", BEEP, Playback(), Began())
 
 
-def test_a_card_that_stops_taking_sound_is_reported_in_words_and_opened_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_card_that_stops_taking_sound_is_reported_in_words_and_reopened(monkeypatch: pytest.MonkeyPatch) -> None:
     import miniaudio
 
     monkeypatch.setattr("sar_tui.outputs.sound.player._STALLED_S", 0.05)

@@ -107,7 +107,7 @@ def test_a_wav_file_of_8_bits_is_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("encoding", "order"), [(b"", "big"), (b"NONE", "big"), (b"twos", "big"), (b"sowt", "little")])
-def test_what_macos_speaks_into_is_read(tmp_path: Path, encoding: bytes, order: str) -> None:
+def test_aiff_files_as_written_by_macos_are_read(tmp_path: Path, encoding: bytes, order: str) -> None:
     assert read(aiff(tmp_path / "a.wav", in_order(HUM, order), encoding)) == HUM
 
 

@@ -14,7 +14,7 @@ from tests.outputs.voice_fixtures import DEADLINE_S, NOBODY
 BEEP = (Note(880, 20),)
 
 
-def test_the_next_is_sounded_though_the_news_of_the_last_was_refused() -> None:
+def test_the_next_sound_is_played_although_a_report_of_the_last_one_failed() -> None:
     reported: list[PartEvent] = []
     over = threading.Event()
 
@@ -35,7 +35,7 @@ def test_the_next_is_sounded_though_the_news_of_the_last_was_refused() -> None:
     ]
 
 
-def test_a_callback_for_a_loop_that_closes_just_then_is_nobodys(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_callback_for_a_loop_that_is_closing_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
     loop = asyncio.new_event_loop()
     loop.close()
     monkeypatch.setattr(loop, "is_closed", lambda: False)  # as it was a moment ago

@@ -57,7 +57,7 @@ class Talk:
         return self._replies.get(timeout=DEADLINE_S)
 
 
-def test_what_libraries_print_reaches_neither_the_replies_nor_the_terminal(capfd: pytest.CaptureFixture[str]) -> None:
+def test_output_printed_by_libraries_is_discarded(capfd: pytest.CaptureFixture[str]) -> None:
     talk = Talk(Setup(backends=NOBODY), program_with(NOISY))
     talk.child.send(Say(1, "a1", "Well done.", HELLO))
     assert isinstance(talk.next(), Started)
