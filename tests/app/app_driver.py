@@ -16,12 +16,11 @@ from textual.pilot import Pilot
 from sar_tui.app.app import SarTui
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import Prompt, StorageChanged, Waiting
-from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import PROMPT, STORAGE, WAITING
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from tests.settle import settle
@@ -33,9 +32,11 @@ _TYPED = {"space": " ", "enter": "\r", "tab": "\t"}
 _FRAMES = str.maketrans("│▌╭╮╰╯─", "       ")
 
 
-def plan(task: type[Task], participant: str = "P01", theme: str = "calm", **parameters: object) -> Plan:
+def plan(
+    catalogue: Catalogue, task: type[Task], participant: str = "P01", theme: str = "calm", **parameters: object
+) -> Plan:
     """Return the plan of a short session."""
-    return Plan(task, build(task.Parameters, SHORT | parameters), theme, participant, seed=7)
+    return make_plan(catalogue, task, [participant], SHORT | parameters, theme=theme, seed=7)
 
 
 def known(data: Path, participant: str = "P01", theme: str = "calm", **parameters: object) -> None:

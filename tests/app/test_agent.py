@@ -47,7 +47,7 @@ def mouth(theme: Theme, face: str) -> str:
 async def test_the_mouth_moves_only_while_a_voice_sounds(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme, voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
         await driver.wait(3000)
         assert voice.asked[0][1] == driver.said
         assert mouth(calm, "happy") in robot(driver)
@@ -64,7 +64,7 @@ async def test_the_mouth_moves_only_while_a_voice_sounds(
 async def test_a_trial_continues_when_the_agent_has_spoken_and_its_text_stays_until_then(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
         await voice.begin(driver)
         await driver.press("enter")
         await driver.wait(300)
@@ -86,7 +86,7 @@ async def test_a_trial_continues_when_the_agent_has_spoken_and_its_text_stays_un
 async def test_a_voice_that_continues_into_a_response_window_draws_nothing(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
         await voice.end(driver)
         prompt = await driver.to_first_prompt()
         agent = driver.app.screen.query_one(Agent)
@@ -105,7 +105,9 @@ async def test_a_voice_that_continues_into_a_response_window_draws_nothing(
 async def test_the_goodbye_is_spoken_on_the_summary_and_the_voice_released_afterwards(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1, **SPOKEN)) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, attempts=1, prompts_per_attempt=1, **SPOKEN)
+    ) as driver:
         await voice.end(driver)
         await driver.do_attempt(await driver.to_first_prompt())
         await voice.end(driver)
@@ -127,7 +129,7 @@ async def test_the_goodbye_is_spoken_on_the_summary_and_the_voice_released_after
 async def test_a_failed_voice_is_reported_until_it_speaks_again(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
         assert "no voice" not in driver.text
         words = driver.said
         await driver.wait(3000)
@@ -145,7 +147,7 @@ async def test_a_failed_voice_is_reported_until_it_speaks_again(
 async def test_without_the_screen_output_the_agent_is_shown_only_while_its_text_must_be_read(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **UNSEEN)) as driver:
         agent = driver.app.screen.query_one(Agent)
         await voice.begin(driver)
         await voice.end(driver)
@@ -169,7 +171,7 @@ async def test_without_the_screen_output_the_agent_is_shown_only_while_its_text_
 async def test_a_participant_who_holds_a_key_is_asked_to_release_it_even_without_an_agent(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **UNSEEN)) as driver:
         agent = driver.app.screen.query_one(Agent)
         await voice.end(driver)
         await driver.press("enter")
@@ -186,7 +188,7 @@ async def test_a_participant_who_holds_a_key_is_asked_to_release_it_even_without
 async def test_a_voice_that_fails_in_a_trial_is_reported_after_it(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, **UNSEEN)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **UNSEEN)) as driver:
         await voice.end(driver)
         prompt = await driver.to_first_prompt()
         frames = count_frames(driver, monkeypatch)
@@ -206,7 +208,7 @@ async def test_a_voice_that_fails_in_a_trial_is_reported_after_it(
 async def test_delayed_feedback_is_awaited_with_a_thinking_face(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, feedback_delay_ms=3000)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, feedback_delay_ms=3000)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         assert driver.sees("One moment…")
         assert mouth(calm, "thinking") in robot(driver)
@@ -223,7 +225,7 @@ async def test_the_agent_listens_again_if_it_has_nothing_to_say(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme
 ) -> None:
     settings = {"feedback_delay_ms": 3000, "feedback_every": 2, "attempts": 3, "encouragement": False}
-    async with open_app(data, catalogue, plan(keyboard, **settings)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **settings)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(3100)
         assert driver.sees("Press Enter to begin attempt 2 of 3.")
@@ -232,7 +234,9 @@ async def test_the_agent_listens_again_if_it_has_nothing_to_say(
 
 
 async def test_tab_requests_feedback(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(keyboard, feedback_schedule="request", encouragement=False)) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, feedback_schedule="request", encouragement=False)
+    ) as driver:
         await driver.press("enter")
         assert "Tab" not in driver.text
         await driver.do_attempt(await driver.begin())
@@ -252,7 +256,9 @@ async def test_tab_requests_feedback(data: Path, catalogue: Catalogue, keyboard:
 async def test_f2_stops_the_agent_on_every_screen_of_a_session(
     where: str, data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1, **SPOKEN)) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, attempts=1, prompts_per_attempt=1, **SPOKEN)
+    ) as driver:
         if where == "help":
             await driver.press("f1")
         elif where == "palette":
@@ -280,7 +286,7 @@ async def test_f2_stops_the_agent_on_every_screen_of_a_session(
 async def test_a_stop_is_immediate_and_the_latency_of_each_output_is_logged(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme, voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
         await voice.begin(driver)
         await driver.wait(500)
         assert "●" in robot(driver).splitlines()[2][17:]  # it waves
@@ -296,11 +302,11 @@ async def test_a_stop_is_immediate_and_the_latency_of_each_output_is_logged(
 async def test_the_stop_key_is_shown_only_with_a_voice(
     data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, **SPOKEN)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
         assert "F2 Stop robot" in driver.rows[-1], "the output of this test is a plug-in"
         await driver.press("f1")
         assert driver.sees("F2 Stop robot")
-    async with open_app(data, catalogue, plan(keyboard, "P02")) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P02")) as driver:
         assert "F2 Stop" not in driver.text
         await driver.wait(500)
         assert driver.app.screen.query_one(Agent).is_moving
@@ -332,7 +338,7 @@ async def test_text_has_the_colour_of_its_valence_and_joined_text_has_none(
     name: str, valence: str | None, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     colors = catalogue.theme(name).colors
-    async with open_app(data, catalogue, plan(keyboard, theme=name)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, theme=name)) as driver:
         agent = driver.app.screen.query_one(Agent)
         agent.say("Well done.", "happy", valence)
         agent.say("Have a rest.", "sleeping", joins=True)
@@ -354,7 +360,9 @@ async def test_the_longest_text_fits_beside_the_agent_and_the_key_hints(
     performance = [each for each in PERFORMANCE if each.endswith("figures")]
     words = " ".join(longest(theme, each) for each in (in_words, in_figures, performance))
     more = longest(theme, ["rest", "encouragement"])
-    async with open_app(data, catalogue, plan(keyboard, theme=name, language=language, attempts=200)) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, theme=name, language=language, attempts=200)
+    ) as driver:
         await driver.press("enter")
         at_foot, press = driver.rows[-2:], driver.app.screen.query_one("#enter").render()  # type: ignore[attr-defined]
         agent = driver.app.screen.query_one(Agent)

@@ -150,7 +150,7 @@ async def test_while_a_response_is_awaited_there_is_no_text_and_no_movement(calm
 
 
 async def test_a_view_that_joins_during_a_trial_shows_no_earlier_text(calm: Theme) -> None:
-    """Kept topics and the last messages arrive in any order; their sequence numbers say which came first."""
+    """Retained topics and the last messages arrive in any order; their sequence numbers say which came first."""
     async with watching(calm) as watcher:
         watcher.link.welcome()
         watcher.link.deliver(WAITING, IN_A_TRIAL, seq=20)

@@ -19,7 +19,7 @@ from tests.app.app_driver import AppDriver, known, open_app, plan, stored
 async def test_a_failed_write_asks_for_the_experimenter_and_the_session_continues_afterwards(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.disk(False)
         assert driver.sees("Please fetch the experimenter")
@@ -48,7 +48,7 @@ async def test_a_task_that_raises_asks_for_the_experimenter_and_the_app_fails(
                 raise RuntimeError("a wire is loose")
             return Result(correct=True, response=percept.key, response_at=percept.at, value=1.0)
 
-    async with open_app(data, catalogue, plan(Loose)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, Loose)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         assert driver.sees("Please fetch the experimenter")
         assert driver.sees("Everything you did is kept.")
@@ -204,7 +204,7 @@ async def test_unsaved_messages_are_reported_when_the_session_is_left(
 async def test_a_session_whose_disk_is_too_slow_stays_locked_and_unsaved(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    app = SarTui(data, catalogue, plan(keyboard))
+    app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.pause()
         assert app.live

@@ -25,7 +25,7 @@ async def test_help_describes_a_screen_and_its_keys(key: str, data: Path, catalo
 async def test_the_footer_shows_pause_only_where_a_pause_is_possible(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         assert "Esc Pause" in driver.rows[-1]
         assert "Ctrl-Q Quit" in driver.rows[-1]
         assert "Ctrl-P palette" in driver.rows[-1]

@@ -118,11 +118,11 @@ async def test_settings_that_became_invalid_are_reported_and_no_session_starts(
 async def test_an_interrupted_session_is_listed_first_and_enter_resumes_it(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, "P01")) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P01")) as driver:
         await driver.answer(await driver.to_first_prompt())
         left_at = await driver.to_prompt()
         session = driver.session_id
-    async with open_app(data, catalogue, plan(keyboard, "P02", attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P02", attempts=1)) as driver:
         await driver.do_session()
     async with open_app(data, catalogue) as driver:
         recent = [row for row in driver.rows if "keyboard  " in row]
@@ -154,7 +154,7 @@ async def test_an_interrupted_session_is_listed_first_and_enter_resumes_it(
 async def test_a_completed_session_is_shown_with_its_plot(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.do_session()
     async with open_app(data, catalogue) as driver:
         await driver.press(*["right"] * 5, "enter")
@@ -170,7 +170,7 @@ async def test_a_completed_session_is_shown_with_its_plot(
 async def test_a_session_of_a_removed_task_is_still_shown(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
         await driver.do_session()
     nothing = Catalogue()
     nothing._tasks = ()
@@ -185,7 +185,7 @@ async def test_a_session_of_a_removed_task_is_still_shown(
 async def test_a_participant_cannot_have_two_sessions_at_once(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)), open_app(data, catalogue) as second:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)), open_app(data, catalogue) as second:
         await second.press("right", "right", "right", "enter")
         assert second.screen_name == "HomeScreen"
         assert second.sees("in a live session already")

@@ -44,7 +44,7 @@ async def test_nothing_is_recorded_after_a_session_is_left(data: Path, catalogue
 async def test_characters_typed_into_the_palette_are_never_recorded(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("ctrl+p")
         await driver.write(*"help")
@@ -55,7 +55,7 @@ async def test_characters_typed_into_the_palette_are_never_recorded(
 async def test_a_question_mark_opens_help_except_in_a_trial(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, levels="?x")) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, levels="?x")) as driver:
         await driver.press("?")
         assert driver.screen_name == "HelpScreen"
         assert driver.sees("Press that key as fast as you can, and then wait for the next one.")
@@ -73,7 +73,7 @@ async def test_a_question_mark_opens_help_except_in_a_trial(
 async def test_any_other_key_in_a_trial_is_only_a_response(
     key: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.wait(400)
         await driver.press(key)
@@ -85,7 +85,7 @@ async def test_any_other_key_in_a_trial_is_only_a_response(
 async def test_pasted_text_is_no_response_and_only_its_length_is_stored(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.send_event(Paste(prompt.expected + "ord7"))
         assert [paste["length"] for paste in driver.messages("input/paste")] == [5]
@@ -98,7 +98,7 @@ async def test_pasted_text_is_no_response_and_only_its_length_is_stored(
 async def test_a_window_that_loses_the_focus_is_an_event_and_flags_the_trial(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.send_event(AppBlur())
         await driver.send_event(AppFocus())
@@ -111,7 +111,7 @@ async def test_a_window_that_loses_the_focus_is_an_event_and_flags_the_trial(
 async def test_quitting_in_a_trial_leaves_a_resumable_session(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.to_prompt()
         await driver.press("ctrl+q")
@@ -123,7 +123,7 @@ async def test_quitting_in_a_trial_leaves_a_resumable_session(
 async def test_ctrl_c_stops_the_app_anywhere_with_its_own_exit_code(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("ctrl+c")
         assert driver.app.return_code == 130

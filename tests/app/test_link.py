@@ -19,7 +19,7 @@ async def test_operator_gets_a_snapshot_and_sees_prompts(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     channel = FakeChannel()
-    async with open_app(data, catalogue, plan(keyboard), link=channel) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard), link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(SnapshotRequested(ANNA))
         await driver.wait(100)
@@ -39,7 +39,7 @@ async def test_operator_who_ends_the_session_is_recorded_by_name(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     channel = FakeChannel()
-    async with open_app(data, catalogue, plan(keyboard), link=channel) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard), link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(ActReceived(ANNA, COMMAND.name, msgspec.Raw(protocol.encode(m.SessionCommand(command="end")))))
         await driver.wait(1000)

@@ -34,7 +34,7 @@ async def decide(driver: AppDriver, pending: m.PendingApproval, verdict: str, **
 async def test_a_filler_disappears_after_the_wait_and_only_the_decision_is_shown(
     data: Path, catalogue: Catalogue, keyboard: type[Task], verdict: str
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, **APPROVE)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **APPROVE)) as driver:
         pending = await to_proposal(driver)
         assert driver.said in catalogue.theme("calm").phrases["filler"]
         assert "Press Enter" not in driver.text
@@ -46,7 +46,7 @@ async def test_a_filler_disappears_after_the_wait_and_only_the_decision_is_shown
 async def test_edited_feedback_is_shown_in_the_operators_words_only(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, **APPROVE)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **APPROVE)) as driver:
         pending = await to_proposal(driver)
         await decide(driver, pending, "edit", text="You held on [b]well[/b].")
         assert driver.said == "You held on [b]well[/b]."

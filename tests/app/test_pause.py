@@ -12,7 +12,7 @@ from tests.app.app_driver import open_app, plan, stored
 async def test_escape_pauses_at_once_in_a_trial_and_the_trial_is_repeated(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.press("escape")
         assert driver.sees("Paused")
@@ -30,7 +30,7 @@ async def test_escape_pauses_at_once_in_a_trial_and_the_trial_is_repeated(
 async def test_escape_pauses_before_an_attempt_and_returns_there(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         for words in ("Press Enter to go on.", "Press Enter to begin attempt 1 of 2."):
             assert driver.sees(words)
             await driver.press("escape")
@@ -41,7 +41,7 @@ async def test_escape_pauses_before_an_attempt_and_returns_there(
 
 
 async def test_the_menu_is_used_with_arrows_and_enter(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("escape")
         for choice in ("Go on", "I am tired", "I am in pain", "I am finished"):
@@ -57,7 +57,7 @@ async def test_the_menu_is_used_with_arrows_and_enter(data: Path, catalogue: Cat
 
 
 async def test_a_second_escape_changes_nothing(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "enter", "escape")
         assert driver.sees("Have a rest")
@@ -67,7 +67,7 @@ async def test_a_second_escape_changes_nothing(data: Path, catalogue: Catalogue,
 async def test_only_ending_asks_for_confirmation(
     keys: list[str], goes_on: bool, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.press("escape", "up", "enter")
         assert driver.sees("End the session now?")
@@ -87,7 +87,7 @@ async def test_only_ending_asks_for_confirmation(
 async def test_help_or_the_palette_over_a_trial_pauses_it(
     key: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press(key)
         assert "Press: " not in driver.text
@@ -101,7 +101,7 @@ async def test_help_or_the_palette_over_a_trial_pauses_it(
 async def test_a_window_made_too_small_pauses_a_trial_and_recovers(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.resize(79, 24)
         assert driver.sees("This window is too small.")

@@ -32,7 +32,7 @@ def count_frames(driver: AppDriver, monkeypatch: pytest.MonkeyPatch) -> list[obj
 async def test_no_frame_is_drawn_between_a_prompt_and_its_response(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         frames = count_frames(driver, monkeypatch)
         for _ in range(20):
@@ -45,7 +45,7 @@ async def test_no_frame_is_drawn_between_a_prompt_and_its_response(
 async def test_a_prompt_repaints_its_own_region_only(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         first = await driver.to_first_prompt()
         await driver.answer(first)
         frames = count_frames(driver, monkeypatch)
@@ -57,7 +57,7 @@ async def test_a_prompt_repaints_its_own_region_only(
 
 
 async def test_no_widget_of_a_session_is_animated(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         assert not driver.app.animator._animations
         for widget in driver.app.screen.walk_children(with_self=True):
@@ -68,7 +68,7 @@ async def test_no_widget_of_a_session_is_animated(data: Path, catalogue: Catalog
 async def test_no_garbage_is_collected_while_a_response_is_awaited(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         assert not gc.isenabled()
         await driver.answer(prompt)
@@ -85,7 +85,7 @@ async def test_no_color_is_respected_and_the_text_stays_the_same(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
-    async with open_app(data, catalogue, plan(keyboard, attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
         grey = [_is_grey(driver)]
         await driver.to_first_prompt()
         grey.append(_is_grey(driver))

@@ -14,7 +14,6 @@ from sar_tui.app.app import SarTui
 from sar_tui.app.screens.sensor_check import SensorCheckScreen
 from sar_tui.app.sensor_advice import FLAGS, INVALID, NO_REACH, finding_text, placing, signed
 from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.inputs.imu import NOTHING, Info, Sample, Status
 from sar_tui.inputs.simulated import SimulatedSource
@@ -22,7 +21,7 @@ from sar_tui.motion.analysis import Finding
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, Profile, SimulatedHand
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from sar_tui.widgets.sensor_placement import DRAWN, bar
@@ -86,20 +85,13 @@ class Moved(Plugged):
         self.inner.move(at_ns, shape)
 
 
-@pytest.fixture
-def reaching(catalogue: Catalogue) -> type[Task]:
-    return catalogue.task("reaching")
-
-
-def reaching_plan(task: type[Task], theme: str = "calm", **parameters: object) -> Plan:
+def reaching_plan(catalogue: Catalogue, theme: str = "calm", **parameters: object) -> Plan:
     given = {"attempts": 2, "imu": "simulated"} | parameters
-    return Plan(task, build(task.Parameters, given), theme, "P01", seed=7)
+    return make_plan(catalogue, "reaching", ["P01"], given, theme=theme, seed=7)
 
 
 @pytest.fixture
-def open_check(
-    data: Path, catalogue: Catalogue, reaching: type[Task], monkeypatch: pytest.MonkeyPatch
-) -> Callable[..., Any]:
+def open_check(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
     """Open the sensor check of a session with the given sensor."""
 
     @asynccontextmanager
@@ -109,7 +101,7 @@ def open_check(
             return source
 
         monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
-        async with open_app(data, catalogue, reaching_plan(reaching, theme, **parameters)) as driver:
+        async with open_app(data, catalogue, reaching_plan(catalogue, theme, **parameters)) as driver:
             yield driver
 
     return opened
@@ -125,10 +117,8 @@ def axis(driver: AppDriver, name: str) -> tuple[str, ...]:
 # --- the way through ---------------------------------------------------------------------------------------
 
 
-async def test_a_session_with_a_sensor_begins_with_the_sensor_check(
-    data: Path, catalogue: Catalogue, reaching: type[Task]
-) -> None:
-    async with open_app(data, catalogue, reaching_plan(reaching)) as driver:
+async def test_a_session_with_a_sensor_begins_with_the_sensor_check(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, reaching_plan(catalogue)) as driver:
         assert driver.screen_name == "SensorCheckScreen"
         assert driver.sees("P01 · Reaching")
         assert stored(data, "SELECT id FROM sessions") == []
@@ -158,7 +148,7 @@ async def test_the_session_takes_over_the_running_sensor(open_check: Callable[..
 async def test_a_task_without_a_sensor_has_no_sensor_check(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         assert driver.screen_name == "SessionScreen"
 
 
@@ -223,17 +213,15 @@ def refuse(*_: object) -> None:
     raise StoreError("The disk is full.")
 
 
-async def test_an_unknown_sensor_is_refused_like_other_settings(
-    data: Path, catalogue: Catalogue, reaching: type[Task]
-) -> None:
-    async with open_app(data, catalogue, reaching_plan(reaching, imu="wiimote")) as driver:
+async def test_an_unknown_sensor_is_refused_like_other_settings(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, reaching_plan(catalogue, imu="wiimote")) as driver:
         assert 'There is no sensor "wiimote".' in driver.app.failure
         assert driver.app.return_code == 1
     assert stored(data, "SELECT id FROM sessions") == []
 
 
-async def test_a_resumed_session_has_no_sensor_check(data: Path, catalogue: Catalogue, reaching: type[Task]) -> None:
-    async with open_app(data, catalogue, reaching_plan(reaching)) as driver:
+async def test_a_resumed_session_has_no_sensor_check(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, reaching_plan(catalogue)) as driver:
         await driver.press("enter", "enter")
         session = driver.session_id
     async with open_app(data, catalogue, session) as driver:
@@ -253,10 +241,8 @@ async def test_a_finished_recording_is_replayed_by_the_session(open_check: Calla
         assert [message["state"] for message in driver.messages("input/sensor")] == ["attached"]
 
 
-async def test_on_a_live_clock_the_check_has_a_worker_that_ends_with_it(
-    data: Path, catalogue: Catalogue, reaching: type[Task]
-) -> None:
-    app = SarTui(data, catalogue, reaching_plan(reaching))
+async def test_on_a_live_clock_the_check_has_a_worker_that_ends_with_it(data: Path, catalogue: Catalogue) -> None:
+    app = SarTui(data, catalogue, reaching_plan(catalogue))
     async with app.run_test() as pilot:
         await pilot.pause()
         assert {worker.name for worker in app.workers if worker.is_running} == {"sensor check"}

@@ -12,7 +12,7 @@ from tests.app.app_driver import open_app, plan, stored
 async def test_a_session_from_the_instructions_to_the_summary(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         assert driver.sees("Press that key as fast as you can, and then wait for the next one.")
         assert driver.sees("An attempt asks for 2 keys.")
         assert driver.sees("Press Enter to go on.")
@@ -56,7 +56,7 @@ async def test_a_session_from_the_instructions_to_the_summary(
 async def test_the_plain_line_is_shown_only_with_a_prompt(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, prompts_per_attempt=3)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, prompts_per_attempt=3)) as driver:
         await driver.press("enter")
         await driver.wait(300)
         await driver.press("enter")
@@ -72,7 +72,7 @@ async def test_the_plain_line_is_shown_only_with_a_prompt(
 
 
 async def test_a_prompt_without_a_response_times_out(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(keyboard, response_timeout_ms=2000)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, response_timeout_ms=2000)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.wait(1999)
         assert prompt.text in driver.text
@@ -84,7 +84,7 @@ async def test_a_prompt_without_a_response_times_out(data: Path, catalogue: Cata
 async def test_every_screen_that_waits_for_enter_says_so(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, attempts=1, practice_attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1, practice_attempts=1)) as driver:
         assert "Enter" in driver.text  # the instructions
         await driver.press("enter")
         assert "Enter" in driver.text  # before the practice attempt
@@ -113,7 +113,7 @@ async def test_every_screen_that_waits_for_enter_says_so(
 
 
 async def test_practice_comes_first_and_does_not_count(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(keyboard, practice_attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, practice_attempts=1)) as driver:
         await driver.press("enter")
         assert driver.sees("Press Enter to begin practice 1 of 1.")
         assert driver.sees("Practice 0 of 1")
@@ -131,7 +131,7 @@ async def test_practice_comes_first_and_does_not_count(data: Path, catalogue: Ca
 async def test_a_wrong_key_is_a_response_and_the_agent_mentions_accuracy(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
         prompt = await driver.to_first_prompt()
         await driver.wait(300)
         await driver.press("j" if prompt.expected == "f" else "f")
@@ -146,7 +146,7 @@ async def test_a_wrong_key_is_a_response_and_the_agent_mentions_accuracy(
 
 
 async def test_one_attempt_is_singular(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(keyboard, attempts=1, prompts_per_attempt=1)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1, prompts_per_attempt=1)) as driver:
         assert driver.sees("An attempt asks for 1 key.")
         await driver.do_session()
         assert driver.sees("You did 1 attempt; goal reached in 1.")
@@ -155,7 +155,7 @@ async def test_one_attempt_is_singular(data: Path, catalogue: Catalogue, keyboar
 async def test_a_repeated_enter_after_the_last_response_does_not_close_the_summary(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard, attempts=1)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(300)
         await driver.press("enter")
@@ -172,7 +172,7 @@ async def test_a_repeated_enter_after_the_last_response_does_not_close_the_summa
 async def test_a_repeated_enter_after_ending_early_does_not_close_the_summary(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "down", "enter")
         await driver.wait(300)
@@ -188,7 +188,7 @@ async def test_a_repeated_enter_after_ending_early_does_not_close_the_summary(
 async def test_a_pause_after_the_last_attempt_returns_there_with_all_attempts_counted(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.do_attempt(await driver.begin())
         await driver.press("escape")
@@ -204,7 +204,7 @@ async def test_a_pause_after_the_last_attempt_returns_there_with_all_attempts_co
 async def test_a_session_left_after_its_last_attempt_is_resumed_there(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(keyboard)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.do_attempt(await driver.begin())
         session = driver.session_id
@@ -225,7 +225,7 @@ async def test_the_agent_is_silent_during_an_attempt(
     theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     faces = catalogue.theme(theme).faces
-    async with open_app(data, catalogue, plan(keyboard, theme=theme)) as driver:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, theme=theme)) as driver:
         assert faces["happy"].splitlines()[2] in driver.text
         assert driver.said != ""
         await driver.to_first_prompt()

@@ -88,7 +88,9 @@ async def test_snapshots_of_home_and_settings(theme: str, data: Path, catalogue:
 @pytest.mark.parametrize("theme", first(1, THEMES))
 async def test_snapshots_of_a_session(theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     album = Album(theme)
-    async with open_app(data, catalogue, plan(keyboard, theme=theme, attempts=4, practice_attempts=1)) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, theme=theme, attempts=4, practice_attempts=1)
+    ) as driver:
         album.take("instructions", driver)
         await driver.press("enter")
         album.take("before-practice", driver)

@@ -29,7 +29,7 @@ async def play(driver: AppDriver) -> list[str]:
 async def test_a_task_outside_the_checkout_draws_in_all_places(data: Path, own_tasks: Path) -> None:
     (own_tasks / "sides" / "view.py").write_text(VIEW)
     catalogue = Catalogue(tasks=(own_tasks,))
-    async with open_app(data, catalogue, plan(catalogue.task("sides"))) as driver:
+    async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
         prompt, between, summary = await play(driver)
         assert "<<< Press: f >>>" in prompt
         assert "2 trials, drawn" in between
@@ -45,7 +45,7 @@ async def test_a_task_outside_the_checkout_draws_in_all_places(data: Path, own_t
 
 async def test_without_a_view_the_plain_prompt_is_drawn(data: Path, own_tasks: Path) -> None:
     catalogue = Catalogue(tasks=(own_tasks,))
-    async with open_app(data, catalogue, plan(catalogue.task("sides"))) as driver:
+    async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
         prompt, between, summary = await play(driver)
         assert "█" in prompt
         assert [row.strip() for row in prompt.splitlines()].count("Press: f") == 1
@@ -75,7 +75,7 @@ async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
     assert broken != VIEW
     (own_tasks / "sides" / "view.py").write_text(broken)
     catalogue = Catalogue(tasks=(own_tasks,))
-    async with open_app(data, catalogue, plan(catalogue.task("sides"))) as driver:
+    async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
         prompt, between, summary = await play(driver)
         assert "Press: f" in prompt
         if topic in ("load", "prompt_lines"):
@@ -91,7 +91,7 @@ async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
 async def test_a_session_whose_view_failed_is_resumed(data: Path, own_tasks: Path) -> None:
     (own_tasks / "sides" / "view.py").write_text("raise RuntimeError('no such file')")
     catalogue = Catalogue(tasks=(own_tasks,))
-    async with open_app(data, catalogue, plan(catalogue.task("sides"))) as driver:
+    async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         session = driver.session_id
     async with open_app(data, catalogue, session) as driver:

@@ -150,7 +150,7 @@ async def test_home_changes_its_colours_with_the_file(data: Path, folder: Path, 
 async def test_in_a_session_face_colours_and_later_utterances_change(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, themes, plan(keyboard, theme="mine", feedback_form="qualitative")) as driver:
+    async with open_app(data, themes, plan(themes, keyboard, theme="mine", feedback_form="qualitative")) as driver:
         words = driver.said
         assert HAPPY_EYES in driver.text
         edit(folder, HAPPY_EYES, "│  Q   Q  │")
@@ -173,7 +173,7 @@ async def test_in_a_session_face_colours_and_later_utterances_change(
 async def test_a_session_in_spanish_stays_in_spanish_when_its_theme_is_edited(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, themes, plan(keyboard, theme="mine", language="es")) as driver:
+    async with open_app(data, themes, plan(themes, keyboard, theme="mine", language="es")) as driver:
         edit(folder, "#10171e", "#30171e")
         await look(driver)
         assert driver.session.theme.language == "es"
@@ -209,7 +209,7 @@ async def test_a_faulty_edit_during_a_session_is_reported_later_on_home(
 async def test_a_faulty_edit_is_reported_on_the_terminal_unless_it_was_fixed(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, themes, plan(keyboard, theme="mine")) as driver:
+    async with open_app(data, themes, plan(themes, keyboard, theme="mine")) as driver:
         edit(folder, '"#7cc4e8"', '"blueish"')
         await look(driver)
         assert driver.app.pending_notice.startswith("Theme edited. One thing to fix: ")
@@ -222,7 +222,7 @@ async def test_a_faulty_edit_is_reported_on_the_terminal_unless_it_was_fixed(
 async def test_the_palette_lists_no_theme_while_a_session_is_open(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, themes, plan(keyboard, theme="mine")) as driver:
+    async with open_app(data, themes, plan(themes, keyboard, theme="mine")) as driver:
         await driver.press("ctrl+p")
         assert driver.sees("Quit")
         assert not driver.sees("Theme:")
@@ -236,7 +236,7 @@ async def test_the_palette_lists_no_theme_while_a_session_is_open(
 async def test_an_invalid_image_is_left_out_at_any_time(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task], name: str
 ) -> None:
-    async with open_app(data, themes, plan(keyboard, theme="mine")) as driver:
+    async with open_app(data, themes, plan(themes, keyboard, theme="mine")) as driver:
         edit(folder, "[gestures]", f'[images]\nhappy = "{name}"\n[gestures]')
         await look(driver)
         assert driver.session.theme.repairs[0].startswith("There is no image a")
@@ -264,7 +264,7 @@ async def test_a_theme_without_english_is_applied_in_its_own_language(
 ) -> None:
     (folder / "phrases.en.toml").unlink()
     edit(folder, "#10171e", "#30171e")
-    async with open_app(data, themes, plan(keyboard, theme="mine", language="es")) as driver:
+    async with open_app(data, themes, plan(themes, keyboard, theme="mine", language="es")) as driver:
         assert driver.app.screen.styles.background.hex.lower() == "#30171e"
 
 
@@ -303,7 +303,7 @@ def test_modules_that_only_a_session_needs_are_not_loaded_before_the_first_scree
 async def test_no_theme_file_is_checked_during_a_trial(
     data: Path, themes: Catalogue, keyboard: type[Task], folder: Path
 ) -> None:
-    async with open_app(data, themes, plan(keyboard, theme=folder.name)) as driver:
+    async with open_app(data, themes, plan(themes, keyboard, theme=folder.name)) as driver:
         timer = driver.app._edits
         assert _runs(timer)
         prompt = await driver.to_first_prompt()

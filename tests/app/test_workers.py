@@ -11,7 +11,7 @@ from tests.app.app_driver import known, plan, stored
 async def test_session_and_storage_are_workers_that_end_with_the_app(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    app = SarTui(data, catalogue, plan(keyboard))
+    app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.pause()
         assert {worker.name for worker in app.workers if worker.is_running} == {"session", "storage"}
