@@ -14,6 +14,7 @@ from sar_tui.cli.errors import Refused
 if TYPE_CHECKING:
     import sqlite_utils
     from rich.console import Console
+    from rich.progress import Progress
 
     from sar_tui.framework.task import Task
     from sar_tui.plugins import Catalogue
@@ -129,6 +130,15 @@ def console(*, error: bool = False) -> "Console":
     from rich.console import Console
 
     return Console(stderr=error, highlight=False, soft_wrap=False)
+
+
+def progress_bar(**options: Any) -> "Progress":
+    """Return a progress bar on stderr, which shows nothing if that is no terminal."""
+    from rich.progress import Progress
+
+    error = console(error=True)
+    error.quiet = not error.is_terminal  # rich 14.0 prints an empty line even if the bar is disabled
+    return Progress(console=error, transient=True, disable=not error.is_terminal, **options)
 
 
 def print_json(value: object) -> None:

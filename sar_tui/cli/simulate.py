@@ -1,7 +1,5 @@
 """``sar-tui simulate``: a whole session with a simulated participant."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from enum import StrEnum
 from functools import partial
 from typing import TYPE_CHECKING, Annotated
@@ -22,6 +20,7 @@ from sar_tui.cli.common import (
     checked_settings,
     console,
     print_json,
+    progress_bar,
     read_settings,
 )
 from sar_tui.cli.errors import Refused
@@ -133,8 +132,13 @@ def simulate(
             catalogue, kind, participant or ["SIM"], values, theme=theme, speech=speech, seed=seed, mode="simulated"
         )
     people = [_person(each, practice_effect, fatigue) for each in user]
-    with _progress(plan.parameters.practice_attempts + plan.parameters.attempts) as advance:
-        profile = None if operator is None else PROFILES[operator.value]
+    profile = None if operator is None else PROFILES[operator.value]
+    with progress_bar() as bar:
+        attempts_line = bar.add_task("attempts", total=plan.parameters.practice_attempts + plan.parameters.attempts)
+
+        def advance(attempt: int) -> None:
+            bar.update(attempts_line, completed=attempt)
+
         session = run_session(plan, people[0], home.folder, catalogue, advance, profile, people[-1])
     with home.database() as database:
         rows = sessions.rows(database, "attempts", session)
@@ -165,17 +169,3 @@ def _person(user: User, practice: float | None, fatigue: float | None) -> "Perso
     return msgspec.structs.replace(
         PEOPLE[user.value], **{name: value for name, value in changes.items() if value is not None}
     )
-
-
-@contextmanager
-def _progress(attempts: int) -> Iterator[Callable[[int], None]]:
-    """Show a progress bar on stderr, if it is a terminal."""
-    error = console(error=True)
-    if not error.is_terminal:
-        yield lambda attempt: None
-        return
-    from rich.progress import Progress
-
-    with Progress(console=error, transient=True) as bar:
-        task = bar.add_task("attempts", total=attempts)
-        yield lambda attempt: bar.update(task, completed=attempt)

@@ -21,14 +21,13 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 
 import msgspec
 
-from sar_tui.cli.common import console, print_json
+from sar_tui.cli.common import console, print_json, progress_bar
 from sar_tui.cli.tables import add, table
 from sar_tui.store import provenance
 from sar_tui.timing.closed_loop import BASELINE, MAX_PROMPTS, SAR_TUI, Mismatch, take_turns
@@ -76,7 +75,12 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)
     load = os.getloadavg()[0]
     try:
-        with _progress(2 * trials) as on_press:
+        with progress_bar(auto_refresh=False) as bar:
+            line = bar.add_task("measuring", total=2 * trials)
+
+            def on_press(name: str) -> None:
+                bar.update(line, advance=1, description=f"measuring {name}", refresh=True)
+
             measured = take_turns(
                 (SAR_TUI, BASELINE), trials, max(4, math.ceil(trials / MAX_PROMPTS)), folder, on_press
             )
@@ -187,21 +191,3 @@ def _print(own: ErrorStatistics, baseline: ErrorStatistics, verdict: str, reason
     for reason in reasons:
         out.print(f"  {reason}")
     out.print("\nNot in these figures: the keyboard (11-73 ms), the terminal's drawing and the monitor.")
-
-
-@contextmanager
-def _progress(presses: int) -> Iterator[Callable[[str], None]]:
-    """Show a progress bar on stderr, if it is a terminal."""
-    error = console(error=True)
-    if not error.is_terminal:
-        yield lambda name: None
-        return
-    from rich.progress import Progress
-
-    with Progress(console=error, transient=True, auto_refresh=False) as bar:
-        task = bar.add_task("measuring", total=presses)
-
-        def on_press(name: str) -> None:
-            bar.update(task, advance=1, description=f"measuring {name}", refresh=True)
-
-        yield on_press

@@ -1,13 +1,12 @@
 """``sar-tui validate``: checks the thesis' claims and our own."""
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json, progress_bar
 from sar_tui.cli.errors import Refused
 from sar_tui.tui.exit_codes import FAILED
 
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
 
 _PAGE = 120
 """Line length of stored text."""
-Progress = Callable[[str, int, int], None]
 
 
 def validate(
@@ -57,7 +55,12 @@ def validate(
     if to is not None:
         _prepare_folder(to, names)
     reports = {}
-    with _progress() as progress:
+    with progress_bar() as bar:
+        line = bar.add_task("", total=None)
+
+        def progress(what: str, done: int, of: int) -> None:
+            bar.update(line, description=what, completed=done, total=of)
+
         for name in names:
             reports[name] = VALIDATIONS[name].run(Conditions(catalogue, reaches, progress))
             if to is not None:
@@ -133,17 +136,3 @@ def _print(out: "Console", title: str, report: "Report") -> None:
 
 def _verdict(sentence: str, against: str) -> str:
     return f"✗ {sentence} But {against}." if against else f"✓ {sentence}"
-
-
-@contextmanager
-def _progress() -> Iterator[Progress]:
-    """Show a progress bar on stderr if it is a terminal."""
-    error = console(error=True)
-    if not error.is_terminal:
-        yield lambda what, done, of: None
-        return
-    from rich.progress import Progress as Bar
-
-    with Bar(console=error, transient=True) as bar:
-        task = bar.add_task("", total=None)
-        yield lambda what, done, of: bar.update(task, description=what, completed=done, total=of)

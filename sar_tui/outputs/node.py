@@ -93,24 +93,17 @@ class OutputNode(Node):
     @on(ACTION)
     def act(self, action: m.Action) -> None:
         """Request the parts of an action that this output can do: the look and the tone first."""
-        if action.text or action.face:
-            self._do(action.id, "show", action.text, action.face)
-        if action.gaze:
-            self._do(action.id, "gaze", action.gaze)
-        if action.tone:
-            self._do(action.id, "tone", action.tone)
-        if action.gesture:
-            self._do(action.id, "gesture", action.gesture)
-        if action.spoken:
-            self._do(action.id, "say", action.spoken)
+        self._do(action.id, "show", action.text, action.face)
+        self._do(action.id, "gaze", action.gaze)
+        self._do(action.id, "tone", action.tone)
+        self._do(action.id, "gesture", action.gesture)
+        self._do(action.id, "say", action.spoken)
 
     @on(CUE)
     def cued(self, cue: m.CueGiven) -> None:
         """Look or point before a prompt, at once."""
-        if cue.gaze:
-            self._do(cue.id, "gaze", cue.gaze)
-        if cue.gesture:
-            self._do(cue.id, "gesture", cue.gesture)
+        self._do(cue.id, "gaze", cue.gaze)
+        self._do(cue.id, "gesture", cue.gesture)
 
     @on(PROMPT)
     def prompted(self, prompt: m.Prompt) -> None:
@@ -146,7 +139,8 @@ class OutputNode(Node):
         self._report_stop()
 
     def _do(self, action: str, part: ActionPart, *what: str) -> None:
-        if part in self._can:
+        """Request a part of an action, unless it is empty or this output cannot do it."""
+        if part in self._can and any(what):
             self._begin(action, part, *what)
 
     def _begin(self, action: str, part: ActionPart, *what: str) -> None:

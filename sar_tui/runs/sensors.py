@@ -130,7 +130,7 @@ def simulated_nodes(person: Person, task: Task, seed: int, clock: Clock, partner
     nodes: list[Node] = [SimulatedParticipant(person, task, seed, _mover(hand)), Imu(ImuFeed(hand, clock.now))]
     for seat in task.seats[1:]:
         other = open_source(f"simulated:{partner.hand}", seed=seed + 1, clock=clock)
-        nodes.append(SimulatedPartner(partner, task, seed, seat, _mover(other)))
+        nodes.append(SimulatedPartner(partner, task, seed, _mover(other), seat))
         nodes.append(Imu(ImuFeed(other, clock.now), seat))
     return nodes
 

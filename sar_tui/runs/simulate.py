@@ -48,7 +48,7 @@ def simulate(
             from sar_tui.runs.sensors import simulated_nodes  # imports numpy
 
             return [*simulated_nodes(person, task, plan.seed, clock, partner or person), *others]
-        partners = [SimulatedPartner(partner or person, task, plan.seed, seat) for seat in task.seats[1:]]
+        partners = [SimulatedPartner(partner or person, task, plan.seed, seat=seat) for seat in task.seats[1:]]
         return [SimulatedParticipant(person, task, plan.seed), *partners, *others]
 
     run = start(plan, folder, catalogue, clock, make_nodes)

@@ -36,26 +36,47 @@ def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A")
     return task.rehearse(stimulus, person.perform(prompt.choices, prompt.attempt, streams), streams)
 
 
-class SimulatedParticipant(Node):
-    """Presses Enter when asked to, and answers each prompt as its person would.
+class _Performer(Node):
+    """Base of nodes that respond to prompts as a person would.
 
     Args:
         person: the model of the participant.
         task: the task that is done.
         seed: decides everything random.
         move: moves the hand, given a time in ns and a movement; for tasks that ask for movements.
+        seat: the person's seat.
     """
 
-    name = "participant"
-    emits = (KEY, SHOWN, REPORT)
-
-    def __init__(self, person: Person, task: Task, seed: int, move: Callable[[int, Any], None] | None = None) -> None:
+    def __init__(
+        self, person: Person, task: Task, seed: int, move: Callable[[int, Any], None] | None = None, seat: str = "A"
+    ) -> None:
         super().__init__()
         self._person = person
         self._task = task
         self._seed = seed
         self._move = move
-        self._next: Handle | None = None
+        self._seat = seat
+
+    def _perform(self, prompt: Prompt, onset: int) -> None:
+        """Respond to a prompt shown at ``onset`` (ns): with keys if the node emits any, and with movements."""
+        for delay_ms, act in acts(self._person, self._task, self._seed, prompt, self._seat):
+            at = onset + round(delay_ms * MS)
+            if not isinstance(act, str):
+                if self._move:
+                    self._move(at, act)
+            elif KEY in self.emits:
+                self._press(act, at)
+
+    def _press(self, key: str, at: int) -> Handle:
+        return self.bus.clock.call_at(at, lambda: self.emit(KEY, KeyPressed(key=key, at=at)))
+
+
+class SimulatedParticipant(_Performer):
+    """Presses Enter when asked to, and answers each prompt as its person would."""
+
+    name = "participant"
+    emits = (KEY, SHOWN, REPORT)
+    _next: Handle | None = None
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
@@ -82,12 +103,7 @@ class SimulatedParticipant(Node):
             source="virtual",
         )
         self.bus.clock.call_at(onset, lambda: self.emit(SHOWN, shown))
-        for delay_ms, act in acts(self._person, self._task, self._seed, prompt):
-            at = onset + round(delay_ms * MS)
-            if isinstance(act, str):
-                self._press(act, at)
-            elif self._move:
-                self._move(at, act)
+        self._perform(prompt, onset)
 
     @on(ACTION)
     def answered(self, action: Action) -> None:
@@ -95,78 +111,23 @@ class SimulatedParticipant(Node):
         for state in _SEEN:
             self.emit(REPORT, OutputReport(action=action.id, output="screen", part="show", state=state, at=self.now))
 
-    def _press(self, key: str, at: int) -> Handle:
-        return self.bus.clock.call_at(at, lambda: self.emit(KEY, KeyPressed(key=key, at=at)))
 
-
-class SimulatedPartner(Node):
-    """Answers the prompts of one seat at the same keyboard, and leaves all other keys to the participant at seat A.
-
-    Args:
-        person: the model of the participant.
-        task: the task that is done.
-        seed: decides everything random.
-        seat: the partner's seat.
-        move: moves the hand, given a time in ns and a movement; for tasks that ask for movements.
-    """
+class SimulatedPartner(_Performer):
+    """Answers the prompts of one seat at the same keyboard, and leaves all other keys to the participant at seat A."""
 
     name = "partner"
     emits = (KEY,)
 
-    def __init__(
-        self,
-        person: Person,
-        task: Task,
-        seed: int,
-        seat: str = "B",
-        move: Callable[[int, Any], None] | None = None,
-    ) -> None:
-        super().__init__()
-        self._person = person
-        self._task = task
-        self._seed = seed
-        self._seat = seat
-        self._move = move
-
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
-        onset = self.now + SHOWING
-        for delay_ms, act in acts(self._person, self._task, self._seed, prompt, self._seat):
-            at = onset + round(delay_ms * MS)
-            if isinstance(act, str):
-                self._press(act, at)
-            elif self._move:
-                self._move(at, act)
-
-    def _press(self, key: str, at: int) -> None:
-        self.bus.clock.call_at(at, lambda: self.emit(KEY, KeyPressed(key=key, at=at)))
+        self._perform(prompt, self.now + SHOWING)
 
 
-class SimulatedMover(Node):
-    """Moves a simulated hand as its person would, while somebody else presses the keys, to try a task without a sensor.
-
-    Args:
-        person: the model of the participant.
-        task: the task that is done.
-        seed: decides everything random.
-        move: moves the hand, given a time in ns and a movement.
-        seat: the seat of the hand.
-    """
+class SimulatedMover(_Performer):
+    """Moves a simulated hand as its person would, to try a task without a sensor; somebody else presses the keys."""
 
     name = "mover"
 
-    def __init__(
-        self, person: Person, task: Task, seed: int, move: Callable[[int, Any], None], seat: str = "A"
-    ) -> None:
-        super().__init__()
-        self._person = person
-        self._task = task
-        self._seed = seed
-        self._move = move
-        self._seat = seat
-
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
-        for delay_ms, act in acts(self._person, self._task, self._seed, prompt, self._seat):
-            if not isinstance(act, str):
-                self._move(self.now + round(delay_ms * MS), act)
+        self._perform(prompt, self.now)

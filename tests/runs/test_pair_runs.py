@@ -33,7 +33,7 @@ def plan(mode: Any = "live", left: str = "P01", right: str = "P02", **parameters
 
 
 def make_participants(task: Any, theme: Any) -> list[Any]:
-    return [SimulatedParticipant(PEOPLE["average"], task, 4), SimulatedPartner(PEOPLE["poor"], task, 4)]
+    return [SimulatedParticipant(PEOPLE["average"], task, 4), SimulatedPartner(PEOPLE["poor"], task, 4, seat="B")]
 
 
 def rows(data: Path, table: Any, session: str, *columns: str) -> list[tuple[Any, ...]]:

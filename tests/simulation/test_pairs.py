@@ -52,7 +52,7 @@ def play(policy: str, seed: int, left: str = "average", right: str = "poor", **m
     """A short session of two."""
     parameters = build(KIND.Parameters, {"policy": policy, "attempts": 2, "prompts_per_attempt": 6, **more})
     task, clock = KIND(parameters), VirtualClock()
-    two = [SimulatedParticipant(PEOPLE[left], task, seed), SimulatedPartner(PEOPLE[right], task, seed)]
+    two = [SimulatedParticipant(PEOPLE[left], task, seed), SimulatedPartner(PEOPLE[right], task, seed, seat="B")]
     session = Session(task, CALM, clock, seed, [*two, Disk()])
     records: list[Record] = []
     session.bus.tap(records.extend)

@@ -64,7 +64,7 @@ def play(policy: str, seed: int) -> Sat:
         if seat == "A":
             nodes.append(SimulatedParticipant(PEOPLE["average"], task, seed, move))
         else:
-            nodes.append(SimulatedPartner(PEOPLE["poor"], task, seed, move=move))
+            nodes.append(SimulatedPartner(PEOPLE["poor"], task, seed, move, "B"))
     session = Session(task, CALM, clock, seed, nodes)
     records: list[Record] = []
     session.bus.tap(records.extend)

@@ -1,9 +1,13 @@
 """Settings of an operator's say in a session."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from sar_tui.framework.declaration import Settings, meta
 from sar_tui.framework.messages import Mode
+
+
+def _mode(title: str, help: str) -> Any:
+    return meta(title, help=help, group="Operator")
 
 
 class OperatorSettings(Settings, frozen=True, kw_only=True):
@@ -11,29 +15,22 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
 
     operator_feedback: Annotated[
         Mode,
-        meta(
+        _mode(
             "Feedback mode",
-            help="With an operator: autonomous, the agent acts; veto, it acts unless stopped in time; "
+            "With an operator: autonomous, the agent acts; veto, it acts unless stopped in time; "
             "approve, it acts when a key is pressed; manual, only the operator acts.",
-            group="Operator",
         ),
     ] = "autonomous"
     operator_encouragement: Annotated[
-        Mode,
-        meta("Encouragement mode", help="As for feedback; includes reminders of rest.", group="Operator"),
+        Mode, _mode("Encouragement mode", "As for feedback; includes reminders of rest.")
     ] = "autonomous"
     operator_instruction: Annotated[
-        Mode,
-        meta("Instruction mode", help="As for feedback; includes greeting and goodbye.", group="Operator"),
+        Mode, _mode("Instruction mode", "As for feedback; includes greeting and goodbye.")
     ] = "autonomous"
     operator_gesture: Annotated[
-        Mode,
-        meta("Gesture mode", help="As for feedback; autonomous: gestures go with their text.", group="Operator"),
+        Mode, _mode("Gesture mode", "As for feedback; autonomous: gestures go with their text.")
     ] = "autonomous"
-    operator_difficulty: Annotated[
-        Mode,
-        meta("Level mode", help="As for feedback.", group="Operator"),
-    ] = "autonomous"
+    operator_difficulty: Annotated[Mode, _mode("Level mode", "As for feedback.")] = "autonomous"
     operator_time_ms: Annotated[
         int,
         meta(
