@@ -19,8 +19,6 @@ from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
-from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.participant_model import PEOPLE
 
 IMAGES = Path(__file__).parent / "images"
 
@@ -36,12 +34,6 @@ async def _draw() -> None:
     clock = VirtualClock(SECOND)
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder)
-        done = simulate(
-            make_plan(catalogue, "keyboard", ["P01"], seed=1, mode="simulated"),
-            PEOPLE["average"],
-            data,
-            catalogue,
-        )
         app = SarTui(data, catalogue, make_plan(catalogue, "keyboard", ["P01"], seed=3), clock)
         async with app.run_test(size=(80, 24)) as pilot:
             await _settle(pilot, clock)
@@ -55,21 +47,11 @@ async def _draw() -> None:
                 if "Press:" in app.export_screenshot().replace("&#160;", " "):
                     break
             _save(app, "prompt")
-        await _draw_agent(data, catalogue)
-        await _draw_reaching(data, catalogue)
-        await _draw_pairs(data, catalogue)
-        await _draw_panel(data, catalogue)
-        past = SarTui(data, catalogue)
-        async with past.run_test(size=(80, 24)) as pilot:
-            await pilot.pause()
-            _save(past, "home")
-            from sar_tui.app.screens.past_session import PastSessionScreen
-            from sar_tui.store import sessions
-
-            past.push_screen(PastSessionScreen(sessions.find(past.database, data, done)))
-            await pilot.pause()
-            await pilot.pause()
-            _save(past, "summary")
+        # a data folder for each: an app that ends in run_test leaves its database open
+        await _draw_agent(data / "agent", catalogue)
+        await _draw_reaching(data / "reaching", catalogue)
+        await _draw_pairs(data / "pairs", catalogue)
+        await _draw_panel(data / "panel", catalogue)
 
 
 async def _draw_agent(data: Path, catalogue: Catalogue) -> None:
@@ -128,7 +110,7 @@ async def _draw_pairs(data: Path, catalogue: Catalogue) -> None:
 
 
 class _Channel:
-    """In the place of the link's process: what it would send is kept."""
+    """Stands in for the broker process, and keeps what is sent to it."""
 
     link = "picture"
     listener: BrokerListener
@@ -139,22 +121,22 @@ class _Channel:
     def listen(self, listener: BrokerListener) -> None:
         self.listener = listener
 
-    def send(self, what: Outgoing) -> bool:
-        self.sent.append(what)
+    def send(self, message: Outgoing) -> bool:
+        self.sent.append(message)
         return True
 
     def check(self) -> None:
         pass
 
-    def events(self) -> list[PeerEvent]:
-        """Receive the events of a panel."""
-        reported: list[PeerEvent] = [Connection("connected")]
-        for what in self.sent:
-            if isinstance(what, OutgoingSnapshot):
-                reported.append(what.welcome)
-            if isinstance(what, OutgoingSnapshot | OutgoingBatch):
-                reported.append([Frame(each.seq, each.at, each.topic, each.message) for each in what.records])
-        return reported
+    def panel_events(self) -> list[PeerEvent]:
+        """Return the events that a panel would receive."""
+        found: list[PeerEvent] = [Connection("connected")]
+        for message in self.sent:
+            if isinstance(message, OutgoingSnapshot):
+                found.append(message.welcome)
+            if isinstance(message, OutgoingSnapshot | OutgoingBatch):
+                found.append([Frame(each.seq, each.at, each.topic, each.message) for each in message.records])
+        return found
 
 
 class _Peer:
@@ -177,16 +159,16 @@ class _Peer:
 
 
 async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
-    """The operator's panel, with an answer that waits to be approved."""
+    """The operator's panel, with feedback that waits to be approved."""
     settings = {"prompts_per_attempt": 3, "operator_feedback": "approve", "encouragement": False}
     clock, channel = VirtualClock(SECOND), _Channel()
     plan = make_plan(catalogue, "keyboard", ["P04"], settings, seed=3)
     app = SarTui(data, catalogue, plan, clock, link=channel)  # type: ignore[arg-type]
     async with app.run_test(size=(80, 24)) as pilot:
         await _settle(pilot, clock)
-        news: tuple[BrokerEvent | BrokerEnded, ...] = (PeerJoined(_Peer.name), SnapshotRequested(_Peer.name))
-        for each in news:
-            channel.listener(each)
+        events: tuple[BrokerEvent | BrokerEnded, ...] = (PeerJoined(_Peer.name), SnapshotRequested(_Peer.name))
+        for event in events:
+            channel.listener(event)
         for key in ("enter", "enter"):
             for _ in range(20):
                 await _settle(pilot, clock)
@@ -199,7 +181,7 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
             await _settle(pilot, clock)
 
     def join(listener: Any) -> _Peer:
-        asyncio.get_running_loop().call_soon(lambda: [listener(reported) for reported in channel.events()])
+        asyncio.get_running_loop().call_soon(lambda: [listener(event) for event in channel.panel_events()])
         return _Peer(clock)
 
     class Panel(WizardApp):
@@ -214,14 +196,14 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
 
 
 async def _until_asked(pilot: Any, clock: VirtualClock, app: SarTui) -> str:
-    """Let time pass until a prompt stands on the screen; its key."""
+    """Advance the clock until a prompt is on the screen; return its key."""
     for _ in range(200):
         clock.advance(50 * MS)
         await pilot.pause()
         shown = app.export_screenshot().replace("&#160;", " ")
-        if found := re.search(r"(?:Press|Left|Right): (\S)<", shown):
+        if found := re.search(r"(?:Press|Left|Right): (\S) *<", shown):
             return found[1]
-    raise RuntimeError("no prompt came")
+    raise RuntimeError("no prompt appeared")
 
 
 async def _settle(pilot: object, clock: VirtualClock) -> None:
