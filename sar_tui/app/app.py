@@ -40,14 +40,14 @@ _KEY_NAMES = {"escape": "Esc", "question_mark": "?"}
 
 
 class SarTui(ThemedApp):
-    """Home, settings, sessions.
+    """The app for participant and therapist: home, settings, sessions.
 
     Args:
-        folder: of the data.
+        folder: the data folder.
         catalogue: the installed tasks and themes.
         begin: a plan, or the id of an interrupted session, to begin at once; then the app ends after it.
         clock: for tests: a clock that is advanced by hand.
-        link: through which operators join the session, if they can.
+        link: lets operators join the session; None if they cannot.
     """
 
     CSS_PATH = "app.tcss"
@@ -195,7 +195,7 @@ class SarTui(ThemedApp):
         if self.live:
             self.live.close(self)
 
-    # --- one stop ---------------------------------------------------------------------------------------------
+    # --- the stop key -----------------------------------------------------------------------------------------
 
     @property
     def _open(self) -> "LiveSession | None":
@@ -247,7 +247,7 @@ class SarTui(ThemedApp):
         self.call_later(self.exit, None, after_signal(getattr(signal, "SIGHUP", 1)))
 
     def exit(self, *args: Any, **how: Any) -> None:
-        """Leave. Devices are released while their last reports can still be recorded."""
+        """Exit. Release devices first, while their last reports can still be recorded."""
         if self._open:
             self._open.release()
         super().exit(*args, **how)
@@ -289,11 +289,11 @@ def run_app(
     """Run the app in this terminal; returns the exit code.
 
     Args:
-        folder: of the data.
+        folder: the data folder.
         catalogue: the installed tasks and themes.
         plan: begin this session at once.
         resume: resume the interrupted session of this id at once.
-        link: through which operators join that session, if they can.
+        link: lets operators join that session; None if they cannot.
 
     Raises:
         StoreError, PluginError: before the app opens.

@@ -11,7 +11,7 @@ from sar_tui.tui.exit_codes import INTERRUPTED
 if TYPE_CHECKING:
     from sar_tui.app.live import LiveSession
 
-UNSAVED = "The disk would not take the session's last messages; the trials acknowledged before are safe."
+UNSAVED = "The session's last messages could not be written to the disk; all earlier trials are safe."
 
 
 def exit_message(
@@ -29,7 +29,7 @@ def exit_message(
         code: the exit code.
         failure: why the app ended, if it failed.
         live: its last session, if there was one.
-        folder: of the data.
+        folder: the data folder.
         tasks: folders that `--tasks` named.
         names_ended_session: True if the app was opened for this session only.
     """

@@ -1,4 +1,4 @@
-"""A session's task view, so guarded that its faults are recorded and the participant sees the plain screen instead."""
+"""Guard around a task's view: if it raises, a fault is recorded, and the participant sees the plain screen."""
 
 from collections.abc import Callable, Sequence
 from typing import TypeVar

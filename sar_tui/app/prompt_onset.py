@@ -26,7 +26,7 @@ def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt) -> None
     shown = functools.partial(Shown, attempt=prompt.attempt, trial=prompt.trial, presentation=prompt.presentation)
     app: Any = screen.app
     if getattr(app._driver, "can_stamp_onset", False):
-        stamps: list[int] = []  # one list a prompt, so that a voided one's stamp is not taken for the next one's
+        stamps: list[int] = []  # a new list, so that a voided prompt's stamp is not taken for the next one's
         app.onset_watch.arm(prompt.text, stamps.append)
         unseen_at = live.clock.now() + _UNSEEN
         asyncio.get_running_loop().call_later(_READ_AFTER, _read_stamp, live, shown, stamps, unseen_at)

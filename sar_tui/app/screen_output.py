@@ -40,13 +40,13 @@ from sar_tui.outputs.node import OutputNode
 
 
 class Stage(AgentStage, Protocol):
-    """The screen of a session, as the output sees it. `SessionScreen` is one; a test may bring another."""
+    """The part of a session's screen that the output uses."""
 
     def show_prompt(self, prompt: Prompt) -> None:
         """Show a prompt, and report its onset with ``ScreenOutput.shown``."""
 
     def clear_prompt(self) -> None:
-        """Take the prompt away."""
+        """Remove the prompt."""
 
     def begin_attempt(self, started: AttemptStarted) -> None:
         """Begin an attempt."""
@@ -85,7 +85,7 @@ class ScreenOutput(OutputNode):
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
-        """Show the prompt. A screen has no tone to sound with it."""
+        """Show the prompt, without the tone that other outputs play with it."""
         self._stage.show_prompt(prompt)
 
     def shown(self, shown: Shown) -> None:
@@ -122,7 +122,7 @@ class ScreenOutput(OutputNode):
 
     @on(REPORT)
     def reported(self, report: OutputReport) -> None:
-        """Move the mouth with a voice, whichever output's it is; show the words of one that fails."""
+        """Move the mouth while any output speaks; show the words if speech fails."""
         self._agent.update(report)
         if report.part == "say" and report.state == "failed" and report.action == self._agent.action.id:
             self._stage.voiceless(self._agent.action, report.detail)

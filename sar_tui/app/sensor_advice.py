@@ -1,4 +1,4 @@
-"""Texts of the sensor check: about the sensor, its placing on the hand and a test reach, with what to do."""
+"""Texts of the sensor check: the state of the sensor, its placing on the hand, a test reach, and advice."""
 
 import math
 from typing import Literal, NamedTuple
@@ -128,7 +128,7 @@ def _placing(watch: SensorWatch, tr: Language) -> Fact:
 
 
 def placing(up: Vector | None, tr: Language = _ENGLISH) -> Fact:
-    """Return whether z points up, as it should while the hand lies flat; from the acceleration at rest, m/s²."""
+    """Return the fact about z, which should point up while the hand lies flat; ``up``: acceleration at rest, m/s²."""
     title = tr("Placing")
     if up is None:
         return Fact("wait", title, tr("cannot be seen: it measures no acceleration"))

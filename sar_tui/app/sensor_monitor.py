@@ -1,4 +1,4 @@
-"""State of a motion sensor before a session: is it attached, does it rest, does it measure a reach."""
+"""State of a motion sensor before a session: attached or not, at rest or moving, and a test reach."""
 
 import math
 from collections import deque
@@ -22,9 +22,9 @@ SETTLED_S = 1.0
 OVER_S = 2.5
 """A hand that has moved and then rested for this long has finished the reach."""
 REST = 3 * SECOND
-"""Time before a reach that is stored, to know the hand at rest."""
+"""Time before a test reach whose samples are kept, to measure the hand at rest."""
 REST_PATIENCE = 8 * SECOND
-"""Longest wait of a test reach for rest; then it continues without."""
+"""Longest time that a test reach waits for rest; then it continues without."""
 REACH_PATIENCE = 15 * SECOND
 """A test reach ends after this time in any case."""
 State = Literal["none", "attached", "unplugged", "failed", "ended"]
@@ -62,7 +62,7 @@ class SensorWatch:
     Args:
         feed: of the sensor.
         now: the time, in ns of the feed's clock.
-        hand: the hand that wears the sensor.
+        hand: the hand with the sensor.
 
     Attributes:
         state: ``none`` (no sensor yet), ``attached``, ``unplugged``, ``failed`` (``detail`` says why),

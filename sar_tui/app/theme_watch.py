@@ -39,8 +39,8 @@ class ThemeWatch:
     def look(self) -> None:
         """Read the theme again if its files have changed, but not since the last look."""
         stamps = self._stamps()
-        has_come_to_rest, self._last = stamps == self._last, stamps
-        if stamps == self._known or not has_come_to_rest:
+        is_settled, self._last = stamps == self._last, stamps
+        if stamps == self._known or not is_settled:
             return
         self._known = stamps
         try:

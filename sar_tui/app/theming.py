@@ -1,4 +1,4 @@
-"""The app's themes: those there are to choose from, the active one, and edits of it."""
+"""The app's themes: the available ones, the active one, and edits of it."""
 
 from typing import TYPE_CHECKING
 
@@ -76,7 +76,7 @@ class ThemedApp(BaseApp):
                 return
 
     def use_theme(self, name: str) -> None:
-        """Use a theme of the Social-Behavioral Base, and every edit of it. Raises PluginError."""
+        """Use a theme, and every edit of it. Raises PluginError."""
         self._use(self.themes.get(name) or self.catalogue.theme(name), ENGLISH)
 
     def _use(self, theme: Theme, language: str) -> None:
@@ -85,7 +85,7 @@ class ThemedApp(BaseApp):
         self.theme_watch.follow(theme.name, language)
 
     def look_for_edits(self, looks: bool) -> None:
-        """Look for edits of the theme now and then; or stop, because a trial is about to begin."""
+        """Look for edits of the theme regularly, or stop looking, as before a trial."""
         if looks != self._looks_for_edits:
             self._looks_for_edits = looks
             if looks:
@@ -102,7 +102,7 @@ class ThemedApp(BaseApp):
             self._open.run.session.apply_theme(theme)
 
     def _notify_editor(self, text: str) -> None:
-        """Notify the editor of a theme; not on a participant's screen, but when they have left."""
+        """Notify the editor of a theme; during a session, wait until the participant has left."""
         if self._has_participant:
             self.pending_notice = text
         else:

@@ -56,8 +56,8 @@ def explain(error: Exception) -> tuple[int, str]:
 
 def _unexpected(error: Exception) -> str:
     return (
-        f"Something went wrong that should not have ({type(error).__name__}: {error}). "
-        f"Run it again with {DEBUG}=1 to see where."
+        f"An unexpected error occurred ({type(error).__name__}: {error}). "
+        f"Run the command again with {DEBUG}=1 to see where."
     )
 
 

@@ -115,7 +115,7 @@ def run(
 def _open_link(
     home: Home, session: str, task: str, operator: bool, listen: str | None, lost_ms: int
 ) -> "Iterator[BrokerProcess | None]":
-    """Open the session's link before the screen changes; None unless an option asks for it."""
+    """Open the session's link before the screen changes; yield None if neither option is given."""
     if not operator and listen is None:
         yield None
         return

@@ -104,7 +104,7 @@ def show(
 
 
 def _findings(home: Home, name: str) -> "Findings":
-    """Return what adds a task's findings to a summary; nothing if the task is no longer installed."""
+    """Return the function that adds a task's findings to a summary; it adds none if the task is not installed."""
     from sar_tui.plugins import PluginError
     from sar_tui.widgets.task_view import stored_findings
 
@@ -171,7 +171,7 @@ def _print_marks(out: "Console", trials: Sequence[Row]) -> None:
 
 
 def _print_timing(out: "Console", machine: Row, trials: Sequence[Row]) -> None:
-    """Print how exact the reaction times are."""
+    """Print the timing quality of a session."""
     if machine["flags"]:
         out.print(f"! Timing is less exact: the keys came through {' and '.join(machine['flags'])}.")
     timings = [trial["timing"] for trial in trials]

@@ -66,7 +66,7 @@ def simulate(
         ),
     ] = None,
     attempts: Annotated[
-        int | None, typer.Option(metavar="N", show_default=False, help="Number of attempts. Default: as the task sets.")
+        int | None, typer.Option(metavar="N", show_default=False, help="Number of attempts. Default: the task's.")
     ] = None,
     seed: Seed = None,
     settings: Pairs = None,

@@ -1,4 +1,4 @@
-"""``sar-tui tasks``: what is installed, and help for those who write one."""
+"""``sar-tui tasks``: lists, shows, creates and checks tasks."""
 
 from pathlib import Path
 from typing import Annotated
@@ -62,7 +62,7 @@ def show_task(
         facts = {"name": name, "title": task.title, "summary": task.summary, "metric": task.metric}
         parameters = [msgspec.structs.asdict(field) for field in fields(task.Parameters)]
         for parameter in parameters:
-            del parameter["renamed"]  # former spellings are no part of the output
+            del parameter["renamed"]  # former spellings are not part of the output
         print_json({"task": facts, "parameters": parameters})
         return
 

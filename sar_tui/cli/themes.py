@@ -1,4 +1,4 @@
-"""``sar-tui themes``: how the agent can look and speak, and help for those who write a theme."""
+"""``sar-tui themes``: lists, creates and checks themes."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -46,7 +46,7 @@ def list_themes(context: typer.Context, as_json: AsJson = False, data: Data = No
     out.print(made)
     for row in rows:
         if row["repairs"]:
-            words = f"! {row['name']} is not whole, and is filled up from another: sar-tui themes check {row['name']}"
+            words = f"! {row['name']} has problems, so replacements are used: sar-tui themes check {row['name']}"
             out.print(words, markup=False, soft_wrap=True)
     for problem in broken:
         out.print(f"✗ {problem['error']}", markup=False, soft_wrap=True)
@@ -121,7 +121,7 @@ def check_theme(
 
 
 def _folder(theme: str, home: Home) -> Path:
-    """The folder that is meant. Raises Refused."""
+    """Return the folder of a theme, given that or its name. Raises Refused."""
     path = Path(theme).resolve()
     if (path / "theme.toml").is_file():
         return path

@@ -1,6 +1,6 @@
 """``sar-tui timing``: check whether this machine is fit for an experiment.
 
-It measures sar-tui and a bare loop in turns, each in a pseudo-terminal with a scripted participant
+It measures sar-tui and a bare loop alternately, each in a pseudo-terminal with a scripted participant
 (``timing.closed_loop``). The verdict is the worst of these columns:
 
 =============  ============  =========  =======  ========================  ==================
@@ -129,7 +129,7 @@ def judge(own: ErrorStatistics, baseline: ErrorStatistics, here: Circumstances) 
         reasons += _causes(own, baseline, here)
     if here.stamped_at_flush < 1:
         worst = max(worst, 1)
-        reasons.append("Some prompts could not be stamped as they reached the terminal; the next best was used.")
+        reasons.append("Some prompts could not be stamped as they reached the terminal; their stamps are less exact.")
     if here.multiplexer:
         worst = max(worst, 1)
         reasons.append(f"You are in {here.multiplexer}, whose delay is not in these figures. Run sessions outside it.")

@@ -1,4 +1,4 @@
-"""``sar-tui validate``: checks the thesis' claims and our own."""
+"""``sar-tui validate``: checks claims of the thesis and of this project by simulation."""
 
 from collections.abc import Sequence
 from pathlib import Path

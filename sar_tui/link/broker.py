@@ -45,9 +45,10 @@ class _OutgoingMessage(NamedTuple):
 
 
 class Broker:
-    """Three threads: one reads the program's commands, Zenoh's deliver what peers send, and one sends.
+    """Runs Zenoh for a session.
 
-    Zenoh's threads never send: they put messages on the outbox, or drop them if it is full.
+    One thread reads the program's commands, Zenoh's threads deliver what peers send, and one thread sends. Zenoh's
+    threads never send: they put messages on the outbox, or drop them if it is full.
     """
 
     def __init__(self, setup: Setup, events: int) -> None:
@@ -165,7 +166,7 @@ class Broker:
 
 
 def _read_log(log: int, guests: tuple[str, ...], admission: Admission) -> None:
-    """Report what Zenoh refuses, which only its log tells; a flood of refusals stays in this process."""
+    """Report what Zenoh refuses, which only its log contains; a flood of refusals stays in this process."""
     from sar_tui.link.refusals import RefusalLog
 
     refusals = RefusalLog(guests)

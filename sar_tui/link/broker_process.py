@@ -22,7 +22,7 @@ _START_TIMEOUT_S = 20.0
 _SILENCE_TIMEOUT_S = 2.0
 """A broker that is silent for longer is killed; the timeout is longer where peers may be silent for longer."""
 _STABLE_S = 30.0
-"""The count of restarts begins again after a broker has lived for so long."""
+"""The count of restarts begins again after a broker has run for this long."""
 _MAX_RESTARTS = 5
 _RESTART_DELAY_S = 0.2
 _CLOSE_TIMEOUT_S = 2.0
@@ -150,7 +150,7 @@ class BrokerProcess:
             threading.Thread(target=child.kill, daemon=True).start()
 
     def close(self) -> None:
-        """Tell peers that the session is over, and end the process. May be called twice."""
+        """Notify peers that the session is over, and end the process. May be called twice."""
         with self._lock:
             self._is_closed = True
             child, self._child = self._child, None

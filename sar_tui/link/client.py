@@ -29,7 +29,7 @@ PING_INTERVAL_S = 0.15
 """Several pings fit into the shortest ``operator_lost_ms``. They are sent from the panel's own loop, so that a panel
 that hangs is noticed."""
 SILENCE_TIMEOUT = 2 * SECOND
-"""A session that is silent for longer is lost, as it answers every ping (ns)."""
+"""Silence (ns) after which a session, which answers every ping, is lost."""
 
 _MAX_NAME = 32
 _SILENT = "The session does not answer."
@@ -65,8 +65,8 @@ def to_key_part(name: str) -> str:
 class _Client:
     """Implements ``Peer``. Everything here runs on the panel's loop; the transport has threads of its own.
 
-    ``rejoins``: rejoin the session if it is resumed. Not so with an invitation, which opens whatever session runs next,
-    perhaps another person's.
+    ``rejoins``: rejoin the session if it is resumed. False for an invitation, which would join any session that runs
+    next, perhaps of another participant.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class _Client:
         loop.call_soon(self._start)
 
     def send(self, topic: Topic[M], message: M) -> None:
-        """See `Peer`. Without a connection the act is dropped: done later, it would come as a surprise."""
+        """See `Peer`. Without a connection the act is dropped, so that nothing is done unexpectedly late."""
         if topic.name not in protocol.OPERATOR_TOPICS:
             raise ValueError(f"An operator may not send {topic.name}.")
         self._send_act(topic.name, protocol.encode(message))

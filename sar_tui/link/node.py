@@ -39,7 +39,7 @@ _NO_SEAT = "There is no such seat in this session."
 
 
 class LinkNode(Node):
-    """Stands between the bus and the broker process, and decides which operator is in control.
+    """Connects the bus to the broker process, and decides which operator is in control.
 
     Args:
         channel: to the broker process.

@@ -1,4 +1,4 @@
-"""Probes whether a session admits a guest, in a child process: only there can Zenoh's log of a refusal be read."""
+"""Probes whether a session admits a guest, in a child process whose output contains Zenoh's log of a refusal."""
 
 import os
 import subprocess

@@ -22,7 +22,7 @@ MAX_ACT_BYTES = 20_000
 """Longer messages from a peer are refused unread."""
 MAX_NOTE_CHARS = 4_000
 MAX_TEXT_CHARS = 1_000
-"""For every text but a note: an utterance, the name of a phrase or of a mark."""
+"""For every text except a note: an utterance, the name of a phrase or of a mark."""
 MAX_FRAME_BYTES = 16_000_000
 """Between the program and its broker; a snapshot carries a whole theme."""
 
@@ -122,7 +122,7 @@ class ActRequest(_LinkMessage, frozen=True):
 class Setup(_LinkMessage, frozen=True):
     """First frame to the broker.
 
-    ``settings``: from ``settings.host_settings``. ``link``: the link's id. ``lost_after``: silence (ns) after which a
+    ``settings``: from ``zenoh_settings.host_settings``. ``link``: its id. ``lost_after``: silence (ns) after which a
     peer is lost. ``guests``: those admitted over the network; None if it does not listen there.
     """
 

@@ -42,7 +42,7 @@ _latest_names = {topic.name for topic in _LATEST}
 
 
 class SessionFeed:
-    """Tap on the bus that collects messages for peers; to the session it costs an append.
+    """Collects the bus's messages for peers; the session only pays for an append.
 
     Attributes:
         awaits_onset: True while a prompt is on its way to the screen, when nothing else should run.

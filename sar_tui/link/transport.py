@@ -29,7 +29,7 @@ _PROBE_INTERVAL_S = 15.0
 """Time between two probes of why there is no connection; each takes another process."""
 _NO_SESSION = "The session does not answer: it may be over."
 _ADMISSION_TIMEOUT_S = 1.5
-"""A peer that is connected but sees nothing of the session for so long was not admitted."""
+"""A peer that is connected but sees nothing of the session for longer was not admitted."""
 
 Received = SessionMessage | Connection
 
@@ -148,7 +148,7 @@ class Transport:
         return ""
 
     def _serve(self, session: "zenoh.Session") -> None:
-        """Send what is queued until closed. Heartbeats keep the queue moving, so this never blocks for long."""
+        """Send what is queued until closed. Heartbeats are queued all the time, so this never blocks for long."""
         import zenoh
 
         from sar_tui.link.probe import NOT_ADMITTED

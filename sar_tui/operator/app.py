@@ -62,7 +62,7 @@ class WizardApp(BaseApp):
         self.push_screen(self.make_panel(where), self._left)
 
     def _left(self, why: str | None) -> None:
-        """Exit when the panel closes. ``why``: no link could be made."""
+        """Exit when the panel closes. ``why``: reason why no link could be made, if so."""
         self.failure = why or ""
         self.exit(return_code=int(bool(why)))
 

@@ -60,7 +60,7 @@ class Commands:
         self._resume_asked_at = 0
 
     def receive(self, event: PeerEvent) -> None:
-        """Take what came over the link."""
+        """Handle an event of the link."""
         self.state = self.state.receive(event)
         if isinstance(event, Welcome):
             self._sent_decisions = {}

@@ -59,7 +59,7 @@ _ACTS = {
     REMARK.name: "a phrase or gesture",
     MODE.name: "a change of mode",
     NOTE_ADDED.name: "a note",
-    PROPOSAL_SEEN.name: "a report of having seen a proposal",
+    PROPOSAL_SEEN.name: "a report that a proposal was seen",
 }
 _LEVEL_REASONS = {"success": "goal reached", "failure": "goal missed", "operator": "an operator", "mark": "a mark"}
 

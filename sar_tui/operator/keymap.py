@@ -21,14 +21,14 @@ class KeyCommand(NamedTuple):
     """Command of an operator and its keys.
 
     Attributes:
-        id: in the operator's file.
+        id: its name in the operator's file.
         keys: separated by commas, by Textual's names.
-        action: of the screen.
-        label: in the footer.
-        description: in the key help.
+        action: the screen's action.
+        label: text in the footer.
+        description: text in the key help.
         group: heading in the key help.
-        acts: changes the session, so it is not for observers.
-        in_footer: the footer shows it.
+        acts: True if it changes the session, so that it is not for observers.
+        in_footer: True if the footer shows it.
     """
 
     id: str

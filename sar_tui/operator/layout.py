@@ -127,7 +127,7 @@ class PanelLayout(OrderedScreen[str]):
             self.app._handle_exception(error)
 
     def receive(self, event: PeerEvent) -> None:
-        """Take what came over the link. Draw at once if the last drawing is a while ago, else with the next frame."""
+        """Handle an event of the link. Draw at once, or with the next frame if the last drawing was too recent."""
         theme = self.commands.state.theme
         self.commands.receive(event)
         if self.commands.state.theme is not theme:

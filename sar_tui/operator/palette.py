@@ -36,11 +36,11 @@ class Item(NamedTuple):
     """Item of a page.
 
     Attributes:
-        text: beside its number.
-        log_text: of its act, in the log.
-        topic, message: of its act; None if it cannot be chosen now.
-        why: it cannot be chosen.
-        is_current: it is under way.
+        text: shown beside its number.
+        log_text: describes its act in the log.
+        topic, message: its act; None if it cannot be chosen now.
+        why: reason why it cannot be chosen.
+        is_current: True if it is under way.
     """
 
     text: str

@@ -15,7 +15,7 @@ from sar_tui.operator.widgets import CachedStatic, TypedInput
 
 
 class ProposalStrip(Vertical):
-    """One proposal with its time and keys; the others; and the text field, while something is typed.
+    """One proposal with its time and keys; the others; and, while something is typed, the text field.
 
     Args:
         file: the operator's keys.
@@ -104,7 +104,7 @@ class ProposalStrip(Vertical):
         self._frame(f"{edited.proposal.kind.upper()} · {why.lower()}", self._subtitle(commands.state, others))
 
     def _subtitle(self, state: SessionState, others: str = "") -> str:
-        """The other proposals if they have no line of their own, else how to send typed text, else the modes."""
+        """Return the other proposals if they have no line of their own, else how to send typed text, else the modes."""
         if others and not self._is_tall:
             return cut(others, self._width - 4)
         return "Enter sends, Esc cancels" if self._label else proposal_view.mode_summary(state, self._width - 4)

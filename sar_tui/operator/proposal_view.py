@@ -92,7 +92,7 @@ def decision_keys(file: KeymapFile, *, has_words: bool) -> Content:
 
 
 def control_hint(state: SessionState, file: KeymapFile) -> Content:
-    """Return who decides, in place of those keys, for those who cannot."""
+    """Return the text shown instead of those keys to an operator without control, or an observer."""
     if state.welcome and state.welcome.role == "observer":
         return Content.assemble(("You are an observer.", "$text-muted"))
     control = next(command for command in KEY_COMMANDS if command.id == "control")

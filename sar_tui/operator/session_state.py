@@ -50,8 +50,9 @@ from sar_tui.operator.event_text import PAUSE_REASONS, event_line
 PARTICIPANT = "participant"
 """Actor of a participant's acts."""
 MAX_TRIALS = 60
+"""Number of trials that are kept for each participant."""
 TRACE_SECONDS = 8
-"""Responses, and seconds of a hand's motion, that are stored."""
+"""Seconds of a hand's motion that are kept."""
 
 
 class Seat(msgspec.Struct, frozen=True):
@@ -67,14 +68,14 @@ class SessionState(msgspec.Struct, frozen=True):
     """Session as this side of the link knows it. None or empty: not known.
 
     Attributes:
-        level, next_level: of the current and of the next attempt.
+        level, next_level: levels of the current and of the next attempt.
         arbiter: pending proposals, queue and modes.
         voice: why speech fails, as the output reported it.
         seats: results by seat.
         peers: roles by name.
         holder: name of the operator who has control.
-        operated: whether there is an operator.
-        pauser: who paused the session, or gave the last reason.
+        operated: True if there is an operator.
+        pauser: actor who paused the session, or gave the last reason.
         ended: final status of the session.
         log: events that an operator should know about, oldest first.
     """

@@ -54,7 +54,7 @@ def open_outputs(addresses: Sequence[str], speech: str, theme: Theme) -> list[Ou
     - any other: the entry point of that name, called with the text after the colon.
 
     Raises:
-            OutputError: if an address is invalid, or a plug-in cannot be loaded.
+        OutputError: an address is invalid, or a plug-in cannot be loaded.
     """
     return [OutputNode(output, address, theme, cues) for output, address, cues in _make(addresses, speech)]
 

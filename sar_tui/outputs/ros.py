@@ -21,7 +21,7 @@ SETTLE = 500 * MS
 ANSWER = 2 * SECOND
 """Time in which a robot must report that it has started."""
 CONFIRM = 1500 * MS
-"""Time in which it must confirm a stop. Less than `node.STILL`, so that this failure is the one reported."""
+"""Time in which it must confirm a stop. Less than `node.STOP_TIMEOUT`, so that this failure is the one reported."""
 LONGEST = 15 * SECOND
 """Time that a request may take beyond its expected duration."""
 A_CHARACTER = 100 * MS
@@ -213,7 +213,7 @@ class Ros(Output):
 
     def _is_to_wait(self, bridge: Bridge, now: int) -> bool:
         if self._ready_at is None:
-            return bridge.is_connected or now < self._patience  # if connected, the news comes in a moment
+            return bridge.is_connected or now < self._patience  # `_connection_changed` has yet to be called
         return now < self._ready_at
 
     def _overdue(self, bridge: Bridge, request: _Request) -> None:

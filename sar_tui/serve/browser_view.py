@@ -1,4 +1,4 @@
-"""Program that runs in a browser: its screen is sent there, and input from there to it."""
+"""Program shown in a browser: forwards its screen to the browser, and input to the program."""
 
 import asyncio
 import contextlib
@@ -30,8 +30,8 @@ class BrowserView(AppService):
 
     Args:
         program: the command, as a list; no shell is involved.
-        socket: of the browser's terminal.
-        speak: called with what the program wants to be said.
+        socket: the websocket of the browser's terminal.
+        speak: called with each request for speech.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class BrowserView(AppService):
         await self._close_socket()
 
     async def _handshake(self, output: asyncio.StreamReader) -> bool:
-        """Return whether the program is an app, which it shows in its first lines."""
+        """Return True if the program's first lines show that it is a Textual app."""
         for _ in range(10):
             line = await output.readline()
             if not line or line == _HANDSHAKE:

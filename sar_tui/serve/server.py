@@ -77,10 +77,10 @@ class Server:
     """Serves one kind of view, with a program of its own for each browser.
 
     Args:
-        kind: of view.
+        kind: the kind of view.
         program: the command that shows it, as a list.
-        address: to serve at.
-        token: that opens it.
+        address: the address to serve at.
+        token: the secret that opens it.
         log: called with a line for each event.
         sleep: delays answers to wrong tokens.
     """

@@ -41,7 +41,7 @@ class BaseApp(App[int]):
     def run_here(self) -> int:
         """Run in this terminal or browser; returns the exit code."""
         stamp_keys_as_read()
-        sys.setswitchinterval(SWITCH_INTERVAL)  # an input thread must get to its time stamp while the screen is drawn
+        sys.setswitchinterval(SWITCH_INTERVAL)
         self.run()
         return self.return_code or int(bool(self.failure))
 
@@ -67,7 +67,7 @@ class BaseApp(App[int]):
         self.exit(return_code=INTERRUPTED)
 
     def _handle_exception(self, error: Exception) -> None:
-        """End after a fault of ours, without a traceback unless `SAR_TUI_DEBUG` is set."""
+        """End after an unhandled exception, without a traceback unless `SAR_TUI_DEBUG` is set."""
         if self.is_headless or os.environ.get(DEBUG):
             super()._handle_exception(error)
             return

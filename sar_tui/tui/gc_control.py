@@ -7,7 +7,7 @@ import sys
 from sar_tui.framework.clock import MS, host_now
 
 SWITCH_INTERVAL = 0.0005
-"""Seconds a thread may hold the interpreter while another waits: the input thread must get to its time stamp."""
+"""Seconds a thread may hold the interpreter while another waits; short, so that keys are stamped in time."""
 _PERIOD = 0.02
 
 

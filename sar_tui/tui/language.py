@@ -29,7 +29,7 @@ def session_language(task: Task) -> Language:
 
 
 def planned_language(plan: Plan, catalogue: Catalogue) -> Language:
-    """Return the same for a session that has not begun. Raises PluginError if there is no such theme."""
+    """Return the texts of the screen before a session begins. Raises PluginError if there is no such theme."""
     code = plan.parameters.language
     own = language(code, task_folder(plan.task)).texts
     return app_language(code, {**own, **catalogue.theme(plan.theme, code).texts})

@@ -1,4 +1,4 @@
-"""A theme of the Social-Behavioral Base as a Textual theme."""
+"""Conversion of a theme's colours to a Textual theme."""
 
 from textual.theme import Theme as TextualTheme
 

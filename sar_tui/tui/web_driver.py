@@ -28,7 +28,7 @@ class Voiced(Protocol):
 
 
 class ServedDriver(WebDriver):
-    """Speaks with `sar_tui.serve.browser_view.BrowserView`. An app that would speak is given the browser's voice."""
+    """Driver whose other end is `sar_tui.serve.browser_view.BrowserView`. Gives a `Voiced` app the browser's voice."""
 
     def __init__(self, app: Any, **how: Any) -> None:
         super().__init__(app, **how)
@@ -42,7 +42,7 @@ class ServedDriver(WebDriver):
         self.write_meta({"type": "hush"})
 
     def write(self, data: str) -> None:
-        with contextlib.suppress(OSError):  # nobody looks: the input's end tells so
+        with contextlib.suppress(OSError):  # the browser is gone; the end of the input will end the app
             super().write(data)
 
     def write_meta(self, data: dict[str, object]) -> None:
@@ -50,14 +50,14 @@ class ServedDriver(WebDriver):
             super().write_meta(data)
 
     def on_meta(self, packet_type: str, payload: dict[str, object]) -> None:
-        """The browser's tab was closed: the app ends in order, as by its own key."""
+        """Exit the app, as by its own key, if the browser's tab was closed."""
         if packet_type == "quit":
             self._app.call_later(self._app.exit)
         else:
             super().on_meta(packet_type, payload)
 
     def run_input_thread(self) -> None:
-        """Exit the app when its server has ended for whatever reason."""
+        """Exit the app when its server has ended."""
         super().run_input_thread()
         if not self.exit_event.is_set():
             self._app.call_later(self._app.exit)

@@ -178,7 +178,7 @@ async def test_the_browsers_voice_speaks_the_sessions_language_and_can_be_stoppe
 
 @pytest.mark.parametrize(
     ("how", "report"),
-    [("lose", "Fuera de alcance por ahora; vuelve solo."), ("end", "Aquí hemos terminado. Gracias.")],
+    [("lose", "Se ha perdido la conexión; vuelve sola."), ("end", "La sesión ha terminado. Gracias.")],
 )
 async def test_the_agent_sleeps_silently_when_the_link_is_lost(calm: Theme, how: str, report: str) -> None:
     async with watching(calm, speaks=True) as watcher:
@@ -187,7 +187,7 @@ async def test_the_agent_sleeps_silently_when_the_link_is_lost(calm: Theme, how:
         watcher.link.spoken.clear()
         getattr(watcher.link, how)()
         seen = await watcher.see()
-        assert {"lose": "Fuera de alcance por ahora; vuelve solo.", "end": "Aquí hemos terminado. Gracias."}[
+        assert {"lose": "Se ha perdido la conexión; vuelve sola.", "end": "La sesión ha terminado. Gracias."}[
             how
         ] in seen
         assert "Well done!" not in seen

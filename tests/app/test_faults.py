@@ -198,7 +198,7 @@ async def test_unsaved_messages_are_reported_when_the_session_is_left(
         await driver.settle()
         await driver.press("enter")
         assert driver.screen_name == "HomeScreen"
-        assert driver.sees("The disk would not take the session's last messages")
+        assert driver.sees("The session's last messages could not be written")
 
 
 async def test_a_session_whose_disk_is_too_slow_stays_locked_and_unsaved(

@@ -135,7 +135,7 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
         tour = Tour(driver)
         await driver.wait(2000)
         tour.look("Comprobar el sensor", "Sujete el sensor como en el dibujo", "Muestras", "Empezar", "Alcance")
-        await tour.press("z", "El sensor toma su sesgo como cero")
+        await tour.press("z", "El sensor elimina su sesgo")
         await tour.press("t", "Apoye la mano en el punto de salida")
         await driver.wait(2000)
         tour.look("Ahora extienda el brazo, vuelva y descanse.")
@@ -149,7 +149,7 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
         await tour.press("enter")
         await tour.press("enter", "Hasta el marcador 1 (15 cm) y vuelta.", "Su meta: menos de 1,20 segundos.")
         await tour.sensor("detached")
-        tour.look("Espere, por favor", "Ahora mismo no se recibe el sensor de su mano.")
+        tour.look("Espere, por favor", "El sensor de su mano no envía datos ahora mismo.")
         await tour.sensor("attached")
         await driver.wait(300)
         await tour.press(

@@ -259,7 +259,7 @@ async def test_leaving_with_unsaved_changes_asks_once(data: Path, catalogue: Cat
         await fill(driver, "attempts", "3")
         await driver.press("escape")
         assert driver.screen_name == "SettingsScreen"
-        assert driver.sees("Not saved yet. Save with Ctrl-S, or")
+        assert driver.sees("Not saved. Save with Ctrl-S, or")
         await driver.press("escape")
         assert driver.screen_name == "HomeScreen"
         await driver.press("f2", "escape")

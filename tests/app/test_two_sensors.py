@@ -114,14 +114,14 @@ async def test_the_seat_of_a_detached_sensor_is_shown_and_the_session_continues_
         right.unplug()
         await driver.wait(200)
         assert driver.sees("Please wait")
-        assert driver.sees("Right: The sensor on your hand is not heard just now.")
+        assert driver.sees("Right: The sensor on your hand sends no data just now.")
         left.unplug()
         await driver.wait(200)
-        assert driver.sees("The sensor on your hand is not heard just now.")
+        assert driver.sees("The sensor on your hand sends no data just now.")
         assert not driver.sees("Right: The sensor")
         right.plug()
         await driver.wait(200)
-        assert driver.sees("Left: The sensor on your hand is not heard just now.")
+        assert driver.sees("Left: The sensor on your hand sends no data just now.")
         left.plug()
         await driver.wait(200)
         assert driver.sees("Press Enter to begin attempt 1 of 1.")
@@ -134,7 +134,7 @@ async def test_a_detached_sensor_is_reported_with_the_participants_code(open_che
         await driver.press("enter", "enter", "enter")
         right.unplug()
         await driver.wait(200)
-        assert driver.sees("P02: The sensor on your hand is not heard just now.")
+        assert driver.sees("P02: The sensor on your hand sends no data just now.")
 
 
 async def test_the_help_of_two_sensors_names_the_settings_of_both(open_check: OpenCheck) -> None:

@@ -144,7 +144,7 @@ def test_a_module_that_cannot_be_loaded_is_reported_in_a_sentence(call: Call, mo
     monkeypatch.setitem(sys.modules, "sar_tui.plugins", None)
     called = call("sessions")
     assert (called.code, called.err.count("\n")) == (1, 1)
-    assert called.err.startswith("Something went wrong that should not have (ModuleNotFoundError: ")
+    assert called.err.startswith("An unexpected error occurred (ModuleNotFoundError: ")
 
 
 def test_an_unforeseen_error_is_a_sentence(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:

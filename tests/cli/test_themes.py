@@ -66,7 +66,7 @@ def test_themes_json(call: Call) -> None:
 
 def test_an_incomplete_theme_is_listed_with_what_to_do(call: Call, own_themes: Path, change: Change) -> None:
     shutil.copytree(change("theme.toml", "sleeping = '''", "asleep = '''"), own_themes / "evening")
-    assert "! evening is not whole, and is filled up from another: sar-tui themes check evening" in call("themes").out
+    assert "! evening has problems, so replacements are used: sar-tui themes check evening" in call("themes").out
     row = next(row for row in call("themes", "--json").json["themes"] if row["name"] == "evening")
     assert "There is no face for sleeping." in row["repairs"]
 

@@ -37,7 +37,7 @@ class AgentStage(Protocol):
         """Change the expression only."""
 
     def clear_agent(self, face: str) -> None:
-        """Take the words away."""
+        """Remove the words."""
 
     def voiceless(self, action: Action, why: str) -> None:
         """Show the words of an action that could not be spoken, and that there is no voice."""
@@ -117,7 +117,7 @@ class DrawnAgent(Output):
             self._shown = ""
 
     def gesture(self, action: str, name: str) -> None:
-        """Make one gesture after the other."""
+        """Perform gestures one after the other."""
         if self._is_cueing:
             self._report_done(action, "gesture")
             return
@@ -169,7 +169,7 @@ class DrawnAgent(Output):
         self._move_on()
 
     def close(self) -> None:
-        """Report nothing more."""
+        """Stop gestures, and report nothing more."""
         if self._moving:
             self._moving[1].cancel()
         self._moving = None

@@ -57,7 +57,7 @@ class AgentView:
         self._silence: Handle | None = None
 
     def receive(self, event: PeerEvent) -> None:
-        """Take what arrived over the link."""
+        """Handle an event of the link."""
         match event:
             case Welcome():
                 self._enter(event)

@@ -101,7 +101,7 @@ class AgentViewScreen(Screen[None]):
         self._show_status()
 
     def _show_status(self) -> None:
-        """Show the state of the link in words for anybody."""
+        """Show the state of the link, in words for participants."""
         match self._connection.state:
             case "connected":
                 text = ""
@@ -109,7 +109,7 @@ class AgentViewScreen(Screen[None]):
                 why = self._connection.why
                 text = f"{self.tr('One moment…')}\n{why}" if why else self.tr("One moment…")
             case "lost":
-                text = self.tr("Out of reach for the moment; it comes back by itself.")
+                text = self.tr("The connection is lost; it comes back by itself.")
             case "ended":
-                text = self.tr("It is over here. Thank you.")
+                text = self.tr("The session is over. Thank you.")
         self._status.update(text)

@@ -117,13 +117,13 @@ class AgentScreen(Screen[None]):
     # --- between and in trials -------------------------------------------------------------------------------
 
     def clear_agent(self, face: str) -> None:
-        """Take the words away, for instance before a trial."""
+        """Remove the words, as before a trial."""
         self.agent.clear(face)
         self.agent.note("")
         self.agent.display = self._shows_agent or self._shows_voiceless
 
     def ask(self, words: str) -> None:
-        """Let the agent ask for something that must be read, also if it is hidden otherwise."""
+        """Let the agent ask for something that must be read, even if it is otherwise hidden."""
         self.agent.display = True
         self.agent.say(words, "listening")
 

@@ -1,4 +1,4 @@
-"""Check of motion sensors before a session: are they attached, placed correctly, and do they measure a reach."""
+"""Check of motion sensors before a session: attachment, placing on the hand, and a test reach."""
 
 import functools
 import math
@@ -33,16 +33,16 @@ _BAR = 8
 _SIDES = ("On the left", "On the right")
 _PLACE = "Fasten the sensor as drawn, and lay the hand flat on the table, palm down."
 _IDLE = "T: a test reach.  Z: zero the sensor.  Enter: begin the session."
-_ZEROED = "The sensor takes its bias for zero: keep the hand still for two seconds."
+_ZEROED = "The sensor removes its bias: keep the hand still for two seconds."
 _IDLE_FIRST = "T: a test reach.  Z: zero the sensor.  Enter: on to the other sensor."
-_NONE = "There is no sensor, so the session will wait for one. Press Enter again to begin it all the same."
-_NOT_BOTH = "A sensor is missing, so the session will wait for it. Press Enter again to begin it all the same."
+_NONE = "There is no sensor, so the session will wait for one. Press Enter again to begin it anyway."
+_NOT_BOTH = "A sensor is missing, so the session will wait for it. Press Enter again to begin it anyway."
 _NOTHING_TO_ZERO = "There is no sensor to zero. Plug it in first."
 _HELP = (
     "Fasten the sensor to the back of the hand as drawn: y along the fingers, z out of the hand. "
     "Lay the hand flat and still: z points up, and the bias of each axis is shown.",
-    "Zero takes that bias for zero, where the sensor can. A test shows what a session would see of a reach: "
-    "rest, reach out and back, and rest. Nothing of it is kept.",
+    "Zero removes that bias, if the sensor can. A test shows what a session would measure: "
+    "rest, reach out and back, and rest. It is not stored.",
     "The session may begin at any time; without a sensor it waits for one. To try the task without: Escape, then "
     "F2 on the first screen, and set Motion sensor to simulated.",
 )
@@ -60,8 +60,8 @@ class SensorCheckScreen(Screen[bool]):
 
     Args:
         plan: the session that waits.
-        feeds: of its sensors, in the order of the seats, already started.
-        clock: the feeds'.
+        feeds: the started feeds of its sensors, in the order of the seats.
+        clock: the clock of the feeds.
     """
 
     AUTO_FOCUS = ""

@@ -257,7 +257,7 @@ class SessionScreen(AgentScreen):
     def _show_position(self, waiting: Waiting) -> None:
         """Show attempt and level in the corner, and the progress at the bottom."""
         marked = self.tr("Marked: {mark}", mark=self._mark.lower()) if self._mark else ""
-        if waiting.trial > waiting.trials:  # after the last attempt; the level is of one that will not come
+        if waiting.trial > waiting.trials:  # after the last attempt: there is no next level to show
             if marked:
                 self.query_one("#where", Static).update(marked)
             self._show_attempts(waiting.attempt)
@@ -280,7 +280,7 @@ class SessionScreen(AgentScreen):
         self.query_one("#trials", ProgressLine).show(self.tr(task.trials), done, task.trials_per_attempt)
 
     def _broken(self, error: str) -> None:
-        """End the app's session after the task raised: the data is safe, but the task cannot go on."""
+        """Record that the task raised, so that the app ends with this message; the data is safe."""
         self._gc.end_attempt()
         self.app.failure = (
             f"The task {self._live.run.session.task.name} failed ({error}). What was done so far is kept."

@@ -87,7 +87,7 @@ class SettingsScreen(Screen[None]):
 
     @on(ParameterField.Changed)
     async def _check(self) -> None:
-        """Check each value, and all of them together: values that are right by themselves may exclude each other."""
+        """Check each value, and all of them together, because valid values may conflict."""
         problems = self._problems()
         for widget in self._fields:
             widget.show_problem(problems.get(widget.field.name, ""))
@@ -174,4 +174,4 @@ class SettingsScreen(Screen[None]):
             self.dismiss()
         else:
             self._saved = self._shown()
-            self.notify("Not saved yet. Save with Ctrl-S, or go back once more to leave it.", severity="warning")
+            self.notify("Not saved. Save with Ctrl-S, or go back again to discard the changes.", severity="warning")

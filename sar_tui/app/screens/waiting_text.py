@@ -81,14 +81,14 @@ def _paused(waiting: Waiting, task: Task, tr: Language) -> WaitingText | None:
             return _no_space(waiting.detail, tr)
         case "sensor":
             why = waiting.detail or tr("The sensor sends nothing. Check its cable.")
-            silent = tr("The sensor on your hand is not heard just now. Nothing is lost.")
+            silent = tr("The sensor on your hand sends no data just now. Nothing is lost.")
             if len(task.seats) > 1 and waiting.seat:
                 silent = f"{task.display_name(waiting.seat)}: {silent}"
             return WaitingText(
                 tr("Please wait"),
                 f"{silent}\n\n"
                 f"{tr('For the experimenter: {words}', words=why)}\n"
-                f"{tr('The session goes on by itself if it is heard again. To end it: Escape.')}",
+                f"{tr('The session goes on by itself once the sensor sends data again. To end it: Escape.')}",
                 "",
             )
     return None

@@ -35,7 +35,7 @@ def themes(home: Home) -> Finding:
 
 
 def outputs() -> Finding:
-    """Load the plug-ins among the outputs. None is opened: that takes an address, which only a session has."""
+    """Load the plug-ins among the outputs. None is opened, because only a session knows its address."""
     from importlib.metadata import entry_points
 
     from sar_tui.outputs.outputs import GROUP, output_names

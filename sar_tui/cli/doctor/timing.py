@@ -1,4 +1,4 @@
-"""Everything that reaction times depend on: the clock, onset stamps, the process's priority, and what was measured."""
+"""Checks of timing: the clock, onset stamps, the process's priority, and stored measurements."""
 
 import os
 import sys

@@ -16,7 +16,7 @@ class Motion:
     Args:
         gesture: the keyframes.
         start: where the joints are.
-            speed: the share of its range (0 to 1) that a joint may move in a second.
+        speed: the share of its range (0 to 1) that a joint may move in a second.
     """
 
     def __init__(self, gesture: Gesture, start: Pose, speed: float) -> None:
@@ -40,8 +40,7 @@ class Motion:
     def step(self, ms: float) -> Pose:
         """Return the target of the joints ``ms`` after the start.
 
-        After a pause of the computer they move no further than in one or two ordinary steps: missed time is not made up
-        for by a jump.
+        If the computer paused, they move no further than in two ordinary steps, instead of jumping.
         """
         most = self._speed * min(ms - self._ms, _LONGEST_STEP_MS) / 1000
         self._ms = ms

@@ -1,1 +1,1 @@
-"""Speech and tones on one path: outputs use `mixer`; `voice` is the child process that speaks and plays."""
+"""Speech and tones: outputs use `mixer`; `voice_main` is the child process that speaks and plays."""

@@ -25,7 +25,7 @@ _SILENT = 0.005
 _SHORTEST_S = 0.1
 _SHORTEST_A_LETTER_S = 0.008
 """A third of the time for a letter at the fastest rate that a theme may set."""
-_LOOK_S = 0.002
+_POLL_S = 0.002
 _SET_S = 0.25
 """Time for the engine to apply a voice and a rate."""
 _SETTLED_S = 0.02
@@ -105,7 +105,7 @@ class Engine:
         self._engine.setProperty("rate", rate)
         until = time.monotonic() + _SET_S
         while self._engine.getProperty("rate") != rate and time.monotonic() < until:
-            time.sleep(_LOOK_S)
+            time.sleep(_POLL_S)
         time.sleep(_SETTLED_S)
         self._set_to = (voice, rate)
 
@@ -114,13 +114,13 @@ class Engine:
         self._finished.clear()
         self._problem = ""
         with _private_file() as path:
-            self._engine.proxy.setBusy(True)  # everything is done in the loop, which then surely ends
+            self._engine.proxy.setBusy(True)  # defers everything to the loop, which then always ends
             self._engine.save_to_file(text, path)
             self._engine.runAndWait()
             while not is_whole(path):
                 if self._problem:
                     raise SoundError(f"The speech engine could not speak ({self._problem}).")
-                time.sleep(_LOOK_S)
+                time.sleep(_POLL_S)
             self._finished.wait(_END_REPORT_S)
             return read(path)
 
@@ -146,7 +146,7 @@ class Engine:
 
 @contextlib.contextmanager
 def _private_file() -> Iterator[str]:
-    """A file for the engine to write to, in memory where possible, so that nothing is left behind."""
+    """Yield a file for the engine to write to, in memory where possible, so that nothing is left behind."""
     if sys.platform == "linux":
         handle = os.memfd_create("utterance")
         try:

@@ -1,4 +1,4 @@
-"""The common path of speech and tones, in order, to the sound card or to files."""
+"""Plays speech and tones in order, on the sound card or into files."""
 
 import itertools
 import os
@@ -67,7 +67,7 @@ def examine(program: Sequence[str] = PROGRAM, backends: Sequence[str] = (), pati
 
 
 class Sound:
-    """Shared by the outputs that can be heard, from the first that joins until the last leaves.
+    """The sound shared by outputs that can be heard, from the first that joins until the last leaves.
 
     On a virtual clock nothing is played: each part is synthesised at once, and takes as long on that clock as it would
     sound. Otherwise the times are those of the voice process: when the first samples are fed to the sound card, and

@@ -23,7 +23,7 @@ class Setup(_Line, frozen=True):
     """The first message. Sounds go to ``folder`` as WAV files, or to the sound card if that is empty.
 
     ``backends``: the sound systems to try, by miniaudio's names; all real ones if empty. If ``in_real_time`` is
-    false, nothing is played and each sound ends when it starts: the program lets its own clock run.
+    false, nothing is played and each sound ends when it starts: the program's clock is virtual.
     """
 
     folder: str = ""

@@ -1,4 +1,4 @@
-"""Tells texts that a voice cannot read: an engine spells out the codes of characters it does not know."""
+"""Recognises texts that a voice cannot read, because an engine would spell out the codes of unknown characters."""
 
 import unicodedata
 

@@ -22,7 +22,7 @@ RAMP_S = 0.008
 """Time in which a note swells and fades, to avoid clicks."""
 _MOST_CHUNKS, _MOST_CHANNELS, _FASTEST = 64, 8, 192_000
 """Limits above those of any speech engine's file."""
-_UNKNOWN = "The speech engine gave sound of a kind that is not known ({})."
+_UNKNOWN = "The speech engine gave sound in an unknown format ({})."
 
 
 @lru_cache(maxsize=64)

@@ -56,7 +56,7 @@ class PartEvent(NamedTuple):
 
 
 class Supervisor:
-    """Does requests in order. All its state belongs to one thread, which also calls ``on_event``.
+    """Performs requests in order. All its state belongs to one thread, which also calls ``on_event``.
 
     The process is started at once, and again for the next part after it died, hung or did not stop.
 

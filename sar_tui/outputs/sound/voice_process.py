@@ -34,7 +34,7 @@ class VoiceProcess:
         self.send(setup)
 
     def send(self, request: Request) -> None:
-        """Send a request. If the process has ended, ``on_reply`` gets None; the caller is not sent."""
+        """Send a request; it is dropped if the process has ended, which ``on_reply`` reports with None."""
         with contextlib.suppress(OSError):
             self._requests.write(encode(request))
 
