@@ -1,1 +1,1 @@
-"""Movement science, pure numpy: reaches found in a sensor's samples, and what is measured of them."""
+"""Movement science in numpy: detects reaches and repetitions in a sensor's samples, and measures them."""

@@ -16,16 +16,16 @@ Measured = dict[str, str | int | float | bool | None]
 
 NS = 1e9
 EARLY_NS = 500_000_000
-"""A reach may have begun this long before the participant said so."""
+"""A reach may begin this long before the participant starts the trial."""
 HOLE_NS = 100_000_000
 """A longer time without samples is a hole."""
 BESIDE_NS = 200_000_000
-"""A hole this near to a reach may have swallowed a part of it."""
+"""A hole this near to a reach may hide a part of it."""
 SATURATED_NS = 300_000_000
-"""Longest hole that is attributed to a sensor beyond its range, if it reported that."""
+"""Longest hole that is attributed to saturation, if the sensor reported saturation."""
 _TIMES = {"reach_time_ms", "out_ms", "back_ms", "dwell_ms", "turn_after_ms"}
 FEWEST = 10
-"""Fewer samples are not analysed."""
+"""Smallest number of samples that is analysed."""
 
 
 class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -112,14 +112,14 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         return Finding(details=known, flags=window.flags, invalid="gap" if holes else "")
     flags = tuple(dict.fromkeys((*window.flags, *reach.flags, *(["several"] if known["reaches"] != 1 else []))))
     onset_ns, end_ns = _stamp(reach.onset_s, window), _stamp(reach.end_s, window)
-    hurt = any(first < end_ns + BESIDE_NS and last > onset_ns - BESIDE_NS for first, last in holes)
+    has_hole = any(first < end_ns + BESIDE_NS and last > onset_ns - BESIDE_NS for first, last in holes)
     return Finding(
         onset_ns=onset_ns,
         turn_ns=_stamp(reach.turn_s, window),
         end_ns=end_ns,
         details=known | measures(reach),
         flags=flags,
-        invalid="gap" if hurt else "",
+        invalid="gap" if has_hole else "",
     )
 
 

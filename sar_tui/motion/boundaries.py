@@ -1,15 +1,20 @@
-"""Beginning and end of a movement, to a few milliseconds: the flank of its speed extrapolated to zero."""
+"""Onset and end of a movement, to a few milliseconds: the rise or fall of its speed extrapolated to zero."""
 
 import numpy as np
 
 from sar_tui.motion.samples import Floats
 
 LOW, HIGH = 0.08, 0.35
+"""Part of the rise that the line is fitted to, as shares of the peak speed."""
 HIGHEST_LOW = 0.2
-PROMINENT = 0.2
-FALL = 0.6
+"""Largest lower bound of that part: it rises with the noise."""
+PROMINENT, FALL = 0.2, 0.6
+"""A submovement's peak is at least the first share of the phase's peak; it ends where the speed falls below the second
+share of its own."""
 POINTS = 24
+"""Number of points that the line is fitted to."""
 TAIL = 0.02
+"""Share of the peak speed below which a movement is over."""
 
 
 def first_peak(speed: Floats) -> int:
@@ -34,7 +39,7 @@ def onset(time_s: Floats, speed: Floats, floor: float = 0.0) -> float:
     Args:
         time_s: shape (n,), rising or falling.
         speed: shape (n,), at least 0, its largest value last.
-            floor: noise at rest; the fit begins above it.
+        floor: noise at rest; the fit begins above it.
     """
     if len(speed) < 3 or speed[-1] <= 0:
         return float(time_s[0])
@@ -66,8 +71,8 @@ def edges(
         speed: shape (n,), the phase's direction positive, smoothed lightly.
         calm: the same, smoothed more: for finding the first and the last submovement.
         first, last: a first guess, in samples.
-            margin: how far outside of it the phase may begin and end, in samples.
-            floor: noise of the speed at rest.
+        margin: how far outside of it the phase may begin and end, in samples.
+        floor: noise of the speed at rest.
     """
     rising = first + first_peak(calm[first:last])
     falling = last - 1 - first_peak(calm[first:last][::-1])

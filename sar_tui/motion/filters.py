@@ -7,8 +7,11 @@ import numpy as np
 from sar_tui.motion.samples import Floats
 
 NOTCH_HZ = 0.6
+"""Standard deviation of the Gaussian notch."""
 LOW_RATE = 4.0
+"""Least number of samples in a period of the cutoff frequency."""
 LEAST_RATE_HZ = 20.0
+"""Lowest sample rate at which reaches are detected."""
 
 
 def usable_cutoff(cutoff_hz: float, rate_hz: float) -> float:
@@ -62,13 +65,13 @@ def smooth(x: Floats, rate_hz: float, cutoff_hz: float, notch_hz: float | None =
     """Return a recording without frequencies above ``cutoff_hz``, and without delay.
 
     Equivalent to a second-order Butterworth low-pass run forwards and backwards: gain 1 / (1 + (f / cutoff)⁴), applied
-    to the spectrum. The ends are continued by their mirror image, so that a bias makes no edge.
+    to the spectrum. The ends are padded with their mirror image, so that a bias makes no step there.
 
     Args:
         x: shape (n, k), n of at least 2.
         rate_hz: samples per second.
         cutoff_hz: half-amplitude frequency.
-        notch_hz: a frequency to remove as well, with a bell of ``NOTCH_HZ`` (standard deviation) about it.
+        notch_hz: centre of a Gaussian notch of standard deviation ``NOTCH_HZ``; None for none.
     """
     pad = min(len(x) - 1, math.ceil(2.0 * rate_hz))
     mean = x.mean(axis=0)

@@ -1,4 +1,4 @@
-"""The thesis' detector (section 4.2.2): the hand moves while it turns about z faster than a fixed threshold."""
+"""The fixed-threshold detector (thesis 4.2.2): the hand moves while it turns about z faster than a threshold."""
 
 import msgspec
 import numpy as np
@@ -12,7 +12,7 @@ class FixedThresholdParameters(msgspec.Struct, frozen=True, kw_only=True):
     """Parameters of the detector.
 
     Args:
-        threshold_rad_s: the hand moves where the rate about z exceeds this, either way.
+        threshold_rad_s: the hand moves where the rate about z exceeds this, in either direction.
         still_ms: a reach is over when the rate then stays below for this long.
     """
 
@@ -21,9 +21,9 @@ class FixedThresholdParameters(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def find(recording: Recording, parameters: FixedThresholdParameters | None = None, hand: Hand = "right") -> Detected:
-    """Find the reaches: every stretch of movement. Each ends where the rest begins that ends it.
+    """Find the reaches: every stretch of movement that a rest of ``still_ms`` follows. It ends where that rest begins.
 
-    A reach without that rest before the recording's end is flagged ``endless``, and ends with the recording.
+    A last stretch without that rest is flagged ``endless``, and ends with the recording.
     ``reversed`` and ``gap`` are as in ``single_axis.find``.
     """
     parameters = parameters or FixedThresholdParameters()
@@ -55,13 +55,13 @@ def _segments(time_s: Floats, speed: Floats, parameters: FixedThresholdParameter
 
 
 def _bounds(grid: Grid, segment: tuple[float, float, bool], threshold: float, hand: Hand) -> Bounds:
-    """Return a stretch as a reach, which turns where z changes sign between its extremes, or else is all out."""
+    """Return a stretch as a reach that turns where the rate about z changes sign; without that, all is the way out."""
     onset_s, end_s, ended = segment
     margin = 0.51 / grid.rate_hz
     inside = (grid.time_s >= onset_s - margin) & (grid.time_s <= end_s + margin)
     time, turning = grid.time_s[inside], grid.rate[inside, 2] * OUTWARDS[hand]
     flags = [] if ended else ["endless"]
-    if grid.gap(onset_s, end_s):
+    if grid.has_hole(onset_s, end_s):
         flags.append("gap")
     sign = 1.0
     arrival_s = departure_s = end_s

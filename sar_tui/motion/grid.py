@@ -1,4 +1,4 @@
-"""A recording on an even grid: missing samples are interpolated linearly, and holes are known."""
+"""A recording on an even grid: missing samples are interpolated linearly, and holes are listed."""
 
 from typing import NamedTuple
 
@@ -7,6 +7,7 @@ import numpy as np
 from sar_tui.motion.samples import Floats, Recording
 
 GAP_S = 0.1
+"""Longest time between two samples that is not a hole."""
 
 
 class Grid(NamedTuple):
@@ -17,7 +18,7 @@ class Grid(NamedTuple):
     rate_hz: float
     holes: Floats
 
-    def gap(self, from_s: float, to_s: float) -> bool:
+    def has_hole(self, from_s: float, to_s: float) -> bool:
         """Return True if a hole lies between the two times."""
         return bool(((self.holes[:, 0] < to_s) & (self.holes[:, 1] > from_s)).any())
 

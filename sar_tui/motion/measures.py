@@ -9,6 +9,7 @@ from sar_tui.motion.samples import Floats
 from sar_tui.motion.smoothness import ldlj, movement_units, sparc, tremor_index
 
 PEAKS_HZ = 15.0
+"""Cutoff of the smoothing for peaks and smoothness."""
 
 
 def measure(found: Detected, flags: tuple[str, ...] = ()) -> tuple[Reach, ...]:

@@ -8,10 +8,13 @@ import numpy as np
 from sar_tui.motion.samples import Floats
 
 ADJACENT_S = 0.2
+"""Longest pause after which a small movement still belongs to its neighbour."""
 TINY_RAD = 0.02
-
+"""Smaller movements are ignored."""
 UNEVEN = 4.0
+"""Largest ratio of the angles out and back in a reach."""
 UNPAIRED = 10.0
+"""Cost of a phase without a partner: more than that of any possible pair."""
 
 
 class Phase(NamedTuple):
@@ -77,7 +80,7 @@ def _lobes(turning: Floats, rate_hz: float, begin: float, end: float) -> list[Ph
 
 
 def pairs(found: list[Phase], rate_hz: float, dwell_s: float) -> list[tuple[Phase, Phase]]:
-    """Return the pairs of phases that are out and back: opposite, of like angle, with a short rest between them.
+    """Return the pairs of phases that are a reach: opposite, of similar angle, with a short rest between them.
 
     The pairing has as many reaches as possible and, among those, the best fit (dynamic programming over the phases).
 

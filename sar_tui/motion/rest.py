@@ -18,11 +18,16 @@ STEADY_RAD_S = 0.06
 """Largest change of the bias between rests, rad/s; a larger one is a slow, steady movement."""
 
 STEP_S = 0.1
+"""Time between the starts of two windows."""
 NEARBY_S = 2.0
+"""Time on either side over which the bias is averaged."""
 TREMOR_HZ = (3.0, 12.0)
 TREMOR_RAD_S = 0.03
+"""Smallest amplitude of a tremor."""
 PEAKED = 4.0
+"""A tremor's peak exceeds the median of the tremor band by this factor."""
 SPECTRA = 40
+"""Largest number of windows whose spectra are averaged."""
 
 
 class Rest(NamedTuple):
@@ -39,7 +44,7 @@ class Rest(NamedTuple):
 
 
 def find_rest(rate: Floats, rate_hz: float, rest_s: float) -> Rest:
-    """Find where the hand rests for ``rest_s`` or longer, and measure the sensor there.
+    """Find where the hand rests for ``rest_s`` or longer, and estimate bias and tremor there.
 
     A rest is a window in which the slow part of the rate is steady, at a level that agrees with the others. Shorter
     windows, down to a quarter, are used if there is none of that length. If nothing is still, the bias is the mean
@@ -48,7 +53,7 @@ def find_rest(rate: Floats, rate_hz: float, rest_s: float) -> Rest:
     Args:
         rate: angular rate on a uniform grid, shape (n, 3), rad/s.
         rate_hz: samples per second.
-        rest_s: how long the hand should rest.
+        rest_s: duration of a rest.
     """
     slow = smooth(rate, rate_hz, SLOW_HZ)
     for share in (1.0, 0.5, 0.25):
@@ -84,7 +89,7 @@ def _windows(x: Floats, begins: npt.NDArray[np.int_], size: int) -> tuple[Floats
 
 
 def _agreeing(levels: Floats) -> npt.NDArray[np.int_]:
-    """Return the levels, shape (k, 3), that belong to one slowly changing bias: the one most of them agree with."""
+    """Return the indices of the levels, shape (k, 3), that belong to one slowly changing bias: that of most of them."""
     some = levels[:: max(1, len(levels) // 200)]
     agreement = (np.linalg.norm(some[:, None] - some[None], axis=2) < STEADY_RAD_S).sum(axis=1)
     anchor = int(np.linalg.norm(levels - some[agreement.argmax()], axis=1).argmin())
@@ -117,12 +122,12 @@ def _running_mean(levels: Floats, reach: int) -> Floats:
 
 
 def _tremor_hz(rate: Floats, begins: npt.NDArray[np.int_], size: int, rate_hz: float) -> float | None:
-    """Return the peak of the rests' mean spectrum in the tremor band if it is clear and not tiny, else None."""
+    """Return the frequency of a clear peak of the rests' mean spectrum in the tremor band; None without one."""
     some = begins[:: max(1, len(begins) // SPECTRA)]
     windows = rate[some[:, None] + np.arange(size)]
-    bell = np.hanning(size)[:, None]
-    windows = (windows - windows.mean(axis=1, keepdims=True)) * bell
-    amplitude = np.abs(np.fft.rfft(windows, 4 * size, axis=1)) * (2 / bell.sum())
+    taper = np.hanning(size)[:, None]
+    windows = (windows - windows.mean(axis=1, keepdims=True)) * taper
+    amplitude = np.abs(np.fft.rfft(windows, 4 * size, axis=1)) * (2 / taper.sum())
     spectrum = np.sqrt((amplitude**2).sum(axis=2).mean(axis=0))
     frequency = np.fft.rfftfreq(4 * size, 1 / rate_hz)
     band = (frequency >= TREMOR_HZ[0]) & (frequency <= TREMOR_HZ[1])

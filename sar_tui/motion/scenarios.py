@@ -1,4 +1,4 @@
-"""Simulated reaches under difficulties, one at a time and all together, to test detectors with."""
+"""Simulated reaches under difficulties, one at a time and all together, for tests of detectors."""
 
 import math
 from collections.abc import Callable

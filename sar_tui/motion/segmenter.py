@@ -1,4 +1,4 @@
-"""Online segmentation of movement: whether the hand moves, how long it has been still, whether it came back."""
+"""Online segmentation of movement: movement or rest, time at rest, and return to the start."""
 
 import math
 from collections import deque
@@ -9,12 +9,19 @@ from sar_tui.motion.samples import Floats
 from sar_tui.motion.single_axis import SingleAxisParameters
 
 BLOCK_S = 0.1
+"""Duration of a block of samples."""
 BACK = 0.35
+"""The hand is back when its angle is below this share of the largest."""
 LONGEST_STEP_S = 0.1
+"""Longest time between two samples over which the angle is integrated."""
 CLEAR = 1.5
+"""If twice the noise exceeds the begin threshold by this factor, the slower filter is used."""
 EARLY_S = 0.5
+"""A movement may begin this long before the start of a trial."""
 NEWEST = 2
+"""Number of newest blocks that are not used as rest: they may hold the start of a movement."""
 SPREADS = 2.0
+"""Noise floor, in standard deviations at rest."""
 
 Vector = tuple[float, float, float]
 
@@ -49,7 +56,7 @@ def _spreads(blocks: list[_Block]) -> tuple[float, float]:
 
 
 class Segmenter:
-    """Tells movement from rest, sample by sample; for ending a trial, not for timing a reach.
+    """Distinguishes movement from rest, sample by sample; for ending a trial, not for timing a reach.
 
     Its state after a sample does not depend on the blocks in which samples arrive. Its filters delay it by tens of
     milliseconds, or by up to half a second if tremor or noise require a slower one.
@@ -108,7 +115,7 @@ class Segmenter:
             self._slower[2](self._slow[2](z)),
         )
         self._bias = self._bias or slow
-        self._gate(fast, slow)
+        self._collect(fast, slow)
         bias = self._bias
         fast_speed, slow_speed = math.dist(fast, bias), math.dist(slow, bias)
         least = self.parameters.begin_rad_s
@@ -158,8 +165,8 @@ class Segmenter:
         if self._farthest >= self.parameters.least_rad and angle < BACK * self._farthest:
             self.returned, self._returned_s = True, self._last_s or 0.0
 
-    def _gate(self, fast: Vector, slow: Vector) -> None:
-        """Learn bias and noise when the slow part has been steady for ``rest_s``, near the known bias."""
+    def _collect(self, fast: Vector, slow: Vector) -> None:
+        """Add a sample to the blocks, and learn bias and noise from the last ``rest_s`` when a block is full."""
         block = self._block
         block.count += 1
         block.moved = block.moved or self.moving
@@ -172,11 +179,11 @@ class Segmenter:
             return
         self._blocks.append(block)
         self._block = _Block()
-        if len(self._blocks) == self._blocks.maxlen:  # the newest may hold the start of a movement
+        if len(self._blocks) == self._blocks.maxlen:
             self._learn([*self._blocks][:-NEWEST])
 
     def _learn(self, blocks: list[_Block]) -> None:
-        """Use the level and the spread of a second as rest, if they can be.
+        """Learn bias and noise from blocks, if the slow rate was steady in them and near the known bias.
 
         At the first rest, earlier movement is forgotten: its bias was only a guess.
         """

@@ -17,9 +17,11 @@ from sar_tui.motion.rest import SLOW_HZ, find_rest
 from sar_tui.motion.samples import Floats, Recording
 
 CALM_HZ = 5.0
+"""Cutoff of the stronger smoothing, in which submovements are told apart."""
 MARGIN_S = 1.0
+"""Time around a stretch of movement in which a reach may begin and end."""
 ACROSS = math.cos(math.radians(80))
-"""An axis more than 80° from z does not tell the direction for the hand: the first phase is the way out."""
+"""An axis more than 80° from z does not show the direction of a reach: its first phase is then the way out."""
 
 
 class SingleAxisParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -27,14 +29,14 @@ class SingleAxisParameters(msgspec.Struct, frozen=True, kw_only=True):
 
     Args:
         cutoff_hz: cutoff of the low-pass (second-order Butterworth).
-        rest_s: a hand that is still for this long rests, which gives the sensor's bias and noise.
-        begin_rad_s: a movement exceeds this; more if the hand is less quiet at rest.
+        rest_s: duration of stillness that counts as rest; it gives the sensor's bias and noise.
+        begin_rad_s: a movement exceeds this; the limit is higher if the hand is not quiet at rest.
         end_rad_s: a movement lasts while it is faster than this.
         least_rad: smallest angle of the way out and of the way back; a twitch is smaller.
-        shortest_s: shortest duration of each.
-        pause_s: a shorter pause in one direction does not divide a phase.
+        shortest_s: shortest duration of the way out and of the way back.
+        pause_s: a shorter pause between movements in the same direction does not divide a phase.
         dwell_s: the longest rest at the target within a reach.
-        longest_s: a reach that lasts longer is ended there.
+        longest_s: longest reach; a longer one is cut off.
     """
 
     cutoff_hz: float = 8.0
@@ -148,7 +150,7 @@ def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, ha
 
 
 def _checked(bounds: Bounds, motion: _Motion, first: int, last: int, parameters: SingleAxisParameters) -> Bounds:
-    """Return the reach between two samples with its flags, ended if it is too long."""
+    """Return the reach between two samples with its flags, cut off if it is too long."""
     grid = motion.grid
     end_s = max(bounds.onset_s, bounds.end_s)
     flags = list(bounds.flags)
@@ -159,7 +161,7 @@ def _checked(bounds: Bounds, motion: _Motion, first: int, last: int, parameters:
     if end_s - bounds.onset_s > parameters.longest_s:
         flags.append("timed_out")
         end_s = bounds.onset_s + parameters.longest_s
-    if grid.gap(bounds.onset_s, end_s):
+    if grid.has_hole(bounds.onset_s, end_s):
         flags.append("gap")
     if grid.rate_hz < LOW_RATE * parameters.cutoff_hz:
         flags.append("low_rate")

@@ -42,7 +42,7 @@ def sparc(speed: Floats, rate_hz: float) -> float | None:
 
     Args:
         speed: shape (n,), not negative, any unit.
-            rate_hz: samples per second.
+        rate_hz: samples per second.
     """
     profile = _measurable(speed, rate_hz, _SHORTEST_S)
     if profile is None:
@@ -71,7 +71,7 @@ def ldlj(speed: Floats, rate_hz: float) -> float | None:
 
     Args:
         speed: shape (n,), not negative, any unit.
-            rate_hz: samples per second.
+        rate_hz: samples per second.
     """
     profile = _measurable(speed, rate_hz, _SHORTEST_S)
     if profile is None:
@@ -93,7 +93,7 @@ def movement_units(speed: Floats, rate_hz: float) -> int:
 
     Args:
         speed: shape (n,), not negative, any unit.
-            rate_hz: samples per second.
+        rate_hz: samples per second.
     """
     profile = _measurable(speed, rate_hz, 0.0)
     if profile is None:

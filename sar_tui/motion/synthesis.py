@@ -1,4 +1,4 @@
-"""The simulated hand: reaches as measured by a motion sensor on its back, with faults of sensor and hand."""
+"""The simulated hand: reaches as measured by a motion sensor on its back, with imperfections of sensor and hand."""
 
 import math
 from typing import NamedTuple
@@ -82,7 +82,7 @@ def _frame(axis: Vector) -> tuple[Floats, Floats, Floats]:
 class SimulatedHand:
     """A hand that makes requested reaches, and the samples of the sensor on it.
 
-    The same calls of ``move`` give the same samples, in whatever pieces ``samples`` is called for them.
+    The same calls of ``move`` give the same samples, however calls of ``samples`` divide the time.
 
     Args:
         profile: imperfections of sensor and hand.
@@ -102,7 +102,7 @@ class SimulatedHand:
         self._tremor_phase = float(np.random.default_rng([seed, 0]).uniform(0.0, 2 * math.pi))
 
     def move(self, at_ns: int, shape: ReachShape) -> None:
-        """Make a reach, its onset at ``at_ns``. Reaches that overlap add up."""
+        """Make a reach with its onset at ``at_ns``. Reaches that overlap add up."""
         waveform(shape)
         self._moves.append((at_ns, shape))
 

@@ -1,1 +1,1 @@
-"""Percepts from sensors that several tasks share."""
+"""Perception nodes that several tasks share: percepts from sensors."""

@@ -24,18 +24,20 @@ from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.trace import trace_of
 
 REST = 3 * SECOND
-"""Samples kept from before a reach, to know the hand at rest."""
+"""Time before a reach from which samples are kept: the hand at rest shows the sensor's bias."""
 TAIL = 4 * SECOND
-"""Longest wait, after the key that ends a reach, for a hand that still moves."""
+"""Longest wait for the hand to come to rest after the key that ends a reach."""
 SETTLED_S = 0.85
-"""Rest after which the hand has come to rest; longer if the fixed-threshold detector needs it."""
+"""Stillness after which the hand counts as at rest; longer if the fixed-threshold detector needs more."""
 MARGIN_S = 0.05
+"""Added to the stillness that the fixed-threshold detector needs."""
 PATIENCE = 300 * MS
 """Longest wait for samples after the tail."""
 KEY_REPEAT = 700 * MS
-"""A key this soon after another is held or was pressed twice: keyboards repeat first after 250 to 660 ms."""
+"""A key within this time of the one before is held, or was pressed twice: keyboards begin to repeat after 250 to
+660 ms."""
 UNMOVED = 1500 * MS
-"""A key before this time, by a hand that has not moved, was pressed by mistake."""
+"""A key within this time of the start, without any movement, was pressed by mistake."""
 
 
 class ReachPerception(TimedNode):
@@ -47,7 +49,7 @@ class ReachPerception(TimedNode):
 
     Args:
         analysis: how reaches are found and measured.
-        still_ms: the rest after which a reach needs no key.
+        still_ms: the time at rest after which a reach ends without a key, in ms.
         seat: the participant; each of two has their own node.
     """
 
@@ -79,7 +81,7 @@ class ReachPerception(TimedNode):
 
     @on(SENSOR)
     def sensor_changed(self, sensor: SensorChanged) -> None:
-        """Forget samples from before a sensor was attached; note what goes wrong in a reach."""
+        """Forget samples from before a sensor was attached; flag faults during a reach."""
         if sensor.seat != self._seat:
             return
         if sensor.state == "attached":
@@ -120,9 +122,9 @@ class ReachPerception(TimedNode):
             self._blocks[0] = oldest[oldest["at"] >= stamp]
 
     def _watch(self, samples: Samples) -> tuple[float, bool]:
-        """Return how long the hand has rested, in s, and True if it has been out and back since the start.
+        """Return the time at rest, in s, and True if the hand has been out and back since the start.
 
-        A sensor too slow for this is reported when the reach is over.
+        A sensor too slow for this is reported by the analysis when the reach is over.
         """
         if self._rate_hz < LEAST_RATE_HZ:
             return 0.0, False
@@ -139,7 +141,7 @@ class ReachPerception(TimedNode):
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
-        """Start watching for a reach. It may have begun with the key that asked for the prompt."""
+        """Start watching for a reach. It may have begun with the key that started the trial."""
         self._clear()
         self._prompt = prompt
         self._started = self.now if prompt.started is None else prompt.started
@@ -153,7 +155,7 @@ class ReachPerception(TimedNode):
 
     @on(PERCEIVED)
     def key_pressed(self, press: KeyPerceived) -> None:
-        """End the reach: the second press says that the hand is back."""
+        """End the reach: the second press means that the hand is back."""
         prompt = self._prompt
         if prompt is None or not self._is_prompted or self._ended is not None:
             return
@@ -169,7 +171,7 @@ class ReachPerception(TimedNode):
 
     @property
     def _began_s(self) -> float | None:
-        """Start of the present or last movement."""
+        """Start of the present or last movement, in s of the session's clock."""
         return self._segmenter.began_s if self._segmenter else None
 
     @property
@@ -191,7 +193,7 @@ class ReachPerception(TimedNode):
         self._report("timeout" if self._ended is None else "key")
 
     def _report_unprompted(self, at: int) -> None:
-        """Report that there was a reach, at ``at``."""
+        """Report a reach out of turn at ``at`` (ns), without measures."""
         self.emit(REACH, ReachPerceived(seat=self._seat, at=at, delay=self.now - at, closed="stillness"))
         self._clear()
 
@@ -208,7 +210,7 @@ class ReachPerception(TimedNode):
         )
         found = analyse(samples, window, self._analysis)
         if closed == "stillness" and found.onset_ns is None and not found.invalid:
-            self._dismissed = self._began_s  # a flick of the wrist: the reach is still to come
+            self._dismissed = self._began_s  # a small movement such as a flick of the wrist: keep waiting for the reach
             return
         at = next(stamp for stamp in (found.end_ns, self._ended, self.now) if stamp is not None)
         trace = None
