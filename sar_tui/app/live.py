@@ -154,7 +154,7 @@ class LiveSession:
         self._closing = True
         app.workers.cancel_group(app, "session")
         if isinstance(self.clock, LiveClock):
-            self.run.recorder.stop()
+            self.run.recorder.wake()
             if not self.run.recorder.wait(_LAST_WRITE_SECONDS):
                 return
         else:

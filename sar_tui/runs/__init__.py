@@ -1,1 +1,1 @@
-"""Running a session: its plan, its sensors, live and simulated."""
+"""Runs sessions, live and simulated: plan, sensors, start and resume."""

@@ -56,7 +56,7 @@ def make_plan(
     Args:
         catalogue: where the task and the theme are found.
         task: the task or its name.
-        participants: codes in the order of the task's seats; a simulated session draws up the second if it is missing.
+        participants: codes in the order of the task's seats; a simulated session makes up the second if it is missing.
         settings: values of the task's parameters, typed or as text; they override the saved ones.
         saved: the saved settings of the first participant.
         theme: name of the theme; by default the saved one.
@@ -108,7 +108,7 @@ def check_seats(task: type[Task], codes: Sequence[str]) -> None:
     """Raise StoreError unless the codes are different and as many as the task has seats."""
     problem = ""
     if len(codes) > 2:
-        problem = "At most two can take part."
+        problem = "At most two participants can take part."
     elif len(codes) > len(task.seats):
         problem = f"The task {task.name} is for one: name one participant only."
     elif len(codes) < len(task.seats):
@@ -122,11 +122,12 @@ def check_seats(task: type[Task], codes: Sequence[str]) -> None:
 def check_language(language: str, folder: Path) -> None:
     """Raise ParameterError if a theme has no phrases in a language.
 
-    A theme falls back to English phrase by phrase, but a language that it has nothing in is probably a typing error.
+    A theme uses English for single phrases that it lacks, but a language without any phrase is probably a typing error.
     """
     known = languages(folder)
     if language.partition("-")[0] not in {name.partition("-")[0] for name in known}:
-        raise ParameterError({"language": f"The theme {folder.name} has no {language}; it has: {', '.join(known)}."})
+        problem = f"The theme {folder.name} has no phrases in {language}; it has: {', '.join(known)}."
+        raise ParameterError({"language": problem})
 
 
 def check_outputs(parameters: TaskParameters) -> None:

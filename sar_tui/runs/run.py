@@ -1,4 +1,4 @@
-"""A run of the program on a session: start or resume it, with its nodes, its recorder and its locks."""
+"""A run of the program on a session: starts or resumes it, with its nodes, recorder and locks."""
 
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
@@ -28,7 +28,7 @@ NodeFactory = Callable[[Task, Theme], Sequence[Node]]
 
 
 class Run:
-    """A session in progress in this program. Made by ``start`` or ``resume``; call ``close`` however it ended."""
+    """A session in progress in this program. Made by ``start`` or ``resume``; always call ``close`` at its end."""
 
     def __init__(
         self,
@@ -74,7 +74,7 @@ class Run:
 
 
 def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nodes: NodeFactory) -> Run:
-    """Store a new session, and put its nodes together, ready to begin.
+    """Store a new session, and build its run, ready to begin.
 
     Args:
         plan: the session to start.
@@ -117,16 +117,16 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
             **provenance,
         )
         number = sessions.begin_run(database, session_id, **provenance)
-        return _recorded(session_id, number, session, folder, database, held)
+        return _with_recorder(session_id, number, session, folder, database, held)
 
 
 def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, make_nodes: NodeFactory) -> Run:
-    """Bring an interrupted session back to where it was interrupted, ready to begin.
+    """Replay an interrupted session up to its interruption, and build its run, ready to begin.
 
     Raises:
         StoreError: there is no such session, or it is live, or it has ended.
         PluginError: its task or theme does not exist any more.
-        Failed: it does not come out as it was recorded.
+        Failed: its replay differs from the record.
     """
     database = connect(folder)
     held: list[BaseFileLock] = []
@@ -149,7 +149,7 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ma
         except (ParameterError, ReplayError) as error:
             raise Failed(f"The session {row['id']} cannot be resumed. {error}") from error
         number = sessions.begin_run(database, row["id"], **_provenance(kind, row["theme"], folder, catalogue))
-        return _recorded(row["id"], number, session, folder, database, held)
+        return _with_recorder(row["id"], number, session, folder, database, held)
 
 
 def find_resumable(database: sqlite_utils.Database, folder: Path, name: str) -> sessions.Row:
@@ -189,7 +189,7 @@ def output_nodes(task: Task, theme: Theme) -> list[Node]:
 
 
 class _ParticipantFacts(TypedDict):
-    """The arguments of a Session that are known about its participants."""
+    """The arguments of a Session that concern its participants."""
 
     best: dict[str, float]
     others_best: dict[str, dict[str, float]]
@@ -219,7 +219,7 @@ def _provenance(kind: type[Task], theme: str, folder: Path, catalogue: Catalogue
     }
 
 
-def _recorded(
+def _with_recorder(
     session_id: str,
     number: int,
     session: Session,
@@ -227,7 +227,7 @@ def _recorded(
     database: sqlite_utils.Database,
     held: Sequence[BaseFileLock],
 ) -> Run:
-    """Attach a recorder; a live session's has a database connection of its own, for its thread."""
+    """Return the run of a session with a recorder. In a live session it has its own database connection and thread."""
     inline = isinstance(session.clock, VirtualClock)
     recorder = Recorder(database if inline else connect(folder), session_id, number, session.bus, inline=inline)
     return Run(session_id, number, session, recorder, database, held)

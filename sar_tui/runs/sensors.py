@@ -1,4 +1,4 @@
-"""Motion sensors of a session: find them by name, check them, and make their nodes. Imports numpy: import it late."""
+"""Motion sensors of a session: opens and checks them, and makes their nodes. Imports numpy: import it late."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -75,7 +75,7 @@ def _check_distinct(parameters: TaskParameters, seats: Sequence[str]) -> None:
         return
     if address.partition(":")[0] in _EXCLUSIVE:
         problem = (
-            f"Both sensors are named {address}. Say which is whose: --imu phidget:SERIAL for the left, "
+            f"Both sensors are named {address}. Say which belongs to whom: --imu phidget:SERIAL for the left, "
             "--set imu_b=phidget:SERIAL for the right."
         )
         raise ParameterError({_parameter(seats[1]): problem})
@@ -115,7 +115,7 @@ def _stored_source(name: str, folder: Path, clock: Clock | None, seat: str) -> R
 
 
 def sensor_nodes(task: Task, seed: int, *feeds: ImuFeed) -> list[Node]:
-    """Make the nodes of a live session's sensors, one a seat; a simulated one moves like an average hand."""
+    """Make the nodes of a live session's sensors, one per seat; a simulated one moves like an average hand."""
     nodes: list[Node] = []
     for seat, feed in zip(task.sensor_seats(task.parameters), feeds, strict=True):
         nodes.append(Imu(feed, seat))
@@ -136,5 +136,5 @@ def simulated_nodes(person: Person, task: Task, seed: int, clock: Clock, partner
 
 
 def _mover(source: ImuSource) -> Callable[[int, Any], None] | None:
-    """Return what moves a simulated sensor; None for a real one."""
+    """Return the function that moves a simulated sensor; None for a real one."""
     return getattr(source, "move", None)

@@ -1,1 +1,1 @@
-"""Long-term memory in SQLite. An acknowledged trial is never lost."""
+"""Storage in SQLite. An acknowledged trial is never lost."""

@@ -1,4 +1,4 @@
-"""The database file: open it privately, durably and at the current version."""
+"""The database file: opened with private permissions, durable commits and the current schema."""
 
 import contextlib
 import os
@@ -52,7 +52,7 @@ def connect(folder: Path) -> sqlite_utils.Database:
     explicit transactions, uses a write-ahead log, and syncs every commit to the disk.
 
     Raises:
-        StoreError: the file is no database of ours, of a newer version, or not writable, or the disk is full.
+        StoreError: the file is not a sar-tui database, has a newer version or is not writable, or the disk is full.
     """
     path = folder / FILE
     if folder.exists() and not folder.is_dir():
@@ -104,8 +104,8 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
         sqlite3.SQLITE_CORRUPT: f"{path} is damaged. Restore a backup, or choose another --data folder.",
         sqlite3.SQLITE_NOTADB: _NOT_OURS.format(path=path),
         sqlite3.SQLITE_BUSY: f"Another program keeps {path} locked. Close it and try again.",
-        sqlite3.SQLITE_IOERR: f"The disk refuses to write {path}.",
-        sqlite3.SQLITE_NOMEM: "The memory of this machine is used up. Close other programs.",
+        sqlite3.SQLITE_IOERR: f"The disk cannot write {path}.",
+        sqlite3.SQLITE_NOMEM: "This machine has no memory left. Close other programs.",
     }
     wrong_file = code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT)
     return StoreError(known.get(code, f"{path}: {error}."), bad_input=wrong_file, temporary=code in _TEMPORARY)
@@ -116,7 +116,7 @@ def transaction(database: sqlite_utils.Database) -> Iterator[sqlite3.Connection]
     """Run a block as one transaction, committed and on the disk when the block ends.
 
     Raises:
-        StoreError: the disk refuses to write; nothing has changed.
+        StoreError: the disk cannot write; nothing has changed.
     """
     connection: sqlite3.Connection = database.conn
     try:

@@ -33,13 +33,13 @@ def layout() -> str:
 
 
 class StreamRows:
-    """Makes rows of sensor messages: a stream each time a sensor is attached, a chunk for its samples between events.
+    """Makes rows from sensor messages: a stream for each time a sensor is attached, a chunk for samples between events.
 
     Events between samples end a chunk, so that a replay can feed both in order. Each seat has its own sensor.
 
     Args:
         session, run: the session and the run that the rows belong to.
-        stream: number of the last stream that is already stored.
+        stream: number of the last stored stream.
         last: numbers of the last stored stream and chunk, by seat.
     """
 
@@ -102,7 +102,7 @@ def resume_streams(db: sqlite_utils.Database, session: str, run: int) -> StreamR
 
 
 def blocks(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
-    """Yield a session's blocks of samples as they were on the bus, each before the event with its record's number.
+    """Yield a session's blocks of samples as records, each numbered like the event that followed it.
 
     Raises:
         StoreError: a block is damaged.

@@ -1,4 +1,4 @@
-"""File locks of sessions and participants, which end with the program however it ends."""
+"""File locks of sessions and participants. The system releases them when the program ends, even after a crash."""
 
 import os
 from pathlib import Path
@@ -7,8 +7,8 @@ import filelock
 
 from sar_tui.store.database import StoreError
 
-_PATIENCE_SECONDS = 0.5
-"""Time to try for a lock that is taken: another program's ``is_held`` takes it for a moment."""
+_TIMEOUT_SECONDS = 0.5
+"""Longest wait for a lock that is taken: another program's ``is_held`` takes it for a moment."""
 
 
 class Held(StoreError):
@@ -30,7 +30,7 @@ def hold(folder: Path, kind: str, name: str) -> filelock.BaseFileLock:
     """
     try:
         lock = filelock.FileLock(_path(folder, kind, name), mode=0o600)
-        lock.acquire(timeout=_PATIENCE_SECONDS)
+        lock.acquire(timeout=_TIMEOUT_SECONDS)
     except filelock.Timeout:
         raise Held(f"The {kind} {name} is in a live session already, in another window or program.") from None
     except OSError as error:

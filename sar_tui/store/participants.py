@@ -28,7 +28,7 @@ def add(db: sqlite_utils.Database, code: str) -> str:
     """Add a participant unless they are known, and return the code as it is stored.
 
     Raises:
-        StoreError: the code is not valid, or the disk refuses to write.
+        StoreError: the code is not valid, or the disk cannot write.
     """
     code = check_code(code)
     row = (code, datetime.now(UTC).isoformat())

@@ -60,7 +60,7 @@ TIMING_FILE = "timing.json"
 
 
 def measured_timing(folder: Path) -> dict[str, Any] | None:
-    """Return the figures that `sar-tui timing` measured on this machine; None if it has not."""
+    """Return the figures that `sar-tui timing` stored in the data folder; None if there are none."""
     try:
         timing: dict[str, Any] = msgspec.json.decode((folder / TIMING_FILE).read_bytes(), type=dict)
     except (OSError, msgspec.MsgspecError):
@@ -69,7 +69,7 @@ def measured_timing(folder: Path) -> dict[str, Any] | None:
 
 
 def machine() -> dict[str, Any]:
-    """Describe the machine and the terminal. ``flags`` names what is known to make timing less exact."""
+    """Describe the machine and the terminal. ``flags``: conditions that are known to make timing less exact."""
     multiplexer = next((name for name, sign in _MULTIPLEXERS.items() if sign in os.environ), None)
     ssh = any(name in os.environ for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT"))
     flags = [*(["ssh"] if ssh else []), *([multiplexer] if multiplexer else [])]

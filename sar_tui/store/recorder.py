@@ -25,8 +25,8 @@ class Recorder:
     """Writes a session's messages. A trial and everything before it is one transaction, which is then acknowledged.
 
     On a virtual clock it writes inline, as soon as a trial ends. In a live session ``run`` writes in a thread, so that
-    the bus never waits for the disk. While writing fails, all messages are kept, writing is tried again, and the
-    session gets the reason.
+    the bus never waits for the disk. While writing fails, all messages are kept, writing is retried, and the
+    reason is published.
 
     Args:
         database: if inline, the caller's connection; else a connection of the recorder's own, which ``run`` closes.
@@ -86,8 +86,8 @@ class Recorder:
         """Wait until a stopped ``run`` has written the rest. Return False if that takes longer than ``seconds``."""
         return self._finished.wait(seconds)
 
-    def stop(self) -> None:
-        """Wake the thread, so that it checks whether it is stopped."""
+    def wake(self) -> None:
+        """Wake ``run``, so that it checks at once if it is stopped."""
         self._wake.set()
 
     def try_write(self) -> None:
@@ -108,7 +108,7 @@ class Recorder:
         """Commit everything that is queued as one transaction, and acknowledge its trials.
 
         Raises:
-            StoreError: the disk refuses to write, or a message cannot be stored; everything stays queued.
+            StoreError: the disk cannot write, or a message cannot be stored; everything stays queued.
         """
         count = len(self._queue)
         if not count:

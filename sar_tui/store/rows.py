@@ -1,4 +1,4 @@
-"""Turn messages into rows of the database."""
+"""Turns messages into rows of the database."""
 
 from datetime import UTC, datetime
 from typing import Any
@@ -120,7 +120,7 @@ def _add_actions(rows: Rows, session: str, at: int, message: m.Message) -> None:
 
 
 _GROUNDS: dict[str, m.Ground] = {"vetoed": "operator", "expired": "deadline", "no operator": "no operator"}
-"""The ground of a dropped proposal's decision, by the reason."""
+"""The ground of the decision to drop a proposal, by the reason."""
 
 
 def _ground(dropped: m.Dropped) -> m.Ground:
@@ -130,7 +130,7 @@ def _ground(dropped: m.Dropped) -> m.Ground:
 
 
 def _dropped(dropped: m.Dropped) -> tuple[str, str]:
-    """Return the decision on a dropped proposal and its actor: ``stop`` for the stop key, if nobody is named."""
+    """Return the decision on a dropped proposal and its actor: ``stop`` for the stop key if no operator pressed it."""
     if dropped.reason == "vetoed":
         return "rejected", dropped.actor
     is_stop_key = dropped.reason == "stopped" and dropped.actor == "agent"

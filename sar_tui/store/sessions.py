@@ -1,4 +1,4 @@
-"""Sessions in the database: create, continue and read them."""
+"""Sessions in the database: creates, continues and reads them."""
 
 import os
 import secrets
@@ -96,8 +96,8 @@ def best(db: sqlite_utils.Database, participant: str, task: Task, *, without: st
     metric = task.metric
     kind = type(task.parameters)
     own = {field.name for field in fields(kind)} - {field.name for field in fields(TaskParameters)}
-    set_here = msgspec.json.decode(msgspec.json.encode(task.parameters))
-    here = {name: value for name, value in set_here.items() if name in own}
+    present = msgspec.json.decode(msgspec.json.encode(task.parameters))
+    own_values = {name: value for name, value in present.items() if name in own}
     live = db.query(
         "SELECT sessions.id, parameters FROM sessions JOIN seats ON seats.session = sessions.id"
         " WHERE participant=? AND task=? AND mode='live' AND sessions.id<>?",
@@ -106,7 +106,7 @@ def best(db: sqlite_utils.Database, participant: str, task: Task, *, without: st
 
     def is_comparable(row: Row) -> bool:
         stored = current_values(kind, msgspec.json.decode(row["parameters"]))
-        return {name: value for name, value in stored.items() if name in own} == here
+        return {name: value for name, value in stored.items() if name in own} == own_values
 
     comparable = [row["id"] for row in live if is_comparable(row)]
     best_of = "min" if metric.better == "lower" else "max"
@@ -151,7 +151,7 @@ def local_time(stamp: str | None) -> str:
 
 
 def _typed(table: str, row: Row) -> Row:
-    """Return a row with its JSON columns decoded and its truth values as bool."""
+    """Return a row with its JSON columns decoded and its boolean columns as bool."""
     decoded = {name: msgspec.json.decode(row[name]) for name in _JSON.get(table, ()) if row[name] is not None}
     booleans = {name: bool(row[name]) for name in _BOOLEAN.get(table, ()) if row[name] is not None}
     return row | decoded | booleans
@@ -180,8 +180,9 @@ def operators(db: sqlite_utils.Database, session: str | None = None) -> dict[str
     ``session`` selects a single session.
     """
     found: dict[str, list[str]] = {}
+    of_session = "session=:session AND " if session else ""
     for joined, actor in db.execute(
-        f"SELECT session, json_extract(message, '$.actor') FROM events WHERE {'session=:session AND ' * bool(session)}"
+        f"SELECT session, json_extract(message, '$.actor') FROM events WHERE {of_session}"
         "topic=:topic AND json_extract(message, '$.role')='operator' ORDER BY session, seq",
         {"session": session, "topic": PRESENCE.name},
     ):

@@ -239,7 +239,7 @@ def test_the_plots_of_two_have_the_same_axis(call: Call) -> None:
         (("pairs", "--user", "poor", "-p", "a", "-p", "A"), "A cannot sit at both seats: name two participants.\n"),
         (
             ("pairs", "--user", "poor", "-p", "a", "-p", "b", "-p", "c"),
-            "At most two can take part.\n",
+            "At most two participants can take part.\n",
         ),
     ],
 )

@@ -22,7 +22,7 @@ def test_each_seats_sensor_is_named(call: Call, opened: list[Plan]) -> None:
     ("options", "says"),
     [
         (("--imu", "simulated"), "The task pairs uses no motion sensor with these settings: leave out --imu"),
-        ((*REACHES,), "Both sensors are named phidget. Say which is whose: --imu phidget:SERIAL for the left"),
+        ((*REACHES,), "Both sensors are named phidget. Say which belongs to whom: --imu phidget:SERIAL for the left"),
         ((*REACHES, "--imu", "simulated", "--set", "imu_b=wiimote"), 'There is no sensor "wiimote".'),
         ((*REACHES, "--imu", "simulated:unheard-of"), 'There is no simulated hand "unheard-of".'),
     ],

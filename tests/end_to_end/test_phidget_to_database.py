@@ -88,7 +88,7 @@ def test_all_samples_are_stored_and_a_reattached_sensor_is_a_new_stream(tmp_path
             states = await streamed(run, fake, (count, count // 2))
         finally:
             stop.set()
-            run.recorder.stop()
+            run.recorder.wake()
             writer.join()
             run.close()
         return run.id, states

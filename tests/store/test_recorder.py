@@ -254,7 +254,7 @@ def test_a_thread_that_is_stopped_writes_what_is_left_and_ends(data: Path) -> No
     thread.start()
     recorded.session.bus.publish(STORAGE, StorageChanged(working=True))
     stopped.set()
-    recorded.recorder.stop()
+    recorded.recorder.wake()
     thread.join()
     assert recorded.recorder.pending == 0
     assert recorded.history == recorded.records
