@@ -49,16 +49,16 @@ class Stop(NamedTuple):
 def measure(
     stops: int, trials: int, folder: Path, on_stop: Callable[[], None], on_press: Callable[[], None]
 ) -> dict[str, Any]:
-    """Measure both, and check them.
+    """Measure stops and reaction times, and check them against the limits.
 
     Args:
-        stops: how often the stop key is pressed.
-        trials: reaction times with the agent, and as many without.
+        stops: number of presses of the stop key.
+        trials: number of reaction times with the agent, and again without.
         folder: on the disk to write to.
         on_stop, on_press: called after each.
 
     Raises:
-        NotStopped, Mismatch, NoPrompt: something did not go as it should.
+        NotStopped, Mismatch, NoPrompt: the agent or the program did not behave as expected.
     """
     stopped = _stops(stops, folder / "stops", on_stop)
     measured = take_turns((SILENT, SPEAKING), trials, BLOCKS, folder, lambda name: on_press())
@@ -88,7 +88,7 @@ def _checks(speaking: ErrorStatistics, silent: ErrorStatistics) -> dict[str, boo
 
 
 def _program(name: str, outputs: str) -> Program:
-    """sar-tui in attempts of ten prompts, each answered by the agent through some outputs."""
+    """Return sar-tui in attempts of ten prompts, with feedback on each through some outputs."""
 
     def command(folder: Path, block: Block) -> list[str]:
         attempts = -(-block.prompts // PER_ATTEMPT)
@@ -107,7 +107,7 @@ def _program(name: str, outputs: str) -> Program:
 
 
 def _check_heard(folder: Path, outputs: str, trials: int) -> None:
-    """A tone with every prompt, and words that were spoken, where there are such; raises Mismatch if not."""
+    """Raise Mismatch unless the outputs in use gave a tone with every prompt, and speech."""
     reports = _Log(folder).read("SELECT message FROM events WHERE topic='output/report'")
     done = [report["deed"] for report in reports if report["state"] == "done"]
     if "tones" in outputs and done.count("tone") < trials:
@@ -124,7 +124,7 @@ SPEAKING = _program("face, speech and tones", "screen,speech,tones")
 
 
 def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:
-    """Press the stop key in answers of the agent, while it speaks and moves."""
+    """Press the stop key during feedback, while the agent speaks and moves."""
     folder.mkdir()
     settings = {
         "attempts": MOST_ATTEMPTS,
@@ -146,7 +146,7 @@ def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:
         log = _Log(folder)
         for attempt in range(1, MOST_ATTEMPTS + 1):
             if attempt > 1:
-                terminal.press("enter")  # it was asked for while somebody else looked at the terminal
+                terminal.press("enter")  # the request was not read by ``participant``
             participant.run(attempt)
             if log.wait_until_acting(terminal, attempt):
                 stopped.append(_stop(terminal, log, folder))
@@ -170,7 +170,7 @@ def _stop(terminal: Terminal, log: "_Log", folder: Path) -> Stop:
         {output: (at - pressed) / 1e6 for output, at in reported.items()},
         {
             "the player stopped": (_first(folder / PLAYER, pressed, -1) - pressed) / 1e6,
-            "the motor was let go": (_first(folder / MOTOR, pressed, 0) - pressed) / 1e6,
+            "the motor was released": (_first(folder / MOTOR, pressed, 0) - pressed) / 1e6,
             "the screen stood still": (painted - pressed) / 1e6,
         },
     )
@@ -195,12 +195,12 @@ class _Log:
         self._file = f"file:{folder / FILE}?mode=ro"
 
     def read(self, query: str, *given: object) -> list[dict[str, Any]]:
-        """The messages that a query finds."""
+        """Return the messages that a query finds."""
         with closing(sqlite3.connect(self._file, uri=True)) as database:
             return [json.loads(message) for (message,) in database.execute(query, given)]
 
     def wait_until_acting(self, terminal: Terminal, attempt: int) -> bool:
-        """Wait until the answer to an attempt sounds and moves everywhere; False if part of it is over by then."""
+        """Wait until all parts of the feedback on an attempt are under way; False if one is over by then."""
         deadline = time.monotonic() + _PATIENCE_S
         query = "SELECT message FROM events WHERE topic='arbiter/action' ORDER BY seq DESC LIMIT 1"
         while time.monotonic() < deadline:
@@ -219,7 +219,7 @@ class _Log:
                     return False
                 if all(state == "started" for state in found):
                     return True
-        raise NotStopped(f"The agent did not answer attempt {attempt}.")
+        raise NotStopped(f"The agent gave no feedback on attempt {attempt}.")
 
     def wait_for_stops(self, terminal: Terminal, since: int) -> dict[str, int]:
         """Return the time at which each output reported its stop after ``since``; raise NotStopped if one did not."""
@@ -233,11 +233,11 @@ class _Log:
                 if details := [stop["detail"] for stop in reports.values() if stop.get("detail")]:
                     raise NotStopped(details[0])
                 return {output: stop["at"] for output, stop in reports.items()}
-        raise NotStopped("Not every output reported that it is still.")
+        raise NotStopped("Not every output reported its stop.")
 
 
 def _by_name(stops: Sequence[Stop]) -> dict[str, list[float]]:
-    found = [{f"{output} says so": ms for output, ms in stop.reported.items()} | stop.observed for stop in stops]
+    found = [{f"{output} reported it": ms for output, ms in stop.reported.items()} | stop.observed for stop in stops]
     return {name: [stop[name] for stop in found] for name in found[0]}
 
 

@@ -1,4 +1,4 @@
-"""Phidget22's own ``Spatial`` without a device: its callbacks are called by hand, as the driver would."""
+"""Phidget22's own ``Spatial`` without a device: callbacks are called by hand, as the driver would."""
 
 import ctypes
 from collections.abc import Sequence

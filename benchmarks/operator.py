@@ -1,4 +1,4 @@
-"""Benchmark of the operator: latency from their keys to the participant's screen, and effect on reaction times."""
+"""The operator: latency from their keys to the participant's screen, and effect on reaction times."""
 
 import contextlib
 import json
@@ -143,7 +143,7 @@ def _acts(count: int, folder: Path, on_act: Callable[[], None]) -> dict[str, lis
         "foreperiod_min_ms": 40,
         "foreperiod_max_ms": 80,
         "operator_feedback": "approve",
-        "operator_gesture": "manual",  # no waiting for it
+        "operator_gesture": "manual",  # so that the session does not wait for gestures
         "operator_time_ms": 120_000,
     }
     command = [sys.executable, "-m", "sar_tui", "run", "keyboard", "-p", "BENCH", "--data", str(folder), "--seed", "1"]

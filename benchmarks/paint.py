@@ -30,7 +30,7 @@ def first_paint(command: list[str]) -> float:
 
 
 def measure(starts: int, folder: Path, on_start: Callable[[], None]) -> dict[str, Any]:
-    """Measure the medians of both, in turns, after one uncounted start of each."""
+    """Measure the median time of both programs, in turns, after one uncounted start of each."""
     with tempfile.TemporaryDirectory(dir=folder) as own:
         commands = {
             "empty Textual": [sys.executable, "-m", "benchmarks.empty"],

@@ -38,7 +38,7 @@ def measure(trials: int, folder: Path, on_press: Callable[[str], None]) -> dict[
 
 
 def _quality(trials: list[Trial]) -> dict[str, Any]:
-    """Sum up the timing quality that sar-tui stored: onset sources, delays of handlers and loop, flags."""
+    """Summarise the timing quality that sar-tui stored: onset sources, delays of handlers and loop, flags."""
     kept = [trial.timing for trial in trials]
     late = {
         f"{name}_median": error_statistics([timing[name] for timing in kept]).median_ms

@@ -1,4 +1,4 @@
-"""Simulated trials a second, each on the disk before the next, compared with bare commits."""
+"""Simulated trials per second, each on the disk before the next, compared with bare commits."""
 
 import sqlite3
 import tempfile
@@ -15,7 +15,7 @@ from sar_tui.simulation.participant_model import PEOPLE
 
 
 def measure(attempts: int, folder: Path, on_attempt: Callable[[], None]) -> dict[str, Any]:
-    """Measure the trials a second of a simulated session, and the ratio of a trial to a bare commit."""
+    """Measure the trials per second of a simulated session, and the ratio of a trial to a bare commit."""
     catalogue = Catalogue()
     plan = make_plan(catalogue, "keyboard", ["BENCH"], {"attempts": attempts}, seed=1, mode="simulated")
     with tempfile.TemporaryDirectory(dir=folder) as own:

@@ -16,7 +16,7 @@ from sar_tui.store.database import FILE
 from sar_tui.timing.pty import Terminal
 
 RUNS = ((250, 60.0), (1000, 300.0))
-"""Samples a second, and seconds, of each run."""
+"""Sample rate (Hz) and duration (s) of each run."""
 PATIENCE_S = 60.0
 
 
@@ -30,7 +30,7 @@ def measure(quick: bool, folder: Path, on_second: Callable[[], None]) -> dict[st
 
 
 def total_seconds(quick: bool) -> int:
-    """Return the number of calls of ``on_second``."""
+    """Return the total duration in s: the number of calls of ``on_second``."""
     return sum(5 if quick else round(seconds) for _, seconds in RUNS)
 
 

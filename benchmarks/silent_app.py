@@ -1,6 +1,6 @@
-"""sar-tui without loudspeaker and servo: it plays to a null device, and a fake servo records its commands.
+"""sar-tui with a null audio device and a fake servo, which record when they stop.
 
-Run ``python -m benchmarks.silent_app FOLDER COMMAND…``. The records of player and servo are files in the folder.
+Run ``python -m benchmarks.silent_app FOLDER COMMAND…``. The records are files in the folder.
 """
 
 import sys
@@ -28,8 +28,8 @@ _FACTS = {
 }
 
 
-class StandIn:
-    """An RC servo's channel that is attached once it is opened. A line a release of the motor: when (ns)."""
+class FakeServoChannel:
+    """Fake channel of an RC servo, attached when it is opened. Writes the time (ns) of each release of the motor."""
 
     def __init__(self, file: Path) -> None:
         self._file = file
@@ -56,12 +56,12 @@ class StandIn:
 
 
 def main() -> None:
-    """Put the stand-ins where the program looks for the real ones, and run it."""
+    """Replace the player and the servo channel by the fakes, and run the program."""
     folder = Path(sys.argv.pop(1))
     voice = (sys.executable, "-m", "benchmarks.recorded_player", str(folder / PLAYER))
     mixer.Sound = partial(mixer.Sound, backends=("NULL",), program=voice)  # type: ignore[misc, assignment]
     servo.Servo = partial(  # type: ignore[misc, assignment]
-        servo.Servo, make=lambda: StandIn(folder / MOTOR), denied=lambda: False
+        servo.Servo, make=lambda: FakeServoChannel(folder / MOTOR), denied=lambda: False
     )
     program()
 

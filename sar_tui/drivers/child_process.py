@@ -1,4 +1,4 @@
-"""A child process with its own pipes, detached from the terminal, that is ended together with its children."""
+"""Child processes with their own pipes, detached from the terminal, and killed together with their children."""
 
 import contextlib
 import os
@@ -8,10 +8,11 @@ import sys
 from collections.abc import Sequence
 
 REAPED_S = 1.0
+"""Longest wait for the end of a killed process."""
 
 
 def python(module: str) -> Sequence[str]:
-    """Return the command line of a module of this program.
+    """Return the command line that runs a Python module.
 
     With ``-P``, no module in the current folder can replace a library.
     """
@@ -22,18 +23,18 @@ def start(program: Sequence[str]) -> subprocess.Popen[bytes]:
     """Start a child with unbuffered pipes; a Ctrl-C in the terminal does not reach it.
 
     Raises:
-        OSError: if it cannot be started.
+        OSError: it cannot be started.
     """
-    apart = 0
+    flags = 0
     if sys.platform == "win32":
-        apart = subprocess.CREATE_NO_WINDOW | subprocess.CREATE_NEW_PROCESS_GROUP
+        flags = subprocess.CREATE_NO_WINDOW | subprocess.CREATE_NEW_PROCESS_GROUP
     return subprocess.Popen(
         program,
         bufsize=0,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
-        creationflags=apart,
+        creationflags=flags,
         start_new_session=sys.platform != "win32",
     )
 

@@ -1,4 +1,4 @@
-"""Code that all Phidgets share: their library, USB permissions, error messages."""
+"""Code that all Phidgets share: library, USB permissions, error messages."""
 
 import ctypes
 import importlib
@@ -34,7 +34,7 @@ def new_channel(kind: str) -> Any:
 
 
 def plugged_in(devices: Path = _DEVICES) -> bool | None:
-    """Return True if a Phidget is on a USB port; None if the system does not list USB devices (all but Linux)."""
+    """Return True if a Phidget is on a USB port; None if the system does not list USB devices (any except Linux)."""
     return any(_phidgets(devices)) if devices.is_dir() else None
 
 

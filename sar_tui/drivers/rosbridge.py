@@ -20,8 +20,9 @@ FIRST_RETRY_S = 0.5
 LONGEST_RETRY_S = 3.0
 """roslibpy would wait up to an hour between attempts."""
 PING_S = 3.0
-"""Interval of pings, and the time for each answer."""
+"""Interval of pings, and the time limit for each reply."""
 CLOSE_S = 1.0
+"""Longest wait for the server when closing."""
 
 
 class AddressError(ValueError):
@@ -57,7 +58,7 @@ def parse(address: str, example: str) -> Address:
 
 
 class Bridge:
-    """A connection to a rosbridge server that may come and go.
+    """A connection to a rosbridge server, which is made again whenever it is lost.
 
     Opening and publishing never block. Messages published while there is no connection are dropped. After each
     reconnection, topics are advertised and subscribed to again. It uses roslibpy's asyncio transport, since the other
@@ -67,12 +68,13 @@ class Bridge:
         address: the server.
         advertised: the topics published to, with their types.
         subscribed: the topics subscribed to, with their types and the callback for each message (as JSON has it).
-        on_change: called when the connection is made or lost, and when there can be none (see ``problem``).
+        on_change: called when the connection is made or lost, and when it is impossible (see ``problem``).
 
-    All callbacks come from the connection's own thread; after ``close``, at most one that is under way.
+    All callbacks run in the connection's own thread. After ``close``, only one that was
+    already under way can still run.
 
     Attributes:
-        problem: why there can be no connection at all, as a sentence; empty if there can be one.
+        problem: why a connection is impossible, as a sentence; empty if it is possible.
     """
 
     def __init__(

@@ -16,8 +16,8 @@ class Agreement(msgspec.Struct, frozen=True):
         decided: number of proposals, of which ``accepted`` unchanged, ``edited`` and ``vetoed``.
         accepted_share: of those decided.
         edits_of_words: number of edits that changed words.
-        words_changed_median, words_changed_most: share of words that these changed (`word_distance`).
-        valences: number of decided and said proposals that have a valence.
+        words_changed_median, words_changed_most: share of words that these edits changed (see `word_distance`).
+        valences: number of decided proposals that were said and have a valence.
         valences_overridden: of these, number with another valence than proposed.
         valence_kappa: Cohen's kappa of proposed and said; None if both have only one and the same value.
         valence_table: counts by proposed, then said valence.

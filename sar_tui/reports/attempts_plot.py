@@ -1,4 +1,4 @@
-"""Text plot of result and level over the attempts of a session (the thesis' Figure 4.4)."""
+"""Text plot of result and level over the attempts of a session (thesis, Figure 4.4)."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -12,8 +12,9 @@ REACHED, MISSED, EMPTY, LEVEL, GOAL = "●", "○", "×", "░", "╌"
 
 _ENGLISH = Language()
 _MARGIN = 7
-"""Columns for the left axis' numbers and the lower axis' name."""
+"""Columns for the numbers of the left axis and the name of the lower one."""
 _SMALLEST = (30, 7)
+"""Least width and height."""
 
 
 def attempts_figure(

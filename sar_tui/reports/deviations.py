@@ -9,7 +9,7 @@ from sar_tui.reports.logged_messages import LoggedMessage, spans
 from sar_tui.reports.presence import seconds
 
 _COMMANDS = ("level", "skip", "repeat", "pause", "end", "stop", "mark")
-"""Commands that change the course of a session. `resume` only ends a pause."""
+"""Commands that count as deviations. `resume` does not: it only ends a pause."""
 
 
 class Deviation(msgspec.Struct, frozen=True):
@@ -71,7 +71,7 @@ def _deviation(message: m.Message, operators: Collection[str]) -> Iterator[tuple
 
 
 def _pause_s(messages: Sequence[LoggedMessage], index: int) -> float:
-    """Return the duration of a pause: until the session goes on or its run ends; 0 if it did not pause."""
+    """Return the duration of a pause, in s: until the session continues or its run ends; 0 if it did not pause."""
     run, at, _ = messages[index]
     until = at
     for later in messages[index + 1 :]:

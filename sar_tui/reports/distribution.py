@@ -9,7 +9,7 @@ import msgspec
 BINS = 12
 """Largest number of bars."""
 _LONGEST = 4
-"""Most cells for one time, if there are few."""
+"""Largest width of a histogram bar per time, in characters."""
 
 
 class Distribution(msgspec.Struct, frozen=True):

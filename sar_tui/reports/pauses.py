@@ -15,7 +15,7 @@ class Pause(msgspec.Struct, frozen=True):
     Attributes:
         at_s: from the start of its run.
         reason: ``tired``, ``pain``, ``finished`` or empty.
-        ended_by: who resumed; empty if the run ended.
+        ended_by: the person who resumed; empty if the run ended.
     """
 
     run: int
@@ -52,6 +52,6 @@ def pauses(messages: Sequence[LoggedMessage], operators: Collection[str]) -> lis
                 if message.stage != "paused" and is_open:
                     is_open = False
                     if not is_paused:
-                        found.pop()  # the session could not pause just then
+                        found.pop()  # the command had no effect: the session could not pause
                 is_paused = message.stage == "paused"
     return found

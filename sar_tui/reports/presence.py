@@ -20,8 +20,8 @@ class Absence(msgspec.Struct, frozen=True):
         at_s: from the start of its run.
         actor: the last operator.
         state: ``left`` or ``lost``.
-        detail: how the loss was noticed.
-        came_back: whether there was an operator again before the run ended.
+        detail: reason for the loss.
+        came_back: True if there was an operator again before the run ended.
     """
 
     run: int
@@ -42,7 +42,7 @@ class Presence(msgspec.Struct, frozen=True):
 
 
 def presence(messages: Sequence[LoggedMessage]) -> Presence:
-    """Return the time with an operator. The time before the first one joins is no absence."""
+    """Return the presence of operators. The time before the first one joins is not an absence."""
     known = spans(messages)
     operated, absences = 0, []
     since: dict[int, int] = {}

@@ -1,4 +1,4 @@
-"""Outcome of each proposal: its mode, who decided, and when. Pure."""
+"""Outcome of each proposal: mode, decision, operator and times. Pure."""
 
 from collections.abc import Iterable
 from typing import Literal
@@ -56,9 +56,9 @@ class ProposalRecord(msgspec.Struct):
         mode: when it was proposed.
         pending_at: when it was put before an operator.
         seen: when it was on the screen, by operator.
-        key_at, by: time stamp of the first key that decided on it, and whose it was.
+        key_at, by: time stamp of the first key that decided on it, and the operator who pressed it.
         resolved_at: when it was decided, by an operator or not.
-        verdict: the operator's last, whatever happened afterwards.
+        verdict: the operator's last decision, even if something else happened afterwards.
         text, valence: as proposed.
         said, said_valence: as decided.
     """
@@ -144,7 +144,7 @@ class ProposalLog:
                 self._level_changed(run, at, message)
 
     def _note_cause(self, at: int, message: m.Message) -> None:
-        """Note why a pending level may be rejected: the reason is not logged, but its cause precedes it."""
+        """Note a cause for the rejection of a pending level: its reason is not logged, but its cause precedes it."""
         match message:
             case m.AttemptStarted():
                 self._cause = (-1, "open")

@@ -26,7 +26,7 @@ _PLANNED = (
     "operator_lost",
     "operator_lost_ms",
 )
-"""Settings of who decides, and how long that may take."""
+"""Settings of modes and times of decision."""
 
 
 class ProposalSummary(msgspec.Struct, frozen=True):
@@ -54,9 +54,9 @@ class WizardReport(msgspec.Struct, frozen=True):
 
     Attributes:
         plan: operator settings at the start of the session.
-        operated: whether there was ever an operator.
-        initiated: counts of what operators did on their own initiative.
-        decision_ms: from a proposal's appearance on the operator's screen to the key.
+        operated: True if there was an operator at any time.
+        initiated: counts of acts on the operators' own initiative, by kind.
+        decision_ms: from the appearance of a proposal on the operator's screen to the deciding key.
         undecided_seen: number of proposals that appeared without being decided by a key.
         waiting_ms: time pending until a proposal was decided by anyone.
         link_ms: from the time stamp of an operator's key to its arrival in the session.
@@ -192,7 +192,7 @@ def _share(part: float, whole: float) -> float | None:
 
 
 def _initiated(messages: Iterable[LoggedMessage], operators: Collection[str]) -> Iterator[str]:
-    """Yield what operators did on their own initiative: remarks by kind, commands, changes of mode."""
+    """Yield the acts on the operators' own initiative: remarks by source, commands, changes of mode."""
     for _, _, message in messages:
         match message:
             case m.Remark():

@@ -1,4 +1,4 @@
-"""A minimal reaction task: the terminal in raw mode, `os.write`, `os.read`. POSIX only.
+"""A minimal reaction task with `os.write` and `os.read` on a terminal in raw mode. POSIX only.
 
 No Python program can time a key in this terminal better, so sar-tui's own timing is compared with it. Run as
 ``python -m sar_tui.timing.baseline FILE``; each trial is written to FILE as a line of JSON.
@@ -19,7 +19,7 @@ if sys.platform != "win32":
 
 
 class Procedure:
-    """The trials of a minimal program, from its command line, and the file that it records them in.
+    """The trials of a minimal reaction task, as set on its command line, and the file that records them.
 
     Attributes:
         prompts: number of trials.

@@ -1,4 +1,4 @@
-"""Compare the reaction times that programs record with the true ones of a scripted participant.
+"""Compares the reaction times that programs record with the true ones of a scripted participant.
 
 A block is one run of one program in a terminal of its own. The programs take turns, so that disturbances of the
 machine affect them alike.
@@ -22,7 +22,7 @@ from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answ
 Row = dict[str, Any]
 
 SHORTEST_MS, LONGEST_MS = 150, 350
-"""Bounds of the planned delays: slower than an anticipation, and fast enough to measure hundreds."""
+"""Bounds of the planned delays: longer than an anticipation, and short enough to measure hundreds."""
 FOREPERIOD_MS = 40, 80
 """Bounds of the foreperiod."""
 QUIET_MS = 20
@@ -47,7 +47,7 @@ class Program(msgspec.Struct, frozen=True):
         read_trials: reads the recorded trials, in order, from that folder: ``response``, ``correct``,
             ``reaction_time_ms``, and ``timing`` if there is one.
         quit_key: the key that ends it, if it does not end by itself.
-        companion: makes a context from that folder and the terminal, which is entered before the first prompt.
+        companion: makes a context manager from that folder and the terminal; it is entered before the first prompt.
     """
 
     name: str
@@ -111,7 +111,7 @@ MAX_PROMPTS = 200
 
 
 def run_block(program: Program, block: Block, folder: Path, on_press: Callable[[], None] = lambda: None) -> list[Trial]:
-    """Run a program once, answer its prompts, and compare its record with the truth.
+    """Run a program once, respond to its prompts, and compare its record with the true reaction times.
 
     Args:
         program: what to run.
@@ -164,7 +164,7 @@ def take_turns(
     folder: Path,
     on_press: Callable[[str], None] = lambda name: None,
 ) -> dict[str, list[Trial]]:
-    """Run programs in turns, each block in another order, and return each program's trials by its name.
+    """Run programs in turns, in a different order in each block, and return the trials by the name of the program.
 
     Raises:
         Mismatch, NoPrompt: as ``run_block``.

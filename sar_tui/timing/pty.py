@@ -1,4 +1,4 @@
-"""A program in a pseudo-terminal: read and stamp its output, and type keys. POSIX only."""
+"""A program in a pseudo-terminal: its output is read with time stamps, and keys are typed. POSIX only."""
 
 import contextlib
 import os
@@ -17,7 +17,7 @@ if sys.platform != "win32":
     import termios
 
 _HIDDEN = frozenset("SSH_CONNECTION SSH_CLIENT SSH_TTY TMUX TMUX_PANE STY ZELLIJ TERM_PROGRAM COLUMNS LINES".split())
-"""Environment variables that describe another terminal than the program's own."""
+"""Environment variables that describe the terminal of this process, not that of the program."""
 
 _KEYS = {
     "enter": b"\r",
@@ -133,9 +133,9 @@ class Terminal:
         return list(termios.tcgetattr(self._file))
 
     def read(self, until: int) -> bool:
-        """Read once and stamp it. Return False if nothing came until then (ns), or the program has closed the terminal.
+        """Wait for output until a time (ns), and read it; False if there was none or the terminal was closed.
 
-        Terminals that are read together with this one are read, too.
+        Terminals that are read together with this one (see ``read_together``) are read, too.
         """
         while not self.ended:
             left = max(0, until - time.monotonic_ns())
@@ -163,13 +163,13 @@ class Terminal:
         self.output += data
 
     def write(self, data: bytes) -> int:
-        """Type, and return the stamp taken right before."""
+        """Type bytes, and return the time just before (ns)."""
         at = time.monotonic_ns()
         os.write(self._file, data)
         return at
 
     def press(self, key: str) -> int:
-        """Press a key by its name (see ``encode``), and return the stamp taken right before."""
+        """Press a key by its name (see ``encode``), and return the time just before (ns)."""
         return self.write(encode(key))
 
     def wait_for(self, text: str, *, since: int = 0, seconds: float = 60) -> int:

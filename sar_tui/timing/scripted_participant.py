@@ -1,6 +1,6 @@
-"""A scripted participant at a pseudo-terminal: reads the prompt's bytes, waits as planned, and presses a key.
+"""A scripted participant at a pseudo-terminal, who reads a prompt, waits as planned, and presses a key.
 
-Its own stamps are the true reaction times, with which recorded ones are compared.
+Its own time stamps give the true reaction times, with which recorded ones are compared.
 """
 
 import re
@@ -17,18 +17,18 @@ Answer = Callable[[int, str], tuple[float, str]]
 """Maps a prompt's number (0, 1, …) and the key it asks for to a delay in ms and a key to press."""
 
 SILENCE = 150 * MS
-"""Enter is pressed when the screen has asked for it and nothing has been drawn for this long…"""
-INSISTENCE = 1 * SECOND
-"""…or this long after the request, if something on the screen keeps moving."""
+"""Enter is pressed when it was requested and nothing has been drawn for this time."""
+LONGEST_SILENCE_WAIT = 1 * SECOND
+"""Enter is pressed this time after the request even if something on the screen keeps moving."""
 SPIN = 1 * MS
-"""The end of a wait is a busy loop, which is more exact than sleeping."""
+"""Duration of the busy loop at the end of a wait, which is more exact than sleeping."""
 
 _PROMPT = re.compile(rb"Press: ([^\x00-\x20\x7f]+)(?=[\x00-\x20\x7f])")
 _ENTER = re.compile(rb"\bEnter\b")
 
 
 class Press(msgspec.Struct, frozen=True):
-    """The answer to one prompt.
+    """The response to one prompt.
 
     Args:
         expected: the key that the prompt asked for.
@@ -53,7 +53,7 @@ class NoPrompt(TimeoutError):
 
 
 def random_answers(seed: int, shortest_ms: float, longest_ms: float, error_rate: float = 0.0) -> Answer:
-    """Return answers with uniform delays between bounds, a share of them wrong. Equal seeds give equal answers."""
+    """Return a source of responses with uniform delays, a share of them wrong. Equal seeds give equal responses."""
 
     def answer(number: int, expected: str) -> tuple[float, str]:
         streams = RandomStreams(seed, number)
@@ -66,15 +66,15 @@ def random_answers(seed: int, shortest_ms: float, longest_ms: float, error_rate:
 
 
 class ScriptedParticipant:
-    """Answers prompts such as ``Press: f`` or ``Press: left``, and presses Enter when asked to.
+    """Responds to prompts such as ``Press: f`` or ``Press: left``, and presses Enter when the screen requests it.
 
-    A prompt must be one unbroken run of plain text. It is new if its line comes after the last answer, so that the
-    same prompt can follow itself.
+    A prompt must be one unbroken run of plain text. It is new if its line comes after the last response, so that a
+    prompt can be repeated.
 
     Args:
         terminal: the terminal that shows the prompts.
         answer: decides on delays and keys.
-        guard_ms: a prompt line this soon after an answer is the old one, drawn again.
+        guard_ms: a prompt line within this time of a response is the old one, drawn again.
 
     Attributes:
         presses: the prompts answered so far.
@@ -92,7 +92,7 @@ class ScriptedParticipant:
         self._due: tuple[int, int, str, str] | None = None  # time to press, onset, expected key, key to press
 
     def run(self, prompts: int | None = None, *, until: int | None = None, patience_s: float = 60) -> list[Press]:
-        """Answer until this many prompts are answered in all, or until a time (ns), or until the program ends.
+        """Respond until there are this many responses in total, or until a time (ns), or until the program ends.
 
         Raises:
             NoPrompt: nothing was asked for ``patience_s`` seconds.
@@ -115,7 +115,7 @@ class ScriptedParticipant:
             return self._wait_and_press(*self._due, until)
         enter_at = until
         if self._asked_at is not None:
-            enter_at = min(self.terminal.read_at + SILENCE, self._asked_at + INSISTENCE)
+            enter_at = min(self.terminal.read_at + SILENCE, self._asked_at + LONGEST_SILENCE_WAIT)
             if time.monotonic_ns() >= enter_at:
                 self.terminal.press("enter")
                 self.forget_enter()
@@ -125,7 +125,7 @@ class ScriptedParticipant:
         return False
 
     def forget_enter(self) -> None:
-        """Ignore requests for Enter so far, as another has answered them."""
+        """Ignore earlier requests for Enter: somebody else has pressed it."""
         self._enter_from, self._asked_at = len(self.terminal.output), None
 
     def _find_prompt(self) -> None:
