@@ -3,14 +3,14 @@
 import textwrap
 from collections.abc import Iterator, Sequence
 
-from sar_tui.framework.graph import Edge, Graph, Part, spine
+from sar_tui.framework.graph import Edge, Graph, Part, longest_path
 
 _INDENT = "  "
 
 
 def draw(whole: Graph, width: int) -> str:
     """Return the drawing, in lines of at most ``width`` characters if the names allow it."""
-    path = spine(whole)
+    path = longest_path(whole)
     parts = {part.name: part for part in whole.nodes}
     inner = max(len(name) for name in parts)
     lines: list[str] = []

@@ -44,7 +44,7 @@ class ActionQueue:
         return ready if ready and (self.current is None or self.interrupts(ready)) else None
 
     def interrupts(self, action: Action) -> bool:
-        """Return True if an action replaces the current one. Feedback never interrupts that for another seat."""
+        """Return True if an action replaces the current one. Feedback never interrupts feedback for another seat."""
         if self.current is None or action.policy != "interrupt" or action.priority < self.current.priority:
             return False
         return not (action.kind == self.current.kind == "feedback" and action.seat != self.current.seat)

@@ -1,4 +1,4 @@
-"""Actions, as they are made from a proposal, an operator's edit, or an operator's remark. Pure."""
+"""Builds actions from proposals, operators' edits and operators' remarks. Pure."""
 
 from msgspec.structs import replace
 
@@ -16,14 +16,14 @@ def accepted(
     pending: PendingApproval | None = None,
     at: int = 0,
 ) -> Action:
-    """Return a proposal as an action, unchanged."""
+    """Return a proposal as an action, unchanged, decided by ``actor`` at ``at`` (ns)."""
     fields = {name: getattr(proposal, name) for name in proposal.__struct_fields__}
     mode = pending.mode if pending else "autonomous"
     return Action(**fields, decision="accepted", actor=actor, mode=mode, ground=ground, decided=at)
 
 
 def edited(action: Action, decision: Decision, theme: Theme, at: int) -> Action:
-    """Return an action as an operator edited it; if the edit changes nothing, it stays as it was decided."""
+    """Return an action as an operator edited it at ``at`` (ns); an edit without a change keeps its ``decision``."""
     changes: dict[str, object] = {}
     if decision.valence is not None and decision.valence != action.valence:
         manner = theme.manner(decision.valence)

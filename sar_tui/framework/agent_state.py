@@ -1,6 +1,6 @@
 """State of the agent: words, expression, gesture, gaze and mouth, derived from a session's messages.
 
-Pure and immutable. The participant's screen, the agent in a window of its own and the operator's panel follow it.
+Pure and immutable. Used by the participant's screen, the agent in its own window and the operator's panel.
 """
 
 import msgspec
@@ -15,10 +15,10 @@ AWAITED = ("foreperiod", "storage", "response")
 class AgentState(msgspec.Struct, frozen=True):
     """The agent as a screen shows it.
 
-    ``words`` stand until others take their place; ``more`` was added below them; ``kind`` is of the last words, and
-    ``valence`` colours the first. ``moves`` is the last action, with its gesture and gaze. ``cue``: the side to look or
-    point to until the response. ``halts`` counts the times it had to be still. ``sounding``: the voices that are
-    audible, by output and action. ``acting``: as `AgentActing` last said, None if that is not known.
+    ``words``: the text on the screen, until it is replaced or cleared; ``more``: text added below it. ``kind``: of the
+    latest text. ``valence``: of ``words``; it sets their colour. ``moves``: the last action, with its gesture and gaze.
+    ``cue``: the side to look or point to until the response. ``halts``: number of halts so far. ``sounding``: the
+    voices that are audible, as (output, action). ``acting``: from the last `AgentActing`; None before the first.
     """
 
     words: str = ""
@@ -38,12 +38,12 @@ class AgentState(msgspec.Struct, frozen=True):
         return bool(self.sounding)
 
     def silenced(self) -> "AgentState":
-        """Return the state without a voice: the link is lost, so that its end would not be reported."""
+        """Return the state without voices, for a lost link: their end would not be reported."""
         return replace(self, sounding=frozenset())
 
 
 def step(state: AgentState, message: Message) -> AgentState:  # noqa: PLR0911
-    """Return the state after a message; other messages than the agent's leave it as it is."""
+    """Return the state after a message; unchanged if the message does not concern the agent."""
     match message:
         case Action():
             return _acted(state, message)
@@ -69,7 +69,7 @@ def _acted(state: AgentState, action: Action) -> AgentState:
 
 
 def _waited(state: AgentState, waiting: Waiting) -> AgentState:
-    """Take words away before a trial, and a filler once the wait that it covered is over."""
+    """Clear the words before a trial, and a filler when the wait it covered is over."""
     if not (waiting.stage == "trial" and waiting.what in AWAITED):
         state = replace(state, cue=None)
     if clears_words(state, waiting):
@@ -80,14 +80,14 @@ def _waited(state: AgentState, waiting: Waiting) -> AgentState:
 
 
 def clears_words(state: AgentState, waiting: Waiting) -> bool:
-    """True if no words stand any more once the session waits for this."""
+    """Return True if the words are cleared when the session waits for this."""
     if waiting.stage == "trial":
         return waiting.what != "agent"
     return waiting.stage in ("attempt", "review") and state.kind == "filler"
 
 
 def _reported(state: AgentState, report: OutputReport) -> AgentState:
-    """Follow the voices, whichever output's they are."""
+    """Add a voice that starts, or remove one that ends; several outputs may have one."""
     if report.part != "say" or report.state == "queued":
         return state
     voice = (report.output, report.action)

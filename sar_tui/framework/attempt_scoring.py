@@ -1,4 +1,4 @@
-"""Scores an attempt for each seat: its row, and the feedback on it. Pure."""
+"""Scores an attempt for each seat: the row to store, and the feedback on it. Pure."""
 
 from collections.abc import Mapping, Sequence
 
@@ -116,7 +116,7 @@ def _score_seat(
         ended=attempt.ended,
     )
     if choice.due and not attempt.practice:
-        history = feedback.answered(history)
+        history = feedback.given(history)
     return SeatScore(ended, message), history
 
 

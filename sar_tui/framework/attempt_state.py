@@ -46,12 +46,12 @@ class AttemptState(msgspec.Struct, frozen=True):
     Attributes:
         attempt: its number, from 1, practice attempts included.
         level: its level.
-        difficulty: gives the level of the attempt after it.
-        histories: of feedback, by seat.
+        difficulty: the level of the attempt after it, and the difficulty policy's state.
+        histories: the feedback history of each seat.
         is_overridden: True if an operator set the level during the attempt; its outcome then leaves the level alone.
         started: when it began (ns).
         results: of its trials so far.
-        ended: the attempt before it, as long as that one can be amended or asked about.
+        ended: the attempt before it, as long as that one can be amended or feedback on it requested.
         held: a change of level that waits for an operator.
     """
 
@@ -124,21 +124,21 @@ def advance(task: Task, state: AttemptState) -> tuple[AttemptState, bool]:
     return replace(state, attempt=state.attempt + 1, results=()), True
 
 
-def unanswered(state: AttemptState) -> tuple[SeatScore, ...]:
+def requestable(state: AttemptState) -> tuple[SeatScore, ...]:
     """Return the scores of the last attempt on which a participant may request feedback."""
     seats = state.ended.seats.values() if state.ended else ()
     return tuple(one for one in seats if not one.is_feedback_due and one.feedback.choice.schedule == "request")
 
 
 def request_feedback(state: AttemptState, now: int) -> tuple[AttemptState, AttemptScore | None]:
-    """Give the feedback on the last attempt because a participant asked for it; None if there is none to give."""
-    open_seats = unanswered(state)
+    """Return the feedback on the last attempt that was requested at ``now`` (ns); None if there is none."""
+    open_seats = requestable(state)
     if state.ended is None or not open_seats:
         return state, None
-    answered = {one.ended.seat: _requested(one, now) for one in open_seats}
-    histories = {**state.histories, **{seat: feedback.answered(state.histories[seat]) for seat in answered}}
-    ended = replace(state.ended, seats={**state.ended.seats, **answered})
-    return replace(state, histories=histories, ended=ended), AttemptScore(tuple(answered.values()))
+    requested = {one.ended.seat: _requested(one, now) for one in open_seats}
+    histories = {**state.histories, **{seat: feedback.given(state.histories[seat]) for seat in requested}}
+    ended = replace(state.ended, seats={**state.ended.seats, **requested})
+    return replace(state, histories=histories, ended=ended), AttemptScore(tuple(requested.values()))
 
 
 def amend(
@@ -148,7 +148,7 @@ def amend(
 
     Possible until the next attempt begins or the level is set by hand. Feedback that was given stands; the seats in
     ``unsaid`` get new feedback instead. The level stands too, because an operator may have decided on it, unless the
-    outcome of the attempt is another one now.
+    outcome of the attempt has changed.
     """
     if state.ended is None:
         return replace(state, results=(*state.results[:-1], results)), None

@@ -1,4 +1,4 @@
-"""The attempts of a session: holds their state, and applies the pure steps of `attempt_state` to it."""
+"""The attempts of a session: their state, changed by the pure steps of `attempt_state`."""
 
 from collections.abc import Collection
 
@@ -12,7 +12,7 @@ from sar_tui.framework.trial_types import Results, Situation
 
 
 class Attempts:
-    """Practice attempts first, then those that count. Scores and adapts; publishes nothing.
+    """The attempts of a session: practice first, then those that count. Scores and adapts; publishes nothing.
 
     Args:
         task: built with its parameters.
@@ -63,13 +63,13 @@ class Attempts:
         return len(self.state.results) >= self._task.trials_per_attempt
 
     @property
-    def is_feedback_on_request(self) -> bool:
+    def can_request_feedback(self) -> bool:
         """True if a participant may request feedback on the last attempt, and has not yet."""
-        return bool(steps.unanswered(self.state))
+        return bool(steps.requestable(self.state))
 
     @property
-    def amendable(self) -> tuple[int, int] | None:
-        """Attempt and number of the last trial, as long as it can be amended."""
+    def amendable_trial(self) -> tuple[int, int] | None:
+        """Attempt and number of the last trial as long as it can be amended; else None."""
         if ended := self.state.ended:
             return (ended.before.attempt, len(ended.before.results))
         return self.last_trial if self.state.results and not self.is_attempt_done else None
@@ -105,12 +105,12 @@ class Attempts:
         return is_next
 
     def request_feedback(self, now: int) -> AttemptScore | None:
-        """Give the feedback on the last attempt because a participant asked for it; None if there is none to give."""
+        """Return the feedback on the last attempt that was requested at ``now`` (ns); None if there is none."""
         self.state, requested = steps.request_feedback(self.state, now)
         return requested
 
     def amend(self, results: Results, unsaid: Collection[str] = ()) -> AttemptScore | None:
-        """Replace the results of the last trial; if its attempt has ended, score that again."""
+        """Replace the results of the last trial; score its attempt again if that has ended (`attempt_state.amend`)."""
         self.state, scored = steps.amend(self._task, self.state, results, unsaid)
         return scored
 

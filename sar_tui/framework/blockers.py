@@ -34,17 +34,17 @@ class Blockers:
         return next(iter(self._lost)) if len(self._lost) == 1 else ""
 
     def reset(self) -> None:
-        """Forget what was reported: a run of the program begins."""
+        """Forget earlier reports, at the start of a run."""
         self.has_disk_failed = False
         self._lost = dict.fromkeys(self._sensor_seats, "")
 
     def update_storage(self, storage: StorageChanged) -> None:
-        """Take in a report of the disk."""
+        """Apply a report about the disk."""
         self.has_disk_failed = not storage.working
         self._disk_error = storage.reason
 
     def update_sensor(self, sensor: SensorChanged) -> bool:
-        """Take in a report of a sensor; False if it does not matter to the session, such as a lost sample."""
+        """Apply a report about a sensor; False if it does not affect the session, such as a lost sample."""
         if sensor.seat not in self._sensor_seats:
             return False
         if sensor.state in _BACK:
@@ -62,6 +62,6 @@ class Blockers:
         return error.detail if error and lost.at - error.at < _RECENT else ""
 
     def detail(self, reason: str) -> str:
-        """Return the error message of the disk or the sensors, for the experimenter."""
+        """Return the error message for the experimenter; empty if ``reason`` is neither ``storage`` nor ``sensor``."""
         sensors = " ".join(dict.fromkeys(filter(None, self._lost.values())))
         return {"storage": self._disk_error, "sensor": sensors}.get(reason, "")

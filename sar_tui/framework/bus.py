@@ -1,8 +1,8 @@
-"""The message system: typed topics, services, one thread, run to completion.
+"""The message bus: typed topics and services, on one thread.
 
 A message of an *input* topic (a key, a timer, an operator's act) begins a cascade. Handlers publish *derived* messages,
-which are queued and delivered in order; the next input begins when the queue is empty. So causes come before effects,
-and replaying the recorded inputs derives the same messages.
+which are queued and delivered in order; the next input is delivered when the queue is empty. So causes come before
+effects, and replaying the recorded inputs derives the same messages.
 """
 
 import threading
@@ -26,11 +26,11 @@ class Topic(Generic[M]):
     """A named channel that carries one type of message.
 
     Args:
-        name: in the database and on graphs, e.g. ``input/key``.
+        name: as stored in the database and shown on graphs, e.g. ``input/key``.
         type: the message class; other classes are refused.
         origin: ``input`` for messages from outside the nodes, ``derived`` for messages that follow from them.
-        keep: late subscribers receive the last message.
-        stream: too many messages to log one by one (sensor samples): without numbers, and not stored in ``events``.
+        keep: new subscribers receive the last message.
+        stream: high-rate data (sensor samples): its messages are not numbered, and not stored in ``events``.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class Bus:
     """Carries messages between nodes on one thread.
 
     Args:
-        clock: gives the time of each cascade. May be replaced between cascades (replay, then live).
+        clock: gives the time of each cascade. May be replaced between cascades, as at the end of a replay.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -137,7 +137,12 @@ class Bus:
         self._taps.remove(listener)
 
     def call(self, service: Service[Q, A], request: Q) -> A:
-        """Send a request and return the answer. Exceptions of the service are raised here."""
+        """Send a request and return the answer. Exceptions of the service are raised here.
+
+        Raises:
+            TypeError: the service takes another type.
+            KeyError: no node serves it.
+        """
         if type(request) is not service.request:
             raise TypeError(f"{service.name} takes {service.request.__name__}, not {type(request).__name__}")
         answer: A = self._services[service.name](request)
@@ -163,11 +168,15 @@ class Bus:
             self.drain()
 
     def report(self, owner: str, place: str, error: Exception) -> None:
-        """Record an exception that was caught elsewhere as a Fault: with this cascade, or else with the next."""
+        """Publish a Fault for an exception that was caught elsewhere, in this cascade or the next."""
         self._derived.append((FAULT, _fault(owner, place, error)))
 
     def post(self, topic: Topic[M], message: M) -> None:
-        """Publish an input from any thread; it is delivered as soon as the owning thread is free."""
+        """Publish an input from any thread; it is delivered as soon as the owning thread is free.
+
+        Raises:
+            TypeError: the topic is not an input, or carries another type.
+        """
         if topic.origin != "input" or type(message) is not topic.type:
             raise TypeError(f"{topic.name} cannot be posted with {type(message).__name__}")
         self._inputs.append((topic, message))

@@ -82,7 +82,7 @@ class _Due:
 
 
 class VirtualClock:
-    """A clock that stands still until it is stepped, and then jumps from one callback to the next.
+    """A clock that moves only when it is stepped, from one callback to the next.
 
     Twenty minutes of a session take milliseconds, and are the same each time: callbacks run in the order of their time,
     and those of the same time in the order of their request. ``set`` moves the clock without running callbacks, for a

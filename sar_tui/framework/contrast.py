@@ -5,7 +5,7 @@ import re
 
 
 def is_color(value: str) -> bool:
-    """Return whether a text is a colour like #a0b1c2."""
+    """Return True if a text is a colour like #a0b1c2."""
     return bool(re.fullmatch(r"#[0-9a-fA-F]{6}", value))
 
 
@@ -16,7 +16,7 @@ def contrast(one: str, other: str) -> float:
 
 
 def cut(ratio: float) -> float:
-    """Return a ratio cut to two decimals, not rounded: 4.499 is less than 4.5."""
+    """Return a ratio truncated to two decimals, not rounded: 4.499 stays below 4.5."""
     return math.floor(ratio * 100) / 100
 
 

@@ -8,7 +8,7 @@ import msgspec
 from msgspec import Meta, inspect
 
 _LONG = 60
-"""Letters of a value that an error message quotes."""
+"""Largest number of characters of a value that an error message quotes."""
 
 
 def meta(
@@ -38,7 +38,7 @@ def meta(
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):
-    """Base of a group of parameters, declared with ``meta``. Every one has a default."""
+    """Base of a group of parameters, declared with ``meta``. Each has a default."""
 
     def problems(self) -> dict[str, str]:
         """Return settings that do not fit together: parameter name to one clear sentence."""
@@ -54,7 +54,10 @@ class ParameterError(ValueError):
 
 
 class Field(msgspec.Struct, frozen=True):
-    """A declared parameter: all that a form, a check or a manual needs."""
+    """A declared parameter, as needed by forms, checks and documentation (see ``meta``).
+
+    ``ge`` and ``le``: inclusive bounds of a number. ``least`` and ``most``: bounds of the length of a text or list.
+    """
 
     name: str
     title: str
@@ -96,19 +99,19 @@ class Field(msgspec.Struct, frozen=True):
 
     @property
     def _allowed(self) -> str:
-        """The allowed texts or lists: "at most 8 words, spaced"."""
+        """The allowed texts or lists: "at most 8 space-separated words"."""
         if self.takes:
             return self.takes
-        parts, spaced = (self.items, ", spaced") if self.kind == "list" else ("letters", "")
+        parts = f"space-separated {self.items}" if self.kind == "list" else "letters"
         match self.least, self.most:
             case None | 0, None:
-                return f"{parts}{spaced}" if spaced else "a text"
+                return parts if self.kind == "list" else "a text"
             case None | 0, most:
-                return f"at most {most} {parts}{spaced}"
+                return f"at most {most} {parts}"
             case least, None:
-                return f"{least} or more {parts}{spaced}"
+                return f"{least} or more {parts}"
             case least, most:
-                return f"{least} to {most} {parts}{spaced}"
+                return f"{least} to {most} {parts}"
 
 
 def declared_field(field: inspect.Field) -> Field:

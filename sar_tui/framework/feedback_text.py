@@ -33,7 +33,7 @@ class Wordings(Protocol):
         ...
 
 
-class Answer(NamedTuple):
+class WrittenFeedback(NamedTuple):
     """Text of feedback, and the valence and degree that choose its face and gesture."""
 
     text: str
@@ -72,20 +72,22 @@ class FeedbackText:
         self._task = task
         self._word = word
 
-    def answer(self, feedback: Feedback, recalled: RecalledAttempts) -> Answer:
+    def write(self, feedback: Feedback, recalled: RecalledAttempts) -> WrittenFeedback:
         """Return the text of feedback, with the form and content of its choice."""
         choice = feedback.choice
         if choice.attempts > 1:
-            return Answer(self._in_form(self._summary(feedback), choice.form), feedback.valence, choice.degree)
+            summary = self._in_form(self._summary(feedback), choice.form)
+            return WrittenFeedback(summary, feedback.valence, choice.degree)
         failed = feedback.reason in ("accuracy", "empty")
-        done = self._performance(feedback, recalled) if choice.content != "results" and not failed else None
-        if done and choice.content == "performance":
-            return Answer(done.text(choice.form), done.valence, "clear" if done.valence == "positive" else "slight")
+        performance = self._performance(feedback, recalled) if choice.content != "results" and not failed else None
+        if performance and choice.content == "performance":
+            degree: Degree = "clear" if performance.valence == "positive" else "slight"
+            return WrittenFeedback(performance.text(choice.form), performance.valence, degree)
         results = self._results(feedback, recalled)
         if failed and feedback.remark:
             results = _Pair(feedback.remark, results.figures)
-        texts = [self._in_form(results, choice.form), *([done.text(choice.form)] if done else [])]
-        return Answer(" ".join(texts), feedback.valence, choice.degree)
+        texts = [self._in_form(results, choice.form), *([performance.text(choice.form)] if performance else [])]
+        return WrittenFeedback(" ".join(texts), feedback.valence, choice.degree)
 
     def _in_form(self, pair: "_Pair", form: Form) -> str:
         """Return the words, the figures or both."""
@@ -109,8 +111,8 @@ class FeedbackText:
         before = self._reference(feedback, recalled)
         if before is None:
             return self._word(f"{feedback.valence}_first", value=value, goal=goal)
-        metric, reference = self._task.metric, self._named(feedback, recalled)
-        decimals = self._task.metric.decimals  # round first: people subtract the figures they see
+        metric, reference = self._task.metric, self._reference_name(feedback, recalled)
+        decimals = metric.decimals  # round first: people subtract the figures they see
         difference = self._show(abs(round(feedback.metric, decimals) - round(before, decimals)))
         if difference == self._show(0):
             return self._word(f"{feedback.valence}_same", value=value, goal=goal, reference=reference)
@@ -124,8 +126,8 @@ class FeedbackText:
             reference=reference,
         )
 
-    def _named(self, feedback: Feedback, recalled: RecalledAttempts) -> str:
-        """Return the name of the reference. The last attempt at a level is not always the last attempt."""
+    def _reference_name(self, feedback: Feedback, recalled: RecalledAttempts) -> str:
+        """Return the name of the reference: "last at this level" if the last attempt was at another level."""
         name = _VOCABULARY[feedback.choice.compared_with]
         if name == "last_attempt" and feedback.attempt - 1 not in {
             attempt.attempt for attempt in recalled.attempts if attempt.metric is not None
@@ -168,12 +170,12 @@ class FeedbackText:
     def _performance(self, feedback: Feedback, recalled: RecalledAttempts) -> "_PerformanceText | None":
         """Return what improved since the last comparable attempt, else advice; None if nothing was measured.
 
-        Comparable attempts have the same level and nearly the same result: a slower movement has more of everything.
+        Comparable attempts have the same level and nearly the same result: the qualities depend on speed.
         """
         measured = [quality for quality in self._task.qualities if quality.field in feedback.qualities]
         if not measured or feedback.metric is None:
             return None
-        tr, aims = self._task.tr, self._word.choose([quality.aim for quality in measured])
+        tr, aim = self._task.tr, self._word.choose([quality.aim for quality in measured])
         before = _comparable(feedback, recalled)
         changes = [
             (quality.change(feedback.qualities[quality.field], before.qualities[quality.field]), quality)
@@ -181,19 +183,19 @@ class FeedbackText:
             if before and quality.field in before.qualities
         ]
         if not changes or before is None:
-            return self._performance_text(feedback, "neutral", "performance_first", {"aim": tr(aims)})
+            return self._performance_text(feedback, "neutral", "performance_first", {"aim": tr(aim)})
         latest = before.attempt == feedback.attempt - 1
         reference = {"reference": self._word.vocabulary("last_attempt" if latest else "last_at_level")}
         best, worst = max(changes, key=lambda change: change[0]), min(changes, key=lambda change: change[0])
         if best[0] >= 1:
             words = {"change": tr(best[1].improved), **reference}
             share = _share(best[1], feedback, before)
-            return self._performance_text(feedback, "positive", "performance_improved", words, share, aim=tr(aims))
+            return self._performance_text(feedback, "positive", "performance_improved", words, share, aim=tr(aim))
         if worst[0] <= -1:
             words = {"aim": tr(worst[1].aim), **reference}
             share = _share(worst[1], feedback, before)
             return self._performance_text(feedback, "negative", "performance_worsened", words, share)
-        words = {"aim": tr(aims), **reference}
+        words = {"aim": tr(aim), **reference}
         share = _share(worst[1], feedback, before)
         return self._performance_text(
             feedback, "neutral", "performance_same", words, share if share is not None and share <= ALIKE else None
@@ -208,7 +210,7 @@ class FeedbackText:
         share: float | None = None,
         aim: str = "",
     ) -> "_PerformanceText":
-        """Return the text in words and in figures: the change as a share up to 100 %, else the result."""
+        """Return the text in words and in figures: the change as a percentage up to 100 %, else the result."""
         said = self._word(situation, **words)
         if share is not None and share <= 1:
             figures = self._word(f"{situation}_figures", **words, percent=f"{100 * share:.0f} %")
@@ -232,18 +234,19 @@ def _before(feedback: Feedback, recalled: RecalledAttempts) -> list[AttemptEnded
 
 
 def _comparable(feedback: Feedback, recalled: RecalledAttempts) -> AttemptEnded | None:
-    reach = math.inf if feedback.metric is None else ALIKE * abs(feedback.metric)
+    """Return the last attempt with nearly the same result; None if there is none."""
+    tolerance = math.inf if feedback.metric is None else ALIKE * abs(feedback.metric)
     return next(
         (
             attempt
             for attempt in reversed(_before(feedback, recalled))
-            if attempt.metric is not None and abs(attempt.metric - (feedback.metric or 0.0)) <= reach
+            if attempt.metric is not None and abs(attempt.metric - (feedback.metric or 0.0)) <= tolerance
         ),
         None,
     )
 
 
 def _share(quality: Quality, feedback: Feedback, before: AttemptEnded) -> float | None:
-    """Return the relative change of a quality; None if it was 0."""
+    """Return the relative change of a quality; None if it was 0 before."""
     now, then = feedback.qualities[quality.field], before.qualities[quality.field]
     return abs(now - then) / abs(then) if then else None

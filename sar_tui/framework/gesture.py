@@ -1,4 +1,4 @@
-"""Gestures as keyframes, for a drawn robot and a real one."""
+"""Gestures as keyframes, for drawn and real robots."""
 
 import math
 from bisect import bisect_right
@@ -11,6 +11,7 @@ JOINTS = ("nod", "turn", "left_arm", "right_arm", "lean")
 """Joints of a body: the head down (1) or up, turned to the participant's right (1) or left; the arms raised (1); the
 body towards the participant (1). 0 is rest; a robot without a joint leaves it out."""
 LONGEST_MS = 10_000
+"""Longest gesture."""
 
 
 class Pose(msgspec.Struct, frozen=True):
@@ -73,7 +74,7 @@ class Gesture(msgspec.Struct, frozen=True):
         times = [frame.at_ms for frame in self.keyframes]
         found = []
         if times != sorted(set(times)) or times[0] < 0:
-            found.append(f"The keyframes of {name} must follow one another in time, none before 0 ms.")
+            found.append(f"The keyframes of {name} must be in order of time, none before 0 ms.")
         if times[-1] > LONGEST_MS:
             found.append(f"The gesture {name} takes {times[-1]} ms; at most {LONGEST_MS} are allowed.")
         for frame in self.keyframes:

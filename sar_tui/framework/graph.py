@@ -101,8 +101,8 @@ def _names(topics: Sequence[Topic[Any]]) -> tuple[str, ...]:
     return tuple(topic.name for topic in topics if topic is not TIMER)
 
 
-def spine(whole: Graph) -> list[str]:
-    """Return the names on the longest path from an input through the loop, each once."""
+def longest_path(whole: Graph) -> list[str]:
+    """Return the names on the longest path from an input through the loop, without repetition."""
     inner = {part.name for part in whole.nodes if part.kind in ("input", "node", "output")}
     targets: dict[str, list[str]] = {}
     for edge in whole.edges:

@@ -27,14 +27,15 @@ class Language:
         self.texts = {english: own for english, own in (texts or {}).items() if not slot_problem(english, own)}
 
     def __call__(self, text: str, **slots: object) -> str:
-        """Return a text in this language, with its slots filled; without ``slots`` braces are kept.
+        """Return a text in this language, with its slots filled; without ``slots``, braces are kept.
 
         Numbers in the values of slots get the decimal sign of this language.
         """
-        own = self.texts.get(text, text)
+        translated = self.texts.get(text, text)
         if not slots:
-            return own
-        return own.format(**{name: self.figures(it) if isinstance(it, str) else it for name, it in slots.items()})
+            return translated
+        values = {name: self.figures(value) if isinstance(value, str) else value for name, value in slots.items()}
+        return translated.format(**values)
 
     def figures(self, text: str) -> str:
         """Return a text with this language's decimal sign in its numbers: 0,5 for 0.5 in Spanish."""

@@ -28,7 +28,7 @@ def on(topic: Topic[Any]) -> Callable[[F], F]:
 
 
 def serves(service: Service[Any, Any]) -> Callable[[F], F]:
-    """Mark a method as the one that answers ``service``."""
+    """Mark a method as the handler of requests to ``service``."""
 
     def mark(method: F) -> F:
         method.serves = service  # type: ignore[attr-defined]
@@ -47,10 +47,6 @@ class Node:
     name: str
     emits: ClassVar[tuple[Topic[Any], ...]] = ()
     asks: ClassVar[tuple[Service[Any, Any], ...]] = ()
-
-    def __init__(self) -> None:
-        self._timers: dict[str, tuple[int, Handle]] = {}
-        self._token = 0
 
     @classmethod
     def receives(cls) -> tuple[Topic[Any], ...]:
@@ -95,6 +91,11 @@ class TimedNode(Node):
     """A node with timers. A timer publishes an input message when it fires, so a replay needs no timers."""
 
     emits: ClassVar[tuple[Topic[Any], ...]] = (TIMER,)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._timers: dict[str, tuple[int, Handle]] = {}
+        self._token = 0
 
     def set_timer(self, name: str, due: int) -> None:
         """Call ``timer(name, late)`` at ``due`` (ns). Replaces an earlier timer of that name."""

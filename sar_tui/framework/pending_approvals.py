@@ -14,7 +14,7 @@ class PendingApprovals:
 
     @property
     def waiting(self) -> tuple[PendingApproval, ...]:
-        """All of them, oldest first."""
+        """The pending proposals, oldest first."""
         return tuple(self._waiting.values())
 
     @property

@@ -102,7 +102,7 @@ _NUMBER_WORDS = {language: frozenset(_folded(words).split()) for language, words
 
 
 def holds_number(text: str, language: str = "en") -> bool:
-    """Return whether a text holds a number, in digits or in words; the words are known for English and Spanish."""
+    """Return True if a text holds a number, in digits or, for English and Spanish, in words."""
     if any(unicodedata.category(character).startswith("N") for character in text):
         return True
     known = _NUMBER_WORDS.get(language.partition("-")[0], frozenset())
@@ -121,13 +121,13 @@ def wording_problems(situation: str, wording: str, language: str) -> list[str]:
     except ValueError as error:
         return [f"{where} has broken slots ({error}): {wording!r}."]
     used = {name or "" for name, _, _ in parts}
-    found = [f"{where} uses the slot {{{name}}}, which it does not have." for name in sorted(used - slots)]
+    found = [f"{where} uses the unknown slot {{{name}}}." for name in sorted(used - slots)]
     if any(form or conversion for _, form, conversion in parts):
-        found.append(f"{where} has more than a name in a slot: {wording!r}.")
+        found.append(f"{where} has a slot with more than a name: {wording!r}.")
     if not wording.strip():
         found.append(f"{where} is empty.")
     if situation in QUALITATIVE and holds_number(wording, language):
         found.append(f"{where} holds a number: {wording!r}.")
     if situation in QUANTITATIVE and not used & FIGURES:
-        found.append(f"{where} gives no figure: {wording!r}.")
+        found.append(f"{where} has no slot for a figure: {wording!r}.")
     return found

@@ -1,4 +1,4 @@
-"""Compare a derived message with the recorded one, apart from the wording that only people read."""
+"""Compares derived messages with recorded ones, except for wording that only people read."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ import msgspec
 from sar_tui.framework.messages import Message
 
 WORDING = frozenset({"text", "spoken", "hint", "notice", "detail", "goal", "attempt_name", "remark", "why"})
-"""Fields whose strings a person reads and nothing decides by. A corrected sentence must not stop a resume."""
+"""Fields whose texts are for people only, so that a corrected sentence does not prevent a resume."""
 
 
 def is_same(recorded: Message, derived: Message) -> bool:

@@ -1,4 +1,4 @@
-"""A session: composes nodes, inputs and outputs."""
+"""A session: the nodes, inputs and outputs on one bus."""
 
 from collections.abc import Iterable, Sequence
 
@@ -19,7 +19,7 @@ from sar_tui.framework.topics import ACTING, SESSION, SESSION_ENDED, THEME
 
 
 class ReplayError(ValueError):
-    """A replay differs from the record, which a different version of the task or the program made."""
+    """A replay differs from the record: another version of the task, the theme or the program made it."""
 
 
 class Session:
@@ -29,7 +29,7 @@ class Session:
         task: built with its parameters.
         theme: how the agent looks and speaks.
         clock: live or virtual.
-        seed: of all that is random.
+        seed: decides everything random.
         extra: input and output nodes: a screen, a simulated participant.
         best: the participant's best results of earlier sessions, by level.
         others_best: the same for the other participants, by seat.
@@ -134,7 +134,7 @@ class Session:
         if len(derived) != len(expected):
             raise ReplayError("The record of this session is incomplete: it cannot be resumed.")
         if fault := self.broken:
-            raise ReplayError(f"The task failed there: {fault.error}, {fault.place}.")
+            raise ReplayError(f"The task failed in this session: {fault.error}, {fault.place}.")
         if recorded:
             self.bus.count_from(recorded[-1].seq + 1)
 
@@ -148,11 +148,11 @@ class Session:
             node.detach()
 
     def _end(self) -> None:
-        """Inputs end by themselves at this message; outputs have a goodbye to say first."""
+        """Note the end. Nothing is detached yet, because the outputs still say goodbye."""
         self.ended = True
 
     def _use_texts(self, theme: Theme) -> None:
-        """Translate the task's texts as the theme does; in a replay, as it did then."""
+        """Give the task the theme's own wordings of texts; in a replay, those of the recorded theme."""
         self.task.tr = self._tr.including(theme.texts)
 
     def _agent_acted(self, agent: AgentActing) -> None:

@@ -7,7 +7,7 @@ from sar_tui.framework.messages import Waiting
 from sar_tui.framework.task import Task
 
 REQUEST_KEY = "tab"
-"""Key with which a participant asks for feedback on the last attempt, where it is given on request."""
+"""Key with which a participant requests feedback on the last attempt, under the schedule ``request``."""
 
 
 class Phase(Enum):
@@ -53,6 +53,7 @@ WAITS: dict[Phase, tuple[str, str]] = {
     Phase.ENDED: ("nothing", "ended"),
     Phase.BROKEN: ("nothing", "broken"),
 }
+"""``what`` and ``stage`` of the message of each phase (see `messages.Waiting`)."""
 
 
 def waiting_message(
@@ -82,5 +83,5 @@ def waiting_message(
         notice=notice,
         reason=reason,
         detail=detail,
-        ask=REQUEST_KEY if phase in (Phase.READY, Phase.REVIEW) and attempts.is_feedback_on_request else "",
+        ask=REQUEST_KEY if phase in (Phase.READY, Phase.REVIEW) and attempts.can_request_feedback else "",
     )

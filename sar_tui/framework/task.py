@@ -43,6 +43,19 @@ class Task(ABC):
 
     ``tr`` translates a text into the session's language: ``self.tr("Reach {far} far.", far="15 cm")``. The translations
     are in ``words.<language>.toml`` beside the task; they cover its declared texts too (``title``, marks).
+
+    Attributes:
+        name: of its folder, and in the database.
+        title, summary: for people.
+        trials: name of its trials on the screen.
+        version: stored with each session; change it when results are no longer comparable.
+        metric: the measure of an attempt.
+        Parameters: its settings.
+        Details: fields stored with each trial.
+        sensors: kinds of sensors it needs.
+        qualities: measures for feedback on performance.
+        marks: that a therapist can put on a trial.
+        seats: places of participants.
     """
 
     name: ClassVar[str]
@@ -99,7 +112,7 @@ class Task(ABC):
         return "seat"
 
     def seat_of(self, key: str) -> str:
-        """Return the seat of a key, in a task with several; empty if the key is no seat's, and so never a response."""
+        """Return the seat of a key, in a task with several; empty if it belongs to no seat and is never a response."""
         return ""
 
     def seat_name(self, seat: str) -> str:

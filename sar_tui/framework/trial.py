@@ -1,4 +1,4 @@
-"""The open trial: from the foreperiod to its row in the table."""
+"""The open trial: from the foreperiod to its row in the database."""
 
 import math
 
@@ -16,7 +16,7 @@ class OpenTrial:
         situation: its place in the session.
         stimulus: shown by its prompt.
         seats: of the task.
-        presentation: how often it has been shown.
+        presentation: number of times it has been shown.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class OpenTrial:
             self._flags.append(flag)
 
     def prompt(self, timeout: int) -> Prompt:
-        """Return the prompt of the next presentation."""
+        """Begin the next presentation, and return its prompt. ``timeout``: for the response, in ns."""
         self.presentation += 1
         return Prompt(
             seat=self._seat,

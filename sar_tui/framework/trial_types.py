@@ -30,7 +30,7 @@ class Metric(msgspec.Struct, frozen=True):
         return f"{name} ({self.unit})" if self.unit else name
 
     def is_better(self, value: float, than: float) -> bool:
-        """Return whether ``value`` is strictly better."""
+        """Return True if ``value`` is strictly better."""
         return value < than if self.better == "lower" else value > than
 
     def show(self, value: float) -> str:
@@ -103,7 +103,7 @@ class Stimulus(msgspec.Struct, frozen=True):
         signals: True if it asks for an immediate response, so that the time from its onset is a reaction time.
         seat: the seat that responds, in a task with several; empty for all of them.
         halves: the contents of the left and right half of the screen, instead of ``glyph``.
-        cue: given before the prompt. Nothing else then announces whose turn it is.
+        cue: given before the prompt; nothing else then announces whose turn it is.
     """
 
     name: str
@@ -223,7 +223,7 @@ class Performance(msgspec.Struct, frozen=True):
 
     Args:
         reaction_ms: the reaction time drawn for this prompt.
-        slips: True if the response is wrong.
+        slips: True if the response is to be wrong.
         pace: the duration of a movement, as a multiple of a healthy person's.
         unsteadiness: 0 for a hand that goes straight, 1 for one that halts and dwells.
     """

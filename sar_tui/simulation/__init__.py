@@ -1,1 +1,1 @@
-"""Simulated participants: who they are (person) and how they sit at the keyboard (participant)."""
+"""Simulated participants and operators."""

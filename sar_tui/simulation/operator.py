@@ -1,4 +1,4 @@
-"""Simulated operator that reads proposals and decides on them according to its profile. Seeded."""
+"""A simulated operator, who reads proposals and decides on them according to a profile. Seeded."""
 
 from collections.abc import Callable
 
@@ -32,8 +32,8 @@ NAME = "operator.simulated"
 PAINTING = 30 * MS
 """Time until a pending proposal is on the operator's screen."""
 TOO_LATE_TO_STOP = 200 * MS
-"""A key due this soon is pressed although the proposal has gone: about the stop-signal reaction time of healthy adults
-(Logan & Cowan 1984)."""
+"""A key press due within this time happens even if the proposal is gone: about the stop-signal reaction time of healthy
+adults (Logan & Cowan 1984)."""
 
 
 class OperatorProfile(msgspec.Struct, frozen=True):
@@ -41,8 +41,8 @@ class OperatorProfile(msgspec.Struct, frozen=True):
 
     A decision takes the time to read (``ms_per_word``) and then to choose, which is ex-Gaussian like other choice
     times (Luce 1986; see `simulation.participant_model`). Reading every word takes 252 ms a word on average
-    (238 words a minute, Brysbaert 2019); an operator knows the texts and only recognises them. We know of no study
-    with values for operators: these are assumed.
+    (238 words a minute, Brysbaert 2019); an operator knows the texts and only recognises them. The values are
+    assumptions: we know of no study of operators.
 
     Args:
         name: ``careful``, ``hasty`` or ``absent``.
@@ -113,7 +113,7 @@ PROFILES = {
         ),
     )
 }
-"""Reads everything and errs little; decides before reading; comes and goes."""
+"""``careful`` reads everything and errs little, ``hasty`` decides before reading, ``absent`` comes and goes."""
 
 
 class SimulatedOperator(Node):
@@ -151,7 +151,7 @@ class SimulatedOperator(Node):
 
     @on(SESSION_ENDED)
     def session_ended(self, _: m.SessionEnded) -> None:
-        """Stop acting between attempts: only the goodbye is left."""
+        """Stop acting after attempts: only the goodbye is left."""
         self._has_ended = True
 
     @on(PENDING_APPROVAL)
@@ -195,7 +195,7 @@ class SimulatedOperator(Node):
     # --- proposals --------------------------------------------------------------------------------------------
 
     def _schedule_decision(self, approval: m.PendingApproval) -> None:
-        """Decide after the proposals before: an operator reads one at a time."""
+        """Schedule the decision after those on earlier proposals: an operator reads one at a time."""
         id = approval.proposal.id
         if earlier := self._pending.pop(id, None):
             earlier[1].cancel()
@@ -216,7 +216,7 @@ class SimulatedOperator(Node):
         self.emit(DECISION, decision)
 
     def _decision(self, approval: m.PendingApproval, verdict: str, streams: RandomStreams) -> m.Decision:
-        """Return the decision. An edit adds encouragement and softens blame; an edited level stays as it was."""
+        """Return the decision. An edit adds encouragement and makes blame neutral, or lowers the level by one."""
         proposal = approval.proposal
         about = {"seat": proposal.seat, "action": proposal.id, "actor": NAME}
         if verdict != "edit" or (proposal.kind == "gesture" and approval.level is None):
@@ -228,7 +228,7 @@ class SimulatedOperator(Node):
         return m.Decision(**about, **milder, verdict="edit", text=f"{proposal.text} {addition}".strip())  # type: ignore[arg-type]
 
     def _drop(self, id: str) -> None:
-        """Cancel the decision on a proposal that no longer waits, unless the finger is already moving."""
+        """Cancel the decision on a proposal that no longer waits, unless it is too late to stop the key press."""
         due, handle = self._pending.get(id, (0, None))
         if handle and due - self._time > TOO_LATE_TO_STOP:
             handle.cancel()

@@ -1,4 +1,4 @@
-"""Simulated participants: nodes that receive prompts and publish key presses, like an output and an input."""
+"""Simulated participants: nodes that receive prompts, and publish key presses or move a simulated hand."""
 
 from collections.abc import Callable
 from typing import Any
@@ -20,7 +20,7 @@ _SEEN: tuple[PartState, ...] = ("queued", "started", "done")
 
 
 def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A") -> list[Act]:
-    """Return what a person at a seat does for a prompt: nothing if they miss it or it is for the other seat."""
+    """Return the acts of a person at a seat on a prompt: none if they miss it or it is for the other seat."""
     streams = RandomStreams(seed, "person" if seat == "A" else f"person {seat}", prompt.attempt, prompt.trial)
     if prompt.seat not in ("", seat) or person.misses_it(streams):
         return []
@@ -80,15 +80,15 @@ class SimulatedParticipant(_Performer):
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Press the key that the screen asks for while it still asks; or ask for feedback, if the person wants it.
+        """Press the key that the session waits for, or the key that requests feedback.
 
-        Once that is answered, the screen asks for Enter again.
+        A press that is due is cancelled if the session waits for something else by then.
         """
         if self._next:
             self._next.cancel()
         key = {"enter": "enter", "start": self._task.start_key}.get(waiting.what)
         streams = RandomStreams(self._seed, "person", waiting.attempt, waiting.stage)
-        if waiting.ask and self._person.wants_to_know(streams):
+        if waiting.ask and self._person.wants_feedback(streams):
             key = waiting.ask
         self._next = self._press(key, self.now + READING) if key else None
 
@@ -106,14 +106,14 @@ class SimulatedParticipant(_Performer):
         self._perform(prompt, onset)
 
     @on(ACTION)
-    def answered(self, action: Action) -> None:
+    def action_begun(self, action: Action) -> None:
         """Report that the text of an action is shown at once."""
         for state in _SEEN:
             self.emit(REPORT, OutputReport(action=action.id, output="screen", part="show", state=state, at=self.now))
 
 
 class SimulatedPartner(_Performer):
-    """Answers the prompts of one seat at the same keyboard, and leaves all other keys to the participant at seat A."""
+    """Responds to the prompts of one seat at the same keyboard; all other keys are left to the participant at seat A."""
 
     name = "partner"
     emits = (KEY,)
@@ -124,7 +124,7 @@ class SimulatedPartner(_Performer):
 
 
 class SimulatedMover(_Performer):
-    """Moves a simulated hand as its person would, to try a task without a sensor; somebody else presses the keys."""
+    """Moves a simulated hand as its person would, while a real participant presses the keys."""
 
     name = "mover"
 

@@ -1,4 +1,4 @@
-"""Models of persons: reaction times, errors, practice and fatigue, drawn from seeded random streams."""
+"""Models of participants: reaction times, errors, practice and fatigue, drawn from seeded random streams."""
 
 import math
 
@@ -19,19 +19,19 @@ class Person(msgspec.Struct, frozen=True):
     Args:
         name: ``poor``, ``average``, ``competent``.
         base_ms: mean reaction time without a choice.
-        per_bit_ms: added to it for each bit of choice.
+        per_bit_ms: added to the mean for each bit of choice.
         sigma_ms: standard deviation of the normal part.
         tau_ms: mean of the exponential tail, part of the mean.
-        errors: share of prompts that are answered wrongly.
-        misses: share of prompts that are not answered.
-        practice: share of the reaction time that practice takes off in the end.
-        practice_attempts: number of attempts after which practice has taken off 63 % of that.
+        errors: share of prompts with a wrong response.
+        misses: share of prompts without a response.
+        practice: share of the reaction time that practice saves in the end.
+        practice_attempts: number of attempts after which practice saves 63 % of that.
         fatigue: share of the reaction time that each attempt adds.
         pace: duration of movements as a share of a healthy adult's.
         pace_sd: standard deviation of the logarithm of ``pace`` from movement to movement.
         unsteadiness: 0 for a hand that moves straight, 1 for one that halts and dwells.
         hand: tremor and sensor placement: one of `motion.synthesis.PROFILES`.
-        asks: share of attempts after which they ask for feedback, if it is given on request.
+        asks: share of attempts after which they request feedback, if it is given on request.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Person(msgspec.Struct, frozen=True):
     asks: float = 0.35
 
     def perform(self, choices: int, attempt: int, streams: RandomStreams) -> Performance:
-        """Draw how one prompt among ``choices`` is done in an attempt (1, 2, …)."""
+        """Draw the performance of one prompt among ``choices`` in an attempt (1, 2, …)."""
         varied = math.exp(streams.generator("pace", self.name).gauss(0, self.pace_sd))
         return Performance(
             reaction_ms=self.reaction_ms(choices, attempt, streams),
@@ -75,15 +75,15 @@ class Person(msgspec.Struct, frozen=True):
         return max(120.0, ex_gaussian(generator, self.mean_ms(choices, attempt), self.sigma_ms, self.tau_ms))
 
     def misses_it(self, streams: RandomStreams) -> bool:
-        """Return True if this prompt is not answered."""
+        """Return True if this prompt gets no response."""
         return streams.uniform("miss", self.name) < self.misses
 
     def slips(self, streams: RandomStreams) -> bool:
-        """Return True if this prompt is answered wrongly."""
+        """Return True if the response to this prompt is wrong."""
         return streams.uniform("slip", self.name) < self.errors
 
-    def wants_to_know(self, streams: RandomStreams) -> bool:
-        """Return True if they ask for feedback on an attempt."""
+    def wants_feedback(self, streams: RandomStreams) -> bool:
+        """Return True if they request feedback on an attempt."""
         return streams.uniform("ask", self.name) < self.asks
 
 

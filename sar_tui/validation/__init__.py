@@ -1,1 +1,1 @@
-"""Checks of the thesis' claims and our own by simulation: one experiment per file, listed in ``registry``."""
+"""Checks claims of the thesis and of this project by simulation: one experiment per file, listed in ``registry``."""

@@ -1,4 +1,4 @@
-"""The thesis' augmented feedback (4.4.2): Figures 4.11 to 4.14, from simulated users over twenty attempts."""
+"""Augmented feedback (thesis 4.4.2): Figures 4.11 to 4.14, from simulated users over twenty attempts."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -11,19 +11,19 @@ from sar_tui.validation.simulated_sessions import SEEDS, SessionRunner, Simulate
 
 VALENCES = ("positive", "neutral", "negative")
 BAND_MS, LEAST_ACCURACY = 10.0, 0.8
-"""Results this near to the goal are neutral; with fewer correct responses than this there is no praise."""
+"""Results within this distance of the goal are neutral; praise needs at least this share of correct responses."""
 EVERY = 3
-"""The thesis' other feedback frequency."""
+"""Number of attempts per feedback in the second condition of Figure 4.14."""
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
 def poor(conditions: Conditions) -> Report:
-    """Figure 4.11. One row per attempt of a poor user."""
+    """Return Figure 4.11: one row per attempt of a poor user."""
     return _of_users(conditions, "figure-4.11", ("poor",))
 
 
 def competent(conditions: Conditions) -> Report:
-    """Figure 4.12. One row per attempt of a competent user, and of a poor one for comparison."""
+    """Return Figure 4.12: one row per attempt of a competent user, and of a poor one for comparison."""
     report = _of_users(conditions, "figure-4.12", ("competent", "poor"))
     fewer = [
         f"seed {seed}: {theirs} against {poors}"
@@ -43,7 +43,7 @@ def competent(conditions: Conditions) -> Report:
 
 
 def examples(conditions: Conditions) -> Report:
-    """Figure 4.13. One row per feedback, in words and in figures."""
+    """Return Figure 4.13: one row per feedback, in words and in figures."""
     rows = []
     with session_runner(conditions.catalogue) as runner:
         for number, form in enumerate(("qualitative", "quantitative")):
@@ -65,7 +65,7 @@ def examples(conditions: Conditions) -> Report:
 
 
 def frequency(conditions: Conditions) -> Report:
-    """Figure 4.14. One row per attempt of a competent user, with feedback after each, and after every three."""
+    """Return Figure 4.14: one row per attempt of a competent user, with feedback after each, and after every three."""
     rows: list[Row] = []
     unsaid: list[str] = []
     with session_runner(conditions.catalogue) as runner:
@@ -75,12 +75,12 @@ def frequency(conditions: Conditions) -> Report:
                 done = runner.run("competent", seed, feedback_every=every)
                 found = [{"every": every, **row} for row in _attempts(done, "competent", seed)]
                 marked = {row["attempt"] for row in found if row["feedback"] != "none"}
-                if set(done.answers) != marked:
+                if set(done.feedback) != marked:
                     unsaid.append(f"seed {seed}, every {every}")
                 rows += found
     claims = [
-        _stands_on(rows, 1, "With feedback after every attempt, each attempt has it."),
-        _stands_on(rows, EVERY, "With feedback after every three, the attempts 3, 6, 9 … have it, and no others."),
+        _feedback_claim(rows, 1, "With feedback after every attempt, each attempt has it."),
+        _feedback_claim(rows, EVERY, "With feedback after every three, the attempts 3, 6, 9 … have it, and no others."),
         Claim("The log holds what the agent said on those attempts, and on no others.", "; ".join(unsaid)),
     ]
     drawings = [
@@ -134,12 +134,12 @@ def _only(rows: Iterable[Row], **fields: object) -> list[Row]:
 
 
 def _counted(rows: Sequence[Row], user: str, seed: int) -> Row:
-    answered = [row["feedback"] for row in _only(rows, user=user, seed=seed)]
-    return {"seed": seed, "user": user} | {valence: answered.count(valence) for valence in VALENCES}
+    given = [row["feedback"] for row in _only(rows, user=user, seed=seed)]
+    return {"seed": seed, "user": user} | {valence: given.count(valence) for valence in VALENCES}
 
 
 def _by_seed(rows: Sequence[Row], valence: str) -> list[tuple[int, int, int]]:
-    """Seed, and how often a competent and a poor user got this feedback."""
+    """Return each seed with the number of times that a competent and a poor user got this feedback."""
     return [(seed, _counted(rows, "competent", seed)[valence], _counted(rows, "poor", seed)[valence]) for seed in SEEDS]
 
 
@@ -152,7 +152,7 @@ def _fits(row: Row) -> bool:
     return bool(row["feedback"] == expected)
 
 
-def _stands_on(rows: Sequence[Row], every: int, sentence: str) -> Claim:
+def _feedback_claim(rows: Sequence[Row], every: int, sentence: str) -> Claim:
     wrong = [
         f"seed {row['seed']}, attempt {row['attempt']}"
         for row in _only(rows, every=every)
@@ -168,7 +168,7 @@ def _said(form: str, seed: int, done: Simulated) -> list[Row]:
     rows: list[Row] = []
     last: dict[int, float | None] = {}
     for attempt in done.attempts:
-        said = done.answers[attempt["attempt"]]["final"]
+        said = done.feedback[attempt["attempt"]]["final"]
         rows.append(
             {
                 "form": form,

@@ -1,4 +1,4 @@
-"""The thesis' Figures 4.11, 4.12 and 4.14 as text: the results of a session's attempts, with their feedback."""
+"""Figures 4.11, 4.12 and 4.14 of the thesis as text: the results of a session's attempts, with their feedback."""
 
 from collections.abc import Sequence
 from itertools import groupby

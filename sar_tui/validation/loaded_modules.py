@@ -8,11 +8,11 @@ import sys
 from pathlib import Path
 
 LONGEST_S = 3600
-"""Time after which the two attempts will never end."""
+"""Simulated time after which the session counts as endless."""
 
 
 def main(name: str, folders: list[str]) -> None:
-    """Print ``{"modules": {name: file}, "package": the task's, "folder": the task's}``."""
+    """Print ``{"modules": {name: file}, "package": name, "folder": path}``; package and folder are the task's."""
     from sar_tui.framework.clock import SECOND, VirtualClock
     from sar_tui.framework.messages import Stored, TrialEnded
     from sar_tui.framework.node import Node

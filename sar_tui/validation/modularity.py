@@ -1,7 +1,7 @@
-"""The share of common code in what a task's session runs (the thesis' fourth requirement: 70 to 80 %).
+"""The share of common code in a task's session (the fourth requirement of the thesis: 70 to 80 %).
 
-It counts the lines of code of the modules that a session of the task loads: those of the framework, inputs, outputs
-and movement science, against those in the task's own folder. The app, the database and the simulated participant
+It compares the lines of code in the modules that a session of the task loads: those of the framework, inputs, outputs
+and movement science with those in the task's own folder. The app, the database and the simulated participant
 are left out: all tasks share them, and they would only raise the figure.
 """
 
@@ -16,7 +16,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 from sar_tui.validation.source_lines import source_lines
 
-SHARED_ROOMS = ("sar_tui.framework", "sar_tui.inputs", "sar_tui.outputs", "sar_tui.motion")
+SHARED_PACKAGES = ("sar_tui.framework", "sar_tui.inputs", "sar_tui.outputs", "sar_tui.motion")
 LEAST = 0.75
 
 
@@ -76,7 +76,7 @@ def code(loaded: Loaded) -> Code:
     folder = Path(loaded.folder)
     if (folder / "task.py").is_file():
         own = {path.relative_to(folder).as_posix(): path for path in sorted(folder.rglob("*.py"))}
-    shared = {name: Path(file) for name, file in loaded.modules.items() if name.startswith(SHARED_ROOMS)}
+    shared = {name: Path(file) for name, file in loaded.modules.items() if name.startswith(SHARED_PACKAGES)}
     return Code(
         {name: source_lines(path) for name, path in shared.items()},
         {name: source_lines(path) for name, path in own.items()},
@@ -104,6 +104,6 @@ _COLUMNS = (
     Column("framework's lines", lambda row: str(row["framework_lines"])),
     Column("its own", lambda row: str(row["own_lines"])),
     Column("shared", lambda row: f"{row['shared']:.1%}"),
-    Column("framework's, for it alone", lambda row: str(row["used_by_this_task_alone_lines"])),
+    Column("framework's, only this task", lambda row: str(row["used_by_this_task_alone_lines"])),
     Column("shared, strictly", lambda row: f"{row['strict_shared']:.1%}"),
 )

@@ -1,4 +1,4 @@
-"""Feedback schedules: a simulated session under each, and checks that the log says when, what and why."""
+"""Feedback schedules: a simulated session under each, and checks of the logged times, texts and reasons."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -14,11 +14,11 @@ _NEAR_MS = 1.0
 
 
 class Schedule(NamedTuple):
-    """Settings of a schedule, its promise, and the attempts that it answers."""
+    """Settings of a schedule, its promise, and the attempts that should get feedback."""
 
     settings: dict[str, object]
     promise: str
-    answers: Callable[[Sequence[Row]], list[int]]
+    expected: Callable[[Sequence[Row]], list[int]]
 
 
 def run(conditions: Conditions) -> Report:
@@ -31,8 +31,8 @@ def run(conditions: Conditions) -> Report:
             settings = {"feedback_schedule": name, "feedback_delay_ms": DELAY_MS, **schedule.settings}
             done = runner.run(USER, SEEDS[0], **settings)
             found = _rows(name, done)
-            wrong = sorted(set(schedule.answers(found)) ^ {row["attempt"] for row in found if row["feedback"]})
-            claims.append(Claim(schedule.promise, f"attempts {_listed(wrong)} are otherwise" if wrong else ""))
+            wrong = sorted(set(schedule.expected(found)) ^ {row["attempt"] for row in found if row["feedback"]})
+            claims.append(Claim(schedule.promise, f"attempts {_listed(wrong)} differ" if wrong else ""))
             rows += found
     claims += [
         _claim(rows, "The log gives a reason for each attempt.", lambda row: bool(row["why"].strip().endswith("."))),
@@ -67,14 +67,14 @@ def _each(every: int) -> Callable[[Sequence[Row]], list[int]]:
 
 
 def _faded(rows: Sequence[Row]) -> list[int]:
-    """Attempts to answer: the interval grows by one per ``FADE`` more successes than failures."""
-    answered, ahead, at_last, last = [], 0, 0, 0
+    """Return the attempts with feedback: the interval grows by one per ``FADE`` more successes than failures."""
+    given, ahead, at_last, last = [], 0, 0, 0
     for row in rows:
         ahead = max(0, ahead + (1 if row["outcome"] == "success" else -1))
         if row["attempt"] - last >= 1 + min(ahead, at_last) // FADE:
             last, at_last = row["attempt"], ahead
-            answered.append(last)
-    return answered
+            given.append(last)
+    return given
 
 
 def _outside(rows: Sequence[Row]) -> list[int]:
@@ -120,7 +120,7 @@ def _rows(schedule: str, done: Simulated) -> list[Row]:
     outcomes = [attempt["outcome"] for attempt in done.attempts]
     for attempt, next_begins in zip(done.attempts, [*begins, None], strict=True):
         number, choice = attempt["attempt"], attempt["choice"]
-        answer = done.answers.get(number)
+        said = done.feedback.get(number)
         asked = next((at for at in done.asked if at >= attempt["ended_ns"] and (next_begins or at + 1) > at), None)
         since = attempt["ended_ns"] if asked is None else asked
         rows.append(
@@ -136,16 +136,16 @@ def _rows(schedule: str, done: Simulated) -> list[Row]:
                 **{name: choice[name] for name in CHOICE},
                 "reached_of_them": outcomes[max(0, number - choice["attempts"]) : number].count("success"),
                 "asked": asked is not None,
-                "answered_after_ms": (answer["decided_ns"] - since) / 1e6 if answer else None,
-                "next_began_before": bool(answer and next_begins and next_begins < answer["decided_ns"]),
-                "text": answer["final"]["text"] if answer else "",
+                "answered_after_ms": (said["decided_ns"] - since) / 1e6 if said else None,
+                "next_began_before": bool(said and next_begins and next_begins < said["decided_ns"]),
+                "text": said["final"]["text"] if said else "",
             }
         )
     return rows
 
 
 CHOICE = ("due", "why", "since", "interval", "tolerance", "attempts", "content", "form", "compared_with", "degree")
-"""Return the fields of a `messages.FeedbackChoice`, by the same names."""
+"""Fields of `messages.FeedbackChoice` that a row repeats."""
 
 
 def _claim(rows: Sequence[Row], sentence: str, holds: Callable[[Row], bool]) -> Claim:
@@ -155,12 +155,12 @@ def _claim(rows: Sequence[Row], sentence: str, holds: Callable[[Row], bool]) -> 
 
 def _summed_up(rows: Sequence[Row], name: str) -> Row:
     own = [row for row in rows if row["schedule"] == name]
-    answered = [row for row in own if row["feedback"]]
+    given = [row for row in own if row["feedback"]]
     silent = [row for row in own if not row["feedback"]]
     return {
         "schedule": name,
-        "answered": _listed([row["attempt"] for row in answered]),
-        "why": next((row["why"] for row in reversed(answered)), None),
+        "answered": _listed([row["attempt"] for row in given]),
+        "why": next((row["why"] for row in reversed(given)), None),
         "why_not": next((row["why"] for row in reversed(silent)), None),
     }
 

@@ -10,7 +10,7 @@ Row = dict[str, Any]
 
 
 class Claim(NamedTuple):
-    """A sentence that holds or not; ``against`` gives the exceptions."""
+    """A sentence that holds if ``against``, a list of exceptions, is empty."""
 
     sentence: str
     against: str = ""

@@ -19,11 +19,11 @@ from sar_tui.validation.report import Row
 
 TASK, THEME = "keyboard", "calm"
 SEEDS = range(1, 11)
-"""Seeds with which a claim about people is tested."""
+"""Seeds with which a claim about users is tested."""
 
 
 class Simulated(NamedTuple):
-    """A session: its attempts, the agent's actions by kind, and when the participant requested feedback (ns)."""
+    """A session: its attempts, the agent's actions, and the times at which the participant requested feedback (ns)."""
 
     task: Task
     attempts: list[Row]
@@ -31,8 +31,8 @@ class Simulated(NamedTuple):
     asked: list[int]
 
     @property
-    def answers(self) -> dict[int, Row]:
-        """Return what was said about each attempt, by its number."""
+    def feedback(self) -> dict[int, Row]:
+        """The feedback that was given, by the number of its attempt."""
         return {row["final"]["attempt"]: row for row in self.actions if row["kind"] == "feedback" and row["final"]}
 
 

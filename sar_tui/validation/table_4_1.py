@@ -1,4 +1,4 @@
-"""The thesis' Table 4.1: its eight reaches, simulated and measured by both detectors."""
+"""Table 4.1 of the thesis: its eight reaches, simulated and measured by both detectors."""
 
 from sar_tui.motion.detection import detect
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName

@@ -287,7 +287,8 @@ async def test_a_language_that_the_theme_lacks_is_reported_at_its_field(data: Pa
         await driver.press("f2")
         await fill(driver, "language", "de")
         assert reads(driver, "language") == (
-            "The theme calm has no de; it has: en, es. Type one of these, or give the theme a file phrases.de.toml."
+            "The theme calm has no phrases in de; it has: en, es. "
+            "Type one of these, or give the theme a file phrases.de.toml."
         )
         await driver.press("ctrl+s")
         assert driver.sees("1 to fix")

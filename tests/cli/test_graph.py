@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from sar_tui.framework.graph import graph, spine
+from sar_tui.framework.graph import graph, longest_path
 from sar_tui.framework.node import Node, TimedNode, on
 from sar_tui.framework.topics import ACTION, KEY, PERCEIVED, TIMER
 from tests.program import Call
@@ -107,7 +107,7 @@ def test_a_graph_is_made_from_declarations_alone() -> None:
         ("brain", "mouth", "perception/key"),
         ("app", "mouth", "arbiter/action"),
     ]
-    assert spine(made) == ["eye", "brain", "mouth"]
+    assert longest_path(made) == ["eye", "brain", "mouth"]
 
 
 def test_a_topic_without_other_receivers_goes_to_the_recorder() -> None:

@@ -92,11 +92,11 @@ def test_a_quality_that_no_correct_trial_has_is_left_out() -> None:
 
 def test_nothing_is_amendable_before_the_first_trial_and_after_the_next_attempt_has_begun() -> None:
     under_way = session_attempts()
-    assert under_way.amendable is None
+    assert under_way.amendable_trial is None
     attempt(under_way, lift(500))
-    assert under_way.amendable == (1, 1)
+    assert under_way.amendable_trial == (1, 1)
     under_way.begin(now=3000)
-    assert under_way.amendable is None
+    assert under_way.amendable_trial is None
 
 
 def test_amending_within_an_attempt_replaces_the_last_trial_and_scores_nothing() -> None:
@@ -104,7 +104,7 @@ def test_amending_within_an_attempt_replaces_the_last_trial_and_scores_nothing()
     under_way.begin(now=0)
     under_way.add(lift(400))
     under_way.add(lift(500))
-    assert under_way.amendable == (1, 2)
+    assert under_way.amendable_trial == (1, 2)
     assert under_way.amend(lift(900)) is None
     assert [results["A"].value for results in under_way.state.results] == [400, 900]
 
@@ -156,7 +156,7 @@ def test_an_attempt_cannot_be_amended_after_the_next_level_was_set_by_hand() -> 
     under_way = session_attempts()
     attempt(under_way, lift(500))
     under_way.set_level(8, under_way=False)
-    assert under_way.amendable is None
+    assert under_way.amendable_trial is None
     assert under_way.level == 8
 
 

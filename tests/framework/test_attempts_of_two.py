@@ -75,7 +75,7 @@ def test_requested_feedback_is_given_to_both_seats_once() -> None:
     asked = under_way.request_feedback(now=3000)
     assert asked is not None
     assert {seat: expected[2] for seat, expected in each(asked).items()} == {"A": "positive", "B": "negative"}
-    assert not under_way.is_feedback_on_request
+    assert not under_way.can_request_feedback
     assert under_way.request_feedback(now=4000) is None
 
 

@@ -83,8 +83,8 @@ def test_a_valid_gesture_has_no_problems(gesture: Gesture) -> None:
     ("keyframes", "expected"),
     [
         ((), "no keyframes"),
-        ((Keyframe(at_ms=100, nod=1), Keyframe(at_ms=100)), "must follow one another"),
-        ((Keyframe(at_ms=300, nod=1), Keyframe(at_ms=200)), "must follow one another"),
+        ((Keyframe(at_ms=100, nod=1), Keyframe(at_ms=100)), "must be in order of time"),
+        ((Keyframe(at_ms=300, nod=1), Keyframe(at_ms=200)), "must be in order of time"),
         ((Keyframe(at_ms=-1, nod=1), Keyframe(at_ms=200)), "none before 0 ms"),
         ((Keyframe(at_ms=LONGEST_MS + 1),), f"at most {LONGEST_MS}"),
         ((Keyframe(at_ms=100, turn=1.5), Keyframe(at_ms=200)), "at 100 ms turn is 1.5"),

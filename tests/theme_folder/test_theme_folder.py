@@ -116,7 +116,7 @@ def test_an_invalid_wording_is_left_out_and_the_others_are_used(mine: Path, chan
     theme = applied(mine)
     assert len(theme.phrases["greeting"]) == 2
     assert theme.repairs == (
-        "A wording for greeting (en) uses the slot {name}, which it does not have.",
+        "A wording for greeting (en) uses the unknown slot {name}.",
         "A wording for greeting (en) holds a number: 'We play twice.'.",
     )
 
@@ -308,7 +308,7 @@ def test_faces_of_different_height_are_reported(mine: Path, change: Change) -> N
         ("nod = 0.9", "tail = 0.9", "gestures.nod in theme.toml cannot be used: Object contains unknown field `tail`"),
         ("{ at_ms = 1000 }", "{ at_ms = 1000, turn = 0.5 }", "The gesture nod must end at rest"),
         ("{ at_ms = 1000 }", "{ at_ms = 20000 }", "The gesture nod takes 20000 ms; at most 10000 are allowed."),
-        ("at_ms = 450", "at_ms = 150", "The keyframes of nod must follow one another in time, none before 0 ms."),
+        ("at_ms = 450", "at_ms = 150", "The keyframes of nod must be in order of time, none before 0 ms."),
         ("nod = [\n", "nod = 'yes'\nbow = [\n", "gestures.nod in theme.toml cannot be used: Expected `array`"),
         ("nod = [\n", "nod = []\nbow = [\n", "The gesture nod has no keyframes."),
         ("nod = [\n", "bow = [\n", "There is no gesture nod."),

@@ -101,12 +101,12 @@ def reworded(done: Simulated) -> Simulated:
 @pytest.mark.parametrize(
     ("change", "schedule", "sentence", "against"),
     [
-        (altered({"feedback": "none"}), "every", "every: feedback after every 2", "attempts 10 are otherwise"),
-        (altered({"feedback": "positive"}), "faded", "faded: one attempt rarer", "attempts 10 are otherwise"),
-        (altered({"metric": 500.0}), "bandwidth", "bandwidth: only", "attempts 10 are otherwise"),
-        (altered({"feedback": "none"}), "summary", "summary: a summary after every 5", "attempts 10 are otherwise"),
-        (lambda done: done._replace(asked=[]), "request", "request: only after", "are otherwise"),
-        (altered({"feedback": "positive"}), "none", "none: no feedback", "attempts 10 are otherwise"),
+        (altered({"feedback": "none"}), "every", "every: feedback after every 2", "attempts 10 differ"),
+        (altered({"feedback": "positive"}), "faded", "faded: one attempt rarer", "attempts 10 differ"),
+        (altered({"metric": 500.0}), "bandwidth", "bandwidth: only", "attempts 10 differ"),
+        (altered({"feedback": "none"}), "summary", "summary: a summary after every 5", "attempts 10 differ"),
+        (lambda done: done._replace(asked=[]), "request", "request: only after", "differ"),
+        (altered({"feedback": "positive"}), "none", "none: no feedback", "attempts 10 differ"),
         (silent, "every", "The log holds the text of each feedback", "every, attempt 2; every, attempt 4; "),
         (hurried, "every", "Feedback that is due comes 1500 ms after", "every, attempt 2; "),
         (late, "every", "No attempt begins before", "every, attempt 2; "),

@@ -116,7 +116,7 @@ class SettingsScreen(Screen[None]):
             return {}  # the theme is gone, and another has to be chosen anyway
         if language.partition("-")[0] in {name.partition("-")[0] for name in known}:
             return {}
-        has = f"The theme {self._theme} has no {language}; it has: {', '.join(known)}."
+        has = f"The theme {self._theme} has no phrases in {language}; it has: {', '.join(known)}."
         return {"language": f"{has} Type one of these, or give the theme a file phrases.{language}.toml."}
 
     @on(Button.Pressed, "#save")

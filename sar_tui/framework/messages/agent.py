@@ -1,4 +1,4 @@
-"""Messages about the agent: what it proposes, what was decided, and what it does."""
+"""Messages about the agent: its proposals, the decisions on them, and its actions."""
 
 from typing import Literal
 
@@ -62,9 +62,10 @@ class Proposal(Utterance, frozen=True, kw_only=True):
 
 
 class Action(Utterance, frozen=True, kw_only=True):
-    """An utterance that is made: who decided on it, in which mode, why, and when (``decided``, ns; 0: when it began).
+    """An utterance that was decided on: by ``actor``, in ``mode``, for the reason ``ground``.
 
-    ``decision``: ``accepted`` (as proposed), ``edited``, ``initiated`` (an operator's own).
+    ``decision``: ``accepted`` (as proposed), ``edited``, ``initiated`` (an operator's own). ``decided``: time of the
+    decision (ns); 0 if it is that of this message.
     """
 
     decision: Literal["accepted", "edited", "initiated"]
@@ -105,8 +106,8 @@ class LevelDecided(Message, frozen=True, kw_only=True):
 class ArbiterState(Message, frozen=True, kw_only=True, rename={"pending": "offers"}):
     """Complete state of the arbiter, published after each change, for an operator who joins.
 
-    ``operated``: there is an operator, so the ``modes`` apply. ``pending``: waits for a decision. ``queued``: decided,
-    waits for its turn. ``current``: under way.
+    ``operated``: True if there is an operator, so that the ``modes`` apply. ``pending``: waits for a decision.
+    ``queued``: decided, waits for its turn. ``current``: under way.
     """
 
     modes: dict[ControlledKind, Mode]
@@ -156,7 +157,7 @@ class Halt(Message, frozen=True, kw_only=True):
 
 
 class OutputOpened(Message, frozen=True, kw_only=True):
-    """An output is available in this run. ``can``: the parts it supports; ``address``: as it was configured."""
+    """An output is available in this run. ``can``: the parts it supports; ``address``: as configured."""
 
     output: str
     address: str
@@ -166,7 +167,7 @@ class OutputOpened(Message, frozen=True, kw_only=True):
 class AgentActing(Message, frozen=True, kw_only=True, rename={"awaits_operator": "owing"}):
     """The agent began or stopped speaking or moving; no prompt is shown while ``acting``.
 
-    ``awaits_operator``: an operator has a set time to decide on feedback or on the level, and the session waits.
+    ``awaits_operator``: True if the session waits for an operator to decide on feedback or on the level by a deadline.
     """
 
     acting: bool

@@ -223,7 +223,7 @@ class TrialMarked(Message, frozen=True, kw_only=True):
 
 
 class FeedbackChoice(msgspec.Struct, frozen=True):
-    """Decision on feedback for an attempt: is it due, why, and in which form (see `policies.feedback.choose`).
+    """Decision on feedback for an attempt: due or not, the reason, and the form (see `policies.feedback.choose`).
 
     ``why``: one plain sentence. ``since``: scored attempts since the last feedback, this one included. ``interval``:
     the number after which feedback is due, if the schedule counts. ``tolerance``: the half-width of the bandwidth about
@@ -269,7 +269,7 @@ class AttemptEnded(Message, frozen=True, kw_only=True):
 
 
 class LevelChanged(Message, frozen=True, kw_only=True):
-    """The level of the next attempt changed. ``reason``: ``success``, ``failure``, ``operator``, ``mark``."""
+    """The level of the next attempt changed. ``reason``: ``success``, ``failure``, ``operator`` or ``mark``."""
 
     previous: int
     level: int

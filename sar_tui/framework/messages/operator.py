@@ -1,4 +1,4 @@
-"""Acts of operators: they control the session, and decide on what the agent says."""
+"""Acts of operators: commands to the session, and decisions on the agent's proposals."""
 
 from typing import Literal
 
@@ -112,7 +112,7 @@ class OperatorChanged(Message, frozen=True, kw_only=True):
 
 
 class PeerRequestRefused(Message, frozen=True, kw_only=True):
-    """A request of a peer was refused: a connection or an act. ``count``: how many like it since the last report."""
+    """A request of a peer was refused: a connection or an act. ``count``: such refusals since the last message."""
 
     actor: str
     what: str

@@ -40,8 +40,8 @@ RULES: dict[Kind, _Rule] = {
     "goodbye": _Rule(10, "queue"),
     "filler": _Rule(45, "drop"),
 }
-"""Feedback interrupts what is less important; hints and encouragement are dropped if they are late; the goodbye comes
-last. A filler is not interrupted by the feedback it precedes."""
+"""Feedback interrupts actions of lower priority, but not a filler. Instructions, encouragement and reminders of rest
+are dropped if they are late. The goodbye comes last."""
 
 
 _TOWARDS = {"A": "left", "B": "right"}
@@ -84,7 +84,7 @@ class ActionCenter(Node):
     @on(FEEDBACK)
     def feedback_due(self, feedback: Feedback) -> None:
         recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level))
-        content = self._feedback_text.answer(feedback, recalled)
+        content = self._feedback_text.write(feedback, recalled)
         plain = content.valence == "neutral" or content.degree == "clear"
         follows = self._last_feedback == feedback.attempt and feedback.seat != self._task.seats[0]
         self._last_feedback = feedback.attempt

@@ -26,9 +26,9 @@ class _Outcome(NamedTuple):
 
 
 class Approvals(TimedNode, ABC):
-    """The part of the arbiter that asks operators: decisions, deadlines, and proposals made without an operator.
+    """The part of the arbiter that handles decisions, deadlines and the presence of operators.
 
-    A mode for each kind of action says what has to wait (see `policies.arbitration`).
+    The mode of each kind of action determines whether a proposal waits for approval (see `policies.arbitration`).
     """
 
     def __init__(self, parameters: OperatorSettings, theme: Theme) -> None:
@@ -48,9 +48,9 @@ class Approvals(TimedNode, ABC):
     # --- proposals ------------------------------------------------------------------------------------------
 
     def _decide_proposal(self, proposal: Proposal) -> Proposal:
-        """Queue a proposal, drop it, or ask an operator; its gesture is a proposal of its own if its mode requires it.
+        """Queue a proposal, drop it, or ask an operator. Returns the proposal as it was decided on.
 
-        Returns the proposal as it was decided on.
+        Its gesture becomes a separate proposal if the mode of gestures requires it.
         """
         if not arbitration.is_gesture_separate(self._rules, self._parameters, proposal):
             self._decide(proposal)

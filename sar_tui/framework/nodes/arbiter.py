@@ -62,7 +62,7 @@ _AFTER_FEEDBACK: tuple[Kind, ...] = ("encouragement", "rest")
 
 
 class Arbiter(Approvals):
-    """Passes actions to the outputs, one at a time, and none during a trial or a pause: they wait until it is over."""
+    """Passes actions to the outputs, one at a time. Actions wait until a trial or a pause is over."""
 
     name = "arbiter"
     emits = (
@@ -94,7 +94,7 @@ class Arbiter(Approvals):
 
     @on(OUTPUT)
     def output_opened(self, opened: m.OutputOpened) -> None:
-        """Store an output; outputs announce themselves before a run begins."""
+        """Store an output. Outputs announce themselves before a run begins."""
         self._announced.append(opened)
 
     @on(THEME)
@@ -104,7 +104,7 @@ class Arbiter(Approvals):
 
     @on(SESSION)
     def session_started(self, _: m.SessionStarted) -> None:
-        """Begin a run: drop what was under way or waited; decide a pending level without an operator."""
+        """Begin a run: drop actions of the last run, and decide a pending level without an operator."""
         self._outputs, self._announced = self._announced, []
         self.cancel_timers()
         self._queue.abandon()
@@ -116,7 +116,7 @@ class Arbiter(Approvals):
 
     @on(WAITING)
     def waiting(self, waiting: m.Waiting) -> None:
-        """Hold back actions in trials and pauses; stop the instructions when the participant has left them."""
+        """Hold back actions in trials and pauses; stop the instructions when the participant leaves them."""
         in_trial = waiting.what in ("foreperiod", "storage", "response") and waiting.stage == "trial"
         self._is_held_back = in_trial or (waiting.stage == "paused" and waiting.reason != "interrupted")
         if waiting.stage == "trial":
@@ -181,7 +181,7 @@ class Arbiter(Approvals):
 
     @on(PRESENCE)
     def operator_changed(self, changed: m.OperatorChanged) -> None:
-        """Note that operators joined or left. Without one, pending proposals are done or dropped, as configured."""
+        """Apply the presence of operators. Without one, pending proposals are done or dropped, as configured."""
         self._has_operators = True
         self._apply_presence(changed.operated)
         self._begin_next()

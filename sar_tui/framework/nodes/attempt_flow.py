@@ -25,7 +25,7 @@ from sar_tui.framework.trial_types import Mark, Results
 
 
 class AttemptFlow(TrialFlow):
-    """Runs one attempt after the other. The session around them is a subclass's."""
+    """Runs one attempt after the other. A subclass runs the session around them."""
 
     def __init__(self, task: Task, seed: int) -> None:
         super().__init__(task)
@@ -64,7 +64,7 @@ class AttemptFlow(TrialFlow):
             self._begin_trial()
 
     def _end_attempt(self) -> None:
-        """Score, adapt, give feedback: in this order, so that memory holds the attempt when feedback recalls it."""
+        """Score, adapt and give feedback, in this order: memory must hold the attempt before feedback recalls it."""
         scored = self._attempts.score(self.now)
         self._publish_score(scored)
         self._give_feedback(scored, self.task.seats)
@@ -95,7 +95,7 @@ class AttemptFlow(TrialFlow):
             self._wait(Phase.FEEDBACK if self._is_decision_pending else self._after_feedback)
 
     def agent_acted(self, agent: m.AgentActing) -> None:
-        """Wait for an operator's decision on feedback or level as for delayed feedback."""
+        """Wait for an operator's decision on feedback or level in the same way as for delayed feedback."""
         super().agent_acted(agent)
         was_pending, self._is_decision_pending = self._is_decision_pending, agent.awaits_operator
         if was_pending and not agent.awaits_operator and self._phase is Phase.FEEDBACK:
@@ -153,7 +153,7 @@ class AttemptFlow(TrialFlow):
             self._mark_open_trial(marks.toggled(self._trial.mark, mark))
 
     def _mark_last_trial(self, mark: Mark) -> None:
-        if (last := self._attempts.amendable) is None:
+        if (last := self._attempts.amendable_trial) is None:
             return
         self._last_results = self._last_results.toggled(mark)
         results = self._last_results.results

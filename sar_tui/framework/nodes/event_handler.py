@@ -86,10 +86,11 @@ class EventHandler(AttemptFlow):
         self.cancel_timers()
         self._stored = self._last_trial
         self._blockers.reset()
-        was_menu = self._phase is Phase.PAUSED and self._pause_reason not in PAUSES
+        was_paused_by_person = self._phase is Phase.PAUSED and self._pause_reason not in PAUSES
+        keeps_phase = was_paused_by_person or self._phase in (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED)
         if self._phase is Phase.CLOSING:
             self._end()
-        elif session.run == 1 or was_menu or self._phase in (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED):
+        elif session.run == 1 or keeps_phase:
             self._wait(self._phase)
         else:
             self._pause("interrupted")
@@ -134,7 +135,7 @@ class EventHandler(AttemptFlow):
         if self._phase in (Phase.CLOSING, Phase.PAUSED):
             self._wait(self._phase)
         elif self._blockers.has_disk_failed and self._phase not in OVER:
-            self._pause("restored")
+            self._pause("restored")  # shown as "storage" until writing works again
 
     @on(SENSOR)
     def sensor_changed(self, sensor: m.SensorChanged) -> None:

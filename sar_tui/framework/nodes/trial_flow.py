@@ -15,11 +15,11 @@ from sar_tui.framework.trial import OpenTrial
 from sar_tui.framework.trial_types import Again, Mark, Result, Results
 
 GRACE = 50 * MS
-"""After the time-out, how long to wait for responses that were stamped in time but are handled late."""
+"""Wait after the time-out for responses that were stamped in time but are handled late."""
 MAX_PRESENTATIONS = 3
-"""A trial that could not be measured is shown this many times in all; then it counts as missed."""
+"""A trial that cannot be measured is shown this many times in total; then it counts as missed."""
 HELD_KEY = 700 * MS
-"""The start key this soon after itself is held down: keyboards begin to repeat after 250 to 660 ms."""
+"""A start key that comes again within this time is being held down: keyboards begin to repeat after 250 to 660 ms."""
 HELD_NOTICE = 3 * SECOND
 """After this long without quiet the participant is asked to release the keys."""
 

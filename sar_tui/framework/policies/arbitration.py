@@ -1,7 +1,7 @@
-"""Arbitration: whether a proposal is acted on, waits for an operator, or is dropped. Pure.
+"""Arbitration: decides if a proposal is acted on, waits for an operator, or is dropped. Pure.
 
-Each kind of action has a mode that says whether an operator has to decide. Without an operator the modes do not apply;
-`operator_lost` says whether an action that they would have held back is done or dropped.
+Each kind of action has a mode, which determines whether an operator has to decide. Without an operator the modes do not
+apply; the setting ``operator_lost`` determines whether actions that would have waited are done or dropped.
 """
 
 from typing import Literal
@@ -26,7 +26,7 @@ CONTROLLED: dict[Kind, ControlledKind] = {
 
 
 class Arbitration(msgspec.Struct, frozen=True):
-    """The modes that are set, and whether there is an operator, so that they apply."""
+    """The modes that are set. They apply while there is an operator (``operated``)."""
 
     modes: dict[ControlledKind, Mode]
     operated: bool = False
@@ -84,12 +84,12 @@ def decide(
 
 
 def is_gesture_separate(state: Arbitration, parameters: OperatorSettings, proposal: Proposal) -> bool:
-    """Return whether a proposal's gesture is decided separately from its text, because its mode is not autonomous."""
+    """Return True if a proposal's gesture is decided separately from its text: its mode is not autonomous."""
     if not proposal.gesture or proposal.kind not in CONTROLLED:
         return False
     return state.mode("gesture") != "autonomous" and (state.operated or parameters.operator_lost == "silent")
 
 
 def is_awaited(pending: PendingApproval) -> bool:
-    """Return whether the session waits for an approval: of feedback or a change of level, with a deadline."""
+    """Return True if the session waits for an approval: of feedback or a change of level, with a deadline."""
     return pending.deadline is not None and pending.proposal.kind in ("feedback", "difficulty")

@@ -6,7 +6,7 @@ from sar_tui.framework.messages import AttemptEnded
 
 
 def is_hard(attempts: Sequence[AttemptEnded], level: int) -> bool:
-    """Return whether the next attempt is hard: at a new highest level, or after two failures in a row.
+    """Return True if the next attempt is hard: at a new highest level, or after two failures in a row.
 
     Args:
         attempts: scored so far, oldest first.
@@ -19,5 +19,5 @@ def is_hard(attempts: Sequence[AttemptEnded], level: int) -> bool:
 
 
 def rest_due(attempts: int, every: int) -> bool:
-    """Return whether a reminder of rest is due after ``attempts`` attempts; ``every`` 0 is never."""
+    """Return True if a reminder of rest is due after ``attempts`` attempts; with ``every`` 0, never."""
     return bool(every) and attempts > 0 and attempts % every == 0

@@ -1,4 +1,4 @@
-"""Judges attempts: success or failure, praise or consolation, and how warm."""
+"""Judges attempts: success or failure, and the valence and degree of the feedback."""
 
 from typing import Literal
 
@@ -11,7 +11,7 @@ Reason = Literal["goal", "missed", "band", "accuracy", "empty", "won", "lost", "
 RACED = ("won", "lost", "drawn")
 """Reasons given for the result of a race."""
 SLIGHT, STRONG = 0.1, 0.25
-"""Distances from the goal, as shares of it: below the first is slight, from the second on strong."""
+"""Distances from the goal, as shares of it: below the first, the degree is slight; from the second on, strong."""
 ROUNDING = 1e-9
 """Rounding error allowed in comparisons, as a share of the goal: 0.8 lies within 0.1 of 0.7."""
 
@@ -25,7 +25,7 @@ class Judgement(msgspec.Struct, frozen=True):
 
 
 class JudgedAttempt(msgspec.Struct, frozen=True):
-    """The score of an attempt, its target, and the judgement of one by the other."""
+    """The score of an attempt, its target, and the judgement of the score by the target."""
 
     score: Score
     target: Target

@@ -1,4 +1,4 @@
-"""Settings of an operator's say in a session."""
+"""Settings of the operator's role in a session."""
 
 from typing import Annotated, Any, Literal
 

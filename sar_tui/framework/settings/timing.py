@@ -69,7 +69,7 @@ class TimingSettings(Settings, frozen=True, kw_only=True):
     ] = 50
 
     def problems(self) -> dict[str, str]:
-        """Return why the foreperiod cannot be, by parameter."""
+        """Return why the limits of the foreperiod do not fit together, by parameter."""
         if self.foreperiod_min_ms <= self.foreperiod_max_ms:
             return {}
         shortest, longest = self.foreperiod_min_ms, self.foreperiod_max_ms

@@ -38,7 +38,7 @@ def step(
     if not practice:
         history = feedback.remember(history, attempt, parameters)
     choice = feedback.choose(history, attempt, parameters, "results", practice=practice)
-    return (feedback.answered(history) if choice.due and not practice else history), choice
+    return (feedback.given(history) if choice.due and not practice else history), choice
 
 
 def chosen(parameters: TaskParameters, attempts: list[JudgedAttempt]) -> list[FeedbackChoice]:
@@ -75,7 +75,7 @@ def test_a_summary_covers_exactly_the_attempts_since_the_last_one(every: int, re
         if choice.due:
             assert choice.attempts == every
             assert [one.score.metric for one in history.recent] == results[number - every : number]
-            history = feedback.answered(history)
+            history = feedback.given(history)
         else:
             assert choice.attempts == 1
 

@@ -1,7 +1,7 @@
 """Difficulty: the level of the next attempt.
 
-Each module of this package with a ``POLICY`` is a policy; its file name is the value of ``difficulty_policy``, and the
-parameters it declares are found on the settings form of every task.
+Each module of this package with a ``POLICY`` is a policy. Its file name is the value of ``difficulty_policy``; its
+parameters appear on the settings form of every task.
 """
 
 from typing import TYPE_CHECKING

@@ -1,8 +1,8 @@
-"""Augmented feedback: when an attempt is answered.
+"""Augmented feedback: decides which attempts get feedback.
 
 Each module of this package with a ``POLICY`` is a schedule (after Schmidt & Lee, Motor Control and Learning, on
-augmented feedback); its file name is the value of ``feedback_schedule``, and the parameters it declares are found on
-the settings form of every task.
+augmented feedback). Its file name is the value of ``feedback_schedule``; its parameters appear on the settings form of
+every task.
 """
 
 from typing import TYPE_CHECKING, Literal
@@ -17,7 +17,7 @@ from sar_tui.framework.policies.judgement import JudgedAttempt, degree
 if TYPE_CHECKING:
     from sar_tui.framework.parameters import TaskParameters
 
-__all__ = ["POLICIES", "Content", "History", "answered", "choose", "remember"]
+__all__ = ["POLICIES", "Content", "History", "choose", "given", "remember"]
 
 POLICIES = registry.find(__name__, __path__, FeedbackPolicy)
 Content = Literal["results", "performance", "both"]
@@ -38,20 +38,20 @@ def remember(history: History, attempt: JudgedAttempt, parameters: "TaskParamete
 def choose(
     history: History, attempt: JudgedAttempt, parameters: "TaskParameters", content: Content, *, practice: bool = False
 ) -> FeedbackChoice:
-    """Return whether an attempt is answered, by the schedule that is set, and why.
+    """Decide on the feedback on an attempt, by the schedule that is set.
 
     Args:
         history: of the scored attempts, this one included (see ``remember``) unless it is for practice.
         attempt: the attempt.
         parameters: of the session.
-        content: what the task answers.
-        practice: True if the attempt is for practice. Most schedules answer each of those.
+        content: the task's content of feedback (``Task.feedback_on``).
+        practice: True if the attempt is for practice. Most schedules give feedback on each of those.
     """
     schedule = parameters.feedback_schedule
     policy = POLICIES[schedule]
     decision = policy.decide(history, attempt, registry.own_settings(policy.settings, parameters))
-    if practice and policy.answers_practice:
-        decision = decision._replace(due=True, why="Practice is answered each time.", tolerance=None, attempts=1)
+    if practice and policy.feedback_on_practice:
+        decision = decision._replace(due=True, why="Each practice attempt gets feedback.", tolerance=None, attempts=1)
     return FeedbackChoice(
         schedule=schedule,
         due=decision.due,
@@ -68,6 +68,6 @@ def choose(
     )
 
 
-def answered(history: History) -> History:
-    """Return the history after an answer."""
+def given(history: History) -> History:
+    """Return the history after feedback was given."""
     return msgspec.structs.replace(history, since=0, paced_by=history.skill)

@@ -1,4 +1,4 @@
-"""Feedback only on results outside a tolerance about the goal."""
+"""Feedback only on results outside a tolerance band around the goal."""
 
 from typing import Annotated
 
@@ -24,7 +24,7 @@ class BandwidthSettings(Settings, frozen=True, kw_only=True):
 
 
 def decide(history: History, attempt: JudgedAttempt, settings: BandwidthSettings) -> Decision:
-    """Return whether the result is farther from the goal than the tolerance, or there is none."""
+    """Return the decision: due if the result is farther from the goal than the tolerance, or if there is none."""
     goal, metric = attempt.target.threshold, attempt.score.metric
     tolerance = abs(goal) * settings.feedback_tolerance / 100
     if attempt.has_no_result or metric is None:

@@ -24,7 +24,7 @@ class EverySettings(Settings, frozen=True, kw_only=True):
 
 
 def decide(history: History, attempt: JudgedAttempt, settings: EverySettings) -> Decision:
-    """Return whether enough attempts have passed since the last answer."""
+    """Return the decision: due if enough attempts have passed since the last feedback."""
     return decide_every(history.since, settings.feedback_every)
 
 

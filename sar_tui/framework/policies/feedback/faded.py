@@ -27,9 +27,9 @@ class FadedSettings(Settings, frozen=True, kw_only=True):
 
 
 def decide(history: History, attempt: JudgedAttempt, settings: FadedSettings) -> Decision:
-    """Return whether enough attempts have passed for the skill shown so far.
+    """Return the decision: due if enough attempts have passed for the skill shown so far.
 
-    A success lengthens the interval only after the next answer; a failure shortens it at once.
+    A success lengthens the interval only after the next feedback; a failure shortens it at once.
     """
     ahead = min(history.paced_by, history.skill)
     note = f"Successes outnumber failures by {history.skill}, at the last feedback by {history.paced_by}."

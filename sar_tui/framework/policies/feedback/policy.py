@@ -37,20 +37,20 @@ class FeedbackPolicy(NamedTuple):
     """A schedule of feedback.
 
     Args:
-        decide: returns whether the last attempt of a history is answered, from that history, the attempt and the
-            policy's own settings. It must be pure: a resumed session computes it again.
+        decide: returns the decision on the last attempt of a history, from that history, the attempt and the policy's
+            own settings. It must be pure: a resumed session computes it again.
         settings: the type of those settings.
-        answers_practice: True if each practice attempt is answered, whatever ``decide`` returns.
-        recent: returns how many attempts the history has to hold.
+        feedback_on_practice: True if each practice attempt gets feedback, whatever ``decide`` returns.
+        recent: returns the number of attempts that the history has to hold, from the settings.
     """
 
     decide: Callable[[History, JudgedAttempt, Any], Decision]
     settings: type[Settings] = Settings
-    answers_practice: bool = True
+    feedback_on_practice: bool = True
     recent: Callable[[Any], int] = lambda _: 1
 
 
 def decide_every(since: int, interval: int, note: str = "") -> Decision:
-    """Return the decision of a schedule that answers after ``interval`` attempts; ``note`` is added to the reason."""
+    """Return the decision of a schedule with feedback every ``interval`` attempts; ``note`` is added to the reason."""
     why = f"Due every {interval} attempts; {since} since the last." if interval > 1 else "Due after every attempt."
     return Decision(since >= interval, f"{why} {note}".rstrip(), interval)

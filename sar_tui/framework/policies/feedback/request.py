@@ -6,8 +6,8 @@ from sar_tui.framework.policies.judgement import JudgedAttempt
 
 
 def decide(history: History, attempt: JudgedAttempt, settings: Settings) -> Decision:
-    """Return that nothing is due."""
+    """Return the decision: never due."""
     return Decision(False, "Feedback is given when the participant asks for it.")
 
 
-POLICY = FeedbackPolicy(decide, answers_practice=False)
+POLICY = FeedbackPolicy(decide, feedback_on_practice=False)

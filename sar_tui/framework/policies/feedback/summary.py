@@ -6,7 +6,7 @@ from sar_tui.framework.policies.judgement import JudgedAttempt
 
 
 def decide(history: History, attempt: JudgedAttempt, settings: EverySettings) -> Decision:
-    """Return whether enough attempts have passed to be summed up."""
+    """Return the decision: due if enough attempts have passed to summarise them."""
     decision = decide_every(history.since, settings.feedback_every)
     return decision._replace(attempts=len(history.recent)) if decision.due else decision
 
