@@ -72,7 +72,7 @@ class _Performer(Node):
 
 
 class SimulatedParticipant(_Performer):
-    """Presses Enter when asked to, and answers each prompt as its person would."""
+    """Presses Enter when the session waits for it, and responds to each prompt as its person would."""
 
     name = "participant"
     emits = (KEY, SHOWN, REPORT)
@@ -113,7 +113,7 @@ class SimulatedParticipant(_Performer):
 
 
 class SimulatedPartner(_Performer):
-    """Responds to the prompts of one seat at the same keyboard; all other keys are left to the participant at seat A."""
+    """Responds to the prompts of one seat at the same keyboard, and leaves other keys to the participant at seat A."""
 
     name = "partner"
     emits = (KEY,)
