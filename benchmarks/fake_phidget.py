@@ -1,4 +1,4 @@
-"""Phidget22's own ``Spatial`` without a device: callbacks are called by hand, as the driver would."""
+"""Stand-ins for Phidget devices: the library's own ``Spatial`` with callbacks called by hand, and a servo's limits."""
 
 import ctypes
 from collections.abc import Sequence
@@ -7,6 +7,17 @@ from typing import Any
 _Axes = ctypes.c_double * 3
 SATURATED = 4105
 """Phidget22's error code for a sample that was dropped because an axis was saturated."""
+
+SERVO_LIMITS = {
+    "MinPosition": 0.0,
+    "MaxPosition": 180.0,
+    "MinVelocityLimit": 0.0,
+    "MaxVelocityLimit": 6000.0,
+    "MinAcceleration": 1.0,
+    "MaxAcceleration": 1000.0,
+    "MinFailsafeTime": 500,
+}
+"""Limits of a Phidget RC servo's channel: degrees, degrees/s, degrees/s² and ms."""
 
 
 class FakeSpatial:

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from benchmarks.fake_phidget import SERVO_LIMITS
 from sar_tui.cli import main as program
 from sar_tui.framework.clock import host_now
 from sar_tui.outputs.servo import servo
@@ -15,13 +16,7 @@ from sar_tui.outputs.sound import mixer
 
 PLAYER, MOTOR = "player.txt", "motor.txt"
 _FACTS = {
-    "MinPosition": 0.0,
-    "MaxPosition": 180.0,
-    "MinVelocityLimit": 0.0,
-    "MaxVelocityLimit": 6000.0,
-    "MinAcceleration": 1.0,
-    "MaxAcceleration": 1000.0,
-    "MinFailsafeTime": 500,
+    **SERVO_LIMITS,
     "DeviceName": "RC Servo Phidget",
     "DeviceSKU": "RCC1000_0",
     "DeviceSerialNumber": 1,

@@ -5,6 +5,8 @@
 
 from typing import Annotated, Any, Literal
 
+from sar_tui.framework.attempt_state import AttemptScore
+from sar_tui.framework.attempts import Attempts
 from sar_tui.framework.clock import MS
 from sar_tui.framework.declaration import meta
 from sar_tui.framework.parameters import TaskParameters
@@ -16,6 +18,7 @@ from sar_tui.framework.trial_types import (
     Metric,
     Quality,
     Result,
+    Results,
     Situation,
     Stimulus,
     Target,
@@ -137,3 +140,13 @@ class LiftDriver(LoopDriver):
         self.wait(time_ms)
         self.press(end)
         self.wait(300)
+
+
+def attempt(under_way: Attempts, *trials: Results) -> AttemptScore:
+    """Do an attempt with these results of its trials, and score it."""
+    under_way.begin(now=1000)
+    for results in trials:
+        under_way.add(results)
+    scored = under_way.score(now=2000)
+    under_way.advance()
+    return scored

@@ -154,6 +154,12 @@ class AppDriver:
             prompt = await self.to_prompt()
         await self.answer(prompt)
 
+    async def fail_to_start(self, why: str) -> None:
+        """Press Start on the home screen, and find this reason why no session starts."""
+        await self.press("right", "right", "right", "enter")
+        assert self.screen_name == "HomeScreen"
+        assert self.sees(why)
+
     async def do_session(self) -> None:
         """Continue from the instructions to the summary."""
         await self.do_attempt(await self.to_first_prompt())

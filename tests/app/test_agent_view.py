@@ -5,6 +5,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
+import msgspec
 import pytest
 from textual.widgets import Static
 
@@ -14,9 +15,10 @@ from sar_tui.framework.clock import SECOND, host_now
 from sar_tui.framework.messages import Action, AgentActing, CueGiven, Halt, Message, OutputReport, ThemeApplied, Waiting
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTING, ACTION, CUE, HALT, REPORT, THEME, WAITING
-from sar_tui.link.peer import Connection, Frame, PeerListener, Welcome
+from sar_tui.link.peer import Connection, Frame, PeerListener
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
+from tests.link.test_node import WELCOME
 
 BETWEEN = Waiting(what="enter", stage="attempt", attempt=1)
 FOREPERIOD = Waiting(what="foreperiod", stage="trial", attempt=1, trial=1)
@@ -41,21 +43,7 @@ class Link:
     def welcome(self, **parameters: Any) -> None:
         self._listener(Connection("connected"))
         self._listener(
-            Welcome(
-                link="l",
-                session="s",
-                task="keyboard",
-                title="Keyboard reaction",
-                participants={"A": "P01"},
-                name=self.name,
-                role="observer",
-                unit="ms",
-                decimals=0,
-                levels=5,
-                attempts=3,
-                trials=5,
-                parameters=parameters,
-            )
+            msgspec.structs.replace(WELCOME, title="Keyboard reaction", name=self.name, parameters=parameters)
         )
 
     def deliver(self, topic: Topic[Any], message: Message, *, ago_s: float = 0, seq: int | None = None) -> None:

@@ -75,9 +75,7 @@ async def test_a_task_that_cannot_be_set_up_is_reported_on_the_home_screen(data:
 
     known(data, "P01")
     async with open_app(data, Missing()) as driver:
-        await driver.press("right", "right", "right", "enter")
-        assert driver.screen_name == "HomeScreen"
-        assert driver.sees("cannot be set up (OSError: no sensor)")
+        await driver.fail_to_start("cannot be set up (OSError: no sensor)")
 
 
 async def test_a_session_that_cannot_be_resumed_ends_the_app_with_a_sentence(data: Path, catalogue: Catalogue) -> None:
@@ -147,9 +145,7 @@ async def test_a_failed_write_is_reported_on_the_home_screen(data: Path, catalog
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
         _refuse(driver)
-        await driver.press("right", "right", "right", "enter")
-        assert driver.screen_name == "HomeScreen"
-        assert driver.sees("is read-only")
+        await driver.fail_to_start("is read-only")
 
 
 async def test_a_failure_to_store_a_new_session_is_reported_on_the_home_screen(
@@ -161,9 +157,7 @@ async def test_a_failure_to_store_a_new_session_is_reported_on_the_home_screen(
     known(data, "P01")
     monkeypatch.setattr("sar_tui.store.sessions.create", refuse)
     async with open_app(data, catalogue) as driver:
-        await driver.press("right", "right", "right", "enter")
-        assert driver.screen_name == "HomeScreen"
-        assert driver.sees("disk I/O error")
+        await driver.fail_to_start("disk I/O error")
 
 
 async def test_a_failure_to_store_a_participant_is_reported_and_the_code_stays(

@@ -58,9 +58,7 @@ async def test_an_existing_code_is_reported(data: Path, catalogue: Catalogue) ->
 
 async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
-        await driver.press("right", "right", "right", "enter")
-        assert driver.screen_name == "HomeScreen"
-        assert driver.sees("Choose or add a participant first.")
+        await driver.fail_to_start("Choose or add a participant first.")
         await driver.press("f2")
         assert driver.screen_name == "HomeScreen"
 
@@ -109,9 +107,7 @@ async def test_settings_that_became_invalid_are_reported_and_no_session_starts(
 ) -> None:
     known(data, "P01", attempts=9999)
     async with open_app(data, catalogue) as driver:
-        await driver.press("right", "right", "right", "enter")
-        assert driver.screen_name == "HomeScreen"
-        assert driver.sees("The settings of P01 do not fit")
+        await driver.fail_to_start("The settings of P01 do not fit")
     assert stored(data, "SELECT id FROM sessions") == []
 
 
@@ -186,9 +182,7 @@ async def test_a_participant_cannot_have_two_sessions_at_once(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard)), open_app(data, catalogue) as second:
-        await second.press("right", "right", "right", "enter")
-        assert second.screen_name == "HomeScreen"
-        assert second.sees("in a live session already")
+        await second.fail_to_start("in a live session already")
 
 
 async def test_a_terminal_with_imprecise_timing_is_reported(

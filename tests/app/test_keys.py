@@ -7,7 +7,13 @@ from textual.events import AppBlur, AppFocus, Paste
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import known, open_app, plan, stored
+from tests.app.app_driver import AppDriver, known, open_app, plan, stored
+
+
+def flags_of_the_trial(driver: AppDriver) -> str:
+    """Return the flags in the only trial's timing, as JSON."""
+    ((flags,),) = driver.stored("SELECT json_extract(timing, '$.flags') FROM trials")
+    return str(flags)
 
 
 async def test_characters_typed_into_a_form_are_never_recorded(data: Path, catalogue: Catalogue) -> None:
@@ -91,8 +97,7 @@ async def test_pasted_text_is_no_response_and_only_its_length_is_stored(
         assert [paste["length"] for paste in driver.messages("input/paste")] == [5]
         assert not any("ord7" in text for (text,) in driver.stored("SELECT message FROM events"))
         await driver.answer(prompt)
-        ((flags,),) = driver.stored("SELECT json_extract(timing, '$.flags') FROM trials")
-        assert "paste" in flags
+        assert "paste" in flags_of_the_trial(driver)
 
 
 async def test_a_window_that_loses_the_focus_is_an_event_and_flags_the_trial(
@@ -104,8 +109,7 @@ async def test_a_window_that_loses_the_focus_is_an_event_and_flags_the_trial(
         await driver.send_event(AppFocus())
         assert [change["focused"] for change in driver.messages("input/focus")] == [False, True]
         await driver.answer(prompt)
-        ((flags,),) = driver.stored("SELECT json_extract(timing, '$.flags') FROM trials")
-        assert "focus_lost" in flags
+        assert "focus_lost" in flags_of_the_trial(driver)
 
 
 async def test_quitting_in_a_trial_leaves_a_resumable_session(

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import msgspec
+import pytest
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.task import Task
@@ -15,10 +16,14 @@ from tests.app.app_driver import open_app, plan, stored
 from tests.link.test_node import ANNA, FakeChannel
 
 
+@pytest.fixture
+def channel() -> FakeChannel:
+    return FakeChannel()
+
+
 async def test_operator_gets_a_snapshot_and_sees_prompts(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    data: Path, catalogue: Catalogue, keyboard: type[Task], channel: FakeChannel
 ) -> None:
-    channel = FakeChannel()
     async with open_app(data, catalogue, plan(catalogue, keyboard), link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(SnapshotRequested(ANNA))
@@ -36,9 +41,8 @@ async def test_operator_gets_a_snapshot_and_sees_prompts(
 
 
 async def test_operator_who_ends_the_session_is_recorded_by_name(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    data: Path, catalogue: Catalogue, keyboard: type[Task], channel: FakeChannel
 ) -> None:
-    channel = FakeChannel()
     async with open_app(data, catalogue, plan(catalogue, keyboard), link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(ActReceived(ANNA, COMMAND.name, msgspec.Raw(protocol.encode(m.SessionCommand(command="end")))))

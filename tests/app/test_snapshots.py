@@ -3,14 +3,14 @@
 They are kept in ``snapshots/``. ``SAR_TUI_UPDATE_SNAPSHOTS=1`` draws them anew; then look at what has changed.
 """
 
-import os
 from pathlib import Path
 
 import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, open_app, plan
+from tests.album import Album
+from tests.app.app_driver import open_app, plan
 from tests.examples import first
 
 FOLDER = Path(__file__).parent / "snapshots"
@@ -33,34 +33,9 @@ SESSION = (
 )
 
 
-class Album:
-    """Compares screens with their snapshots, and reports all that have changed."""
-
-    def __init__(self, theme: str) -> None:
-        self._theme = theme
-        self.taken: list[str] = []
-        self.changed: dict[str, str] = {}
-
-    def take(self, name: str, driver: AppDriver) -> None:
-        assert len(driver.rows) <= 24
-        assert max(map(len, driver.rows)) <= 80
-        self.taken.append(name)
-        path = FOLDER / f"{name}.{self._theme}.txt"
-        seen = driver.text.rstrip("\n") + "\n"
-        if os.environ.get("SAR_TUI_UPDATE_SNAPSHOTS"):
-            path.write_text(seen, encoding="utf-8")
-        elif not path.exists() or path.read_text(encoding="utf-8") != seen:
-            self.changed[name] = seen
-
-    def check(self) -> None:
-        for name, seen in self.changed.items():
-            print(f"--- {name} is now:\n{seen}")
-        assert not self.changed, f"{', '.join(self.changed)}: SAR_TUI_UPDATE_SNAPSHOTS=1 keeps them as they are now"
-
-
 @pytest.mark.parametrize("theme", first(1, THEMES))
 async def test_snapshots_of_home_and_settings(theme: str, data: Path, catalogue: Catalogue) -> None:
-    album = Album(theme)
+    album = Album(FOLDER, theme, (80, 24))
     async with open_app(data, catalogue) as driver:
         driver.app.screen.query_one("#theme").highlighted = THEMES.index(theme)  # type: ignore[attr-defined]
         await driver.settle()
@@ -87,7 +62,7 @@ async def test_snapshots_of_home_and_settings(theme: str, data: Path, catalogue:
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
 async def test_snapshots_of_a_session(theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    album = Album(theme)
+    album = Album(FOLDER, theme, (80, 24))
     async with open_app(
         data, catalogue, plan(catalogue, keyboard, theme=theme, attempts=4, practice_attempts=1)
     ) as driver:

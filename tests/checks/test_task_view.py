@@ -19,6 +19,19 @@ from tests.program import Call
 from tests.sides_task import VIEW, write_sides
 
 SEED = 3
+BROKEN = {
+    "It cannot be set up (RuntimeError: , line ": ("self.trials = 0", "raise RuntimeError"),
+    "Its prompt_lines failed (ValueError: no line of the prompt holds its text, ": ("{prompt.text}", "your prompt"),
+    "Its prompt_lines failed (TypeError: 'int' object is not iterable).": ("return [(f", "return 3 #"),
+    "Its prompt_lines returned 1 lines of up to 90 characters, where there is": ("so far)", 'so far)" * 9 + "'),
+    "Its handler of event_handler/trial failed (AttributeError: ": ("self.trials += 1", "self.trial += 1"),
+    "Its between_attempts failed (RuntimeError": ("return lambda", "raise RuntimeError\n        return lambda"),
+    "The drawing of its between_attempts failed (KeyError: 'no col": ('colors["accent"]', 'colors["no colour"]'),
+    "Its facts failed (NameError: name 'attempt' is not defined, line ": ("for a in attempts", "for a in attempt"),
+    "Its facts failed (Ty": ('return [f"The view counts {sum(a.trials for a in attempts)}."]', 'return "Good."'),
+    "Its findings failed (TypeError: ": ("def facts(cls, attempts, metric, tr)", "def findings(cls, attempts)"),
+}
+"""The beginning of what the check says, and the replacement in the view that causes it."""
 
 
 def settings(task: type[Task]) -> TaskParameters:
@@ -67,26 +80,12 @@ def test_a_view_against_the_contract_is_named(tmp_path: Path, broken: str, says:
     assert contract_problem(load_task(write_sides(tmp_path, broken))).startswith(says)
 
 
-@pytest.mark.parametrize(
-    ("right", "wrong", "says"),
-    [
-        ("self.trials = 0", "raise RuntimeError", "It cannot be set up (RuntimeError: , line "),
-        ("{prompt.text}", "your prompt", "Its prompt_lines failed (ValueError: no line of the prompt holds its text, "),
-        ("return [(f", "return 3 #", "Its prompt_lines failed (TypeError: 'int' object is not iterable)."),
-        ("so far)", 'so far)" * 9 + "', "Its prompt_lines returned 1 lines of up to 90 characters, where there is"),
-        ("self.trials += 1", "self.trial += 1", "Its handler of event_handler/trial failed (AttributeError: "),
-        ("return lambda", "raise RuntimeError\n        return lambda", "Its between_attempts failed (RuntimeError"),
-        ('colors["accent"]', 'colors["no colour"]', "The drawing of its between_attempts failed (KeyError: 'no col"),
-        ("for a in attempts", "for a in attempt", "Its facts failed (NameError: name 'attempt' is not defined, line "),
-        ('return [f"The view counts {sum(a.trials for a in attempts)}."]', 'return "Good."', "Its facts failed (Ty"),
-        ("def facts(cls, attempts, metric, tr)", "def findings(cls, attempts)", "Its findings failed (TypeError: "),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("says", "replacement"), BROKEN.items())
 def test_a_view_that_fails_to_draw_is_named(
-    tmp_path: Path, history: list[Record], calm: Theme, right: str, wrong: str, says: str
+    tmp_path: Path, history: list[Record], calm: Theme, says: str, replacement: tuple[str, str]
 ) -> None:
-    assert right in VIEW
-    task = load_task(write_sides(tmp_path, VIEW.replace(right, wrong)))
+    assert replacement[0] in VIEW
+    task = load_task(write_sides(tmp_path, VIEW.replace(*replacement)))
     assert drawing_problem(task(settings(task)), calm, SEED, history).startswith(says)
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.edit import edit
 from tests.program import Call
 
 Change = Callable[[str, str], Path]
@@ -23,9 +24,7 @@ def change(tapping: Path) -> Change:
     """Return a function ``change(old, new)`` that edits the new task and returns its folder."""
 
     def changed(old: str, new: str) -> Path:
-        text = (tapping / "task.py").read_text()
-        assert old in text
-        (tapping / "task.py").write_text(text.replace(old, new))
+        edit(tapping / "task.py", old, new)
         return tapping
 
     return changed

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.plugins import Catalogue, user_folder
+from tests.edit import edit
 from tests.program import Call
 
 Change = Callable[[str, str, str], Path]
@@ -25,9 +26,7 @@ def change(evening: Path) -> Change:
     """Return a function ``change("theme.toml", old, new)`` that edits the new theme and returns its folder."""
 
     def changed(file: str, old: str, new: str) -> Path:
-        text = (evening / file).read_text(encoding="utf-8")
-        assert old in text
-        (evening / file).write_text(text.replace(old, new, 1), encoding="utf-8")
+        edit(evening / file, old, new)
         return evening
 
     return changed

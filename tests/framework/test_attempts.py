@@ -8,13 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework import attempt_state as steps
-from sar_tui.framework.attempt_state import AttemptScore
 from sar_tui.framework.attempts import Attempts
 from sar_tui.framework.clock import MS
 from sar_tui.framework.parameters import build
 from sar_tui.framework.policies.judgement import degree
 from sar_tui.framework.trial_types import Result, Results, Target
-from tests.lifting_task import Lift
+from tests.lifting_task import Lift, attempt
 
 
 def session_attempts(**parameters: Any) -> Attempts:
@@ -23,15 +22,6 @@ def session_attempts(**parameters: Any) -> Attempts:
 
 def lift(value: float, correct: bool = True, **details: Any) -> Results:
     return {"A": Result(correct=correct, response="lift", value=value, details=details)}
-
-
-def attempt(under_way: Attempts, *trials: Results) -> AttemptScore:
-    under_way.begin(now=1000)
-    for results in trials:
-        under_way.add(results)
-    scored = under_way.score(now=2000)
-    under_way.advance()
-    return scored
 
 
 # --- goals of levels ------------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from sar_tui.framework.attempts import Attempts
 from sar_tui.framework.parameters import build
 from sar_tui.framework.policies.judgement import Judgement, judge_race
 from sar_tui.framework.trial_types import Result, Score
-from tests.lifting_task import Lift
+from tests.lifting_task import Lift, attempt
 
 
 class Together(Lift):
@@ -24,15 +24,6 @@ def attempts(**parameters: Any) -> Attempts:
 
 def lift(value: float, correct: bool = True) -> Result:
     return Result(correct=correct, response="lift", value=value)
-
-
-def attempt(under_way: Attempts, *results: dict[str, Result]) -> AttemptScore:
-    under_way.begin(now=1000)
-    for one in results:
-        under_way.add(one)
-    scored = under_way.score(now=2000)
-    under_way.advance()
-    return scored
 
 
 def each(scored: AttemptScore) -> dict[str, tuple[Any, ...]]:

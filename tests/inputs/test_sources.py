@@ -118,9 +118,14 @@ def test_an_unknown_option_is_reported_with_the_known_ones(walk: Path, query: st
         ("phidget:first", "phidget:SERIAL"),
         ("telepathy", 'There is no sensor "telepathy". Choose one of: '),
         ("", 'There is no sensor "". Choose one of: '),
+        ("camera:first", "phidget:SERIAL"),
+        ("hollow:x", "is not a source: it lacks start, stop, zero, info."),
+        ("faulty:luck", "cannot be loaded: RuntimeError: no luck today."),
+        ("absent", "cannot be loaded: AttributeError"),
     ],
 )
-def test_an_unknown_name_is_reported_with_the_known_ones(name: str, said: str) -> None:
+@pytest.mark.usefixtures("_plugins")
+def test_a_name_that_cannot_be_opened_is_reported(name: str, said: str) -> None:
     with pytest.raises(SourceError) as caught:
         open_source(name)
     assert said in str(caught.value)
@@ -130,22 +135,6 @@ def test_an_unknown_name_is_reported_with_the_known_ones(name: str, said: str) -
 def test_a_plug_in_is_opened_by_its_name_with_the_text_after_the_colon() -> None:
     assert isinstance(open_source("camera:473001"), PhidgetSource)
     assert source_names() == ["absent", "camera", "faulty", "hollow", "phidget", "recorded", "ros", "simulated"]
-
-
-@pytest.mark.usefixtures("_plugins")
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("camera:first", "phidget:SERIAL"),
-        ("hollow:x", "is not a source: it lacks start, stop, zero, info."),
-        ("faulty:luck", "cannot be loaded: RuntimeError: no luck today."),
-        ("absent", "cannot be loaded: AttributeError"),
-    ],
-)
-def test_a_faulty_plug_in_is_reported(name: str, said: str) -> None:
-    with pytest.raises(SourceError) as caught:
-        open_source(name)
-    assert said in str(caught.value)
 
 
 def test_shipped_names_are_always_available() -> None:

@@ -255,9 +255,12 @@ class PanelDriver:
         self.panel.draw()
         await settle(self.app)
 
+    def _type(self, key: str) -> None:
+        self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
+
     async def press(self, *keys: str) -> None:
         for key in keys:
-            self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
+            self._type(key)
             await settle(self.app)
         if isinstance(self.app.screen, PanelScreen):
             self.panel.draw()
@@ -266,7 +269,7 @@ class PanelDriver:
     async def burst(self, *keys: str) -> None:
         """Press keys that are read all at once, as over a slow link."""
         for key in keys:
-            self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
+            self._type(key)
         await settle(self.app)
         self.panel.draw()
         await settle(self.app)

@@ -3,7 +3,6 @@
 They are stored in ``snapshots/``. Redraw them with ``SAR_TUI_UPDATE_SNAPSHOTS=1``, then look at the changes.
 """
 
-import os
 from pathlib import Path
 
 import pytest
@@ -12,8 +11,8 @@ from sar_tui.framework import messages as m
 from sar_tui.framework import topics as t
 from sar_tui.link.peer import Connection
 from sar_tui.plugins import Catalogue
+from tests.album import Album
 from tests.operator import panel_driver as b
-from tests.operator.panel_driver import PanelDriver
 
 FOLDER = Path(__file__).parent / "snapshots"
 SMALL, LARGE = (80, 24), (100, 30)
@@ -21,35 +20,11 @@ KINDS = (("calm", SMALL), ("calm", LARGE), ("high-contrast", SMALL), ("playful",
 VIEWS = ("joining", "prompt", "proposals", "editing", "modes", "two-participants", "lost", "keys")
 
 
-class Album:
-    """Compares views with their snapshots and reports the changed ones."""
-
-    def __init__(self, theme: str, size: tuple[int, int]) -> None:
-        self._kind = f"{theme}.{size[0]}x{size[1]}"
-        self.taken: list[str] = []
-        self.changed: dict[str, str] = {}
-
-    def take(self, name: str, driver: PanelDriver) -> None:
-        self.taken.append(name)
-        path = FOLDER / f"{name}.{self._kind}.txt"
-        seen = driver.text.rstrip("\n") + "\n"
-        if os.environ.get("SAR_TUI_UPDATE_SNAPSHOTS"):
-            path.parent.mkdir(exist_ok=True)
-            path.write_text(seen, encoding="utf-8")
-        elif not path.exists() or path.read_text(encoding="utf-8") != seen:
-            self.changed[name] = seen
-
-    def check(self) -> None:
-        for name, seen in self.changed.items():
-            print(f"--- {name} is now:\n{seen}")
-        assert not self.changed, f"{', '.join(self.changed)}: SAR_TUI_UPDATE_SNAPSHOTS=1 stores them as they are now"
-
-
 @pytest.mark.parametrize(("theme", "size"), KINDS, ids=[f"{theme}-{w}x{h}" for theme, (w, h) in KINDS])
 async def test_the_panel_matches_its_snapshots(
     theme: str, size: tuple[int, int], tmp_path: Path, catalogue: Catalogue
 ) -> None:
-    album = Album(theme, size)
+    album = Album(FOLDER, f"{theme}.{size[0]}x{size[1]}", size)
     async with b.open_panel(catalogue, tmp_path, theme, size, joins=False) as driver:
         album.take("joining", driver)
         await driver.join()

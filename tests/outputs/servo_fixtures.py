@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from benchmarks.fake_phidget import SERVO_LIMITS
 from sar_tui.framework.clock import MS, Clock, VirtualClock
 from sar_tui.outputs.servo.servo import Servo
 from tests.outputs.contract import Rig
@@ -35,13 +36,7 @@ class FakeServo:
             "DeviceName": "16x RC Servo Phidget",
             "DeviceSKU": "RCC1000_0",
             "DeviceSerialNumber": 620_001,
-            "MinPosition": 0.0,
-            "MaxPosition": 180.0,
-            "MinVelocityLimit": 0.0,
-            "MaxVelocityLimit": 6000.0,
-            "MinAcceleration": 1.0,
-            "MaxAcceleration": 1000.0,
-            "MinFailsafeTime": 500,
+            **SERVO_LIMITS,
             "Engaged": False,
         }
 

@@ -16,6 +16,7 @@ from sar_tui.framework.phrase_keys import PHRASE_KEYS, VOCABULARY
 from sar_tui.framework.theme import FACES, MANNERS, Manner, Theme, ThemeError, Voice
 from sar_tui.plugins import Catalogue, PluginError, load_theme
 from sar_tui.theme_folder import files, languages, may_have_images, read, read_theme
+from tests.edit import edit
 from tests.examples import examples
 
 Change = Callable[[str, str, str], None]
@@ -33,12 +34,7 @@ def mine(tmp_path: Path, catalogue: Catalogue) -> Path:
 def change(mine: Path) -> Change:
     """``change("theme.toml", old, new)`` breaks the copy."""
 
-    def changed(name: str, old: str, new: str) -> None:
-        text = (mine / name).read_text(encoding="utf-8")
-        assert old in text
-        (mine / name).write_text(text.replace(old, new, 1), encoding="utf-8")
-
-    return changed
+    return lambda name, old, new: edit(mine / name, old, new)
 
 
 def without(folder: Path, situation: str, language: str) -> None:
