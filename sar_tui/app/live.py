@@ -18,7 +18,7 @@ from sar_tui.framework.topics import COMMAND
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
-from sar_tui.runs.run import Run, output_nodes, resume, start, stored_seed
+from sar_tui.runs.run import Run, output_nodes, resume, start
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
@@ -62,7 +62,6 @@ class LiveSession:
     def open(self, stage: Stage, what: Plan | str) -> None:
         """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start` and `resume`."""
         self._stage = stage
-        self._seed = what.seed if isinstance(what, Plan) else stored_seed(what, self._folder)
         if isinstance(what, Plan):
             self.run = start(what, self._folder, self._catalogue, self.clock, self._nodes)
         else:
@@ -73,7 +72,7 @@ class LiveSession:
             task = self.run.session.task
             self._peers.welcome = session_welcome(task, self.run.id, self._link.link, self.run.participants)
 
-    def _nodes(self, task: Task, theme: Theme) -> list[Node]:
+    def _nodes(self, task: Task, theme: Theme, seed: int) -> list[Node]:
         """Make the nodes for keyboard, sensors, the task's view, the outputs and the link."""
         shows_agent = "screen" in task.parameters.outputs
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
@@ -83,8 +82,8 @@ class LiveSession:
             return [self.keyboard, *outputs]
         from sar_tui.runs.sensors import open_sensors, sensor_nodes
 
-        feeds = self._feeds or open_sensors(type(task), task.parameters, self._seed, self.clock, self._folder)
-        return [self.keyboard, *sensor_nodes(task, self._seed, *feeds), *outputs]
+        feeds = self._feeds or open_sensors(type(task), task.parameters, seed, self.clock, self._folder)
+        return [self.keyboard, *sensor_nodes(task, seed, *feeds), *outputs]
 
     @property
     def can_be_joined(self) -> bool:

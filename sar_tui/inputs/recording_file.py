@@ -9,7 +9,7 @@ import io
 import math
 import zipfile
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, NoReturn
+from typing import Literal, NamedTuple, NoReturn
 
 import msgspec
 import numpy as np
@@ -86,39 +86,6 @@ def refuse_degrees(path: Path, samples: Samples) -> None:
             f"{path} turns at up to {fastest:.0f} rad/s, faster than any hand: it must be in deg/s. Set the unit "
             "(--rate deg/s, or recorded:FILE?rate=deg/s)."
         )
-
-
-def write_recording(path: Path, samples: Samples) -> None:
-    """Write samples to a file for ``read_recording``, in its default units: ``.csv`` or ``.npz``.
-
-    ``t`` is their ``at``. Quantities that are all NaN are left out; ``host`` and ``device_ms`` are not stored. Raises
-    SourceError if the file cannot be written.
-    """
-    columns: dict[str, Any] = {"t": samples["at"] / 1e9}
-    for field, names in VECTORS.items():
-        if field == "rate" or not np.isnan(samples[field]).all():
-            columns |= {name: samples[field][:, axis] for axis, name in enumerate(names)}
-    try:
-        match path.suffix.lower():
-            case ".npz":
-                with path.open("wb") as file:
-                    np.savez_compressed(file, **columns)
-            case ".csv":
-                rows = zip(*(column.tolist() for name, column in columns.items() if name != "t"), strict=True)
-                with path.open("w", encoding="utf-8", newline="") as text:
-                    text.write(",".join(columns) + "\n")
-                    for at, row in zip(samples["at"].tolist(), rows, strict=True):
-                        text.write(",".join([_seconds(at), *(f"{value:.9g}" for value in row)]) + "\n")
-            case _:
-                raise SourceError(f"A recording is written to FILE.csv or FILE.npz, not to {path}.")
-    except OSError as error:
-        raise SourceError(f"{path} cannot be written: {error.strerror}.") from error
-
-
-def _seconds(at: int) -> str:
-    """Format ns as s, exactly."""
-    whole, rest = divmod(abs(at), 10**9)
-    return f"{'-' if at < 0 else ''}{whole}.{rest:09}"
 
 
 def _csv(path: Path, data: bytes) -> _Table:

@@ -23,8 +23,8 @@ from sar_tui.store.database import StoreError, connect
 from sar_tui.store.provenance import machine, measured_timing, software
 from sar_tui.store.recorder import Recorder
 
-NodeFactory = Callable[[Task, Theme], Sequence[Node]]
-"""Makes the input and output nodes of a session."""
+NodeFactory = Callable[[Task, Theme, int], Sequence[Node]]
+"""Makes the input and output nodes of a session from its task, theme and seed."""
 
 
 class Run:
@@ -91,7 +91,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
     """
     theme = catalogue.theme(plan.theme, plan.parameters.language)
     task = set_up(plan.task, plan.parameters)
-    nodes = make_nodes(task, theme)
+    nodes = make_nodes(task, theme, plan.seed)
     database = connect(folder)
     held: list[BaseFileLock] = []
     with _released_on_failure(database, held):
@@ -144,7 +144,8 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ma
             theme = catalogue.theme(row["theme"], parameters.language)
             task = set_up(kind, parameters)
             facts = _participant_facts(database, task, codes, "live", without=row["id"])
-            session = Session(task, theme, clock, row["seed"], make_nodes(task, theme), **facts)
+            nodes = make_nodes(task, theme, row["seed"])
+            session = Session(task, theme, clock, row["seed"], nodes, **facts)
             session.replay(sessions.history(database, row["id"]))
         except (ParameterError, ReplayError) as error:
             raise Failed(f"The session {row['id']} cannot be resumed. {error}") from error
@@ -162,15 +163,6 @@ def find_resumable(database: sqlite_utils.Database, folder: Path, name: str) -> 
     if row["status"] != "interrupted" or row["mode"] != "live":
         raise _not_resumable(row["id"], row["status"] if row["mode"] == "live" else row["mode"])
     return row
-
-
-def stored_seed(session_id: str, folder: Path) -> int:
-    """Return the seed of a recorded session. Raises StoreError."""
-    database = connect(folder)
-    try:
-        return int(sessions.find(database, folder, session_id)["seed"])
-    finally:
-        database.conn.close()
 
 
 def _not_resumable(session_id: str, state: str) -> StoreError:

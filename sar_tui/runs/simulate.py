@@ -42,14 +42,14 @@ def simulate(
     """
     clock = VirtualClock()
 
-    def make_nodes(task: Task, theme: Theme) -> list[Node]:
-        others = [*([SimulatedOperator(operator, plan.seed)] if operator else []), *output_nodes(task, theme)]
+    def make_nodes(task: Task, theme: Theme, seed: int) -> list[Node]:
+        others = [*([SimulatedOperator(operator, seed)] if operator else []), *output_nodes(task, theme)]
         if task.sensor_seats(task.parameters):
             from sar_tui.runs.sensors import simulated_nodes  # imports numpy
 
-            return [*simulated_nodes(person, task, plan.seed, clock, partner or person), *others]
-        partners = [SimulatedPartner(partner or person, task, plan.seed, seat=seat) for seat in task.seats[1:]]
-        return [SimulatedParticipant(person, task, plan.seed), *partners, *others]
+            return [*simulated_nodes(person, task, seed, clock, partner or person), *others]
+        partners = [SimulatedPartner(partner or person, task, seed, seat=seat) for seat in task.seats[1:]]
+        return [SimulatedParticipant(person, task, seed), *partners, *others]
 
     run = start(plan, folder, catalogue, clock, make_nodes)
     try:

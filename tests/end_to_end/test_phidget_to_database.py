@@ -80,7 +80,7 @@ def test_all_samples_are_stored_and_a_reattached_sensor_is_a_new_stream(tmp_path
     async def session() -> tuple[str, list[str]]:
         clock = LiveClock(asyncio.get_running_loop())
         feed = ImuFeed(PhidgetSource(make=lambda: fake.spatial, denied=lambda: False), clock.now)
-        run = start(plan, tmp_path, catalogue, clock, lambda task, theme: [Imu(feed)])
+        run = start(plan, tmp_path, catalogue, clock, lambda task, theme, seed: [Imu(feed)])
         stop = threading.Event()
         writer = threading.Thread(target=run.recorder.run, args=(stop.is_set,))
         writer.start()

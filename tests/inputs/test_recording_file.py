@@ -2,7 +2,6 @@
 
 import io
 import math
-import re
 import tempfile
 import zipfile
 from collections.abc import Callable
@@ -17,7 +16,7 @@ from hypothesis.extra import numpy as arrays
 
 from sar_tui.inputs import recording_file
 from sar_tui.inputs.imu import SourceError
-from sar_tui.inputs.recording_file import Units, read_recording, write_recording
+from sar_tui.inputs.recording_file import VECTORS, Units, read_recording
 from sar_tui.motion.samples import SAMPLE, Samples, recording
 
 HEADER = "t,ax,ay,az,wx,wy,wz"
@@ -32,6 +31,22 @@ def some_samples(count: int = 50) -> Samples:
     for field in ("acceleration", "rate", "field"):
         samples[field] = streams.normal(0, 3, (count, 3))
     return samples
+
+
+def write_recording(path: Path, samples: Samples) -> None:
+    """Write samples to a CSV or NPZ file, without quantities that are all NaN."""
+    columns: dict[str, Any] = {"t": samples["at"] / 1e9}
+    for field, names in VECTORS.items():
+        if not np.isnan(samples[field]).all():
+            columns |= {name: samples[field][:, axis] for axis, name in enumerate(names)}
+    if path.suffix.lower() == ".npz":
+        with path.open("wb") as file:
+            np.savez_compressed(file, **columns)
+        return
+    times = (f"{'-' if at < 0 else ''}{abs(at) // 10**9}.{abs(at) % 10**9:09}" for at in samples["at"].tolist())
+    measured = zip(*(column.tolist() for name, column in columns.items() if name != "t"), strict=True)
+    rows = (",".join([at, *(f"{value:.9g}" for value in row)]) for at, row in zip(times, measured, strict=True))
+    path.write_text("\n".join([",".join(columns), *rows]) + "\n")
 
 
 @pytest.fixture
@@ -218,7 +233,7 @@ def test_arbitrary_data_is_not_read_as_a_recording(rubbish: bytes) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz", ".CSV", ".NPZ"])
-def test_a_written_recording_can_be_read(tmp_path: Path, suffix: str) -> None:
+def test_samples_are_read_as_they_were_written(tmp_path: Path, suffix: str) -> None:
     samples = some_samples()
     path = tmp_path / f"walk{suffix}"
     write_recording(path, samples)
@@ -241,15 +256,6 @@ def test_a_table_keeps_every_bit_of_a_measurement(rate: Any, start: int, step: i
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "walk.csv"
         write_recording(path, samples)
-        assert path.read_text().startswith("t,wx,wy,wz\n")
         again = read_recording(path)
     assert again["at"].tolist() == samples["at"].tolist()
     assert again["rate"].tolist() == samples["rate"].tolist()
-
-
-@pytest.mark.parametrize(
-    ("name", "said"), [("walk.mat", "FILE.csv or FILE.npz"), ("none/walk.csv", "cannot be written: No such file")]
-)
-def test_a_failed_write_is_reported(tmp_path: Path, name: str, said: str) -> None:
-    with pytest.raises(SourceError, match=re.escape(said)):
-        write_recording(tmp_path / name, some_samples())

@@ -32,8 +32,8 @@ def plan(mode: Any = "live", left: str = "P01", right: str = "P02", **parameters
     return make_plan(CATALOGUE, KIND, [code for code in (left, right) if code], SHORT | parameters, seed=4, mode=mode)
 
 
-def make_participants(task: Any, theme: Any) -> list[Any]:
-    return [SimulatedParticipant(PEOPLE["average"], task, 4), SimulatedPartner(PEOPLE["poor"], task, 4, seat="B")]
+def make_participants(task: Any, theme: Any, seed: int) -> list[Any]:
+    return [SimulatedParticipant(PEOPLE["average"], task, seed), SimulatedPartner(PEOPLE["poor"], task, seed, seat="B")]
 
 
 def rows(data: Path, table: Any, session: str, *columns: str) -> list[tuple[Any, ...]]:

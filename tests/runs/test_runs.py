@@ -27,8 +27,8 @@ SETTINGS = {"attempts": 3, "prompts_per_attempt": 4, "start_level": 5}
 PLAN = make_plan(CATALOGUE, KEYBOARD, ["P01"], SETTINGS, seed=4)
 
 
-def make_participants(task: Any, theme: Any) -> list[SimulatedParticipant]:
-    return [SimulatedParticipant(PEOPLE["average"], task, PLAN.seed)]
+def make_participants(task: Any, theme: Any, seed: int) -> list[SimulatedParticipant]:
+    return [SimulatedParticipant(PEOPLE["average"], task, seed)]
 
 
 def play(run: Run, clock: VirtualClock, steps: int | None = None) -> None:
@@ -144,7 +144,9 @@ def best_of(data: Path, *names: str) -> dict[str, float]:
 def played(data: Path, seed: int, steps: int | None = None, **changed: Any) -> Run:
     clock = VirtualClock()
     plan = msgspec.structs.replace(PLAN, seed=seed, **changed)
-    run = start(plan, data, CATALOGUE, clock, lambda task, theme: [SimulatedParticipant(PEOPLE["average"], task, seed)])
+    run = start(
+        plan, data, CATALOGUE, clock, lambda task, theme, seed: [SimulatedParticipant(PEOPLE["average"], task, seed)]
+    )
     play(run, clock, steps)
     return run
 

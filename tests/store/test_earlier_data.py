@@ -82,7 +82,11 @@ def test_a_session_comes_out_the_same_when_replayed(data: Path, catalogue: Catal
 def test_the_interrupted_session_is_resumed_and_completed(data: Path, catalogue: Catalogue) -> None:
     clock = VirtualClock(1000 * SECOND)
     run = resume(
-        INTERRUPTED, data, catalogue, clock, lambda task, theme: [SimulatedParticipant(PEOPLE["average"], task, 7)]
+        INTERRUPTED,
+        data,
+        catalogue,
+        clock,
+        lambda task, theme, seed: [SimulatedParticipant(PEOPLE["average"], task, 7)],
     )
     run.begin()
     while not run.session.ended:

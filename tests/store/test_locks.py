@@ -36,7 +36,7 @@ from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import start
 catalogue = Catalogue()
 plan = make_plan(catalogue, "keyboard", ["P01"], seed=1)
-run = start(plan, Path(sys.argv[1]), catalogue, VirtualClock(), lambda task, theme: [])
+run = start(plan, Path(sys.argv[1]), catalogue, VirtualClock(), lambda task, theme, seed: [])
 run.begin()
 print(run.id, flush=True)
 os._exit(9)
@@ -121,7 +121,7 @@ def test_a_folder_that_cannot_be_written_to_is_reported(tmp_path: Path) -> None:
 
 def begin(plan: Plan, data: Path, catalogue: Catalogue) -> str:
     """A live session that is begun and left: its id."""
-    run = start(plan, data, catalogue, VirtualClock(), lambda task, theme: [])
+    run = start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     run.begin()
     run.recorder.write()
     run.close()
@@ -129,18 +129,18 @@ def begin(plan: Plan, data: Path, catalogue: Catalogue) -> str:
 
 
 def test_a_participant_cannot_be_in_two_live_sessions(plan: Plan, data: Path, catalogue: Catalogue) -> None:
-    run = start(plan, data, catalogue, VirtualClock(), lambda task, theme: [])
+    run = start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     with pytest.raises(Held):
-        start(plan, data, catalogue, VirtualClock(), lambda task, theme: [])
+        start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     assert len(sessions.listing(connect(data), data)) == 1
     run.close()
-    start(plan, data, catalogue, VirtualClock(), lambda task, theme: []).close()
+    start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: []).close()
 
 
 def test_a_session_that_is_live_cannot_be_resumed_elsewhere(plan: Plan, data: Path, catalogue: Catalogue) -> None:
-    run = start(plan, data, catalogue, VirtualClock(), lambda task, theme: [])
+    run = start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     with pytest.raises(StoreError, match=f"The session {run.id} is running"):
-        resume(run.id, data, catalogue, VirtualClock(), lambda task, theme: [])
+        resume(run.id, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     run.close()
 
 
@@ -156,7 +156,7 @@ def test_a_new_session_that_is_not_locked_is_not_visible(
         seen.append(sessions.find(database, data, session)["status"])
 
     monkeypatch.setattr(sessions, "create", look)
-    start(plan, data, catalogue, VirtualClock(), lambda task, theme: []).close()
+    start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: []).close()
     assert seen == ["running"]
 
 
@@ -174,7 +174,7 @@ def test_a_session_that_ends_elsewhere_just_before_it_is_held_is_not_resumed(
 
     monkeypatch.setattr(locks, "hold", late)
     with pytest.raises(StoreError, match=f"The session {session} is {state}") as caught:
-        resume(session, data, catalogue, VirtualClock(), lambda task, theme: [])
+        resume(session, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     assert caught.value.bad_input
     assert len(sessions.rows(connect(data), "runs", session)) == 1
     assert not is_held(data, "session", session)
@@ -188,7 +188,7 @@ def test_a_session_whose_program_was_killed_is_interrupted_and_can_be_resumed(da
     database = connect(data)
     assert database.execute("SELECT status FROM sessions").fetchone() == ("running",)
     assert sessions.find(database, data, session)["status"] == "interrupted"
-    run = resume(session, data, catalogue, VirtualClock(), lambda task, theme: [])
+    run = resume(session, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     assert run.number == 2
     assert sessions.find(database, data, session)["status"] == "running"
     run.close()
@@ -201,10 +201,10 @@ def test_a_session_that_cannot_be_brought_back_leaves_its_participant_free(
     session = begin(plan, data, catalogue)
     connect(data).execute("UPDATE events SET message=replace(message, '\"trials\":3', '\"trials\":4')")
     with pytest.raises(Failed, match="cannot be resumed") as caught:
-        resume(session, data, catalogue, VirtualClock(), lambda task, theme: [])
+        resume(session, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     assert "has changed since" in str(caught.value)
     assert not locks.is_held(data, "participant", "P01")
-    start(plan, data, catalogue, VirtualClock(), lambda task, theme: []).close()
+    start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: []).close()
 
 
 def test_a_session_whose_parameters_the_task_no_longer_takes_is_reported(
@@ -213,11 +213,13 @@ def test_a_session_whose_parameters_the_task_no_longer_takes_is_reported(
     session = begin(plan, data, catalogue)
     connect(data).execute("""UPDATE sessions SET parameters='{"attempts": 2, "speed": 3}'""")
     with pytest.raises(Failed, match=r"cannot be resumed\. There is no parameter speed"):
-        resume(session, data, catalogue, VirtualClock(), lambda task, theme: [])
+        resume(session, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
 
 
 def test_a_theme_that_is_not_there_leaves_no_session_and_no_lock(plan: Plan, data: Path, catalogue: Catalogue) -> None:
     with pytest.raises(PluginError):
-        start(msgspec.structs.replace(plan, theme="loud"), data, catalogue, VirtualClock(), lambda task, theme: [])
+        start(
+            msgspec.structs.replace(plan, theme="loud"), data, catalogue, VirtualClock(), lambda task, theme, seed: []
+        )
     assert not locks.is_held(data, "participant", "P01")
     assert sessions.listing(connect(data), data) == []
