@@ -7,7 +7,8 @@ from msgspec.structs import replace
 
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import AttemptEnded, Feedback, FeedbackChoice, Outcome
-from sar_tui.framework.policies import feedback
+from sar_tui.framework.policies import feedback_choice
+from sar_tui.framework.policies.feedback.policy import History
 from sar_tui.framework.policies.judgement import (
     RACED,
     JudgedAttempt,
@@ -20,7 +21,7 @@ from sar_tui.framework.policies.judgement import (
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Result, Score, Target
 
-Histories = Mapping[str, feedback.History]
+Histories = Mapping[str, History]
 """The feedback history of each seat."""
 _FAILURE_FIRST: tuple[Outcome, ...] = ("failure", "success")
 
@@ -88,12 +89,12 @@ def _score_seat(
     results: Sequence[Result],
     judged: JudgedAttempt,
     judgement: Judgement,
-    history: feedback.History,
-) -> tuple[SeatScore, feedback.History]:
+    history: History,
+) -> tuple[SeatScore, History]:
     """Score an attempt for one seat. Returns the score and the seat's new history."""
     if not attempt.practice:
-        history = feedback.remember(history, judged, task.parameters)
-    choice = feedback.choose(history, judged, task.parameters, task.feedback_on, practice=attempt.practice)
+        history = feedback_choice.remember(history, judged, task.parameters)
+    choice = feedback_choice.choose(history, judged, task.parameters, task.feedback_on, practice=attempt.practice)
     if judgement.reason in RACED:
         choice = replace(choice, degree="clear")
     message = _feedback(task, attempt, seat, results, judged.score, judgement, judged.target, choice, history)
@@ -116,7 +117,7 @@ def _score_seat(
         ended=attempt.ended,
     )
     if choice.due and not attempt.practice:
-        history = feedback.given(history)
+        history = feedback_choice.given(history)
     return SeatScore(ended, message), history
 
 
@@ -129,7 +130,7 @@ def _feedback(
     judgement: Judgement,
     target: Target,
     choice: FeedbackChoice,
-    history: feedback.History,
+    history: History,
 ) -> Feedback:
     """Build the feedback on the attempt, or on the last few if the schedule summarises them."""
     reached = int(judgement.outcome == "success")

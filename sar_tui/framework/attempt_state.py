@@ -7,7 +7,9 @@ from msgspec.structs import replace
 
 from sar_tui.framework.attempt_scoring import AttemptFacts, Histories, SeatScore, score_seats
 from sar_tui.framework.messages import AttemptStarted, FeedbackChoice, LevelChanged, Outcome
-from sar_tui.framework.policies import difficulty, feedback
+from sar_tui.framework.policies import feedback_choice, level_choice
+from sar_tui.framework.policies.difficulty.policy import Difficulty
+from sar_tui.framework.policies.feedback.policy import History
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Result, Results
 
@@ -57,7 +59,7 @@ class AttemptState(msgspec.Struct, frozen=True):
 
     attempt: int
     level: int
-    difficulty: difficulty.Difficulty
+    difficulty: Difficulty
     histories: Histories
     is_overridden: bool = False
     started: int = 0
@@ -68,8 +70,8 @@ class AttemptState(msgspec.Struct, frozen=True):
 
 def start(task: Task) -> AttemptState:
     """Return the state in which a session begins."""
-    initial = difficulty.start(task.parameters, task.levels)
-    return AttemptState(1, initial.level, initial, {seat: feedback.History() for seat in task.seats})
+    initial = level_choice.start(task.parameters, task.levels)
+    return AttemptState(1, initial.level, initial, {seat: History() for seat in task.seats})
 
 
 def is_practice(task: Task, state: AttemptState) -> bool:
@@ -105,7 +107,7 @@ def score(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, Atte
     scored = score_seats(task, facts, _by_seat(task, state), state.histories)
     following, change = state.difficulty, None
     if not (practice or state.is_overridden):
-        following = difficulty.step(following, scored.outcome, task.parameters, task.levels)
+        following = level_choice.step(following, scored.outcome, task.parameters, task.levels)
         change = _change(state.level, following.level, scored.outcome)
     after = replace(
         state,
@@ -136,7 +138,7 @@ def request_feedback(state: AttemptState, now: int) -> tuple[AttemptState, Attem
     if state.ended is None or not open_seats:
         return state, None
     requested = {one.ended.seat: _requested(one, now) for one in open_seats}
-    histories = {**state.histories, **{seat: feedback.given(state.histories[seat]) for seat in requested}}
+    histories = {**state.histories, **{seat: feedback_choice.given(state.histories[seat]) for seat in requested}}
     ended = replace(state.ended, seats={**state.ended.seats, **requested})
     return replace(state, histories=histories, ended=ended), AttemptScore(tuple(requested.values()))
 
@@ -180,7 +182,7 @@ def set_level(
 
 def hold(state: AttemptState, change: LevelChanged) -> AttemptState:
     """Take back the change of level that followed from the last attempt: it waits for an operator, or is refused."""
-    return replace(state, held=change, difficulty=difficulty.Difficulty(change.previous), level=change.previous)
+    return replace(state, held=change, difficulty=Difficulty(change.previous), level=change.previous)
 
 
 def settle(task: Task, state: AttemptState, level: int, *, under_way: bool) -> tuple[AttemptState, LevelChanged | None]:
@@ -193,7 +195,7 @@ def _put_level(
     task: Task, state: AttemptState, level: int, reason: str, *, under_way: bool
 ) -> tuple[AttemptState, LevelChanged | None]:
     highest = min(task.parameters.max_level, task.levels)
-    following = difficulty.Difficulty(max(task.parameters.min_level, min(level, highest)))
+    following = Difficulty(max(task.parameters.min_level, min(level, highest)))
     after = replace(state, difficulty=following, level=state.level if under_way else following.level)
     return after, _change(state.difficulty.level, following.level, reason)
 

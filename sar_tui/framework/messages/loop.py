@@ -223,7 +223,7 @@ class TrialMarked(Message, frozen=True, kw_only=True):
 
 
 class FeedbackChoice(msgspec.Struct, frozen=True):
-    """Decision on feedback for an attempt: due or not, the reason, and the form (see `policies.feedback.choose`).
+    """Decision on feedback for an attempt: due or not, why, and the form (see `policies.feedback_choice.choose`).
 
     ``why``: one plain sentence. ``since``: scored attempts since the last feedback, this one included. ``interval``:
     the number after which feedback is due, if the schedule counts. ``tolerance``: the half-width of the bandwidth about

@@ -13,7 +13,8 @@ from sar_tui.framework.nodes.action_center import ActionCenter
 from sar_tui.framework.nodes.memory import Memory
 from sar_tui.framework.parameters import build
 from sar_tui.framework.phrase_keys import PHRASE_KEYS
-from sar_tui.framework.policies import feedback, judgement
+from sar_tui.framework.policies import feedback_choice, judgement
+from sar_tui.framework.policies.feedback.policy import History
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, FEEDBACK, PROPOSED, SESSION
@@ -55,7 +56,7 @@ class Judge(Node):
         target = self.task.target(done.level)
         verdict = judgement.judge(score, self.task.metric, target, 0.0 if done.sums_up > 1 else 0.8)
         judged = judgement.JudgedAttempt(score, target, verdict)
-        choice = feedback.choose(feedback.History(since=1), judged, self.task.parameters, self.task.feedback_on)
+        choice = feedback_choice.choose(History(since=1), judged, self.task.parameters, self.task.feedback_on)
         choice = msgspec.structs.replace(choice, attempts=done.sums_up)
         facts: dict[str, Any] = {
             "attempt": done.attempt,

@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 
 from sar_tui.framework.messages import Outcome
 from sar_tui.framework.parameters import TaskParameters, build
-from sar_tui.framework.policies import difficulty
-from sar_tui.framework.policies.difficulty import Difficulty
+from sar_tui.framework.policies import level_choice
+from sar_tui.framework.policies.difficulty.policy import Difficulty
 
 OUTCOMES = st.lists(st.sampled_from(["success", "failure"]), max_size=80)
 
@@ -29,10 +29,10 @@ def set_ups(draw: st.DrawFn) -> tuple[TaskParameters, int]:
 
 
 def levels(parameters: TaskParameters, count: int, outcomes: list[Outcome]) -> list[int]:
-    state = difficulty.start(parameters, count)
+    state = level_choice.start(parameters, count)
     found = [state.level]
     for outcome in outcomes:
-        state = difficulty.step(state, outcome, parameters, count)
+        state = level_choice.step(state, outcome, parameters, count)
         found.append(state.level)
     return found
 
@@ -83,5 +83,5 @@ def test_by_default_every_success_raises_and_every_failure_lowers_the_level() ->
 
 def test_an_initial_level_beyond_the_last_starts_and_stays_at_the_last() -> None:
     parameters = build(TaskParameters, {"start_level": 5, "min_level": 4})
-    assert difficulty.start(parameters, 3) == Difficulty(3)
+    assert level_choice.start(parameters, 3) == Difficulty(3)
     assert levels(parameters, 3, ["success", "failure", "failure"]) == [3, 3, 3, 3]

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from sar_tui.framework.messages import FeedbackChoice
 from sar_tui.framework.parameters import TaskParameters, build
-from sar_tui.framework.policies import feedback, judgement
-from sar_tui.framework.policies.feedback import History
+from sar_tui.framework.policies import feedback_choice, judgement
 from sar_tui.framework.policies.feedback.faded import RAREST
+from sar_tui.framework.policies.feedback.policy import History
 from sar_tui.framework.policies.judgement import JudgedAttempt
 from sar_tui.framework.trial_types import Metric, Score, Target
 
@@ -36,9 +36,9 @@ def step(
 ) -> tuple[History, FeedbackChoice]:
     """One attempt, as the course of a session takes it."""
     if not practice:
-        history = feedback.remember(history, attempt, parameters)
-    choice = feedback.choose(history, attempt, parameters, "results", practice=practice)
-    return (feedback.given(history) if choice.due and not practice else history), choice
+        history = feedback_choice.remember(history, attempt, parameters)
+    choice = feedback_choice.choose(history, attempt, parameters, "results", practice=practice)
+    return (feedback_choice.given(history) if choice.due and not practice else history), choice
 
 
 def chosen(parameters: TaskParameters, attempts: list[JudgedAttempt]) -> list[FeedbackChoice]:
@@ -70,12 +70,12 @@ def test_a_summary_covers_exactly_the_attempts_since_the_last_one(every: int, re
     parameters = settings("summary", feedback_every=every)
     history = History()
     for number, result in enumerate(results, 1):
-        history = feedback.remember(history, judged(result), parameters)
-        choice = feedback.choose(history, judged(result), parameters, "results")
+        history = feedback_choice.remember(history, judged(result), parameters)
+        choice = feedback_choice.choose(history, judged(result), parameters, "results")
         if choice.due:
             assert choice.attempts == every
             assert [one.score.metric for one in history.recent] == results[number - every : number]
-            history = feedback.given(history)
+            history = feedback_choice.given(history)
         else:
             assert choice.attempts == 1
 
