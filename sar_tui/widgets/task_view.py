@@ -4,8 +4,8 @@ A view is optional. It is loaded with the session's screen, before the session b
 `TaskView`. Nothing of it is a widget: the app owns the widgets, calls these functions and shows what they return, so
 that a view can neither change the layout during a trial nor disturb the onset's time stamp.
 
-A view that raises costs the participant nothing. The app falls back to the plain prompt, or to no drawing, and a
-`Fault` is recorded.
+A view that raises does not disturb the session. The app shows the plain prompt, or no drawing, and a `Fault` is
+recorded.
 """
 
 import inspect
@@ -99,7 +99,7 @@ def stored_facts(task: type[Task], attempts: Sequence[AttemptEnded], metric: Met
     """Return a view's facts about a session in the database; none if the view fails."""
     try:
         return sentences(view_of(task).facts(attempts, metric, tr))
-    except Exception:  # of somebody else's code: the rest of the summary is still right
+    except Exception:  # third-party code: the rest of the summary is still right
         return []
 
 

@@ -97,6 +97,7 @@ def test_creating_a_task_prints_how_to_try_it(call: Call, tapping: Path) -> None
     readme = (tapping / "README.md").read_text()
     assert f"sar-tui tasks check {tapping}" in readme
     assert f"sar-tui run tapping -p P01 --tasks {tapping.parent}" in readme
+    assert "view.py" in readme
     assert "xample" not in (tapping / "task.py").read_text()
 
 
