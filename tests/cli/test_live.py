@@ -28,7 +28,7 @@ def runtime() -> Iterator[str]:
 
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch, runtime: str) -> list[dict[str, Any]]:
-    """A terminal, and an app that only notes what it was opened with, and ends with 7."""
+    """Fake a terminal and an app; return the arguments of each opening. The app exits with 7."""
     calls: list[dict[str, Any]] = []
 
     def run_app(
@@ -51,7 +51,7 @@ def opened(monkeypatch: pytest.MonkeyPatch, runtime: str) -> list[dict[str, Any]
 
 
 def interrupted(call: Call, folder: Path) -> str:
-    """A live session that was cut off."""
+    """Id of a live session that was interrupted."""
     session = call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "--json").json["session"]
     with sqlite3.connect(folder / "data" / "sar-tui.db") as connection:
         connection.execute("UPDATE sessions SET mode='live', status='running' WHERE id=?", (session,))
@@ -149,7 +149,7 @@ def test_a_motion_sensor_can_be_named(call: Call, opened: list[dict[str, Any]], 
         ("reaching", "", "Motion sensor"),
     ],
 )
-def test_a_sensor_that_cannot_be_never_opens_the_app(
+def test_an_invalid_sensor_never_opens_the_app(
     call: Call, opened: list[dict[str, Any]], task: str, imu: str, says: str
 ) -> None:
     called = call("run", task, "-p", "P01", "--imu", imu)
@@ -242,7 +242,7 @@ def test_a_resumed_session_can_be_joined_too(call: Call, opened: list[dict[str, 
     assert [live.session for live in opened[0]["joinable"]] == [session]
 
 
-def test_a_place_to_listen_that_is_none_is_bad_usage(call: Call, opened: list[dict[str, Any]]) -> None:
+def test_an_invalid_listen_address_is_bad_usage(call: Call, opened: list[dict[str, Any]]) -> None:
     called = call("run", "keyboard", "-p", "P01", "--listen", "tls/lab:none")
     assert (called.code, opened) == (2, [])
     assert "has no valid port" in called.err

@@ -23,7 +23,7 @@ RUN = ("run", "keyboard", "-p", "P01")
 
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> list[Plan]:
-    """A terminal, and an app that only notes the session it was opened with."""
+    """Fake a terminal and an app; return the plans of the sessions it was opened with."""
     plans: list[Plan] = []
 
     def run_app(folder: Path, catalogue: Catalogue, plan: Plan, link: BrokerProcess | None) -> int:
@@ -63,9 +63,7 @@ def test_the_option_speech_adds_speech_to_the_outputs(call: Call, opened: list[P
     ]
 
 
-def test_the_options_stand_over_what_was_saved_and_keep_the_rest(
-    call: Call, opened: list[Plan], tmp_path: Path
-) -> None:
+def test_options_override_saved_settings_and_keep_the_rest(call: Call, opened: list[Plan], tmp_path: Path) -> None:
     saved = participants.Settings({"outputs": ["screen", "tones"], "language": "es", "attempts": 3}, "playful")
     database = connect(tmp_path / "data")
     participants.save_settings(database, "P01", "keyboard", saved)

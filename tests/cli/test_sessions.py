@@ -51,7 +51,7 @@ def test_no_sessions_says_how_to_make_one(call: Call) -> None:
     assert "There are no sessions yet. `sar-tui simulate" in call("sessions").out
 
 
-def test_sessions_of_what_cannot_be_a_code_is_bad_input(call: Call) -> None:
+def test_sessions_of_an_invalid_code_is_bad_input(call: Call) -> None:
     assert call("sessions", "-p", "Jane Doe").code == 2
 
 
@@ -122,7 +122,7 @@ def test_a_metric_is_labelled_with_its_unit_if_it_has_one(unit: str, label: str)
 
 
 def record(folder: Path, session: str, topic: str, **message: object) -> None:
-    """One more message at the end of a session."""
+    """Append a message to a session."""
     change(
         folder,
         "INSERT INTO events (session, seq, run, at_ns, topic, message) "

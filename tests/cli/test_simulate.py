@@ -139,7 +139,7 @@ def test_a_task_that_breaks_in_mid_session_is_a_failure_that_keeps_what_was_done
 
 
 class Hoarse:
-    """The entry point of an output that can only say, and cannot."""
+    """Entry point of an output that can only speak, and always fails."""
 
     name = "hoarse"
     value = "hoarse:Hoarse"

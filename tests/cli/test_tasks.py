@@ -1,4 +1,4 @@
-"""``sar-tui tasks``: listed, shown, begun, checked."""
+"""``sar-tui tasks``: list, show, create, check."""
 
 import shutil
 from collections.abc import Callable
@@ -81,7 +81,7 @@ def test_showing_an_unknown_task_is_bad_input(call: Call) -> None:
     assert call("tasks", "show", "juggling").code == 2
 
 
-# --- begun ---------------------------------------------------------------------------------------------------
+# --- created -------------------------------------------------------------------------------------------------
 
 
 def test_a_new_task_passes_its_check_and_runs(call: Call, tapping: Path) -> None:

@@ -1,4 +1,4 @@
-"""``sar-tui themes``: listed, begun, checked."""
+"""``sar-tui themes``: list, create, check."""
 
 import shutil
 import tomllib
@@ -80,7 +80,7 @@ def test_a_theme_that_cannot_be_read_is_listed_with_its_reason(call: Call, own_t
     assert set(call("themes", "--json").json["themes"][-1]) == {"name", "error"}
 
 
-# --- begun -----------------------------------------------------------------------------------------------------------
+# --- created ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("model", ["calm", "high-contrast", "playful"])

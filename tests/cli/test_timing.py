@@ -24,7 +24,7 @@ def figures(median: float = 0.3, robust: float = 0.1, p99: float = 1.0) -> Error
 
 
 def measures(errors: dict[str, list[float]], source: str = "flush") -> Callable[..., dict[str, list[Trial]]]:
-    """Stands in for the measurement, which `make bench` and a person's own call do in earnest."""
+    """Return a fake measurement with these errors; `make bench` runs the real one."""
 
     def take_turns(
         programs: Sequence[Program], trials: int, blocks: int, folder: Path, on_press: Callable[[str], None]
@@ -117,7 +117,7 @@ def test_json_holds_the_figures_the_reasons_and_the_bare_loop(call: Call) -> Non
 
 
 @pytest.mark.usefixtures("fine")
-def test_the_figures_are_stored_for_later_sessions_and_for_nobody_else(call: Call, tmp_path: Path) -> None:
+def test_the_figures_are_stored_for_later_sessions_and_readable_only_by_the_user(call: Call, tmp_path: Path) -> None:
     call("timing")
     call("timing", "--trials", 12)
     path = tmp_path / "data" / "timing.json"

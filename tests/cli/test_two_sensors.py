@@ -1,4 +1,4 @@
-"""Sensors of two on the command line: what cannot be is refused before the screen changes."""
+"""Sensors of two on the command line: invalid choices are refused before the screen changes."""
 
 import pytest
 

@@ -38,7 +38,7 @@ def test_elsewhere_it_is_off_by_no_more_than_half_of_the_shortest_round_trip() -
     assert abs(clock.now() - (watch.now + AHEAD)) <= 2 * MS
 
 
-def test_when_the_sessions_machine_was_started_anew_old_pings_do_not_count() -> None:
+def test_pings_from_before_a_restart_of_the_sessions_machine_do_not_count() -> None:
     watch = Watch()
     clock = RemoteClock(watch, "here")
     ping(clock, watch, 1, 1)

@@ -74,8 +74,8 @@ class Rig:
 
     Args:
         output: not yet open.
-        clock: what it lives by. On a virtual one time passes while the rig waits for something, and only then.
-        lasting: which of its parts take time by themselves, rather than being over at once or when others follow.
+        clock: its clock. A virtual one advances only while the rig waits for something.
+        lasting: the parts that take time by themselves, rather than being over at once or when others follow.
     """
 
     def __init__(self, output: Output, clock: Clock, lasting: Sequence[ActionPart]) -> None:

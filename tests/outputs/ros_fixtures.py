@@ -27,7 +27,7 @@ class BenchClock(VirtualClock):
 
 
 class RosRig(Rig):
-    """The output under the contract. The robot lives in real time, what waits for it in virtual time."""
+    """Rig of a robot, which runs in real time, while the output's clock is virtual."""
 
     clock: BenchClock
 

@@ -11,8 +11,8 @@ from sar_tui.framework.theme import Theme
 from tests.outputs.contract import Rig
 
 
-class PanelLayout:
-    """A stage for an agent."""
+class RecordingStage:
+    """Stage that records what is drawn on it."""
 
     def __init__(self) -> None:
         self.drawn: list[object] = []
@@ -50,7 +50,7 @@ class _Announced(DrawnAgent):
 @contextmanager
 def screen_rig() -> Iterator[Rig]:
     """The drawn agent, in virtual time."""
-    rig = Rig(_Announced(PanelLayout()), VirtualClock(), ("gesture",))
+    rig = Rig(_Announced(RecordingStage()), VirtualClock(), ("gesture",))
     try:
         yield rig
     finally:

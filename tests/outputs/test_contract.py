@@ -20,7 +20,7 @@ from tests.outputs.voice_fixtures import speech_in_real_time_rig, speech_rig, to
 
 @contextmanager
 def threaded_servo_rig() -> Iterator[Rig]:
-    """The servo by the host's clock, on the thread of its own that it has in front of a person."""
+    """Provide the servo on the host's clock and on a thread of its own, as in a live session."""
     loop = asyncio.new_event_loop()
     try:
         with servo_rig(LiveClock(loop)) as rig:

@@ -48,18 +48,17 @@ def serial_robot(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 @pytest.fixture
 def line() -> Iterator[tuple[str, Callable[[int], str]]]:
-    """A serial line: its path, and what comes to its far end, once so many lines of it are there."""
+    """Path of a serial line, and a function that waits for a number of lines at its other end and returns them."""
     near, far = os.openpty()
     tty.setraw(far)
 
-    def come(lines: int) -> str:
-        """The system hands it over bit by bit."""
-        came = b""
-        while came.count(b"\n") < lines and select.select([near], [], [], 30)[0]:
-            came += os.read(near, 65536)
-        return came.decode()
+    def read_lines(lines: int) -> str:
+        received = b""
+        while received.count(b"\n") < lines and select.select([near], [], [], 30)[0]:
+            received += os.read(near, 65536)
+        return received.decode()
 
-    yield os.ttyname(far), come
+    yield os.ttyname(far), read_lines
     os.close(near)
     os.close(far)
 
@@ -76,14 +75,14 @@ def test_it_fulfils_the_contract(
 def test_it_sends_commands_and_stops_to_the_robot(
     serial_robot: ModuleType, line: tuple[str, Callable[[int], str]]
 ) -> None:
-    path, come = line
+    path, read_lines = line
     rig = Rig(serial_robot.SerialRobot(path), VirtualClock(), ["gesture"])
     rig.ask("gesture", "one", "wave")
     rig.ask("gesture", "two", "nod")
-    assert come(1) == "wave 600\n"
+    assert read_lines(1) == "wave 600\n"
     rig.clock.advance(650 * MS)  # type: ignore[attr-defined]
     rig.output.stop()
-    assert come(2) == "nod 400\nstill\n"
+    assert read_lines(2) == "nod 400\nstill\n"
 
 
 def test_a_missing_robot_fails_with_a_reason_and_may_be_connected_later(
@@ -151,6 +150,7 @@ def test_it_is_forty_lines() -> None:
 
 def test_the_page_names_the_time_limit_of_an_output() -> None:
     page = " ".join(PAGE.split())
-    assert f"given up after {TIMEOUT // SECOND} seconds; for `say`, after {PER_CHARACTER // MS} ms a character" in page
+    limit = f"fails after {TIMEOUT // SECOND} seconds, plus {PER_CHARACTER // MS} ms per character for `say`"
+    assert limit in page
     assert f"A part that is not over after {STOP_TIMEOUT // SECOND} seconds has failed." in page
     assert f"Details are cut to {LONGEST_DETAIL} characters." in page

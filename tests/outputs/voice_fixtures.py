@@ -142,7 +142,7 @@ class Listener:
 
 @contextmanager
 def listening(sound: Sound, theme: Theme, clock: Clock | None = None) -> Iterator[Listener]:
-    """Speech and tones on a path of sound, in real time if no clock is given; closed at the end."""
+    """Provide speech and tones on one `Sound`, in real time if no clock is given; close them at the end."""
     loop = asyncio.new_event_loop()
     listener = Listener(sound, theme, clock or LiveClock(loop))
     try:

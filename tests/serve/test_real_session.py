@@ -50,8 +50,8 @@ async def serve(*arguments: str) -> AsyncIterator[str]:
 
 
 @asynccontextmanager
-async def going_on(terminal: Terminal) -> AsyncIterator[None]:
-    """A terminal that somebody looks at meanwhile: a program whose output nobody reads stands still."""
+async def keep_reading(terminal: Terminal) -> AsyncIterator[None]:
+    """Keep reading a terminal's output, because a program whose output nobody reads blocks."""
     looks = True
 
     def look() -> None:
@@ -86,20 +86,20 @@ async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
         async with serve("operator", "--data", str(data)) as address, chromium() as browser:
             async with aiohttp.ClientSession() as http, http.get(address.partition("?")[0]) as refused:
                 assert refused.status == 403
-            async with going_on(terminal):
+            async with keep_reading(terminal):
                 await browser.open(address)
                 await browser.see("P01")
             participant = ScriptedParticipant(terminal, random_answers(3, 120, 220))
             terminal.press("enter")
             await asyncio.to_thread(participant.run, 2)
-            async with going_on(terminal):
+            async with keep_reading(terminal):
                 text = (await logged_message(data, "arbiter/offered"))["proposal"]["text"]
                 await browser.see(text[:20])
                 assert text[:20].encode() not in terminal.output
                 await logged_message(data, "arbiter/stalling")  # keys pressed too soon after a proposal are ignored
                 await browser.press("Enter")
             await asyncio.to_thread(terminal.wait_for, text[:20])
-        async with going_on(terminal):
+        async with keep_reading(terminal):
             left = await logged_message(data, "operator/presence", state="left")
     assert left["actor"].startswith("operator.")
     ((decision, actor, final, decided),) = rows(
@@ -115,16 +115,16 @@ async def test_agent_in_a_browser_follows_the_session(data: Path) -> None:
     session = [*run_command(data, prompts_per_attempt=2, attempts=1), "--operator"]
     with Terminal(session) as terminal:
         await asyncio.to_thread(terminal.wait_for, "Press Enter to go on.")
-        async with going_on(terminal):
+        async with keep_reading(terminal):
             greeting = str((await logged_message(data, "arbiter/action", kind="greeting"))["text"])
         async with serve("agent", "--data", str(data)) as address, chromium() as browser:
-            async with going_on(terminal):
+            async with keep_reading(terminal):
                 await browser.open(address)
                 await browser.see(greeting[:12])
             participant = ScriptedParticipant(terminal, random_answers(3, 120, 220))
             terminal.press("enter")
             await asyncio.to_thread(participant.run, 2)
-            async with going_on(terminal):
+            async with keep_reading(terminal):
                 feedback = str((await logged_message(data, "arbiter/action", kind="feedback"))["text"])
                 await browser.see(feedback[:12])
                 assert greeting[:12] not in browser.text

@@ -27,7 +27,7 @@ def speech_engine(program: Sequence[str] = ()) -> Finding:
     if missing:
         advice = "Add such a voice in the system's speech settings, or install espeak-ng."
         return Finding("Speech", "care", f"{count}, but none for {' or '.join(missing)}", advice)
-    return Finding("Speech", "ok", f"{count}, for {' and '.join(_LANGUAGES.values())} too")
+    return Finding("Speech", "ok", f"{count}, including {' and '.join(_LANGUAGES.values())}")
 
 
 def sound_card(program: Sequence[str] = (), backends: Sequence[str] = ()) -> Finding:

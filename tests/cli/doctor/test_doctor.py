@@ -21,7 +21,7 @@ def finding(called: Called, name: str) -> dict[str, Any]:
 
 
 class Plugged:
-    """In place of a PhidgetSpatial: tells at once what it has to tell."""
+    """Fake PhidgetSpatial that reports its statuses at once."""
 
     statuses: tuple[Status, ...] = ()
     info: Info | None = None
@@ -37,7 +37,7 @@ class Plugged:
 
 @pytest.fixture(autouse=True)
 def plugged(monkeypatch: pytest.MonkeyPatch) -> type[Plugged]:
-    """No sensor is plugged in, and none is waited for; a test may change that."""
+    """Fake sensor, not plugged in unless a test sets its statuses; the doctor does not wait for a real one."""
 
     class Socket(Plugged):
         pass

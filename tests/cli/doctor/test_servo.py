@@ -14,7 +14,7 @@ from tests.outputs.servo_fixtures import UNSUPPORTED, FakeServo
 
 @pytest.fixture
 def motor(monkeypatch: pytest.MonkeyPatch) -> FakeServo:
-    """The one that the doctor finds."""
+    """Fake motor that the doctor finds."""
     motor = FakeServo(VirtualClock())
     monkeypatch.setattr(servo, "_SERVO_S", 0.001)
     monkeypatch.setattr(phidget, "new_channel", lambda _kind: motor)

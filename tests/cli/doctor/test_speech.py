@@ -12,7 +12,7 @@ from tests.outputs.voice_fixtures import ENGINE, NOBODY, program_with
 def test_an_engine_with_voices_for_each_language_is_ok() -> None:
     found = speech_engine()
     assert (found.name, found.state, found.advice) == ("Speech", "ok", "")
-    assert found.found.endswith("voices, for English and Spanish too")
+    assert found.found.endswith("voices, including English and Spanish")
 
 
 def test_a_missing_spanish_voice_is_a_warning() -> None:

@@ -109,7 +109,7 @@ def test_a_gesture_that_asks_for_too_much_speed_is_slowed_and_ends_when_it_is_at
     assert targets[-1][0] - targets[0][0] == pytest.approx(1050, abs=120)
 
 
-def test_a_motor_with_little_room_keeps_to_it() -> None:
+def test_a_motor_with_a_small_range_stays_within_it() -> None:
     bench = ServoBench("?right_arm=0&range=90", plug=False)
     [motor] = bench.channels
     motor.facts.update(MinPosition=120.0, MaxPosition=100.0, MaxVelocityLimit=50.0)
@@ -119,7 +119,7 @@ def test_a_motor_with_little_room_keeps_to_it() -> None:
     assert max(target for _, target in motor.targets) == pytest.approx(116, abs=0.5)
 
 
-def test_a_controller_without_limits_or_failsafe_is_used_all_the_same() -> None:
+def test_a_controller_without_limits_or_failsafe_is_used_anyway() -> None:
     bench = ServoBench(plug=False)
     for name in ("setSpeedRampingState", "setVelocityLimit", "setAcceleration"):
         bench.failing[name] = UNSUPPORTED
@@ -288,7 +288,7 @@ def test_a_motor_that_is_pulled_out_in_mid_gesture_fails_it_and_works_again_when
     assert (anew[0], anew[-1]) == (90, 90)
 
 
-def test_a_trouble_of_before_is_not_taken_for_the_reason_that_it_was_pulled_out(bench: ServoBench) -> None:
+def test_an_earlier_error_is_not_reported_as_the_reason_for_unplugging(bench: ServoBench) -> None:
     bench.channels[0].err(4104, "No external power.")
     begin(bench)
     bench.channels[0].pull_out()
@@ -384,7 +384,7 @@ def test_a_controller_that_cannot_be_set_up_is_reported() -> None:
     assert "cannot be set up: Input/Output Error" in bench.rig.detail("a", "gesture")
 
 
-def test_a_controller_that_one_may_not_use_is_reported_with_the_line_that_cures_it() -> None:
+def test_a_controller_without_permission_is_reported_with_the_udev_rule() -> None:
     bench = ServoBench(plug=False, denied=True)
     assert make(bench) == "failed"
     assert "/etc/udev/rules.d/70-phidget.rules" in bench.rig.detail("a", "gesture")

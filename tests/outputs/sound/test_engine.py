@@ -28,7 +28,7 @@ def engine() -> Engine:
 
 
 def stand_in(monkeypatch: pytest.MonkeyPatch, speak: str) -> None:
-    """Put another engine in place of pyttsx3; ``speak`` is the body of what it does with a text."""
+    """Replace pyttsx3 by another engine; ``speak`` is the body of its method that speaks a text."""
     fake = ModuleType("pyttsx3")
     exec(f"{ENGINE}\ndef speak(engine):\n    {speak}", fake.__dict__)
     monkeypatch.setitem(sys.modules, "pyttsx3", fake)
@@ -49,7 +49,7 @@ def test_english_and_spanish_voices_read_the_same_text_differently(engine: Engin
 
 
 def test_voice_and_rate_count_from_the_very_next_utterance(engine: Engine) -> None:
-    """pyttsx3 loses a rate now and then, if it is set as one would."""
+    """Without the engine's workaround, pyttsx3 sometimes loses a rate."""
     for language in ("en", "es") * 5:
         slow, fast = (engine.speak(TEXTS[language][1], Voicing(language, rate=rate)) for rate in (100, 300))
         assert seconds(fast) < 0.6 * seconds(slow)
@@ -128,7 +128,7 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
         Engine().voices()
 
 
-def test_an_engine_that_lacks_something_may_be_mended_while_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_engine_works_once_its_missing_part_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     engine = Engine()
     monkeypatch.setitem(sys.modules, "pyttsx3", None)
     with pytest.raises(SoundError):

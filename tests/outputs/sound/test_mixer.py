@@ -59,7 +59,7 @@ def test_a_voice_killed_in_mid_utterance_fails_it_and_the_next_is_spoken(calm: T
         assert len(pids(file)) == 2
 
 
-def test_a_voice_that_stands_still_is_killed_when_it_is_to_stop(calm: Theme, tmp_path: Path) -> None:
+def test_a_frozen_voice_is_killed_on_stop(calm: Theme, tmp_path: Path) -> None:
     file = tmp_path / "pids"
     with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
         listener.speech.say("a1", LONG)

@@ -83,9 +83,7 @@ def test_two_players_writing_to_one_folder_number_their_files_without_conflict(t
     assert list(contents(tmp_path)) == [f"{n:03d}-a1-say.wav" for n in (1, 2, 3, 4, 5)]
 
 
-def test_a_file_that_another_has_made_since_it_looked_is_passed_over(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_created_by_another_program_is_skipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "001-a1-say.wav").write_text("yours")
     with monkeypatch.context() as before:
         before.setattr(Path, "iterdir", lambda path: iter(()))

@@ -139,7 +139,7 @@ def test_it_ends_when_the_program_is_killed_while_it_speaks(tmp_path: Path) -> N
 
 
 def test_it_ends_when_the_program_is_killed_while_it_hangs(tmp_path: Path) -> None:
-    """So that none of its threads can notice: the kernel ends it (Linux)."""
+    """None of its threads can react, so the kernel ends it (Linux)."""
     file = tmp_path / "pids"
     log_pid = f"print(os.getpid(), file=open({str(file)!r}, 'a'), flush=True)"
     engine = HANGS_IN_C.replace("    ctypes.PyDLL", f"    {log_pid}\n    ctypes.PyDLL")
