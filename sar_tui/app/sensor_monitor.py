@@ -5,14 +5,12 @@ from collections import deque
 from collections.abc import Callable
 from typing import Literal
 
-import numpy as np
-
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.inputs.imu import Status, Vector
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
 from sar_tui.motion.reach_bounds import Hand
-from sar_tui.motion.samples import SAMPLE, Samples
+from sar_tui.motion.samples import Samples, join
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.synthesis import TABLE_4_1
 from sar_tui.motion.trace import Trace, trace_of
@@ -159,7 +157,7 @@ class SensorWatch:
             blocks.append(block)
             if block["at"][0] <= newest - latest:
                 break
-        samples = np.concatenate(blocks[::-1])
+        samples = join(blocks[::-1])
         return samples[samples["at"] > newest - latest]
 
     def _forget(self) -> None:
@@ -254,7 +252,7 @@ class SensorWatch:
             move(at, _SIMULATED_REACH)
 
     def _close(self, test: ReachTest) -> None:
-        samples = np.concatenate(self._blocks) if self._blocks else np.empty(0, SAMPLE)
+        samples = join(self._blocks)
         window = Window(
             from_ns=test.since - REST, started_ns=test.since, to_ns=self._now() + 1, flags=tuple(test.flags)
         )

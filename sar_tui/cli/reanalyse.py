@@ -53,17 +53,15 @@ class _StoredSamples(NamedTuple):
 
         Older samples may have been dropped before the reach began, so the newest are taken, up to their stored number.
         """
-        import numpy as np
-
-        from sar_tui.motion.samples import SAMPLE
+        from sar_tui.motion.samples import join
 
         ended = self.ended.get((row["attempt"], row["trial"]), 0)
         attached = max((seq for seq in self.attached if seq < ended), default=-1)
-        parts = [np.empty(0, SAMPLE)]
+        parts = []
         for seq, samples in self.blocks:
             if attached < seq <= ended and samples["at"][-1] >= window.from_ns and samples["at"][0] < window.to_ns:
                 parts.append(samples[(samples["at"] >= window.from_ns) & (samples["at"] < window.to_ns)])
-        whole = np.concatenate(parts)
+        whole = join(parts)
         seen = row["details"].get("samples") or 0
         newest: Samples = whole[max(0, len(whole) - seen) :]
         return newest

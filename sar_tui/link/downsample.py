@@ -6,7 +6,7 @@ import numpy as np
 
 from sar_tui.framework.clock import SECOND
 from sar_tui.link.peer import MotionTrace
-from sar_tui.motion.samples import Samples, unpack
+from sar_tui.motion.samples import Samples, join, unpack
 
 INTERVAL = SECOND // 12
 """Shortest time between two traces of a seat (ns)."""
@@ -31,7 +31,7 @@ class Downsampler:
         """Return the traces to send at ``now`` (ns)."""
         seats = [seat for seat in self._pending if now - self._sent_at.get(seat, -INTERVAL) >= INTERVAL]
         self._sent_at |= dict.fromkeys(seats, now)
-        return [_trace(seat, np.concatenate(self._pending.pop(seat))) for seat in seats]
+        return [_trace(seat, join(self._pending.pop(seat))) for seat in seats]
 
 
 def _trace(seat: str, samples: Samples) -> MotionTrace:

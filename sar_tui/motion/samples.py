@@ -1,5 +1,6 @@
 """Samples of a motion sensor as an array, in the form in which they are sent, stored and analysed."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import msgspec
@@ -56,6 +57,11 @@ def pack(samples: Samples) -> bytes:
 def unpack(data: bytes) -> Samples:
     """Return samples from bytes of ``pack``. Raises ValueError if they are not whole samples."""
     return np.frombuffer(data, dtype=SAMPLE)
+
+
+def join(blocks: Iterable[Samples]) -> Samples:
+    """Return blocks of samples as one; read-only. ``np.concatenate`` takes a hundred times as long for records."""
+    return unpack(b"".join(block.data for block in blocks))
 
 
 def recording(samples: Samples, origin_ns: int = 0, flags: tuple[str, ...] = ()) -> Recording:

@@ -8,12 +8,16 @@ import numpy as np
 import numpy.typing as npt
 
 from sar_tui.motion.samples import SAMPLE, Floats, Recording, Samples, recording
-from sar_tui.motion.shapes import ReachShape, waveform
+from sar_tui.motion.shapes import ReachShape, Waveform, waveform
 
 GRAVITY_M_S2 = 9.81
 FOREARM_M = 0.3
 ACCELERATION_NOISE_M_S2 = 0.02
 BLOCK = 512
+SINCE, LUCK, TREMOR = 0, 1, 2
+TREMOR_ACROSS, BIAS, RATE_NOISE, ACCELERATION_NOISE = slice(3, 6), slice(6, 9), slice(9, 12), slice(12, 15)
+COLUMNS = 15
+"""Columns of the imperfections of samples: seconds since the first, the draw of the loss, rad/s, m/s²."""
 
 Vector = tuple[float, float, float]
 
@@ -96,15 +100,18 @@ class SimulatedHand:
         self._seed = seed
         self._period_ns = round(1e9 / rate_hz)
         self._start_ns: int | None = None
-        self._moves: list[tuple[int, ReachShape]] = []
+        self._moves: list[tuple[int, Waveform]] = []
         self._blocks: dict[int, Floats] = {}
-        self._frame = _frame(profile.axis)
+        self._along, self._forearm, self._way = _frame(profile.axis)
+        up = np.array([0.0, 0.0, GRAVITY_M_S2])
+        self._parallel = self._along * (self._along @ up)
+        self._upright = up - self._parallel
+        self._sideways = np.cross(self._along, up)
         self._tremor_phase = float(np.random.default_rng([seed, 0]).uniform(0.0, 2 * math.pi))
 
     def move(self, at_ns: int, shape: ReachShape) -> None:
         """Make a reach with its onset at ``at_ns``. Reaches that overlap add up."""
-        waveform(shape)
-        self._moves.append((at_ns, shape))
+        self._moves.append((at_ns, waveform(shape)))
 
     def samples(self, from_ns: int, to_ns: int) -> Samples:
         """Return the samples with ``from_ns`` <= at < ``to_ns``, dtype SAMPLE.
@@ -116,66 +123,86 @@ class SimulatedHand:
         last = max(first, -((start - to_ns) // self._period_ns))
         index = np.arange(first, last, dtype=np.int64)
         at = start + index * self._period_ns
-        since_s = index * (self._period_ns / 1e9)
-        draws = self._streams(first, last)
+        imperfections = self._imperfections(first, last)
         turning, angle, acceleration = self._reaches(at)
         samples = np.zeros(len(index), dtype=SAMPLE)
         samples["at"] = samples["host"] = at
-        samples["device_ms"] = since_s * 1e3
-        samples["rate"] = self._measured_rate(since_s, turning, draws[:, 0:3])
-        samples["acceleration"] = self._acceleration(turning, angle, acceleration, draws[:, 3:6])
+        samples["device_ms"] = imperfections[:, SINCE] * 1e3
+        samples["rate"] = rate = self._measured_rate(turning, imperfections)
+        samples["acceleration"] = (
+            self._acceleration(turning, angle, acceleration) + imperfections[:, ACCELERATION_NOISE]
+        )
         samples["field"] = np.nan
-        kept: Samples = samples[
-            (draws[:, 6] >= self.profile.lost) & (np.abs(samples["rate"]) <= self.profile.saturation_rad_s).all(axis=1)
-        ]
-        return kept
+        kept = imperfections[:, LUCK] >= self.profile.lost
+        if math.isfinite(self.profile.saturation_rad_s):
+            kept &= (np.abs(rate.astype("<f4")) <= self.profile.saturation_rad_s).all(axis=1)
+        delivered: Samples = samples[kept]
+        return delivered
 
-    def _streams(self, first: int, last: int) -> Floats:
-        """Return the random numbers of each sample: six normal and one uniform, drawn in blocks that never change."""
+    def _imperfections(self, first: int, last: int) -> Floats:
+        """Return the imperfections of each sample, calculated in blocks that never change."""
         wanted = range(first // BLOCK, -(-last // BLOCK))
         if not wanted:
-            return np.empty((0, 7))
-        self._blocks = {block: self._blocks[block] if block in self._blocks else self._drawn(block) for block in wanted}
-        drawn = np.concatenate([self._blocks[block] for block in wanted])
+            return np.empty((0, COLUMNS))
+        if wanted[-1] not in self._blocks or wanted[0] not in self._blocks:
+            self._blocks = {
+                block: self._blocks[block] if block in self._blocks else self._drawn(block) for block in wanted
+            }
+        blocks = [self._blocks[block] for block in wanted]
         offset = wanted.start * BLOCK
-        return drawn[first - offset : last - offset]
+        return (blocks[0] if len(blocks) == 1 else np.concatenate(blocks))[first - offset : last - offset]
 
     def _drawn(self, block: int) -> Floats:
+        """Return the columns of a block. The tremor's frequency wanders a little, as in reality."""
+        profile = self.profile
         generator = np.random.default_rng([self._seed, 1, block])
-        return np.column_stack((generator.standard_normal((BLOCK, 6)), generator.random(BLOCK)))
+        noise, luck = generator.standard_normal((BLOCK, 6)), generator.random(BLOCK)
+        since_s = np.arange(block * BLOCK, (block + 1) * BLOCK) * (self._period_ns / 1e9)
+        phase = 2 * math.pi * profile.tremor_hz * since_s + 0.5 * np.sin(2 * since_s) + self._tremor_phase
+        return np.column_stack(
+            (
+                since_s,
+                luck,
+                profile.tremor_rad_s * np.sin(phase),
+                np.outer(0.5 * profile.tremor_rad_s * np.cos(phase), self._forearm),
+                np.asarray(profile.bias_rad_s) + profile.drift_rad_s_per_s * since_s[:, None],
+                profile.noise_rad_s * noise[:, 0:3],
+                ACCELERATION_NOISE_M_S2 * noise[:, 3:6],
+            )
+        )
 
     def _reaches(self, at: npt.NDArray[np.int64]) -> tuple[Floats, Floats, Floats]:
         """Return angular rate, angle and angular acceleration about the reaches' axis."""
         rate, angle, acceleration = np.zeros((3, len(at)))
-        for onset_ns, shape in self._moves:
-            form = waveform(shape)
-            time_s = (at - onset_ns) / 1e9
-            if not len(time_s) or time_s[-1] < form.time_s[0]:
+        if not len(at):
+            return rate, angle, acceleration
+        first_ns, last_ns = int(at[0]), int(at[-1])
+        for onset_ns, form in self._moves:
+            if (last_ns - onset_ns) / 1e9 < form.time_s[0]:
                 continue
+            if (first_ns - onset_ns) / 1e9 > form.time_s[-1]:
+                angle += form.angle[-1]
+                continue
+            time_s = (at - onset_ns) / 1e9
             angle += np.interp(time_s, form.time_s, form.angle)
-            if time_s[0] <= form.time_s[-1]:
-                rate += np.interp(time_s, form.time_s, form.rate, left=0.0, right=0.0)
-                acceleration += np.interp(time_s, form.time_s, form.acceleration, left=0.0, right=0.0)
+            rate += np.interp(time_s, form.time_s, form.rate, left=0.0, right=0.0)
+            acceleration += np.interp(time_s, form.time_s, form.acceleration, left=0.0, right=0.0)
         return rate, angle, acceleration
 
-    def _measured_rate(self, since_s: Floats, turning: Floats, noise: Floats) -> Floats:
-        """Return the gyroscope's output, shape (n, 3). The tremor's frequency wanders a little, as in reality."""
-        profile, (along, forearm, _) = self.profile, self._frame
-        phase = 2 * math.pi * profile.tremor_hz * since_s + 0.5 * np.sin(2 * since_s) + self._tremor_phase
-        rate = np.outer(turning + profile.tremor_rad_s * np.sin(phase), along)
-        rate += np.outer(0.5 * profile.tremor_rad_s * np.cos(phase), forearm)
-        rate += np.asarray(profile.bias_rad_s) + profile.drift_rad_s_per_s * since_s[:, None]
-        return rate + profile.noise_rad_s * noise
+    def _measured_rate(self, turning: Floats, imperfections: Floats) -> Floats:
+        """Return the gyroscope's output, shape (n, 3)."""
+        rate = (turning + imperfections[:, TREMOR])[:, None] * self._along
+        rate += imperfections[:, TREMOR_ACROSS]
+        rate += imperfections[:, BIAS]
+        rate += imperfections[:, RATE_NOISE]
+        return rate
 
-    def _acceleration(self, turning: Floats, angle: Floats, acceleration: Floats, noise: Floats) -> Floats:
-        """Return the accelerometer's output, shape (n, 3): gravity as the hand turns, and the hand's own."""
-        along, forearm, way = self._frame
-        up = np.array([0.0, 0.0, GRAVITY_M_S2])
-        parallel = along * (along @ up)
-        across = np.outer(np.cos(angle), up - parallel) - np.outer(np.sin(angle), np.cross(along, up))
-        own = FOREARM_M * (np.outer(acceleration, way) - np.outer(turning**2, forearm))
-        measured: Floats = parallel + across + own + ACCELERATION_NOISE_M_S2 * noise
-        return measured
+    def _acceleration(self, turning: Floats, angle: Floats, acceleration: Floats) -> Floats:
+        """Return the acceleration at the sensor, shape (n, 3): gravity as the hand turns, and the hand's own."""
+        across = np.cos(angle)[:, None] * self._upright - np.sin(angle)[:, None] * self._sideways
+        own = FOREARM_M * (acceleration[:, None] * self._way - (turning**2)[:, None] * self._forearm)
+        felt: Floats = self._parallel + across + own
+        return felt
 
 
 class Simulation(NamedTuple):

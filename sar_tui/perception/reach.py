@@ -3,8 +3,6 @@
 from collections import deque
 from typing import Literal
 
-import numpy as np
-
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
     ImuBlock,
@@ -19,7 +17,7 @@ from sar_tui.framework.node import STALLED, TimedNode, on
 from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
 from sar_tui.motion.analysis import EARLY_NS, AnalysisParameters, Window, analyse
 from sar_tui.motion.filters import LEAST_RATE_HZ
-from sar_tui.motion.samples import SAMPLE, Samples, unpack
+from sar_tui.motion.samples import Samples, join, unpack
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.trace import trace_of
 
@@ -135,7 +133,7 @@ class ReachPerception(TimedNode):
         return self._segmenter.still_for_s, self._segmenter.has_reached(self._started / 1e9)
 
     def _samples(self) -> Samples:
-        return np.concatenate(self._blocks) if self._blocks else np.empty(0, SAMPLE)
+        return join(self._blocks)
 
     # --- the trial -----------------------------------------------------------------------------------------
 
