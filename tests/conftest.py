@@ -1,5 +1,6 @@
 """Common to all tests: a home folder of their own, seeded properties, the shipped task and themes."""
 
+import gc
 import os
 import shutil
 import tempfile
@@ -26,6 +27,8 @@ _HOME = pytest.StashKey[tempfile.TemporaryDirectory[str]]()
 
 _MEMORY = Path("/dev/shm")
 _ENOUGH = 2**30
+_GARBAGE = 100_000
+"""New objects until the next collection."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -39,6 +42,13 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ["XDG_CONFIG_HOME"] = f"{home.name}/config"
     os.environ["XDG_DATA_HOME"] = f"{home.name}/share"
     os.environ["SAR_TUI_DATA"] = f"{home.name}/data"
+
+
+def pytest_collection_finish() -> None:
+    """Exclude what was loaded from garbage collection, and collect less often: it is a fifth of the time otherwise."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(_GARBAGE, 10, 10)
 
 
 def _has_room(folder: Path) -> bool:

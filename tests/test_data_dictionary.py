@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from sqlite_utils import Database
 
 from sar_tui.framework import messages
 from sar_tui.framework.messages import FeedbackChoice
@@ -39,9 +40,9 @@ def section(table: str) -> str:
 
 def test_every_column_of_every_table_is_in_its_section(data: Path) -> None:
     database = connect(data)
-    tables = [table for table in database.tables if not table.name.startswith(("sqlite_", "_"))]
+    tables = [table for table in Database(database).tables if not table.name.startswith(("sqlite_", "_"))]
     missing = {table.name: set(table.columns_dict) - named(section(table.name)) for table in tables}
-    database.conn.close()
+    database.close()
     assert len(missing) >= 10
     assert {name: columns for name, columns in missing.items() if columns} == {}
 
@@ -90,8 +91,8 @@ def test_the_documented_query_lists_each_decision_with_the_time_of_day(
     (count, first) = database.execute("SELECT count(*), min(decided_ns) FROM actions").fetchone()
     anchor = json.dumps({"clock_ns": first - 1_500_000_000, "utc": "2026-03-01T23:59:59.250000+00:00"})
     database.execute("UPDATE runs SET clock_anchor=?", (anchor,))  # a simulated session has a clock of its own
-    rows = list(database.query(query[1]))
-    database.conn.close()
+    rows = list(Database(database).query(query[1]))
+    database.close()
     assert len(rows) == count
     assert rows[0]["decided_utc"] == "2026-03-02 00:00:00.750"
     assert {"feedback", "greeting"} <= {row["kind"] for row in rows}

@@ -186,7 +186,7 @@ def _simulate(kind: type[Task], parameters: TaskParameters, person: Person, fold
             list(sessions.history(database, session)),
         )
     finally:
-        database.conn.close()
+        database.close()
 
 
 def _outcome(simulated: Simulated, parameters: TaskParameters) -> str:

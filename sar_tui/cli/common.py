@@ -12,7 +12,8 @@ import typer
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
-    import sqlite_utils
+    import sqlite3
+
     from rich.console import Console
     from rich.progress import Progress
 
@@ -106,7 +107,7 @@ class Home(NamedTuple):
         return Catalogue(self.tasks)
 
     @contextmanager
-    def database(self) -> "Iterator[sqlite_utils.Database]":
+    def database(self) -> "Iterator[sqlite3.Connection]":
         """Open the database, and close it afterwards. Raises StoreError."""
         from sar_tui.store.database import connect
 
@@ -114,10 +115,10 @@ class Home(NamedTuple):
         try:
             yield database
         finally:
-            database.conn.close()
+            database.close()
 
     @contextmanager
-    def session(self, name: str) -> "Iterator[tuple[sqlite_utils.Database, dict[str, Any]]]":
+    def session(self, name: str) -> "Iterator[tuple[sqlite3.Connection, dict[str, Any]]]":
         """Open the database at a recorded session, given its id, the start of it, or ``last``. Raises StoreError."""
         from sar_tui.store.sessions import find
 

@@ -11,7 +11,7 @@ from sar_tui.cli.errors import Refused
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
 
 if TYPE_CHECKING:
-    import sqlite_utils
+    import sqlite3
 
     from sar_tui.motion.analysis import AnalysisParameters, Window
     from sar_tui.motion.samples import Samples
@@ -32,7 +32,7 @@ class _StoredSamples(NamedTuple):
     ended: dict[tuple[int, int], int]
 
     @classmethod
-    def of(cls, database: "sqlite_utils.Database", session: str) -> "_StoredSamples":
+    def of(cls, database: "sqlite3.Connection", session: str) -> "_StoredSamples":
         """Read them. Raises StoreError if samples are damaged."""
         from sar_tui.framework.messages import ImuBlock
         from sar_tui.framework.topics import SENSOR, TRIAL
@@ -67,7 +67,7 @@ class _StoredSamples(NamedTuple):
         return newest
 
 
-def _events(database: "sqlite_utils.Database", session: str, topic: str) -> Iterator[tuple[int, Row]]:
+def _events(database: "sqlite3.Connection", session: str, topic: str) -> Iterator[tuple[int, Row]]:
     import msgspec
 
     for seq, message in database.execute(

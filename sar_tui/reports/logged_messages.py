@@ -1,10 +1,10 @@
 """Recorded messages of a session, with the run that each belongs to."""
 
+import sqlite3
 from collections.abc import Iterable
 from typing import NamedTuple
 
 import msgspec
-import sqlite_utils
 
 from sar_tui.framework.messages import Message, OperatorChanged, Role, SessionStarted
 from sar_tui.framework.topics import ALL
@@ -27,7 +27,7 @@ class Span(NamedTuple):
     ended: int
 
 
-def read(database: sqlite_utils.Database, session: str) -> list[LoggedMessage]:
+def read(database: sqlite3.Connection, session: str) -> list[LoggedMessage]:
     """Read all messages of a session in order, except sensor samples.
 
     Raises:

@@ -1,10 +1,10 @@
 """Summary of a session's outputs: actions done and failed."""
 
+import sqlite3
 from collections import Counter
 from typing import Any
 
 import msgspec
-import sqlite_utils
 
 _OVER = ("done", "aborted", "failed")
 _REPORTS = """SELECT topic, message FROM events
@@ -30,7 +30,7 @@ class OutputSummary(msgspec.Struct):
         return f"{self.output}: {self.failed} of {self.done + self.aborted + self.failed} failed{why}"
 
 
-def output_summaries(database: sqlite_utils.Database, session: str) -> list[OutputSummary]:
+def output_summaries(database: sqlite3.Connection, session: str) -> list[OutputSummary]:
     """Summarise the outputs of a session in the order in which they were opened.
 
     The last report on each part of an action counts.

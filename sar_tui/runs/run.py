@@ -6,7 +6,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TypedDict
 
-import sqlite_utils
 from filelock import BaseFileLock
 
 from sar_tui.framework.clock import Clock, VirtualClock
@@ -36,7 +35,7 @@ class Run:
         number: int,
         session: Session,
         recorder: Recorder,
-        database: sqlite_utils.Database,
+        database: sqlite3.Connection,
         held: Sequence[BaseFileLock],
     ) -> None:
         self.id = session_id
@@ -153,7 +152,7 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ma
         return _with_recorder(row["id"], number, session, folder, database, held)
 
 
-def find_resumable(database: sqlite_utils.Database, folder: Path, name: str) -> sessions.Row:
+def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> sessions.Row:
     """Return the interrupted session that `store.sessions.find` finds for a name.
 
     Raises:
@@ -189,7 +188,7 @@ class _ParticipantFacts(TypedDict):
 
 
 def _participant_facts(
-    database: sqlite_utils.Database, task: Task, codes: Sequence[str], mode: sessions.Mode, without: str = ""
+    database: sqlite3.Connection, task: Task, codes: Sequence[str], mode: sessions.Mode, without: str = ""
 ) -> _ParticipantFacts:
     """Look up the best results of earlier live sessions, and the codes if the agent addresses participants by them."""
     best: list[dict[str, float]] = [{} for _ in codes]
@@ -216,7 +215,7 @@ def _with_recorder(
     number: int,
     session: Session,
     folder: Path,
-    database: sqlite_utils.Database,
+    database: sqlite3.Connection,
     held: Sequence[BaseFileLock],
 ) -> Run:
     """Return the run of a session with a recorder. In a live session it has its own database connection and thread."""
@@ -226,7 +225,7 @@ def _with_recorder(
 
 
 @contextmanager
-def _released_on_failure(database: sqlite_utils.Database, held: list[BaseFileLock]) -> Iterator[None]:
+def _released_on_failure(database: sqlite3.Connection, held: list[BaseFileLock]) -> Iterator[None]:
     try:
         yield
     except BaseException:
@@ -234,7 +233,7 @@ def _released_on_failure(database: sqlite_utils.Database, held: list[BaseFileLoc
         raise
 
 
-def _release(database: sqlite_utils.Database, held: Sequence[BaseFileLock]) -> None:
+def _release(database: sqlite3.Connection, held: Sequence[BaseFileLock]) -> None:
     for lock in held:
         lock.release()
-    database.conn.close()
+    database.close()

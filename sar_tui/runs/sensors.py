@@ -107,7 +107,7 @@ def _stored_source(name: str, folder: Path, clock: Clock | None, seat: str) -> R
             samples for run in runs if len(samples := imu.samples(database, session, run=run, seat=recorded_seat))
         ]
     finally:
-        database.conn.close()
+        database.close()
     if not recorded:
         raise SourceError(f"The session {session} holds no samples of a sensor.")
     is_fast = option == "speed=fast"

@@ -11,11 +11,10 @@ from pathlib import Path
 
 import filelock
 import platformdirs
-import sqlite_utils
-
-from sar_tui.store.schema import VERSION, migrations
 
 FILE = "sar-tui.db"
+VERSION = 4
+"""The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
 _NOT_OURS = "{path} is not a SQLite database. Move it away, or choose another --data folder."
 _TEMPORARY = {
     sqlite3.SQLITE_FULL,
@@ -45,7 +44,7 @@ def default_folder() -> Path:
     return Path(named) if named else platformdirs.user_data_path("sar-tui")
 
 
-def connect(folder: Path) -> sqlite_utils.Database:
+def connect(folder: Path) -> sqlite3.Connection:
     """Open the database of a data folder; create or migrate it if necessary.
 
     The folder is created with mode 0700 and the file with 0600. The connection commits automatically outside of
@@ -65,11 +64,10 @@ def connect(folder: Path) -> sqlite_utils.Database:
     except OSError as error:
         raise _unwritable(folder, error) from error
     try:
-        connection = sqlite3.connect(path, timeout=10, isolation_level=None, check_same_thread=False)
-        database = sqlite_utils.Database(connection)
+        database = sqlite3.connect(path, timeout=10, isolation_level=None, check_same_thread=False)
         with filelock.FileLock(path.with_suffix(".lock"), timeout=10, mode=0o600):
-            connection.execute("PRAGMA journal_mode=WAL")
-            connection.execute("PRAGMA synchronous=FULL")
+            database.execute("PRAGMA journal_mode=WAL")
+            database.execute("PRAGMA synchronous=FULL")
             _migrate(database, path)
     except filelock.Timeout:
         raise StoreError(f"Another program keeps {path} locked. Close it and try again.") from None
@@ -112,27 +110,26 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
 
 
 @contextmanager
-def transaction(database: sqlite_utils.Database) -> Iterator[sqlite3.Connection]:
+def transaction(database: sqlite3.Connection) -> Iterator[sqlite3.Connection]:
     """Run a block as one transaction, committed and on the disk when the block ends.
 
     Raises:
         StoreError: the disk cannot write; nothing has changed.
     """
-    connection: sqlite3.Connection = database.conn
     try:
-        connection.execute("BEGIN IMMEDIATE")
+        database.execute("BEGIN IMMEDIATE")
         try:
-            yield connection
-            connection.execute("COMMIT")
+            yield database
+            database.execute("COMMIT")
         except BaseException:
-            if connection.in_transaction:
-                connection.execute("ROLLBACK")
+            if database.in_transaction:
+                database.execute("ROLLBACK")
             raise
     except sqlite3.Error as error:
         raise explain(error) from error
 
 
-def _migrate(database: sqlite_utils.Database, path: Path) -> None:
+def _migrate(database: sqlite3.Connection, path: Path) -> None:
     (version,) = database.execute("PRAGMA user_version").fetchone()
     if version > VERSION:
         raise StoreError(
@@ -143,17 +140,26 @@ def _migrate(database: sqlite_utils.Database, path: Path) -> None:
     if version < VERSION:
         if version:
             _back_up(database, path, version)
-        migrations.apply(database)
+        _apply_migrations(database)
         database.execute(f"PRAGMA user_version={VERSION}")
 
 
-def _back_up(database: sqlite_utils.Database, path: Path, version: int) -> Path:
+def _apply_migrations(database: sqlite3.Connection) -> None:
+    """Apply the migrations that the database has not seen. Imported only here: sqlite-utils loads slowly."""
+    from sqlite_utils import Database
+
+    from sar_tui.store.schema import migrations
+
+    migrations.apply(Database(database))
+
+
+def _back_up(database: sqlite3.Connection, path: Path, version: int) -> Path:
     """Copy the file before a migration, and return the copy."""
     stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
     copy = path.with_name(f"{path.stem}-v{version}-{stamp}.db")
     os.close(os.open(copy, os.O_RDWR | os.O_CREAT, 0o600))
     target = sqlite3.connect(copy)
     with target:
-        database.conn.backup(target)
+        database.backup(target)
     target.close()
     return copy

@@ -1,11 +1,11 @@
 """Samples of motion sensors in the database, in blocks with checksums."""
 
+import sqlite3
 import zlib
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import msgspec
-import sqlite_utils
 
 from sar_tui.framework.bus import Record
 from sar_tui.framework.messages import ImuBlock, SensorChanged
@@ -89,7 +89,7 @@ class StreamRows:
         )  # fmt: skip
 
 
-def resume_streams(db: sqlite_utils.Database, session: str, run: int) -> StreamRows:
+def resume_streams(db: sqlite3.Connection, session: str, run: int) -> StreamRows:
     """Return StreamRows that continue the numbers of a session's stored streams and chunks."""
     last = db.execute(
         "SELECT seat, max(imu_streams.stream), coalesce(max(seq), 0) FROM imu_streams"
@@ -101,7 +101,7 @@ def resume_streams(db: sqlite_utils.Database, session: str, run: int) -> StreamR
     return StreamRows(session, run, max((stream for stream, _ in newest.values()), default=0), newest)
 
 
-def blocks(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
+def blocks(db: sqlite3.Connection, session: str) -> Iterator[Record]:
     """Yield a session's blocks of samples as records, each numbered like the event that followed it.
 
     Raises:
@@ -118,7 +118,7 @@ def blocks(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
 
 
 def samples(
-    db: sqlite_utils.Database,
+    db: sqlite3.Connection,
     session: str,
     from_ns: int = -(2**63),
     to_ns: int = 2**63 - 1,

@@ -1,11 +1,11 @@
 """Participants: pseudonymous codes, and the settings that a therapist saves for each."""
 
 import re
+import sqlite3
 from datetime import UTC, datetime
 from typing import Any
 
 import msgspec
-import sqlite_utils
 
 from sar_tui.store.database import StoreError, transaction
 
@@ -24,7 +24,7 @@ def check_code(code: str) -> str:
     return code
 
 
-def add(db: sqlite_utils.Database, code: str) -> str:
+def add(db: sqlite3.Connection, code: str) -> str:
     """Add a participant unless they are known, and return the code as it is stored.
 
     Raises:
@@ -37,7 +37,7 @@ def add(db: sqlite_utils.Database, code: str) -> str:
     return code
 
 
-def codes(db: sqlite_utils.Database) -> list[str]:
+def codes(db: sqlite3.Connection) -> list[str]:
     """Return the codes of all participants of live sessions, sorted."""
     return [code for (code,) in db.execute("SELECT code FROM participants ORDER BY code")]
 
@@ -49,7 +49,7 @@ class Settings(msgspec.Struct, frozen=True):
     theme: str = "calm"
 
 
-def settings(db: sqlite_utils.Database, participant: str, task: str) -> Settings:
+def settings(db: sqlite3.Connection, participant: str, task: str) -> Settings:
     """Return a participant's saved settings for a task, or the defaults."""
     row = db.execute(
         "SELECT parameters, theme FROM settings WHERE participant=? AND task=?", (participant, task)
@@ -57,7 +57,7 @@ def settings(db: sqlite_utils.Database, participant: str, task: str) -> Settings
     return Settings(msgspec.json.decode(row[0]), row[1]) if row else Settings()
 
 
-def save_settings(db: sqlite_utils.Database, participant: str, task: str, saved: Settings) -> None:
+def save_settings(db: sqlite3.Connection, participant: str, task: str, saved: Settings) -> None:
     """Save a participant's settings for a task."""
     row = (
         participant,

@@ -1,11 +1,10 @@
 """The Recorder: a tap on the bus that writes every message to the disk and acknowledges trials."""
 
+import sqlite3
 import threading
 from collections import deque
 from collections.abc import Callable
 from typing import Any, ClassVar
-
-import sqlite_utils
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
@@ -38,9 +37,7 @@ class Recorder:
     name: ClassVar[str] = "recorder"
     emits: ClassVar[tuple[Topic[Any], ...]] = (STORED, STORAGE)
 
-    def __init__(
-        self, database: sqlite_utils.Database, session: str, run: int, bus: Bus, *, inline: bool = False
-    ) -> None:
+    def __init__(self, database: sqlite3.Connection, session: str, run: int, bus: Bus, *, inline: bool = False) -> None:
         self._database = database
         self._session = session
         self._run = run
@@ -78,7 +75,7 @@ class Recorder:
         finally:
             try:
                 if not self._inline:
-                    self._database.conn.close()
+                    self._database.close()
             finally:
                 self._finished.set()
 

@@ -5,9 +5,6 @@ import sqlite_utils
 migrations = sqlite_utils.Migrations("sar-tui")
 """One function for each version, in order. A released function never changes."""
 
-VERSION = 4
-"""The number of migrations, stored in ``PRAGMA user_version``."""
-
 
 @migrations()
 def version_1(db: sqlite_utils.Database) -> None:

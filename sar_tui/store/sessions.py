@@ -2,14 +2,14 @@
 
 import os
 import secrets
-from collections.abc import Iterator
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from heapq import merge
 from pathlib import Path
 from typing import Any, Literal
 
 import msgspec
-import sqlite_utils
 
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import host_now
@@ -42,7 +42,7 @@ def new_id() -> str:
 
 
 def create(
-    db: sqlite_utils.Database,
+    db: sqlite3.Connection,
     session: str,
     *,
     task: str,
@@ -74,7 +74,7 @@ def create(
             connection.execute("INSERT INTO seats VALUES (?,'B',?)", (session, partner))
 
 
-def begin_run(db: sqlite_utils.Database, session: str, *, software: object, machine: object) -> int:
+def begin_run(db: sqlite3.Connection, session: str, *, software: object, machine: object) -> int:
     """Store a run of this program on a session, and return its number (1, 2, …)."""
     anchor = {"clock_ns": host_now(), "utc": _utc()}
     with transaction(db) as connection:
@@ -87,7 +87,7 @@ def begin_run(db: sqlite_utils.Database, session: str, *, software: object, mach
     return int(run)
 
 
-def best(db: sqlite_utils.Database, participant: str, task: Task, *, without: str = "") -> dict[str, float]:
+def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str = "") -> dict[str, float]:
     """Return a participant's best results in a task, by level, over all live sessions except ``without``.
 
     Levels can be compared only between sessions with the same values of the parameters that the task itself declares.
@@ -98,7 +98,8 @@ def best(db: sqlite_utils.Database, participant: str, task: Task, *, without: st
     own = {field.name for field in fields(kind)} - {field.name for field in fields(TaskParameters)}
     present = msgspec.json.decode(msgspec.json.encode(task.parameters))
     own_values = {name: value for name, value in present.items() if name in own}
-    live = db.query(
+    live = _query(
+        db,
         "SELECT sessions.id, parameters FROM sessions JOIN seats ON seats.session = sessions.id"
         " WHERE participant=? AND task=? AND mode='live' AND sessions.id<>?",
         (participant, task.name, without),
@@ -121,7 +122,7 @@ def best(db: sqlite_utils.Database, participant: str, task: Task, *, without: st
     return {str(level): value for level, value in rows}
 
 
-def interrupt(db: sqlite_utils.Database, session: str) -> None:
+def interrupt(db: sqlite3.Connection, session: str) -> None:
     """Mark a session that was left before its end as interrupted, so that it can be resumed."""
     with transaction(db) as connection:
         connection.execute(
@@ -150,6 +151,13 @@ def local_time(stamp: str | None) -> str:
     return datetime.fromisoformat(stamp).astimezone().strftime("%Y-%m-%d %H:%M") if stamp else ""
 
 
+def _query(db: sqlite3.Connection, sql: str, values: Sequence[object] | Mapping[str, object]) -> Iterator[Row]:
+    """Yield the rows of a query by the names of their columns."""
+    found = db.execute(sql, values)
+    names = [name for name, *_ in found.description]
+    return (dict(zip(names, row, strict=True)) for row in found)
+
+
 def _typed(table: str, row: Row) -> Row:
     """Return a row with its JSON columns decoded and its boolean columns as bool."""
     decoded = {name: msgspec.json.decode(row[name]) for name in _JSON.get(table, ()) if row[name] is not None}
@@ -157,13 +165,14 @@ def _typed(table: str, row: Row) -> Row:
     return row | decoded | booleans
 
 
-def listing(db: sqlite_utils.Database, folder: Path, *, participant: str | None = None, limit: int = -1) -> list[Row]:
+def listing(db: sqlite3.Connection, folder: Path, *, participant: str | None = None, limit: int = -1) -> list[Row]:
     """Return sessions, newest first, with ``participant``, ``partner`` (or None) and their number of ``attempts``.
 
     ``participant`` selects the sessions of one participant, at any seat. The status of a session that is stored as
     running and not locked by a program is ``interrupted``.
     """
-    rows = db.query(
+    rows = _query(
+        db,
         "SELECT sessions.*, seats.participant, other.participant AS partner,"
         " (SELECT count(DISTINCT attempt) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts"
         " FROM sessions JOIN seats ON seats.session=sessions.id AND seats.seat='A'"
@@ -174,7 +183,7 @@ def listing(db: sqlite_utils.Database, folder: Path, *, participant: str | None 
     return [_with_status(_typed("sessions", row), folder) for row in rows]
 
 
-def operators(db: sqlite_utils.Database, session: str | None = None) -> dict[str, list[str]]:
+def operators(db: sqlite3.Connection, session: str | None = None) -> dict[str, list[str]]:
     """Return the names of the operators, in order of arrival, by session; only sessions that had one.
 
     ``session`` selects a single session.
@@ -197,7 +206,7 @@ def participant_codes(row: Row) -> str:
     return ", ".join(filter(None, (row["participant"], row["partner"])))
 
 
-def find(db: sqlite_utils.Database, folder: Path, name: str) -> Row:
+def find(db: sqlite3.Connection, folder: Path, name: str) -> Row:
     """Find one session by its id, the beginning of its id, or ``last``.
 
     Raises:
@@ -219,15 +228,17 @@ def _with_status(row: Row, folder: Path) -> Row:
     return row
 
 
-def stored_status(db: sqlite_utils.Database, session: str) -> str | None:
+def stored_status(db: sqlite3.Connection, session: str) -> str | None:
     """Return a session's status as it is stored, locked or not; None if there is no such session."""
     row = db.execute("SELECT status FROM sessions WHERE id=?", (session,)).fetchone()
     return row[0] if row else None
 
 
-def rows(db: sqlite_utils.Database, table: Table, session: str) -> list[Row]:
+def rows(db: sqlite3.Connection, table: Table, session: str) -> list[Row]:
     """Return the rows of a session in one table, in order."""
-    return [_typed(table, row) for row in db.query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", (session,))]
+    return [
+        _typed(table, row) for row in _query(db, f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", (session,))
+    ]
 
 
 def attempt_ended(row: Row) -> AttemptEnded:
@@ -251,7 +262,7 @@ def attempt_ended(row: Row) -> AttemptEnded:
     )
 
 
-def history(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
+def history(db: sqlite3.Connection, session: str) -> Iterator[Record]:
     """Yield every message of a session, sensor samples included, in the order of a replay.
 
     Raises:
@@ -260,7 +271,7 @@ def history(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
     return merge(imu.blocks(db, session), _events(db, session), key=lambda record: record.seq)
 
 
-def _events(db: sqlite_utils.Database, session: str) -> Iterator[Record]:
+def _events(db: sqlite3.Connection, session: str) -> Iterator[Record]:
     for seq, at, name, text in db.execute(
         "SELECT seq, at_ns, topic, message FROM events WHERE session=? ORDER BY seq", (session,)
     ):

@@ -61,7 +61,7 @@ class SessionRunner:
         plan = make_plan(self._catalogue, self._kind, ["SIM"], values, theme=THEME, seed=seed, mode="simulated")
         name = simulate(plan, PEOPLE[user], self._folder, self._catalogue)
         database = connect(self._folder)
-        with closing(database.conn):
+        with closing(database):
             return Simulated(
                 task=self._kind(plan.parameters),
                 attempts=sessions.rows(database, "attempts", name),

@@ -45,7 +45,7 @@ def known(data: Path, participant: str = "P01", theme: str = "calm", **parameter
     participants.add(database, participant)
     settings = participants.Settings(SHORT | parameters, theme)
     participants.save_settings(database, participant, "keyboard", settings)
-    database.conn.close()
+    database.close()
 
 
 class AppDriver:

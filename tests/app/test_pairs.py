@@ -152,7 +152,7 @@ async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(data:
     database = connect(data)
     for code in ("P01", "P02"):
         participants.add(database, code)
-    database.conn.close()
+    database.close()
     async with open_app(data, catalogue) as driver:
         await driver.press("right", "down")
         names = [option.id for option in driver.app.screen.query_one("#task").options]

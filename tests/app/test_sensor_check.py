@@ -167,7 +167,7 @@ async def test_escape_leads_home_and_the_check_can_be_opened_again(data: Path, c
     participants.add(database, "P01")
     settings = participants.Settings({"imu": "simulated"}, "high-contrast")
     participants.save_settings(database, "P01", "reaching", settings)
-    database.conn.close()
+    database.close()
     async with open_app(data, catalogue) as driver:
         driver.app.screen.query_one("#start", Button).active_effect_duration = 0  # it takes no second press meanwhile
         for keys in (("right", "down", "down", "right", "right", "enter"), ("enter",)):

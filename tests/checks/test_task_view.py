@@ -47,7 +47,7 @@ def history(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
     session = simulate(plan, PEOPLE["poor"], folder / "data", catalogue)
     database = connect(folder / "data")
     records = list(sessions.history(database, session))
-    database.conn.close()
+    database.close()
     return records
 
 

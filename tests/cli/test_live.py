@@ -120,7 +120,7 @@ def test_run_starts_from_the_participants_settings(call: Call, opened: list[dict
     database = connect(tmp_path / "data")
     kept = participants.Settings({"attempts": 6, "prompts_per_attempt": 8}, "high-contrast")
     participants.save_settings(database, "P01", "keyboard", kept)
-    database.conn.close()
+    database.close()
     call("run", "keyboard", "-p", "P01", "--set", "attempts=2")
     plan = opened[0]["plan"]
     assert (plan.parameters.attempts, plan.parameters.prompts_per_attempt, plan.theme) == (2, 8, "high-contrast")
@@ -129,7 +129,7 @@ def test_run_starts_from_the_participants_settings(call: Call, opened: list[dict
 def test_a_motion_sensor_can_be_named(call: Call, opened: list[dict[str, Any]], tmp_path: Path) -> None:
     database = connect(tmp_path / "data")
     participants.save_settings(database, "P01", "reaching", participants.Settings({"imu": "phidget:1", "attempts": 3}))
-    database.conn.close()
+    database.close()
     assert call("run", "reaching", "-p", "P01", "--imu", "simulated:tremor").code == 7
     assert call("run", "reaching", "-p", "P01", "--set", "imu=simulated:tremor").code == 7
     assert call("run", "reaching", "-p", "P01").code == 7

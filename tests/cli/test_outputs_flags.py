@@ -67,7 +67,7 @@ def test_options_override_saved_settings_and_keep_the_rest(call: Call, opened: l
     saved = participants.Settings({"outputs": ["screen", "tones"], "language": "es", "attempts": 3}, "playful")
     database = connect(tmp_path / "data")
     participants.save_settings(database, "P01", "keyboard", saved)
-    database.conn.close()
+    database.close()
     call(*RUN)
     call(*RUN, "--speech", "sound", "--language", "en")
     found = [(plan.parameters.outputs, plan.parameters.language, plan.parameters.attempts) for plan in opened]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sqlite_utils import Database
 
 from benchmarks.fake_phidget import FakeSpatial
 from sar_tui.drivers.phidget import new_channel
@@ -97,8 +98,8 @@ def test_all_samples_are_stored_and_a_reattached_sensor_is_a_new_stream(tmp_path
     database = connect(tmp_path)
     streams = sessions.rows(database, "imu_streams", session_id)
     stored = imu.samples(database, session_id)
-    chunks = list(database.query("SELECT stream, seq, n FROM imu_chunks ORDER BY stream, seq"))
-    database.conn.close()
+    chunks = list(Database(database).query("SELECT stream, seq, n FROM imu_chunks ORDER BY stream, seq"))
+    database.close()
     assert states == ["detached", "attached", "detached", "attached", "detached"]
     assert [(row["stream"], row["rate_hz"]) for row in streams] == [(1, 1000 / interval_ms), (2, 1000 / interval_ms)]
     assert "1044_1B" in streams[0]["model"]

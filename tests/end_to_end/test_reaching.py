@@ -94,7 +94,7 @@ def analysed_again(data: Path, trial: Row) -> Any:
         from_ns=details["window_from_ns"], started_ns=details["window_started_ns"], to_ns=details["window_to_ns"]
     )
     database = connect(data)
-    with closing(database.conn):
+    with closing(database):
         measured = imu.samples(database, only_session(data), window.from_ns, window.to_ns, trial["run"])
     return analyse(measured, window, task.analysis())
 

@@ -242,7 +242,7 @@ def test_a_simulated_session_uses_and_records_its_outputs(
     actions = sessions.rows(database, "actions", session)
     opened = [record.message for record in sessions.history(database, session) if record.topic is OUTPUT]
     row = sessions.find(database, data, session)
-    database.conn.close()
+    database.close()
     assert [(message.output, message.address, message.can) for message in opened] == [("speech", "voice:low", ("say",))]
     assert row["parameters"]["outputs"] == ["screen", "voice:low"]
     spoken = [action["final"]["spoken"] for action in actions if action["decision"] == "accepted"]

@@ -41,7 +41,7 @@ def rows(data: Path, table: Any, session: str, *columns: str) -> list[tuple[Any,
     try:
         return [tuple(row[column] for column in columns) for row in sessions.rows(database, table, session)]
     finally:
-        database.conn.close()
+        database.close()
 
 
 TRIALS = ("attempt", "trial", "seat", "stimulus", "response", "correct", "details")
@@ -67,7 +67,7 @@ def test_both_seats_are_stored_and_the_session_is_found_from_either(data: Path) 
         assert (row["id"], row["participant"], row["partner"], row["attempts"]) == (session, "P01", "P02", 2)
         assert sessions.participant_codes(row) == "P01, P02"
     assert sessions.listing(database, data, participant="P03") == []
-    database.conn.close()
+    database.close()
 
 
 def test_neither_of_two_can_be_in_another_live_session_meanwhile(data: Path) -> None:
@@ -103,7 +103,7 @@ def test_each_participant_has_their_own_best_at_either_seat(data: Path) -> None:
     before = connect(data)
     best = "SELECT min(metric) FROM attempts JOIN seats USING (session, seat) WHERE participant=? AND accuracy >= 0.8"
     kept = tuple(before.execute(best, (code,)).fetchone()[0] for code in ("P02", "P01"))
-    before.conn.close()
+    before.close()
     run.close()
     assert reported == kept
     assert reported[0] != reported[1]
@@ -116,7 +116,7 @@ def test_the_session_gets_codes_only_if_the_agent_addresses_people_by_them(
     session = simulate(plan("simulated", address=address), PEOPLE["average"], data, CATALOGUE)
     database = connect(data)
     history = list(sessions.history(database, session))
-    database.conn.close()
+    database.close()
     (started,) = [record.message for record in history if record.topic is SESSION]
     assert started.names == names
     said = [r.message for r in history if r.topic is PROPOSED and r.message.kind == "feedback"]
@@ -133,7 +133,7 @@ def test_a_session_of_one_has_no_partner(data: Path) -> None:
     session = undisturbed(data)
     database = connect(data)
     row = sessions.find(database, data, session)
-    database.conn.close()
+    database.close()
     assert (row["partner"], sessions.participant_codes(row)) == (None, "P01")
 
 
@@ -154,7 +154,7 @@ def test_killed_in_mid_trial_and_resumed_each_trial_of_both_is_there_once(
         play(run, clock, count)
         database = connect(data)
         row = sessions.find(database, data, session)
-        database.conn.close()
+        database.close()
         if row["status"] != "interrupted":
             break
         assert (row["participant"], row["partner"]) == ("P01", "P02")
@@ -179,7 +179,7 @@ def test_a_session_of_two_comes_out_the_same_when_replayed(data: Path, policy: s
     session = whole(data, policy=policy, address="code")
     database = connect(data)
     history = list(sessions.history(database, session))
-    database.conn.close()
+    database.close()
     parameters = build(KIND.Parameters, SHORT | {"policy": policy, "address": "code"})
     replayed = Session(KIND(parameters), CATALOGUE.theme("calm"), VirtualClock(), 4)
     replayed.replay(history)

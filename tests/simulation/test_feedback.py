@@ -34,7 +34,7 @@ class StoredSession:
         self.attempts = sessions.rows(database, "attempts", self.id)
         self.actions = sessions.rows(database, "actions", self.id)
         self.records = list(sessions.history(database, self.id))
-        database.conn.close()
+        database.close()
 
     def all(self, topic: Any) -> list[Any]:
         return [record.message for record in self.records if record.topic is topic]

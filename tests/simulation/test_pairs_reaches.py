@@ -126,7 +126,7 @@ def test_a_session_of_reaches_of_two_is_stored_and_comes_out_the_same_when_repla
     database = connect(data)
     rows = sessions.rows(database, "trials", name)
     history = list(sessions.history(database, name))
-    database.conn.close()
+    database.close()
     assert [(row["trial"], row["seat"]) for row in rows] == [(1, "A"), (1, "B"), (2, "A"), (2, "B")]
     assert {row["stimulus"] for row in rows} == {"reach"}
     assert {record.message.seat for record in history if record.topic is SENSOR} == {"A", "B"}

@@ -78,7 +78,7 @@ def test_each_reach_has_the_seat_of_its_hand(data: Path, played: str) -> None:
     streams = sessions.rows(database, "imu_streams", played)
     samples = {seat: imu.samples(database, played, seat=seat) for seat in "AB"}
     history = list(sessions.history(database, played))
-    database.conn.close()
+    database.close()
     assert [(row["seat"], row["stream"]) for row in streams] == [("A", 1), ("B", 2)]
     assert [(row["attempt"], row["trial"], row["seat"]) for row in trials] == [
         (attempt, trial, seat) for attempt in (1, 2) for trial in (1, 2) for seat in "AB"
@@ -97,7 +97,7 @@ def test_each_reach_has_the_seat_of_its_hand(data: Path, played: str) -> None:
 def test_the_samples_of_each_are_their_own_and_in_order(data: Path, played: str) -> None:
     database = connect(data)
     samples = {seat: imu.samples(database, played, seat=seat) for seat in "AB"}
-    database.conn.close()
+    database.close()
     for measured in samples.values():
         assert np.all(np.diff(measured["at"]) > 0)
         assert 240 < len(measured) / (measured["at"][-1] - measured["at"][0]) * 1e9 < 260
@@ -107,7 +107,7 @@ def test_the_samples_of_each_are_their_own_and_in_order(data: Path, played: str)
 def test_a_session_with_two_sensors_comes_out_the_same_when_replayed(data: Path, played: str) -> None:
     database = connect(data)
     history = list(sessions.history(database, played))
-    database.conn.close()
+    database.close()
     replayed = Session(TwoHands(parameters()), Catalogue().theme("calm"), VirtualClock(), 5)
     replayed.replay(history)
     assert replayed.ended
@@ -132,7 +132,7 @@ def test_the_session_waits_for_the_sensor_of_either(calm: Any) -> None:
 def test_a_stored_session_gives_each_seat_its_own_samples(data: Path, played: str) -> None:
     database = connect(data)
     measured = {seat: imu.samples(database, played, seat=seat) for seat in "AB"}
-    database.conn.close()
+    database.close()
     clock = VirtualClock()
     given = parameters(imu=f"session:{played}?speed=fast", imu_b=f"session:{played}?speed=fast")
     for feed, seat in zip(open_sensors(TwoHands, given, 1, clock, data), "AB", strict=True):

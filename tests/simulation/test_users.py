@@ -1,12 +1,13 @@
 """The keyboard task adapts to three simulated users with twenty seeds."""
 
+import sqlite3
 from itertools import pairwise
 from pathlib import Path
 from statistics import fmean
 from typing import NamedTuple
 
 import pytest
-import sqlite_utils
+from sqlite_utils import Database
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
@@ -123,8 +124,8 @@ def test_nobody_spends_over_half_of_the_last_ten_attempts_at_a_bound(samples: li
             assert sample.last_levels.count(bound) <= 5, (sample.user, sample.seed, bound)
 
 
-def events(database: sqlite_utils.Database, session: str) -> list[tuple[object, ...]]:
-    columns = [column.name for column in database["events"].columns if column.name != "session"]
+def events(database: sqlite3.Connection, session: str) -> list[tuple[object, ...]]:
+    columns = [column.name for column in Database(database)["events"].columns if column.name != "session"]
     query = f"SELECT {', '.join(columns)} FROM events WHERE session=? ORDER BY seq"
     return list(database.execute(query, (session,)))
 
@@ -151,5 +152,5 @@ def test_a_simulated_session_says_that_it_is_one_and_enters_no_participant(
     row = sessions.find(connect(data), data, session)
     assert (row["mode"], row["status"], row["attempts"], row["participant"]) == ("simulated", "completed", 3, "SIM")
     assert set(row["software"]) >= {"sar_tui", "python", "task", "theme"}
-    assert list(connect(data)["participants"].rows) == []
+    assert connect(data).execute("SELECT * FROM participants").fetchall() == []
     assert progress == [1, 2, 3]

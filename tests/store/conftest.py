@@ -1,10 +1,10 @@
 """A plan and a database for tests of the store."""
 
+import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-import sqlite_utils
 
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
@@ -12,10 +12,10 @@ from sar_tui.store.database import connect
 
 
 @pytest.fixture
-def database(data: Path) -> Iterator[sqlite_utils.Database]:
+def database(data: Path) -> Iterator[sqlite3.Connection]:
     opened = connect(data)
     yield opened
-    opened.conn.close()
+    opened.close()
 
 
 @pytest.fixture

@@ -11,12 +11,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-import sqlite_utils
+from sqlite_utils import Database, Migrations
 
 from sar_tui.store import database as module
-from sar_tui.store import sessions
-from sar_tui.store.database import FILE, StoreError, connect, default_folder, explain, transaction
-from sar_tui.store.schema import VERSION, migrations
+from sar_tui.store import schema, sessions
+from sar_tui.store.database import FILE, VERSION, StoreError, connect, default_folder, explain, transaction
+from sar_tui.store.schema import migrations
 
 _NOBODY = 65534
 """The user who owns nothing."""
@@ -36,14 +36,14 @@ def refusal(folder: Path) -> StoreError:
     return caught.value
 
 
-def pragma(database: sqlite_utils.Database, name: str) -> object:
+def pragma(database: sqlite3.Connection, name: str) -> object:
     return database.execute(f"PRAGMA {name}").fetchone()[0]
 
 
-def test_a_new_database_has_the_tables_of_the_contract(database: sqlite_utils.Database) -> None:
-    assert set(database.table_names()) >= TABLES
-    assert pragma(database, "user_version") == VERSION
-    columns = {table: {column.name for column in database[table].columns} for table in TABLES}
+def test_a_new_database_has_the_tables_of_the_contract(database: sqlite3.Connection) -> None:
+    assert set(Database(database).table_names()) >= TABLES
+    assert pragma(database, "user_version") == VERSION == len(migrations.pending(Database(memory=True)))
+    columns = {table: {column.name for column in Database(database)[table].columns} for table in TABLES}
     assert columns["sessions"] >= set(
         "id task status started_at ended_at seed parameters software machine mode".split()
     )
@@ -64,19 +64,19 @@ def test_a_new_database_has_the_tables_of_the_contract(database: sqlite_utils.Da
     assert columns["participants"] >= set("code created_at".split())
 
 
-def test_the_keys_are_those_of_the_contract(database: sqlite_utils.Database) -> None:
-    assert database["events"].pks == ["session", "seq"]
-    assert database["trials"].pks == ["session", "attempt", "trial", "seat"]
-    assert database["attempts"].pks == ["session", "attempt", "seat"]
+def test_the_keys_are_those_of_the_contract(database: sqlite3.Connection) -> None:
+    assert Database(database)["events"].pks == ["session", "seq"]
+    assert Database(database)["trials"].pks == ["session", "attempt", "trial", "seat"]
+    assert Database(database)["attempts"].pks == ["session", "attempt", "seat"]
 
 
-def test_every_commit_is_synced_to_the_disk(database: sqlite_utils.Database) -> None:
+def test_every_commit_is_synced_to_the_disk(database: sqlite3.Connection) -> None:
     assert (pragma(database, "journal_mode"), pragma(database, "synchronous")) == ("wal", 2)
 
 
 @posix
-def test_the_folder_and_every_file_in_it_are_its_owners_alone(database: sqlite_utils.Database, data: Path) -> None:
-    database["notes"].insert({"session": "s", "text": "x"})
+def test_the_folder_and_every_file_in_it_are_its_owners_alone(database: sqlite3.Connection, data: Path) -> None:
+    Database(database)["notes"].insert({"session": "s", "text": "x"})
     assert mode(data) == 0o700
     assert {path.name: oct(mode(path)) for path in data.iterdir()} == {path.name: oct(0o600) for path in data.iterdir()}
     assert (data / FILE).exists()
@@ -84,15 +84,15 @@ def test_the_folder_and_every_file_in_it_are_its_owners_alone(database: sqlite_u
 
 
 @posix
-def test_a_database_that_others_could_read_is_made_private(database: sqlite_utils.Database, data: Path) -> None:
+def test_a_database_that_others_could_read_is_made_private(database: sqlite3.Connection, data: Path) -> None:
     (data / FILE).chmod(0o644)
     connect(data)
     assert mode(data / FILE) == 0o600
 
 
-def test_opening_it_again_keeps_what_is_there(database: sqlite_utils.Database, data: Path) -> None:
-    database["participants"].insert({"code": "P01", "created_at": "now"})
-    assert [row["code"] for row in connect(data)["participants"].rows] == ["P01"]
+def test_opening_it_again_keeps_what_is_there(database: sqlite3.Connection, data: Path) -> None:
+    Database(database)["participants"].insert({"code": "P01", "created_at": "now"})
+    assert [row["code"] for row in Database(connect(data))["participants"].rows] == ["P01"]
     assert list(data.glob("*-v*.db")) == []
 
 
@@ -118,7 +118,7 @@ def test_a_file_that_is_not_a_database_is_refused_and_left_unchanged(data: Path,
 
 
 def test_a_damaged_database_is_reported(data: Path) -> None:
-    connect(data).conn.close()
+    connect(data).close()
     whole = (data / FILE).read_bytes()
     (data / FILE).write_bytes(whole[:100] + b"\xff" * 4000 + whole[4100:])
     assert refusal(data).bad_input
@@ -152,31 +152,31 @@ def test_a_folder_that_is_read_only_is_reported() -> None:
 @pytest.fixture
 def older(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A database of this version, and a program of the next, whose migration adds a table."""
-    opened = connect(data)
+    opened = Database(connect(data))
     opened["participants"].insert({"code": "P01", "created_at": "now"})
-    opened.conn.close()
-    newer = sqlite_utils.Migrations("sar-tui")
+    opened.close()
+    newer = Migrations("sar-tui")
 
     @newer()
-    def version_1(db: sqlite_utils.Database) -> None:
+    def version_1(db: Database) -> None:
         raise AssertionError("applied already")
 
     @newer(name=f"version_{VERSION + 1}")
-    def next_version(db: sqlite_utils.Database) -> None:
+    def next_version(db: Database) -> None:
         db["goals"].insert({"session": "s"})
 
-    monkeypatch.setattr(module, "migrations", newer)
+    monkeypatch.setattr(schema, "migrations", newer)
     monkeypatch.setattr(module, "VERSION", VERSION + 1)
     return data
 
 
 def test_an_older_database_is_brought_up_to_date_after_a_backup(older: Path) -> None:
-    opened = connect(older)
+    opened = Database(connect(older))
     assert pragma(opened, "user_version") == VERSION + 1
     assert "goals" in opened.table_names()
     assert [row["code"] for row in opened["participants"].rows] == ["P01"]
     (backup,) = older.glob(f"*-v{VERSION}-*.db")
-    kept = sqlite_utils.Database(sqlite3.connect(backup))
+    kept = Database(sqlite3.connect(backup))
     assert pragma(kept, "user_version") == VERSION
     assert "goals" not in kept.table_names()
     assert [row["code"] for row in kept["participants"].rows] == ["P01"]
@@ -184,13 +184,13 @@ def test_an_older_database_is_brought_up_to_date_after_a_backup(older: Path) -> 
 
 def test_a_database_of_the_first_version_keeps_its_attempts_and_can_take_a_sensors_samples(data: Path) -> None:
     data.mkdir()
-    first = sqlite_utils.Database(sqlite3.connect(data / FILE))
+    first = Database(sqlite3.connect(data / FILE))
     migrations.apply(first, stop_before="version_2")
     first["sessions"].insert({"id": "s", "parameters": '{"threshold": 900.0}'})
     first["attempts"].insert({"session": "s", "attempt": 1, "seat": "A", "metric": 700.0})
     first.execute("PRAGMA user_version=1")
     first.conn.close()
-    opened = connect(data)
+    opened = Database(connect(data))
     assert pragma(opened, "user_version") == VERSION
     (attempt,) = opened["attempts"].rows
     assert (attempt["metric"], attempt["goal"]) == (700.0, 900.0)
@@ -199,12 +199,12 @@ def test_a_database_of_the_first_version_keeps_its_attempts_and_can_take_a_senso
 
 def test_a_database_of_the_second_version_keeps_its_attempts_and_can_take_why_they_were_answered(data: Path) -> None:
     data.mkdir()
-    second = sqlite_utils.Database(sqlite3.connect(data / FILE))
+    second = Database(sqlite3.connect(data / FILE))
     migrations.apply(second, stop_before="version_3")
     second["attempts"].insert({"session": "s", "attempt": 1, "seat": "A", "feedback": "positive", "qualities": "{}"})
     second.execute("PRAGMA user_version=2")
     second.conn.close()
-    opened = connect(data)
+    opened = Database(connect(data))
     assert pragma(opened, "user_version") == VERSION
     (attempt,) = sessions.rows(opened, "attempts", "s")
     assert (attempt["feedback"], attempt["qualities"], attempt["choice"]) == ("positive", {}, None)
@@ -212,7 +212,7 @@ def test_a_database_of_the_second_version_keeps_its_attempts_and_can_take_why_th
 
 def test_a_database_of_the_third_version_keeps_its_actions_and_notes_and_can_take_an_operators(data: Path) -> None:
     data.mkdir()
-    third = sqlite_utils.Database(sqlite3.connect(data / FILE))
+    third = Database(sqlite3.connect(data / FILE))
     migrations.apply(third, stop_before="version_4")
     third["actions"].insert(
         {"session": "s", "id": "a1", "kind": "feedback", "final": '{"text": "Fine."}', "decision": "accepted"}
@@ -220,7 +220,7 @@ def test_a_database_of_the_third_version_keeps_its_actions_and_notes_and_can_tak
     third["notes"].insert({"session": "s", "at_ns": 5, "author": "Ana", "text": "tired"})
     third.execute("PRAGMA user_version=3")
     third.conn.close()
-    opened = connect(data)
+    opened = Database(connect(data))
     assert pragma(opened, "user_version") == VERSION
     (action,) = sessions.rows(opened, "actions", "s")
     assert (action["final"], action["decision"]) == ({"text": "Fine."}, "accepted")
@@ -267,7 +267,7 @@ from sar_tui.store.database import connect
 folder = Path(sys.argv[1])
 first, second = connect(folder), connect(folder)
 for line in sys.stdin:
-    second.conn.execute("INSERT INTO participants VALUES (?, 'now')", (line.strip(),))
+    second.execute("INSERT INTO participants VALUES (?, 'now')", (line.strip(),))
     print("stored", flush=True)
 """
 
@@ -298,7 +298,7 @@ def test_committed_data_survive_kill_9_and_are_visible_to_other_programs(data: P
     assert seen_by_another() == " ".join(codes)
 
 
-def test_a_transaction_is_all_or_nothing(database: sqlite_utils.Database) -> None:
+def test_a_transaction_is_all_or_nothing(database: sqlite3.Connection) -> None:
     def half() -> None:
         with transaction(database) as connection:
             connection.execute("INSERT INTO participants VALUES ('P01', 'now')")
@@ -306,13 +306,13 @@ def test_a_transaction_is_all_or_nothing(database: sqlite_utils.Database) -> Non
 
     with pytest.raises(KeyboardInterrupt):
         half()
-    assert list(database["participants"].rows) == []
+    assert list(Database(database)["participants"].rows) == []
     with transaction(database) as connection:
         connection.execute("INSERT INTO participants VALUES ('P02', 'now')")
-    assert [row["code"] for row in database["participants"].rows] == ["P02"]
+    assert [row["code"] for row in Database(database)["participants"].rows] == ["P02"]
 
 
-def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(database: sqlite_utils.Database) -> None:
+def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(database: sqlite3.Connection) -> None:
     def too_much() -> None:
         with transaction(database) as connection:
             connection.execute("INSERT INTO participants VALUES ('P01', 'now')")
@@ -322,7 +322,7 @@ def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(databa
     database.execute(f"PRAGMA max_page_count={pages}")
     with pytest.raises(StoreError, match="The disk is full"):
         too_much()
-    assert list(database["participants"].rows) == []
+    assert list(Database(database)["participants"].rows) == []
     with transaction(database) as connection:
         connection.execute("INSERT INTO participants VALUES ('P02', 'now')")
 
@@ -359,11 +359,9 @@ def test_temporary_and_permanent_errors_are_reported_apart(code: int | None, tem
     assert explain(error).temporary is temporary
 
 
-def test_a_copy_of_the_database_is_a_whole_database(
-    database: sqlite_utils.Database, data: Path, tmp_path: Path
-) -> None:
-    database["participants"].insert({"code": "P01", "created_at": "now"})
+def test_a_copy_of_the_database_is_a_whole_database(database: sqlite3.Connection, data: Path, tmp_path: Path) -> None:
+    Database(database)["participants"].insert({"code": "P01", "created_at": "now"})
     shutil.copytree(data, tmp_path / "copy")
     copy = connect(tmp_path / "copy")
     assert pragma(copy, "integrity_check") == "ok"
-    assert [row["code"] for row in copy["participants"].rows] == ["P01"]
+    assert [row["code"] for row in Database(copy)["participants"].rows] == ["P01"]

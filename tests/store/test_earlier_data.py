@@ -75,7 +75,7 @@ def test_a_session_comes_out_the_same_when_replayed(data: Path, catalogue: Catal
     theme = catalogue.theme(row["theme"], parameters.language)
     replayed = Session(kind(parameters), theme, VirtualClock(), row["seed"])
     replayed.replay(sessions.history(database, session))
-    database.conn.close()
+    database.close()
     assert replayed.ended == (session != INTERRUPTED)
 
 
@@ -96,7 +96,7 @@ def test_the_interrupted_session_is_resumed_and_completed(data: Path, catalogue:
     database = connect(data)
     row = sessions.find(database, data, INTERRUPTED)
     trials = sessions.rows(database, "trials", INTERRUPTED)
-    database.conn.close()
+    database.close()
     assert row["status"] == "completed"
     assert [(trial["attempt"], trial["trial"], trial["run"]) for trial in trials] == [
         (1, 1, 1), (1, 2, 1), (2, 1, 1), (2, 2, 2), (3, 1, 2), (3, 2, 2),
@@ -106,7 +106,7 @@ def test_the_interrupted_session_is_resumed_and_completed(data: Path, catalogue:
 def test_saved_settings_make_a_plan(data: Path, catalogue: Catalogue) -> None:
     database = connect(data)
     saved = participants.settings(database, "P01", "keyboard")
-    database.conn.close()
+    database.close()
     plan = make_plan(catalogue, "keyboard", ["P01"], saved=saved)
     assert (plan.parameters.attempts, plan.theme) == (2, "calm")
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sqlite_utils import Database
 
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import MS, VirtualClock
@@ -143,7 +144,9 @@ class StoredSession:
         return list(sessions.history(self.eyes, self.id))
 
     def chunks(self) -> list[dict[str, Any]]:
-        return list(self.eyes.query("SELECT * FROM imu_chunks WHERE session=? ORDER BY stream, seq", [self.id]))
+        return list(
+            Database(self.eyes).query("SELECT * FROM imu_chunks WHERE session=? ORDER BY stream, seq", [self.id])
+        )
 
     def samples(self, from_ns: int = 0, to_ns: int = 2**62, run: int | None = None) -> Samples:
         return imu.samples(self.eyes, self.id, from_ns, to_ns, run)
@@ -200,7 +203,7 @@ def test_a_damaged_block_is_reported_by_its_number_and_never_taken_for_samples(d
         "cut short": whole[: -SAMPLE.itemsize],
         "another block's": stored.chunks()[number]["data"],
     }[change]
-    with stored.eyes.conn:
+    with stored.eyes:
         stored.eyes.execute("UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", (damaged, stored.id, number))
     words = f"Block {number} of sensor stream 1 of session {stored.id} is damaged"
     with pytest.raises(StoreError, match=words):

@@ -1,10 +1,10 @@
 """Participants are stored as codes, with their saved settings."""
 
 import re
+import sqlite3
 from pathlib import Path
 
 import pytest
-import sqlite_utils
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -36,31 +36,31 @@ def test_a_code_is_safe_to_name_a_file_or_it_is_refused(code: str) -> None:
     assert check_code(kept) == kept
 
 
-def test_someone_entered_twice_is_one_participant(database: sqlite_utils.Database) -> None:
+def test_someone_entered_twice_is_one_participant(database: sqlite3.Connection) -> None:
     assert [add(database, code) for code in ("p02", "P02", "P01")] == ["P02", "P02", "P01"]
     assert codes(database) == ["P01", "P02"]
 
 
-def test_a_disk_that_refuses_someone_is_reported(database: sqlite_utils.Database) -> None:
+def test_a_disk_that_refuses_someone_is_reported(database: sqlite3.Connection) -> None:
     database.execute("PRAGMA query_only=1")
     with pytest.raises(StoreError, match="is read-only"):
         add(database, "P01")
     assert codes(database) == []
 
 
-def test_someone_entered_is_there_for_the_next_program(database: sqlite_utils.Database, data: Path) -> None:
+def test_someone_entered_is_there_for_the_next_program(database: sqlite3.Connection, data: Path) -> None:
     add(database, "P01")
     assert codes(connect(data)) == ["P01"]
 
 
-def test_settings_are_stored_for_a_participant_and_a_task(database: sqlite_utils.Database, data: Path) -> None:
+def test_settings_are_stored_for_a_participant_and_a_task(database: sqlite3.Connection, data: Path) -> None:
     mine = Settings({"attempts": 5, "levels": ["fj", "dfjk"], "threshold": 850.5}, "high-contrast")
     save_settings(database, "P01", "keyboard", mine)
     assert settings(connect(data), "P01", "keyboard") == mine
     assert settings(database, "P02", "keyboard") == settings(database, "P01", "reaching") == Settings({}, "calm")
 
 
-def test_settings_saved_again_take_the_place_of_the_old(database: sqlite_utils.Database) -> None:
+def test_settings_saved_again_take_the_place_of_the_old(database: sqlite3.Connection) -> None:
     save_settings(database, "P01", "keyboard", Settings({"attempts": 5}))
     save_settings(database, "P01", "keyboard", Settings({"threshold": 900}))
     assert settings(database, "P01", "keyboard") == Settings({"threshold": 900})

@@ -8,7 +8,7 @@ from typing import Any
 
 import msgspec
 import pytest
-import sqlite_utils
+from sqlite_utils import Database
 
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import SECOND, VirtualClock
@@ -107,7 +107,7 @@ class Recorded:
 
     def stored(self, table: str) -> list[Any]:
         """Return what another program sees in the database."""
-        return list(self.eyes.query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", [self.id]))
+        return list(Database(self.eyes).query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", [self.id]))
 
     @property
     def history(self) -> list[Record]:
@@ -210,7 +210,7 @@ def test_the_last_trial_closes_the_session(data: Path) -> None:
     recorded = Recorded(data)
     recorded.session.begin()
     recorded.finish()
-    (row,) = recorded.eyes.query("SELECT status, ended_at FROM sessions")
+    (row,) = Database(recorded.eyes).query("SELECT status, ended_at FROM sessions")
     assert row["status"] == "completed"
     assert row["ended_at"] is not None
 
@@ -424,9 +424,9 @@ def test_two_threads_on_one_database_are_both_whole(data: Path) -> None:
         assert len(recorded.stored("trials")) == 6
 
 
-def test_streams_are_not_written_as_events(database: sqlite_utils.Database) -> None:
+def test_streams_are_not_written_as_events(database: sqlite3.Connection) -> None:
     bus = Bus(VirtualClock())
     recorder = Recorder(database, "s", 1, bus, inline=True)
     bus.publish(Topic("imu/sample", KeyPressed, origin="input", stream=True), KeyPressed(key="x", at=0))
     recorder.write()
-    assert list(database["events"].rows) == []
+    assert list(Database(database)["events"].rows) == []

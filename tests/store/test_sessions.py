@@ -1,5 +1,6 @@
 """Sessions are found, listed and read as they were stored."""
 
+import sqlite3
 import tempfile
 from pathlib import Path
 from types import SimpleNamespace
@@ -7,9 +8,9 @@ from typing import Any
 
 import msgspec
 import pytest
-import sqlite_utils
 from hypothesis import given
 from hypothesis import strategies as st
+from sqlite_utils import Database
 
 from sar_tui.framework.parameters import TaskParameters, build
 from sar_tui.framework.task import Task
@@ -21,14 +22,14 @@ from sar_tui.store.locks import hold
 from tests.examples import examples
 
 
-def enter(database: sqlite_utils.Database, participant: str = "P01", **more: Any) -> str:
+def enter(database: sqlite3.Connection, participant: str = "P01", **more: Any) -> str:
     facts = {"task": "keyboard", "theme": "calm", "seed": 5, "mode": "live", "parameters": {"attempts": 3}}
     session = sessions.new_id()
     sessions.create(database, session, participant=participant, software={}, machine={}, **(facts | more))
     return session
 
 
-def test_a_new_session_is_a_row_with_its_facts(database: sqlite_utils.Database, data: Path) -> None:
+def test_a_new_session_is_a_row_with_its_facts(database: sqlite3.Connection, data: Path) -> None:
     session = enter(database)
     row = sessions.find(database, data, session)
     assert (row["id"], row["task"], row["theme"], row["seed"], row["mode"]) == (session, "keyboard", "calm", 5, "live")
@@ -37,13 +38,13 @@ def test_a_new_session_is_a_row_with_its_facts(database: sqlite_utils.Database, 
     assert row["ended_at"] is None
 
 
-def test_ids_are_random_text(database: sqlite_utils.Database) -> None:
+def test_ids_are_random_text(database: sqlite3.Connection) -> None:
     ids = {enter(database) for _ in range(50)}
     assert len(ids) == 50
     assert all(len(session) == 10 and session.isalnum() for session in ids)
 
 
-def test_a_running_session_nobody_holds_was_interrupted(database: sqlite_utils.Database, data: Path) -> None:
+def test_a_running_session_nobody_holds_was_interrupted(database: sqlite3.Connection, data: Path) -> None:
     session = enter(database)
     lock = hold(data, "session", session)
     assert [row["status"] for row in sessions.listing(database, data)] == ["running"]
@@ -51,18 +52,18 @@ def test_a_running_session_nobody_holds_was_interrupted(database: sqlite_utils.D
     assert [row["status"] for row in sessions.listing(database, data)] == ["interrupted"]
 
 
-def test_the_newest_session_comes_first(database: sqlite_utils.Database, data: Path) -> None:
+def test_the_newest_session_comes_first(database: sqlite3.Connection, data: Path) -> None:
     entered = [enter(database) for _ in range(5)]
     assert [row["id"] for row in sessions.listing(database, data)] == entered[::-1]
     assert [row["id"] for row in sessions.listing(database, data, limit=2)] == entered[:-3:-1]
 
 
-def test_the_sessions_of_one_participant_are_theirs_alone(database: sqlite_utils.Database, data: Path) -> None:
+def test_the_sessions_of_one_participant_are_theirs_alone(database: sqlite3.Connection, data: Path) -> None:
     mine, _ = enter(database, "P01"), enter(database, "P02")
     assert [row["id"] for row in sessions.listing(database, data, participant="P01")] == [mine]
 
 
-def test_a_session_is_found_by_its_id_its_beginning_or_as_the_last(database: sqlite_utils.Database, data: Path) -> None:
+def test_a_session_is_found_by_its_id_its_beginning_or_as_the_last(database: sqlite3.Connection, data: Path) -> None:
     session = enter(database)
     last = enter(database)
     database.execute("UPDATE sessions SET id='aab0000001' WHERE id=?", (session,))
@@ -83,12 +84,12 @@ def test_a_session_is_found_by_its_id_its_beginning_or_as_the_last(database: sql
 
 
 @pytest.mark.parametrize("name", ["last", "abc", "%", "_", "' OR 1=1 --"])
-def test_a_session_that_does_not_exist_is_not_found(database: sqlite_utils.Database, data: Path, name: str) -> None:
+def test_a_session_that_does_not_exist_is_not_found(database: sqlite3.Connection, data: Path, name: str) -> None:
     with pytest.raises(StoreError, match="There is no session"):
         sessions.find(database, data, name)
 
 
-def test_each_run_has_its_number_its_anchor_and_its_program(database: sqlite_utils.Database) -> None:
+def test_each_run_has_its_number_its_anchor_and_its_program(database: sqlite3.Connection) -> None:
     session, other = enter(database), enter(database)
     numbers = [
         sessions.begin_run(database, s, software={"python": "3"}, machine={"flags": ["ssh"]})
@@ -101,7 +102,7 @@ def test_each_run_has_its_number_its_anchor_and_its_program(database: sqlite_uti
     assert run["pid"] > 0
 
 
-def test_only_a_running_session_is_marked_as_interrupted(database: sqlite_utils.Database, data: Path) -> None:
+def test_only_a_running_session_is_marked_as_interrupted(database: sqlite3.Connection, data: Path) -> None:
     done = enter(database)
     database.execute("UPDATE sessions SET status='completed'")
     cut = enter(database)
@@ -113,9 +114,13 @@ def test_only_a_running_session_is_marked_as_interrupted(database: sqlite_utils.
     }
 
 
-def test_correct_is_a_count_in_attempts_and_a_bool_in_trials(database: sqlite_utils.Database) -> None:
-    database["attempts"].insert({"session": "s", "attempt": 1, "seat": "A", "practice": 0, "correct": 1, "trials": 1})
-    database["trials"].insert({"session": "s", "attempt": 1, "trial": 1, "seat": "A", "correct": 1, "timing": "{}"})
+def test_correct_is_a_count_in_attempts_and_a_bool_in_trials(database: sqlite3.Connection) -> None:
+    Database(database)["attempts"].insert(
+        {"session": "s", "attempt": 1, "seat": "A", "practice": 0, "correct": 1, "trials": 1}
+    )
+    Database(database)["trials"].insert(
+        {"session": "s", "attempt": 1, "trial": 1, "seat": "A", "correct": 1, "timing": "{}"}
+    )
     (attempt,) = sessions.rows(database, "attempts", "s")
     (trial,) = sessions.rows(database, "trials", "s")
     assert (attempt["practice"], type(attempt["correct"]), attempt["trials"]) == (False, int, 1)
@@ -126,7 +131,7 @@ def test_correct_is_a_count_in_attempts_and_a_bool_in_trials(database: sqlite_ut
 @pytest.mark.parametrize(
     ("topic", "message"), [("input/none", "{}"), ("input/key", "{}"), ("input/key", "not json"), ("input/key", "[1]")]
 )
-def test_a_message_that_cannot_be_read_is_reported(database: sqlite_utils.Database, topic: str, message: str) -> None:
+def test_a_message_that_cannot_be_read_is_reported(database: sqlite3.Connection, topic: str, message: str) -> None:
     session = enter(database)
     database.execute("INSERT INTO events VALUES (?,1,1,0,?,?)", (session, topic, message))
     with pytest.raises(StoreError, match=f"Message 1 of session {session} cannot be read"):
@@ -163,7 +168,7 @@ def test_the_best_is_of_the_live_sessions_of_a_participant_in_a_task_by_level_wi
         for number, row in enumerate(rows, 1):
             session = enter(database, row["participant"], task=row["task"], mode=row["mode"])
             entered.append(session)
-            database["attempts"].insert(
+            Database(database)["attempts"].insert(
                 {
                     "session": session,
                     "attempt": number,
@@ -190,18 +195,18 @@ def test_the_best_is_of_the_live_sessions_of_a_participant_in_a_task_by_level_wi
         assert sessions.best(database, "P01", task) == expected()
         for session in entered:
             assert sessions.best(database, "P01", task, without=session) == expected(without=session)
-        database.conn.close()
+        database.close()
 
 
 def test_the_best_result_excludes_other_keys_and_low_accuracy(
-    database: sqlite_utils.Database, keyboard: type[Task]
+    database: sqlite3.Connection, keyboard: type[Task]
 ) -> None:
     done = [("both hands", 1.0, 900.0), ("left hand", 1.0, 500.0), ("both hands", 0.4, 300.0)]
     for keys, accuracy, metric in done:
         parameters = build(keyboard.Parameters, {"choice_set": keys, "feedback_form": "qualitative"})
         row = {"session": enter(database, parameters=msgspec.to_builtins(parameters)), "attempt": 1, "seat": "A"}
         row |= {"practice": 0, "level": 1, "metric": metric, "metric_unit": "ms", "accuracy": accuracy}
-        database["attempts"].insert(row)
+        Database(database)["attempts"].insert(row)
     for keys, best in (("both hands", 900.0), ("left hand", 500.0)):
         task = keyboard(build(keyboard.Parameters, {"choice_set": keys}))
         assert sessions.best(database, "P01", task) == {"1": best}

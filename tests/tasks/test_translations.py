@@ -84,7 +84,7 @@ def test_feedback_in_words_contains_no_number_in_a_session(name: str, person: st
     try:
         messages = [record.message for record in sessions.history(database, session)]
     finally:
-        database.conn.close()
+        database.close()
     answers = [m for m in messages if isinstance(m, Action) and m.kind == "feedback"]
     remarks = [m.remark for m in messages if isinstance(m, Feedback) and m.remark]
     assert answers
@@ -112,7 +112,7 @@ def reported(data: Path, name: str, person: str, code: str = "es") -> Iterator[s
                 case Action(text=text, spoken=spoken):
                     yield from (text, spoken)
     finally:
-        database.conn.close()
+        database.close()
 
 
 @pytest.mark.parametrize("person", first(1, ["poor", "competent"]))
