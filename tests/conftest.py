@@ -3,6 +3,7 @@
 import gc
 import os
 import shutil
+import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
@@ -36,6 +37,9 @@ def pytest_configure(config: pytest.Config) -> None:
     if "TMPDIR" not in os.environ and _has_room(_MEMORY):
         # Every trial is synced to the disk: in memory the tests take half the time.
         os.environ["TMPDIR"] = tempfile.tempdir = str(_MEMORY)
+    # Without bytecode on the disk, each program that a test starts would compile all its modules.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
     home = tempfile.TemporaryDirectory(prefix="sar-tui-home-")
     config.stash[_HOME] = home
     os.environ["HOME"] = home.name
