@@ -122,10 +122,14 @@ class Admission:
                 return
             self._notify(ActReceived(name, act.topic, act.message))
 
-    def disconnect(self, name: str) -> None:
-        """Handle a connection that closed without a goodbye."""
+    def disconnect(self, name: str, now: int) -> None:
+        """Handle a connection that broke at ``now`` without a goodbye: its peer is lost at once.
+
+        If the peer was silent before, Zenoh gave up a connection that it may restore, so only ``tick`` counts it as
+        lost.
+        """
         with self._lock:
-            if self._presence.leave(name):
+            if not self._presence.is_silent(name, now) and self._presence.leave(name):
                 self._notify(PeerLeft(name, "lost", "The connection broke."))
 
     def tick(self, now: int) -> None:

@@ -102,7 +102,7 @@ class Broker:
 
     def _liveliness_changed(self, sample: "zenoh.Sample") -> None:
         if "DELETE" in str(sample.kind):
-            self._admission.disconnect(str(sample.key_expr).rpartition("/")[2])
+            self._admission.disconnect(str(sample.key_expr).rpartition("/")[2], host_now())
 
     def execute(self, command: BrokerCommand) -> None:
         """Execute a command of the program."""

@@ -2,6 +2,10 @@
 
 from typing import Literal
 
+from sar_tui.framework.clock import MS
+
+SILENT_AFTER = 500 * MS
+"""A peer without a heartbeat for this long is silent (ns). Below Zenoh's lease, above several ping intervals."""
 HeartbeatResult = Literal["joined", "present", "taken", "full"]
 MAX_PEERS = 16
 
@@ -38,6 +42,10 @@ class Presence:
             return "full"
         self._peers[name] = (client_id, now)
         return "joined"
+
+    def is_silent(self, name: str, now: int) -> bool:
+        """Return True if a peer has stopped sending heartbeats, though not for long enough to be lost."""
+        return name in self._peers and now - self._peers[name][1] > SILENT_AFTER
 
     def leave(self, name: str) -> bool:
         """Remove a peer; False if it was not present."""

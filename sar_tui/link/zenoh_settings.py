@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 PORT = 7447
 """Default port, the one registered for Zenoh."""
 LEASE_MS = 1000
-"""Silence after which Zenoh drops a connection."""
+"""Silence after which Zenoh drops a connection, to open a new one. It does not decide that an operator is lost."""
 RETRY_MS = (250, 1000)
 """Shortest and longest delay before a peer reconnects; it doubles each time."""
 MAX_MESSAGE_BYTES = 4 * 2**20

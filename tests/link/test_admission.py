@@ -79,9 +79,26 @@ def test_leaving_peer_has_left_and_silent_peer_is_lost(bench: Bench) -> None:
 
 def test_peer_whose_connection_breaks_is_lost_at_once(bench: Bench) -> None:
     bench.ping(ANNA, 0)
-    bench.admission.disconnect(ANNA)
-    bench.admission.disconnect(ANNA)
+    bench.admission.disconnect(ANNA, 200 * MS)
+    bench.admission.disconnect(ANNA, 200 * MS)
     assert bench.take()[1:] == [PeerLeft(ANNA, "lost", "The connection broke.")]
+
+
+def test_silent_peer_whose_connection_breaks_is_lost_after_its_time(bench: Bench) -> None:
+    bench.ping(ANNA, 0)
+    bench.admission.disconnect(ANNA, 900 * MS)
+    bench.admission.tick(2 * SECOND)
+    assert bench.take() == [PeerJoined(ANNA)]
+    bench.admission.tick(2 * SECOND + 1)
+    assert bench.take() == [PeerLeft(ANNA, "lost", "No heartbeat for 2000 ms.")]
+
+
+def test_peer_that_reconnects_in_time_is_not_lost(bench: Bench) -> None:
+    bench.ping(ANNA, 0)
+    bench.admission.disconnect(ANNA, 900 * MS)
+    bench.ping(ANNA, 1900 * MS)
+    bench.admission.tick(3 * SECOND)
+    assert bench.take() == [PeerJoined(ANNA)]
 
 
 def test_act_is_forwarded(bench: Bench) -> None:

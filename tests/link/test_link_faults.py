@@ -133,11 +133,12 @@ class LinkSession:
 
 
 @pytest.fixture
-async def session(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[LinkSession]:
+async def session(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[LinkSession]:
+    lost_ms = getattr(request, "param", LOST_MS)
     folder = Path(tempfile.mkdtemp(prefix="sar"))  # a socket's path must be short
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(folder))
     session_id = secrets.token_hex(5)
-    with open_link(folder, session_id, "keyboard", ListenOptions.parse(operator=True, listen=None), LOST_MS) as broker:
+    with open_link(folder, session_id, "keyboard", ListenOptions.parse(operator=True, listen=None), lost_ms) as broker:
         live = JoinableSession(session=session_id, task="keyboard", link=broker.link, pid=os.getpid())
         session = LinkSession(broker, live)
         try:
@@ -194,6 +195,26 @@ async def test_frozen_panel_is_lost_and_regains_control(session: LinkSession) ->
     await until(lambda: session.states(ANNA)[-2:] == ["joined", "baton"])
     panel_process.send("here I am")
     await until(lambda: session.of(NOTE_ADDED))
+
+
+@pytest.mark.parametrize("session", [60_000], indirect=True)
+async def test_panel_that_reconnects_in_time_is_not_lost(session: LinkSession) -> None:
+    """Zenoh drops the connection of a silent panel long before the operator counts as lost."""
+    panel_process = await session.panel_process("anna")
+    changes: list[str] = []
+    socket = session.live.socket
+    with zenoh.open(config(socket_settings(socket))) as watcher:
+        handler = zenoh.handlers.Callback(lambda sample: changes.append(str(sample.kind)), indirect=False)
+        tokens = LinkKeys(session.live.link).ping("*")
+        watching = watcher.liveliness().declare_subscriber(tokens, handler)
+        panel_process.process.send_signal(signal.SIGSTOP)
+        await until(lambda: any("DELETE" in kind for kind in changes))
+        watching.undeclare()
+    panel_process.process.send_signal(signal.SIGCONT)
+    await until(lambda: panel_process.output()[-3:] == ["lost", "connected", "welcome"])
+    panel_process.send("here I am")
+    await until(lambda: session.of(NOTE_ADDED))
+    assert session.states(ANNA) == ["joined", "baton"]
 
 
 async def test_control_passes_on_when_a_panel_is_killed(session: LinkSession) -> None:
