@@ -13,7 +13,7 @@ BIN := .venv/bin
 	@echo "2/2 Installing sar-tui and the libraries it needs:"
 	@{ $(BIN)/python -u -m pip install --disable-pip-version-check --progress-bar off --editable '.[dev]'; echo $$? > .venv/status; } | \
 		awk '/^Collecting / { printf "%s ", $$2; fflush() } /^Installing collected/ { printf "\nAll downloaded; installing.\n"; fflush() }'
-	@test "$$(cat .venv/status)" = 0 || { echo "The libraries could not be installed; the reason stands above. Try again with: make $(MAKECMDGOALS)"; exit 1; }
+	@test "$$(cat .venv/status)" = 0 || { echo "The libraries could not be installed; see the reason above. Try again with: make $(MAKECMDGOALS)"; exit 1; }
 	@touch $@
 
 run: .venv/ready  ## the app, with its data in data/

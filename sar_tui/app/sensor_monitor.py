@@ -58,7 +58,7 @@ class SensorWatch:
     """Drains a started feed, and follows the state of its sensor. It has no timer.
 
     Args:
-        feed: of the sensor.
+        feed: the sensor's feed.
         now: the time, in ns of the feed's clock.
         hand: the hand with the sensor.
 
@@ -98,7 +98,7 @@ class SensorWatch:
                 self._segmenter.push(samples["at"] / 1e9, samples["rate"].astype(float))
         self._forget()
         if self.test and self.test.is_running:
-            self._go_on(self.test)
+            self._continue_test(self.test)
 
     # --- state ------------------------------------------------------------------------------------
 
@@ -121,7 +121,7 @@ class SensorWatch:
     @property
     def still_s(self) -> float | None:
         """Time the hand has rested, in s, 0 while it moves; None if that is not known."""
-        return self._segmenter.still_for_s if self._segmenter and self._measures else None
+        return self._segmenter.still_for_s if self._segmenter and self._is_measuring else None
 
     @property
     def rate(self) -> Vector | None:
@@ -139,11 +139,11 @@ class SensorWatch:
         return self._mean("acceleration", _UP_S)
 
     @property
-    def _measures(self) -> bool:
+    def _is_measuring(self) -> bool:
         return self.attached and not self.stalled and bool(self._blocks)
 
     def _mean(self, what: str, latest_s: float) -> Vector | None:
-        if not self._measures:
+        if not self._is_measuring:
             return None
         samples = self._samples(round(latest_s * SECOND))
         x, y, z = samples[what].astype(float).mean(axis=0).tolist()
@@ -226,7 +226,7 @@ class SensorWatch:
         if not self.attached:
             self.test.step = "lost"
 
-    def _go_on(self, test: ReachTest) -> None:
+    def _continue_test(self, test: ReachTest) -> None:
         waited, rested = self.waited_in(test), (self.still_s or 0.0) >= SETTLED_S
         if test.step == "rest":
             if rested or waited >= REST_PATIENCE:

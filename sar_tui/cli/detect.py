@@ -124,7 +124,7 @@ def detect(
         found = detection.detect(recording, detector, hand=hand.value)
     except (SourceError, ValueError) as error:
         raise Refused(str(error)) from error
-    reaches = [_later(reach, begin_ns / 1e9) for reach in found]
+    reaches = [_shifted(reach, begin_ns / 1e9) for reach in found]
     if as_json:
         print_json({"detector": detector, "rate_hz": round(recording.rate_hz, 3), "reaches": reaches})
     else:
@@ -156,7 +156,7 @@ def _report_repetitions(recording: "Recording", found: "Repetitions", begin_s: f
     console().print(sentence, markup=False, soft_wrap=True)
 
 
-def _later(reach: "Reach", by_s: float) -> "Reach":
+def _shifted(reach: "Reach", by_s: float) -> "Reach":
     import msgspec
 
     times = {name: getattr(reach, name) + by_s for name in ("onset_s", "turn_s", "end_s")}

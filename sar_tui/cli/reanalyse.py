@@ -114,7 +114,7 @@ def reanalyse(
                 "none of its trials has samples of a motion sensor."
             )
         measured = _StoredSamples.of(database, found["id"])
-    rows = [_again(measured, _trial(row, detector)) for row in stored_trials]
+    rows = [_reanalyse(measured, _trial(row, detector)) for row in stored_trials]
     if as_json:
         names = dict.fromkeys(current_name(row["details"]["detector"]) for row in rows)
         print_json({"session": found["id"], "detector": ", ".join(names), "trials": rows})
@@ -154,7 +154,7 @@ def _trial(row: Row, detector: DetectorName | None) -> _Trial:
     return _Trial(row, window, parameters)
 
 
-def _again(measured: _StoredSamples, trial: _Trial) -> Row:
+def _reanalyse(measured: _StoredSamples, trial: _Trial) -> Row:
     """Return the reach of a trial as found now."""
     from sar_tui.motion.analysis import analyse
 

@@ -183,7 +183,7 @@ def _print(own: ErrorStatistics, baseline: ErrorStatistics, verdict: str, reason
     out = console()
     out.print(made)
     plain = {
-        "fit": "This machine is fit for an experiment: its error is far below what keyboards and people vary by.",
+        "fit": "This machine is fit for an experiment: its error is far below the variation of keyboards and people.",
         "fit with care": "This machine is fit for an experiment, with care:",
         "not fit": "This machine is not fit for an experiment:",
     }

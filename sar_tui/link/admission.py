@@ -58,7 +58,7 @@ class Admission:
         lost_after: silence (ns) after which a peer is lost.
         notify: sends an event to the program.
         answer: sends a message to a peer.
-        clock_id: of the session's clock, see `remote_clock.clock_id`.
+        clock_id: id of the session's clock, see `remote_clock.clock_id`.
 
     Attributes:
         number: number of the last batch that was sent to all peers.

@@ -116,7 +116,7 @@ class Authority:
         """Issue a certificate for a guest and register it.
 
         Args:
-            days: for how long it is valid, 1 to 366.
+            days: its validity in days, 1 to 366.
 
         Raises:
             LinkError: the name is invalid or taken, or an endpoint cannot be used. A revoked name stays taken until its

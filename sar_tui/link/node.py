@@ -42,7 +42,7 @@ class LinkNode(Node):
     """Connects the bus to the broker process, and decides which operator is in control.
 
     Args:
-        channel: to the broker process.
+        channel: connection to the broker process.
 
     Attributes:
         welcome: description of the session, to be set before it starts; each peer gets it with its own name and role.

@@ -59,7 +59,7 @@ def session_welcome(task: "Task", session: str, link: str, participants: dict[st
     """Return the welcome of a session, with ``name`` and ``role`` still to be filled in for each peer.
 
     Args:
-        task: with its parameters.
+        task: the task, with its parameters.
         session: the session's id.
         link: the id of its link.
         participants: their codes, by seat.

@@ -254,7 +254,7 @@ _IN, _OUT = ["ingress"], ["egress"]
 
 
 def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
-    """Return Zenoh's access control. Whatever no rule allows is denied: delete, queries, replies, observers' acts.
+    """Return Zenoh's access control. Everything that no rule allows is denied: deletions, queries, observers' acts.
 
     A key expression must lie completely within a rule's keys: a wildcard that reaches further is denied.
     """

@@ -22,7 +22,7 @@ class AgentMirror:
 
     Args:
         theme: until the session's is known; the agent is hidden until then.
-        clock: of its motion.
+        clock: drives its motion.
     """
 
     def __init__(self, theme: Theme, clock: Clock) -> None:

@@ -22,7 +22,7 @@ class WizardApp(BaseApp):
     Args:
         theme: applied until the session's theme is known.
         folder: holds the operator's own file.
-        name: of the operator or observer.
+        name: the operator's or observer's name.
         role: operator or observer.
         where: the session; if None, the user chooses one.
         waits: join the first session that appears, if there is none yet.

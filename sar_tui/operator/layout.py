@@ -40,7 +40,7 @@ class PanelLayout(OrderedScreen[str]):
         connect: makes the link, given the function that receives what comes over it.
         theme: applied until the session's theme is known.
         folder: holds the operator's own file.
-        clock: of the agent's motion, for tests.
+        clock: drives the agent's motion; given by tests.
     """
 
     CSS_PATH = "operator.tcss"

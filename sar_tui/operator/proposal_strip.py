@@ -55,7 +55,7 @@ class ProposalStrip(Vertical):
         """Set what all drawings share.
 
         Args:
-            label: in front of the text field; empty while nothing is typed.
+            label: text in front of the text field; empty while nothing is typed.
             is_pending: a proposal waits.
             is_alarm: the link is down.
             is_tall: the window has a line for the other proposals.

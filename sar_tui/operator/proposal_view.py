@@ -63,7 +63,7 @@ def body(approval: PendingApproval, now: int, given: int | None, width: int) -> 
         approval: the proposal.
         now: session clock (ns).
         given: time to decide when it was first seen (ns).
-        width: of a line, in characters.
+        width: length of a line, in characters.
     """
     words = two_lines(proposal_text(approval.proposal, approval.level), width)
     time = time_left(approval, now)

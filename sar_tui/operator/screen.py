@@ -219,10 +219,10 @@ class PanelScreen(PanelLayout):
         """Open the text field.
 
         Args:
-            label: in front of it.
-            text: to begin with.
+            label: text in front of it.
+            text: initial content.
             then: called with the text and the time stamp of Enter; returns True if the field can be closed.
-            max_length: of the text, in characters.
+            max_length: longest text, in characters.
             edited: the proposal that is edited.
         """
         if reason := self.commands.refusal():

@@ -11,7 +11,7 @@ class CachedStatic(Static):
     """Static text that is redrawn only when it changes.
 
     Args:
-        id: of the widget.
+        id: the widget's id.
         fits_content: lay out the screen again when the text changes, because its width follows the text.
     """
 

@@ -112,7 +112,7 @@ class OutputNode(Node):
 
     @on(ATTEMPT_ENDED)
     def attempt_ended(self, ended: m.AttemptEnded) -> None:
-        """Play the end tone once: not when an attempt is scored again, nor for the second of two participants."""
+        """Play the end tone once, even if the attempt is scored again or has two participants."""
         id = f"end-{ended.attempt}"
         if "end" in self._cues and ended.ended == self.now and (id, "tone") not in self._open:
             self._begin(id, "tone", "end")

@@ -81,7 +81,7 @@ def _make(addresses: Sequence[str], speech: str, keep: bool = False) -> list[tup
 
 
 def _check_names(made: list[tuple[Output, str, tuple[str, ...]]], taken: list[str]) -> None:
-    """Raise OutputError if two outputs have one name: the log tells outputs apart by it."""
+    """Raise OutputError if two outputs have the same name, which identifies an output in the log."""
     for output, address, _ in made:
         if output.name in taken:
             raise OutputError(f'Another output is called "{output.name}" as well as {address}: leave one of them out.')

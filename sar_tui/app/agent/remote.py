@@ -37,7 +37,7 @@ class AgentView:
     Args:
         stage: the screen it is drawn on.
         theme: used until the session's is known.
-        clock: of its motion.
+        clock: drives its motion.
         now: the session's clock (ns), to tell new actions from old ones.
         voice: also speaks the agent's words here.
     """

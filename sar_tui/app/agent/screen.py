@@ -23,7 +23,7 @@ class AgentViewScreen(Screen[None]):
 
     Args:
         theme: used until the session's is known.
-        clock: of the agent's motion.
+        clock: drives the agent's motion.
     """
 
     app: Any

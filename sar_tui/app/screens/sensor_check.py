@@ -134,7 +134,7 @@ class SensorCheckScreen(Screen[bool]):
 
     def action_test(self) -> None:
         """Begin a test reach, or begin it again."""
-        self._say("")
+        self._set_notice("")
         self.sensor.begin_test()
         self._show()
 
@@ -142,9 +142,9 @@ class SensorCheckScreen(Screen[bool]):
         """Take the present rate as zero."""
         if self.sensor.attached:
             self.sensor.zero()
-            self._say(self.tr(_ZEROED), "wait", ZEROING)
+            self._set_notice(self.tr(_ZEROED), "wait", ZEROING)
         else:
-            self._say(self.tr(_NOTHING_TO_ZERO), "wrong", ZEROING)
+            self._set_notice(self.tr(_NOTHING_TO_ZERO), "wrong", ZEROING)
         self._show()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
@@ -156,7 +156,7 @@ class SensorCheckScreen(Screen[bool]):
         number = (self.sensors.index(self.sensor) + 1) % len(self.sensors)
         self.sensor = self.sensors[number]
         self._unseen = [sensor for sensor in self._unseen if sensor is not self.sensor]
-        self._say("")
+        self._set_notice("")
         self._show()
 
     @property
@@ -218,7 +218,7 @@ class SensorCheckScreen(Screen[bool]):
         before, self._shown[where] = self._shown.get(where), (self.app.theme, what)
         return before != self._shown[where]
 
-    def _say(self, words: str, mark: Mark = "wait", lasting: int = 0) -> None:
+    def _set_notice(self, words: str, mark: Mark = "wait", lasting: int = 0) -> None:
         self._notice = (words, mark, self._clock.now() + lasting)
 
     def _words(self) -> list[tuple[Mark, str]]:

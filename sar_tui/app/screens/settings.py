@@ -113,7 +113,7 @@ class SettingsScreen(Screen[None]):
         try:
             known = languages(self.app.catalogue.theme_folder(self._theme))
         except PluginError:
-            return {}  # the theme is gone, and another has to be chosen anyway
+            return {}  # the theme is gone, so another must be chosen anyway
         if language.partition("-")[0] in {name.partition("-")[0] for name in known}:
             return {}
         has = f"The theme {self._theme} has no phrases in {language}; it has: {', '.join(known)}."

@@ -19,7 +19,7 @@ class Summary(Vertical):
     """Results of a session, for the participant and the therapist beside them.
 
     Args:
-        metric: of the task.
+        metric: the task's metric.
         more_facts: sentences that the task's view adds for one seat's attempts.
     """
 

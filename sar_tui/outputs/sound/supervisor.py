@@ -1,4 +1,4 @@
-"""Runs the voice process: one part at a time, each of which ends whatever the process does."""
+"""Runs the voice process: one part at a time. Every part ends, even if the process hangs or dies."""
 
 import queue
 import threading

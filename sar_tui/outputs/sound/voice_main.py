@@ -1,7 +1,7 @@
 """The voice process, which speaks and plays. It may hang or be killed at any time.
 
-It reads requests from its standard input and writes replies to its original standard output (see `protocol`). It
-ends with the program that started it, whatever it is doing: when its input ends, and on Linux also by the kernel.
+It reads requests from its standard input and writes replies to its original standard output (see `protocol`). It ends
+when its input ends; on Linux the kernel also kills it with the program that started it, even if it hangs.
 """
 
 import contextlib
