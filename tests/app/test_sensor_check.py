@@ -25,9 +25,9 @@ from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from sar_tui.widgets.sensor_placement import DRAWN, bar
-from tests.app import test_snapshots
+from tests.album import Album
 from tests.app.app_driver import AppDriver, open_app, plan, stored
-from tests.app.test_snapshots import THEMES, Album
+from tests.app.test_snapshots import THEMES
 from tests.examples import first
 
 SNAPSHOTS = Path(__file__).parent / "sensor_snapshots"
@@ -597,11 +597,8 @@ async def test_help_describes_the_check(open_check: Callable[..., Any]) -> None:
 
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
-async def test_snapshot_of_the_check(
-    theme: str, open_check: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(test_snapshots, "FOLDER", SNAPSHOTS)
-    album, source = Album(theme), Moved(PROFILES["drifting"], at_once=False)
+async def test_snapshot_of_the_check(theme: str, open_check: Callable[..., Any]) -> None:
+    album, source = Album(SNAPSHOTS, theme, (80, 24)), Moved(PROFILES["drifting"], at_once=False)
     async with open_check(source, theme) as driver:
         await driver.wait(3500)
         await driver.press("enter")

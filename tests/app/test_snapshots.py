@@ -1,6 +1,6 @@
 """Snapshots of the screens at 80 by 24 in every theme, as plain text.
 
-They are kept in ``snapshots/``. ``SAR_TUI_UPDATE_SNAPSHOTS=1`` draws them anew; then look at what has changed.
+They are kept in ``snapshots/``. ``SAR_TUI_UPDATE_SNAPSHOTS=1`` updates them; then read the diff.
 """
 
 from pathlib import Path
