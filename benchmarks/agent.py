@@ -100,13 +100,13 @@ def _program(name: str, outputs: str) -> Program:
 
     def recorded(folder: Path) -> list[Row]:
         rows = SAR_TUI.read_trials(folder)
-        _check_heard(folder, outputs, len(rows))
+        _check_speech(folder, outputs, len(rows))
         return rows
 
     return Program(name, command, recorded, SAR_TUI.quit_key)
 
 
-def _check_heard(folder: Path, outputs: str, trials: int) -> None:
+def _check_speech(folder: Path, outputs: str, trials: int) -> None:
     """Raise Mismatch unless the outputs in use gave a tone with every prompt, and speech."""
     reports = _Log(folder).read("SELECT message FROM events WHERE topic='output/report'")
     done = [report["deed"] for report in reports if report["state"] == "done"]

@@ -38,7 +38,7 @@ def append(lines: tuple[Line, ...], line: Line) -> tuple[Line, ...]:
     return (*lines, line)[-MAX_LINES:]
 
 
-class Act(NamedTuple):
+class SentAct(NamedTuple):
     """Act of this operator: its text in the log, what was sent, and the time (ns) from key to session once known."""
 
     text: str
@@ -68,7 +68,7 @@ class ActLog:
     """Acts of this operator, oldest first, and why others were not sent."""
 
     def __init__(self) -> None:
-        self.acts: list[Act] = []
+        self.acts: list[SentAct] = []
         self._reports: list[Line] = []
 
     def lines(self, now: int) -> list[Line]:
@@ -81,7 +81,7 @@ class ActLog:
 
     def add(self, text: str, topic: Topic[Any], message: Message) -> None:
         """Log an act that was sent."""
-        self.acts = [*self.acts, Act(text, topic.name, message)][-MAX_LINES:]
+        self.acts = [*self.acts, SentAct(text, topic.name, message)][-MAX_LINES:]
 
     def receive(self, frame: Frame, me: str) -> None:
         """Mark the pending act that a message of the session confirms or refuses.

@@ -12,7 +12,7 @@ from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import SECOND
 from sar_tui.link.peer import Connection, MotionTrace
 from sar_tui.operator import proposal_view, status_view
-from sar_tui.operator.event_log import Act
+from sar_tui.operator.event_log import SentAct
 from sar_tui.operator.session_state import MAX_TRIALS, SessionState
 from sar_tui.operator.text_charts import cut, motion, responses, sparkline, two_lines, wrap
 from tests.operator import panel_driver as b
@@ -252,7 +252,7 @@ def test_dropped_proposals_are_logged_by_kind_except_fillers() -> None:
 
 
 def test_a_long_act_leaves_room_for_its_outcome_in_the_log() -> None:
-    act = Act("Said “" + "on and " * 30 + "on”", "topic", m.Remark(at=b.START), latency=5_000_000)
+    act = SentAct("Said “" + "on and " * 30 + "on”", "topic", m.Remark(at=b.START), latency=5_000_000)
     assert act.line(b.START).text.endswith("… · link 5 ms")
     assert cell_len(act.line(b.START).text) < 70
 
