@@ -1,4 +1,4 @@
-"""Caches that spare a test what is the same in all of them: parsed style sheets, the themes that ship."""
+"""Caches shared by all tests: parsed style sheets and the bundled themes."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Common to all tests: a home folder of their own, seeded properties, the shipped task and themes."""
+"""Set-up of all tests: a temporary home folder, seeded properties, the bundled tasks and themes."""
 
 import gc
 import os

@@ -1,4 +1,4 @@
-"""Number of examples that a behaviour is tried with: all of them, or fewer for a quick run."""
+"""Number of examples per property and parametrized test: all, or fewer in a quick run."""
 
 import os
 from collections.abc import Iterable
@@ -18,12 +18,12 @@ _COMMON = settings(
 
 
 def examples(number: int) -> settings:
-    """Return settings for a property that deserves its own number of examples."""
+    """Return settings for a property with its own number of examples."""
     return settings(_COMMON, max_examples=max(4, number // _SHARE) if QUICK else number)
 
 
 def load_profile() -> None:
-    """Make 100 examples, or 20 of them in a quick run, the default of every property."""
+    """Set the default of every property: 100 examples, or 20 in a quick run."""
     settings.register_profile("sar-tui", examples(100))
     settings.load_profile("sar-tui")
 

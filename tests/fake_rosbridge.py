@@ -1,6 +1,6 @@
-"""A stand-in for a ROS system: a rosbridge server on this computer, with a robot and a motion sensor behind it.
+"""A fake ROS system: a rosbridge server on this computer, with a robot and a motion sensor.
 
-It speaks what sar-tui uses of the rosbridge v2 protocol, as RobotWebTools documents it
+It implements the part of the rosbridge v2 protocol that sar-tui uses, as RobotWebTools documents it
 (github.com/RobotWebTools/rosbridge_suite, ROSBRIDGE_PROTOCOL.md): advertise, unadvertise, publish, subscribe,
 unsubscribe, set_level and status, each a JSON object with an ``op``, in a WebSocket's text frame.
 """
@@ -28,25 +28,23 @@ def wait_until(happened: Callable[[], Any], what: str = "it") -> None:
     """Wait for another thread."""
     deadline = time.monotonic() + DEADLINE_S
     while not happened():
-        assert time.monotonic() < deadline, f"waited in vain until {what}"
+        assert time.monotonic() < deadline, f"timed out waiting until {what}"
         time.sleep(0.002)
 
 
 class RosBridge:
-    """A rosbridge server. ``arrive`` lets it listen, always on the same port; ``leave`` cuts every connection.
-
-    Its robot is ``obliging`` (begins and ends whatever it is asked for), ``silent`` (hears, and says nothing), ``slow``
-    (begins, and never ends), ``failing``, ``muddled`` (answers with nonsense), ``breaking off`` (begins, and aborts),
-    or ``terse`` (obliging, but names neither what it answers nor which part). All but the silent one tell of what a
-    stop ended.
+    """A rosbridge server with a robot. Its port stays the same when it stops listening and starts again.
 
     Args:
-        manner: of the robot.
-        lasts_s: how long an obliging robot takes over a part.
+        manner: how the robot reacts to a request. ``obliging``: starts and completes it. ``silent``: reports nothing.
+            ``slow``: starts it and never ends. ``failing``: reports a failure. ``muddled``: reports nonsense.
+            ``breaking off``: starts it, then aborts. ``terse``: as ``obliging``, but without the id and the part in its
+            reports. All but ``silent`` report what a stop aborted.
+        lasts_s: time that an obliging robot takes for a part.
 
     Attributes:
         received: every message of a client, in order.
-        connections: how many there have been.
+        connections: number of connections so far.
     """
 
     def __init__(self, manner: Manner = "obliging", lasts_s: float = 0.0) -> None:
@@ -70,7 +68,7 @@ class RosBridge:
         return f"127.0.0.1:{self.port}"
 
     def arrive(self) -> None:
-        """Listen."""
+        """Start to listen for connections."""
         self._do(self._listen())
 
     def leave(self) -> None:
@@ -210,7 +208,7 @@ class RosBridge:
     async def _publish(self, topic: str, message: Any) -> None:
         for client, (_, subscribed) in list(self._clients.items()):
             if topic in subscribed:
-                with suppress(ConnectionClosed):  # It may be about to go.
+                with suppress(ConnectionClosed):  # The client may be disconnecting.
                     await client.send(json.dumps({"op": "publish", "topic": topic, "msg": message}))
 
     async def _send(self, text: str) -> None:

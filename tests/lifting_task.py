@@ -35,7 +35,7 @@ class LiftParameters(TaskParameters, frozen=True, kw_only=True):
     lifts: Annotated[int, meta("Lifts", ge=1, le=50)] = 2
     signal: Annotated[bool, meta("Signal")] = False
     by_itself: Annotated[bool, meta("Lifts follow each other by themselves")] = False
-    about: Annotated[Literal["results", "performance", "both"], meta("What is answered")] = "results"
+    about: Annotated[Literal["results", "performance", "both"], meta("Content of feedback")] = "results"
 
 
 class LiftDetails(Details, frozen=True):

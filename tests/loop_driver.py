@@ -16,11 +16,11 @@ from sar_tui.framework.topics import COMMAND, FOCUS, KEY, PASTE, PROMPT, SHOWN, 
 M = TypeVar("M", bound=m.Message)
 
 SHOWING = 4 * MS
-"""From a prompt's publication to its onset."""
+"""Time from a prompt's publication to its onset."""
 
 
 class Screen(Node):
-    """Shows prompts after a moment, and acknowledges storage, unless switched off."""
+    """Shows prompts after ``SHOWING``, and acknowledges storage, unless switched off."""
 
     name = "screen"
     emits = (SHOWN, STORED)

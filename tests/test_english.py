@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-RIDDLE = re.compile(r"(What|Who|Whom|Whose|Whether|Of)\b")
+DISALLOWED_OPENING = re.compile(r"(What|Who|Whom|Whose|Whether|Of|Where|How|That)\b")
 
 
 def first_lines(path: Path) -> Iterator[tuple[int, str]]:
@@ -26,6 +26,6 @@ def test_docstrings_open_with_a_verb_or_a_noun_phrase(folder: str) -> None:
         f"{path.relative_to(ROOT)}:{number}: {line}"
         for path in sorted((ROOT / folder).rglob("*.py"))
         for number, line in first_lines(path)
-        if RIDDLE.match(line)
+        if DISALLOWED_OPENING.match(line)
     ]
     assert not found, "Open with a verb or a noun phrase:\n" + "\n".join(found)

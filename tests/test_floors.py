@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-LIST_WHAT_IS_LOADED = """
+LIST_LOADED_MODULES = """
 import importlib, json, pkgutil, sys
 package = importlib.import_module(sys.argv[1])
 found = [package.__name__]
@@ -18,9 +18,9 @@ print(json.dumps({"found": found, "loaded": sorted(sys.modules)}))
 
 
 def loaded(package: str) -> tuple[list[str], set[str]]:
-    """The modules of a package, and the top-level names of all that importing them loads."""
+    """Return the modules of a package, and the top-level names of all modules that importing them loads."""
     run = subprocess.run(
-        [sys.executable, "-c", LIST_WHAT_IS_LOADED, package], capture_output=True, text=True, check=True
+        [sys.executable, "-c", LIST_LOADED_MODULES, package], capture_output=True, text=True, check=True
     )
     answer = json.loads(run.stdout)
     return answer["found"], {name.split(".")[0] for name in answer["loaded"]}

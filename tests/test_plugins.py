@@ -81,7 +81,7 @@ class Minimal(Task):
 
 
 def write(folder: Path, name: str, source: str, **more: str) -> Path:
-    """A task's folder with its task.py, and more modules beside it."""
+    """Write a task's folder with its task.py and other modules, and return the folder."""
     task = folder / name
     task.mkdir(parents=True)
     for module, text in {"task": source, **more}.items():
@@ -91,7 +91,7 @@ def write(folder: Path, name: str, source: str, **more: str) -> Path:
 
 @pytest.fixture
 def own(tmp_path: Path) -> Path:
-    """A folder of one's own tasks, outside the checkout."""
+    """A folder of third-party tasks, outside the checkout."""
     folder = tmp_path / "my tasks"
     folder.mkdir()
     return folder
@@ -234,7 +234,7 @@ def test_a_folder_name_that_cannot_be_imported_is_reported(own: Path) -> None:
 
 @pytest.fixture
 def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A distribution with entry points of its own: chess and draughts are broken, minimal works."""
+    """A distribution with entry points: chess and draughts are broken, minimal works."""
     site = tmp_path / "site"
     info = site / "games-1.0.dist-info"
     info.mkdir(parents=True)

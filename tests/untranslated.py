@@ -1,4 +1,4 @@
-"""Finds English in what a person reads in another language: texts that have a translation, but stand there without."""
+"""Finds untranslated English in shown texts: texts that have a translation, but are shown in English."""
 
 import re
 import string
@@ -26,7 +26,7 @@ def phrases(english: Theme, own: Theme) -> dict[str, str]:
 
 
 def _pattern(text: str) -> re.Pattern[str]:
-    """A text with anything in its slots, as words of their own."""
+    """Return a pattern that matches a text as whole words, with anything in its slots."""
     return re.compile(rf"(?<!\w){''.join(_parts(text))}(?!\w)")
 
 

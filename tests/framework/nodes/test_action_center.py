@@ -25,10 +25,10 @@ NewSession = Callable[..., LiftDriver]
 def new_session(calm: Theme) -> NewSession:
     """Start a session; by default five attempts of one lift each."""
 
-    def at(**settings: Any) -> LiftDriver:
+    def start(**settings: Any) -> LiftDriver:
         return LiftDriver(Lift, calm, **{"attempts": 5, "lifts": 1, "start_level": 3, **settings})
 
-    return at
+    return start
 
 
 def proposed(driver: LiftDriver, *kinds: str) -> list[Proposal]:

@@ -61,24 +61,24 @@ class Prompter(Node):
 def new_session(keyboard: type[Task], calm: Theme) -> NewSession:
     """Start a keyboard session with an agent whose every utterance takes three seconds."""
 
-    def at(output: Output | None = None, **settings: Any) -> LoopDriver:
+    def start(output: Output | None = None, **settings: Any) -> LoopDriver:
         speech = OutputNode(output or Speaker(3000), "speech", calm)
         return LoopDriver(
             keyboard, calm, extra=[speech], **{"prompts_per_attempt": 2, "attempts": 2, **FIXED, **settings}
         )
 
-    return at
+    return start
 
 
 @pytest.fixture
-def sit_to_lift(calm: Theme) -> NewSession:
+def new_lift_session(calm: Theme) -> NewSession:
     """Start a session of the lifting task with the same agent."""
 
-    def at(output: Output | None = None, **settings: Any) -> LiftDriver:
+    def start(output: Output | None = None, **settings: Any) -> LiftDriver:
         speech = OutputNode(output or Speaker(3000), "speech", calm)
         return LiftDriver(Lift, calm, extra=[speech, Prompter()], **{"attempts": 2, **FIXED, **settings})
 
-    return at
+    return start
 
 
 def is_acting(driver: LoopDriver) -> bool:
@@ -241,8 +241,8 @@ def test_a_session_cut_off_while_the_agent_speaks_can_be_resumed(
 # --- with a key that starts each trial ------------------------------------------------------------------------
 
 
-def test_no_trial_can_be_started_while_the_agent_speaks(sit_to_lift: NewSession) -> None:
-    driver = sit_to_lift()
+def test_no_trial_can_be_started_while_the_agent_speaks(new_lift_session: NewSession) -> None:
+    driver = new_lift_session()
     driver.enter()
     driver.press("enter")
     assert (driver.waiting.what, driver.waiting.stage) == ("agent", "trial")
@@ -258,10 +258,10 @@ def test_no_trial_can_be_started_while_the_agent_speaks(sit_to_lift: NewSession)
 
 @pytest.mark.parametrize("signal", [False, True])
 def test_an_utterance_begun_before_the_start_key_ends_before_the_trial_continues(
-    sit_to_lift: NewSession, signal: bool
+    new_lift_session: NewSession, signal: bool
 ) -> None:
     """A greeting may wait behind a long utterance, and come then."""
-    driver = sit_to_lift(signal=signal)
+    driver = new_lift_session(signal=signal)
     driver.wait(10_000)
     driver.begin_lifts()
     assert driver.waiting.what == "start"

@@ -33,10 +33,10 @@ NewSession = Callable[..., LoopDriver]
 def new_session(keyboard: type[Task], calm: Theme) -> NewSession:
     """Start a keyboard session; by default two attempts of three prompts each."""
 
-    def at(**settings: Any) -> LoopDriver:
+    def start(**settings: Any) -> LoopDriver:
         return LoopDriver(keyboard, calm, **{"prompts_per_attempt": 3, "attempts": 2, **settings})
 
-    return at
+    return start
 
 
 def stages(driver: LoopDriver) -> list[str]:
@@ -280,11 +280,11 @@ def test_a_held_key_delays_the_prompt_until_it_is_released(new_session: NewSessi
     driver.press("enter")
     driver.wait(30)
     driver.hold("enter", ms=4000)
-    let_go = driver.clock.now()
+    released = driver.clock.now()
     assert driver.all(PROMPT) == []
     assert [started.attempt for started in driver.all(ATTEMPT_STARTED)] == [1]
     driver.to_prompt()
-    assert driver.clock.now() - let_go >= (500 - 30 + 500) * MS
+    assert driver.clock.now() - released >= (500 - 30 + 500) * MS
     assert driver.all(TRIAL) == []
 
 

@@ -34,12 +34,12 @@ CALM = Catalogue().theme("calm")
 def new_session(calm: Theme) -> NewSession:
     """Start a session of three attempts of one lift each, ready for the first lift."""
 
-    def at(**settings: Any) -> LiftDriver:
+    def start(**settings: Any) -> LiftDriver:
         driver = LiftDriver(Lift, calm, **{**ONE_LIFT, **settings})
         driver.begin_lifts()
         return driver
 
-    return at
+    return start
 
 
 def lift(driver: LiftDriver, time_ms: float = 400) -> None:
@@ -51,8 +51,8 @@ def lift(driver: LiftDriver, time_ms: float = 400) -> None:
     driver.press("u")
 
 
-def answers(driver: LiftDriver) -> list[int]:
-    """Return when the agent gave feedback."""
+def feedback_times(driver: LiftDriver) -> list[int]:
+    """Return the times (ns) at which the agent gave feedback."""
     return [record.at for record in driver.records if record.topic is ACTION and record.message.kind == "feedback"]
 
 
@@ -65,9 +65,9 @@ def test_delayed_feedback_comes_exactly_on_time(new_session: NewSession) -> None
     ended = driver.last(ATTEMPT_ENDED).ended
     assert (driver.waiting.what, driver.waiting.stage) == ("answer", "answer")
     driver.wait(DELAY_MS - 1)
-    assert (answers(driver), driver.waiting.what) == ([], "answer")
+    assert (feedback_times(driver), driver.waiting.what) == ([], "answer")
     driver.wait(1)
-    assert answers(driver) == [ended + DELAY_MS * MS]
+    assert feedback_times(driver) == [ended + DELAY_MS * MS]
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "attempt")
     assert driver.last(FEEDBACK).due == ended + DELAY_MS * MS
 
@@ -78,11 +78,11 @@ def test_no_attempt_begins_before_the_feedback(new_session: NewSession) -> None:
     for _ in range(24):
         driver.press("enter")
         driver.wait(100)
-    assert (len(driver.all(ATTEMPT_STARTED)), answers(driver)) == (1, [])
+    assert (len(driver.all(ATTEMPT_STARTED)), feedback_times(driver)) == (1, [])
     driver.wait(200)
     driver.press("enter")
     assert len(driver.all(ATTEMPT_STARTED)) == 2
-    assert len(answers(driver)) == 1
+    assert len(feedback_times(driver)) == 1
 
 
 def test_the_review_waits_for_the_last_feedback(new_session: NewSession) -> None:
@@ -91,7 +91,7 @@ def test_the_review_waits_for_the_last_feedback(new_session: NewSession) -> None
     driver.press("enter")
     assert driver.waiting.what == "answer"
     driver.wait(DELAY_MS)
-    assert (len(answers(driver)), driver.waiting.stage) == (1, "review")
+    assert (len(feedback_times(driver)), driver.waiting.stage) == (1, "review")
     driver.press("enter")
     assert driver.all(SESSION_ENDED)
 
@@ -113,7 +113,7 @@ def test_a_pause_in_the_delay_does_not_delay_the_feedback(new_session: NewSessio
     assert driver.waiting.what == "answer"
     driver.wait(1000)
     assert driver.waiting.what == "enter"
-    assert answers(driver) == [ended + DELAY_MS * MS]
+    assert feedback_times(driver) == [ended + DELAY_MS * MS]
 
 
 def test_feedback_due_in_a_pause_comes_after_it(new_session: NewSession) -> None:
@@ -121,10 +121,10 @@ def test_feedback_due_in_a_pause_comes_after_it(new_session: NewSession) -> None
     lift(driver)
     driver.operate("pause", reason="pain")
     driver.wait(10_000)
-    assert (driver.waiting.stage, answers(driver)) == ("paused", [])
+    assert (driver.waiting.stage, feedback_times(driver)) == ("paused", [])
     driver.operate("resume")
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "attempt")
-    assert len(answers(driver)) == 1
+    assert len(feedback_times(driver)) == 1
 
 
 def test_a_session_ended_in_the_delay_gives_no_feedback_after_the_goodbye(new_session: NewSession) -> None:
@@ -159,7 +159,7 @@ def test_a_session_cut_off_in_the_delay_does_not_wait_for_feedback(
     lift(resumed)
     assert resumed.last(TRIAL).attempt == 2
     resumed.wait(DELAY_MS)
-    assert answers(resumed) == [resumed.last(ATTEMPT_ENDED).ended + DELAY_MS * MS]
+    assert feedback_times(resumed) == [resumed.last(ATTEMPT_ENDED).ended + DELAY_MS * MS]
     late = [proposal.id for proposal in driver.all(PROPOSED) if proposal.kind == "feedback"]
     assert [dropped.id for dropped in resumed.all(DROPPED) if dropped.reason == "late"] == late
 
@@ -170,11 +170,11 @@ def test_an_attempt_amended_in_the_delay_gets_the_amended_feedback_once(new_sess
     driver.operate("mark", reason="caught")
     assert driver.waiting.what == "answer"
     driver.wait(10_000)
-    assert len(answers(driver)) == 1
+    assert len(feedback_times(driver)) == 1
     assert [ended.outcome for ended in driver.all(ATTEMPT_ENDED)] == ["success", "failure"]
     assert [ended.feedback for ended in driver.all(ATTEMPT_ENDED)] == ["positive", "negative"]
-    (answer,) = [action for action in driver.all(ACTION) if action.kind == "feedback"]
-    assert answer.valence == "negative"
+    (feedback,) = [action for action in driver.all(ACTION) if action.kind == "feedback"]
+    assert feedback.valence == "negative"
     assert [dropped.reason for dropped in driver.all(DROPPED)].count("amended") == 1
 
 
@@ -190,31 +190,32 @@ def test_with_any_pauses_feedback_comes_once_and_on_time(waits: list[int], delay
     driver.operate("resume")
     driver.wait(10_000)
     driver.press("enter")
-    (answered,) = answers(driver)
-    assert answered >= driver.all(ATTEMPT_ENDED)[0].ended + delay_ms * MS
+    (given,) = feedback_times(driver)
+    assert given >= driver.all(ATTEMPT_ENDED)[0].ended + delay_ms * MS
     began = [record.at for record in driver.records if record.topic is ATTEMPT_STARTED]
     assert len(began) == 2
-    assert began[1] >= answered
+    assert began[1] >= given
 
 
 # --- on request -----------------------------------------------------------------------------------------------
 
 
-def asks(driver: LiftDriver) -> list[str]:
+def requests(driver: LiftDriver) -> list[str]:
+    """Return the keys that request feedback, ``""`` if there is none, of all waits."""
     return [waiting.ask for waiting in driver.all(WAITING)]
 
 
 def test_feedback_on_request_is_given_once_when_requested(new_session: NewSession) -> None:
     driver = new_session(feedback_schedule="request", feedback_delay_ms=DELAY_MS)
-    assert set(asks(driver)) == {""}
+    assert set(requests(driver)) == {""}
     lift(driver)
     assert (driver.waiting.what, driver.waiting.stage, driver.waiting.ask) == ("enter", "attempt", "tab")
     assert driver.last(ATTEMPT_ENDED).feedback == "none"
     driver.wait(7000)
-    assert answers(driver) == []
+    assert feedback_times(driver) == []
     driver.press("tab")
-    asked = driver.clock.now()
-    assert answers(driver) == [asked], "requested feedback comes at once"
+    requested = driver.clock.now()
+    assert feedback_times(driver) == [requested], "requested feedback comes at once"
     assert (driver.last(ATTEMPT_ENDED).feedback, driver.last(FEEDBACK).valence) == ("positive", "positive")
     assert driver.waiting.ask == ""
     before, after = (ended.choice for ended in driver.all(ATTEMPT_ENDED))
@@ -222,7 +223,7 @@ def test_feedback_on_request_is_given_once_when_requested(new_session: NewSessio
     assert after == driver.last(FEEDBACK).choice
     assert (before.due, after.due, after.why) == (False, True, "The participant asked for it.")
     driver.press("tab")
-    assert len(answers(driver)) == 1
+    assert len(feedback_times(driver)) == 1
 
 
 def test_feedback_can_be_requested_until_the_next_attempt_begins(new_session: NewSession) -> None:
@@ -232,7 +233,7 @@ def test_feedback_can_be_requested_until_the_next_attempt_begins(new_session: Ne
     driver.wait(300)
     driver.press("tab")
     lift(driver)
-    assert (answers(driver), driver.waiting.ask) == ([], "tab")
+    assert (feedback_times(driver), driver.waiting.ask) == ([], "tab")
     driver.press("tab")
     assert [feedback.attempt for feedback in driver.all(FEEDBACK)] == [2]
 
@@ -242,18 +243,18 @@ def test_feedback_on_the_last_attempt_can_be_requested(new_session: NewSession) 
     lift(driver)
     assert (driver.waiting.stage, driver.waiting.ask) == ("review", "tab")
     driver.press("tab")
-    assert (len(answers(driver)), driver.waiting.stage) == (1, "review")
+    assert (len(feedback_times(driver)), driver.waiting.stage) == (1, "review")
 
 
 @pytest.mark.parametrize("schedule", ["every", "faded", "bandwidth", "summary", "none"])
 def test_under_other_schedules_a_request_is_ignored(new_session: NewSession, schedule: str) -> None:
     driver = new_session(feedback_schedule=schedule, feedback_every=3)
     lift(driver)
-    before = len(answers(driver))
+    before = len(feedback_times(driver))
     driver.press("tab")
     driver.wait(5000)
-    assert len(answers(driver)) == before
-    assert set(asks(driver)) == {""}
+    assert len(feedback_times(driver)) == before
+    assert set(requests(driver)) == {""}
 
 
 def test_requested_feedback_stands_when_the_attempt_is_amended(new_session: NewSession) -> None:
@@ -266,10 +267,10 @@ def test_requested_feedback_stands_when_the_attempt_is_amended(new_session: NewS
         ("positive", "success"),
         ("positive", "failure"),
     ]
-    asked, amended = (ended.choice for ended in driver.all(ATTEMPT_ENDED)[1:])
-    assert asked == amended
+    requested, amended = (ended.choice for ended in driver.all(ATTEMPT_ENDED)[1:])
+    assert requested == amended
     driver.press("tab")
-    assert len(answers(driver)) == 1
+    assert len(feedback_times(driver)) == 1
 
 
 def test_a_request_after_an_amendment_gives_the_amended_feedback(new_session: NewSession) -> None:
@@ -288,7 +289,7 @@ def test_feedback_can_be_requested_after_a_resume(new_session: NewSession, calm:
     resumed.press("enter")
     assert resumed.waiting.ask == "tab"
     resumed.press("tab")
-    assert len(answers(resumed)) == 1
+    assert len(feedback_times(resumed)) == 1
 
 
 def test_a_request_in_a_pause_is_ignored(new_session: NewSession) -> None:
@@ -296,7 +297,7 @@ def test_a_request_in_a_pause_is_ignored(new_session: NewSession) -> None:
     lift(driver)
     driver.operate("pause")
     driver.press("tab")
-    assert answers(driver) == []
+    assert feedback_times(driver) == []
     driver.operate("resume")
     assert driver.waiting.ask == "tab"
     assert len(driver.all(COMMAND)) == 2

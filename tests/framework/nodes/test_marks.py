@@ -18,12 +18,12 @@ NewSession = Callable[..., LiftDriver]
 def new_session(calm: Theme) -> NewSession:
     """Start a session, ready for the first lift; by default three attempts of two lifts each."""
 
-    def at(**settings: Any) -> LiftDriver:
+    def start(**settings: Any) -> LiftDriver:
         driver = LiftDriver(Lift, calm, **{"attempts": 3, "start_level": 3, **settings})
         driver.begin_lifts()
         return driver
 
-    return at
+    return start
 
 
 def mark(driver: LoopDriver, name: str) -> None:

@@ -17,10 +17,10 @@ NewSession = Callable[..., LiftDriver]
 def new_session(calm: Theme) -> NewSession:
     """Start a session of two attempts of two lifts each, before anything is known of the sensor."""
 
-    def at(task: type[Lift] = SensedLift, **settings: Any) -> LiftDriver:
+    def start(task: type[Lift] = SensedLift, **settings: Any) -> LiftDriver:
         return LiftDriver(task, calm, **{"attempts": 2, **settings})
 
-    return at
+    return start
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def sensor(driver: LiftDriver, state: SensorState, detail: str = "") -> None:
     driver.session.bus.publish(SENSOR, SensorChanged(state=state, at=driver.clock.now(), detail=detail))
 
 
-def stands(driver: LiftDriver) -> tuple[str, str, str]:
+def waiting_state(driver: LiftDriver) -> tuple[str, str, str]:
     return driver.waiting.what, driver.waiting.stage, driver.waiting.reason
 
 
@@ -46,14 +46,14 @@ AT_START = ("start", "trial", "")
 
 def test_the_session_waits_for_the_sensor_after_the_instructions(new_session: NewSession) -> None:
     driver = new_session()
-    assert stands(driver) == ("enter", "instructions", "")
+    assert waiting_state(driver) == ("enter", "instructions", "")
     driver.enter()
-    assert stands(driver) == LOST
+    assert waiting_state(driver) == LOST
     driver.press("enter")
     driver.wait(60_000)
-    assert stands(driver) == LOST
+    assert waiting_state(driver) == LOST
     sensor(driver, "attached")
-    assert stands(driver) == ("enter", "attempt", "")
+    assert waiting_state(driver) == ("enter", "attempt", "")
 
 
 def test_a_working_sensor_causes_no_pause(lifting: LiftDriver) -> None:
@@ -65,10 +65,10 @@ def test_a_task_without_sensors_ignores_them(new_session: NewSession) -> None:
     driver = new_session(Lift)
     driver.begin_lifts()
     sensor(driver, "detached")
-    assert stands(driver) == AT_START
+    assert waiting_state(driver) == AT_START
     driver.operate("pause")
     driver.operate("resume")
-    assert stands(driver) == AT_START
+    assert waiting_state(driver) == AT_START
 
 
 @pytest.mark.parametrize(("loss", "cure"), [("detached", "attached"), ("stalled", "flowing"), ("ended", "attached")])
@@ -77,15 +77,15 @@ def test_a_lost_sensor_voids_the_trial(lifting: LiftDriver, loss: SensorState, c
     lifting.to_prompt()
     lifting.press("k")
     sensor(lifting, loss, "It is loose.")
-    assert stands(lifting) == LOST
+    assert waiting_state(lifting) == LOST
     assert lifting.waiting.detail == "It is loose."
     assert (lifting.last(VOIDED).trial, lifting.last(VOIDED).reason) == (1, "sensor")
     lifting.wait(60_000)
     lifting.press("enter")
     lifting.press("space")
-    assert stands(lifting) == LOST
+    assert waiting_state(lifting) == LOST
     sensor(lifting, cure)
-    assert stands(lifting) == AT_START
+    assert waiting_state(lifting) == AT_START
     assert lifting.waiting.detail == ""
     lifting.wait(1000)
     lifting.lift()
@@ -96,7 +96,7 @@ def test_a_lost_sensor_voids_the_trial(lifting: LiftDriver, loss: SensorState, c
 def test_a_new_reason_of_the_loss_is_published(lifting: LiftDriver) -> None:
     sensor(lifting, "stalled", "Nothing comes.")
     sensor(lifting, "error", "The cable is broken.")
-    assert (stands(lifting), lifting.waiting.detail) == (LOST, "The cable is broken.")
+    assert (waiting_state(lifting), lifting.waiting.detail) == (LOST, "The cable is broken.")
 
 
 @pytest.mark.parametrize("state", ["gap", "saturated", "error"])
@@ -113,11 +113,11 @@ def test_a_sensor_lost_between_attempts_pauses_the_session(lifting: LiftDriver) 
     lifting.lift()
     lifting.lift()
     sensor(lifting, "detached")
-    assert stands(lifting) == LOST
+    assert waiting_state(lifting) == LOST
     lifting.press("enter")
-    assert stands(lifting) == LOST
+    assert waiting_state(lifting) == LOST
     sensor(lifting, "attached")
-    assert (stands(lifting), lifting.waiting.attempt) == (("enter", "attempt", ""), 2)
+    assert (waiting_state(lifting), lifting.waiting.attempt) == (("enter", "attempt", ""), 2)
     assert lifting.all(VOIDED) == []
 
 
@@ -127,10 +127,10 @@ def test_after_the_last_attempt_a_lost_sensor_is_ignored(new_session: NewSession
     driver.begin_lifts()
     driver.lift()
     sensor(driver, "detached")
-    assert stands(driver) == ("enter", "review", "")
+    assert waiting_state(driver) == ("enter", "review", "")
     driver.operate("pause")
     driver.operate("resume")
-    assert stands(driver) == ("enter", "review", "")
+    assert waiting_state(driver) == ("enter", "review", "")
     driver.press("enter")
     assert [ended.status for ended in driver.all(SESSION_ENDED)] == ["completed"]
 
@@ -141,12 +141,12 @@ def test_a_sensor_lost_before_the_last_feedback_is_ignored(new_session: NewSessi
     driver.begin_lifts()
     driver.lift()
     driver.lift()
-    assert stands(driver) == ("answer", "answer", "")
+    assert waiting_state(driver) == ("answer", "answer", "")
     sensor(driver, "detached")
     driver.operate("pause")
     driver.operate("resume")
     driver.wait(3000)
-    assert stands(driver) == ("enter", "review", "")
+    assert waiting_state(driver) == ("enter", "review", "")
     driver.press("enter")
     assert driver.last(SESSION_ENDED).status == "completed"
 
@@ -155,38 +155,38 @@ def test_a_sensor_lost_in_the_instructions_pauses_after_them(new_session: NewSes
     driver = new_session()
     sensor(driver, "attached")
     sensor(driver, "detached", "Gone.")
-    assert stands(driver) == ("enter", "instructions", "")
+    assert waiting_state(driver) == ("enter", "instructions", "")
     driver.enter()
-    assert (stands(driver), driver.waiting.detail) == (LOST, "Gone.")
+    assert (waiting_state(driver), driver.waiting.detail) == (LOST, "Gone.")
 
 
 def test_a_persons_pause_is_not_ended_by_the_sensor(lifting: LiftDriver) -> None:
     lifting.operate("pause", reason="tired")
-    paused = stands(lifting)
+    paused = waiting_state(lifting)
     sensor(lifting, "detached")
-    assert stands(lifting) == paused
+    assert waiting_state(lifting) == paused
     sensor(lifting, "attached")
-    assert stands(lifting) == paused
+    assert waiting_state(lifting) == paused
     lifting.operate("resume")
-    assert stands(lifting) == AT_START
+    assert waiting_state(lifting) == AT_START
 
 
 def test_resuming_with_a_lost_sensor_waits_for_the_sensor(lifting: LiftDriver) -> None:
     lifting.operate("pause")
     sensor(lifting, "stalled", "Nothing comes.")
     lifting.operate("resume")
-    assert (stands(lifting), lifting.waiting.detail) == (LOST, "Nothing comes.")
+    assert (waiting_state(lifting), lifting.waiting.detail) == (LOST, "Nothing comes.")
     sensor(lifting, "flowing")
-    assert stands(lifting) == AT_START
+    assert waiting_state(lifting) == AT_START
     assert [voided.reason for voided in lifting.all(VOIDED)] == ["pause"]
 
 
 def test_a_pause_during_sensor_loss_outlasts_its_return(lifting: LiftDriver) -> None:
     sensor(lifting, "detached")
     lifting.operate("pause", reason="pain")
-    assert stands(lifting) == ("resume", "paused", "pain")
+    assert waiting_state(lifting) == ("resume", "paused", "pain")
     sensor(lifting, "attached")
-    assert stands(lifting) == ("resume", "paused", "pain")
+    assert waiting_state(lifting) == ("resume", "paused", "pain")
 
 
 def test_a_session_that_waits_for_a_sensor_can_be_ended(lifting: LiftDriver) -> None:
@@ -204,9 +204,9 @@ def test_a_sensor_that_returns_during_a_disk_failure_starts_nothing(lifting: Lif
     sensor(lifting, "attached")
     assert (lifting.waiting.stage, lifting.waiting.reason) == ("paused", "storage")
     lifting.disk(True)
-    assert stands(lifting) == ("enter", "paused", "restored")
+    assert waiting_state(lifting) == ("enter", "paused", "restored")
     lifting.press("enter")
-    assert stands(lifting) == AT_START
+    assert waiting_state(lifting) == AT_START
 
 
 def test_after_a_disk_failure_the_session_waits_for_a_lost_sensor(lifting: LiftDriver) -> None:
@@ -214,9 +214,9 @@ def test_after_a_disk_failure_the_session_waits_for_a_lost_sensor(lifting: LiftD
     lifting.disk(False)
     sensor(lifting, "stalled")
     lifting.disk(True)
-    assert stands(lifting) == LOST
+    assert waiting_state(lifting) == LOST
     sensor(lifting, "attached")
-    assert stands(lifting) == AT_START
+    assert waiting_state(lifting) == AT_START
 
 
 def test_a_sensor_lost_during_a_disk_failure_is_waited_for_afterwards(lifting: LiftDriver) -> None:
@@ -224,9 +224,9 @@ def test_a_sensor_lost_during_a_disk_failure_is_waited_for_afterwards(lifting: L
     sensor(lifting, "detached")
     assert lifting.waiting.reason == "storage"
     lifting.disk(True)
-    assert stands(lifting) == ("enter", "paused", "restored")
+    assert waiting_state(lifting) == ("enter", "paused", "restored")
     lifting.press("enter")
-    assert stands(lifting) == LOST
+    assert waiting_state(lifting) == LOST
 
 
 @pytest.mark.parametrize("lost", [False, True])
@@ -235,11 +235,11 @@ def test_a_resumed_session_waits_for_enter_then_for_its_sensor(lifting: LiftDriv
     if lost:
         sensor(lifting, "detached")
     resumed = LiftDriver(SensedLift, calm, attempts=2, history=lifting.records)
-    assert stands(resumed) == ("enter", "paused", "interrupted")
+    assert waiting_state(resumed) == ("enter", "paused", "interrupted")
     resumed.press("enter")
-    assert stands(resumed) == LOST, "the sensor of this run has not reported yet"
+    assert waiting_state(resumed) == LOST, "the sensor of this run has not reported yet"
     sensor(resumed, "attached")
-    assert (stands(resumed), resumed.waiting.trial) == (AT_START, 2)
+    assert (waiting_state(resumed), resumed.waiting.trial) == (AT_START, 2)
     assert resumed.all(PROMPT) == []
 
 
@@ -247,6 +247,6 @@ def test_a_resumed_session_with_a_working_sensor_only_waits_for_enter(lifting: L
     sensor(lifting, "detached")
     resumed = LiftDriver(SensedLift, calm, attempts=2, history=lifting.records)
     sensor(resumed, "attached")
-    assert stands(resumed) == ("enter", "paused", "interrupted")
+    assert waiting_state(resumed) == ("enter", "paused", "interrupted")
     resumed.press("enter")
-    assert stands(resumed) == AT_START
+    assert waiting_state(resumed) == AT_START

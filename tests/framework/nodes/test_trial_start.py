@@ -18,10 +18,10 @@ NewSession = Callable[..., LiftDriver]
 def new_session(calm: Theme) -> NewSession:
     """Start a session; by default two attempts of two lifts each."""
 
-    def at(**settings: Any) -> LiftDriver:
+    def start(**settings: Any) -> LiftDriver:
         return LiftDriver(Lift, calm, **{"attempts": 2, **settings})
 
-    return at
+    return start
 
 
 def waits(driver: LiftDriver) -> list[str]:

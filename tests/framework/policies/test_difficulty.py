@@ -13,7 +13,7 @@ OUTCOMES = st.lists(st.sampled_from(["success", "failure"]), max_size=80)
 
 @st.composite
 def set_ups(draw: st.DrawFn) -> tuple[TaskParameters, int]:
-    """Parameters that go together, and how many levels the task has (never fewer than the lowest and the first)."""
+    """Valid parameters, and a number of levels of the task, at least the lowest and the first level."""
     low, first, high = sorted(draw(st.tuples(*[st.integers(1, 15)] * 3)))
     parameters = build(
         TaskParameters,
