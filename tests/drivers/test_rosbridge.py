@@ -182,7 +182,7 @@ def test_a_connection_made_after_closing_is_closed(
     assert server.received == []
 
 
-def test_a_server_of_something_else_is_no_connection_and_no_error(call: Callable[[int], Caller]) -> None:
+def test_another_kind_of_server_is_no_connection_and_no_error(call: Callable[[int], Caller]) -> None:
     attempts: list[bytes] = []
 
     def refuse(listener: socket.socket) -> None:
@@ -223,7 +223,7 @@ def test_nonsense_from_the_server_does_no_harm(server: RosBridge, call: Callable
     assert caller.say("me too")
 
 
-def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_package_is_reported_with_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "roslibpy", None)
     monkeypatch.setitem(sys.modules, "roslibpy.comm", None)
     caller = Caller(9090)
@@ -296,7 +296,7 @@ def test_it_loads_nothing_heavy_until_it_is_opened() -> None:
         (" ros://[::1]:80?a=/x&b=y ", Address("::1", 80, "", {"a": "/x", "b": "y"})),
     ],
 )
-def test_an_address_is_understood(text: str, expected: Address) -> None:
+def test_an_address_is_parsed(text: str, expected: Address) -> None:
     assert parse(text, "ros://HOST") == expected
 
 
@@ -304,6 +304,6 @@ def test_an_address_is_understood(text: str, expected: Address) -> None:
     "text",
     ["", "robot", "http://robot", "ros://", "ros://robot:99999", "ros://me:secret@robot", "ros://robot?a", "ros://a b"],
 )
-def test_an_address_that_is_none_is_refused_with_an_example(text: str) -> None:
+def test_an_invalid_address_is_refused_with_an_example(text: str) -> None:
     with pytest.raises(AddressError, match="Use ros://HOST"):
         parse(text, "ros://HOST")

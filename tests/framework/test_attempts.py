@@ -1,4 +1,4 @@
-"""Attempts are scored against the goal of their level, amended, and answered as scheduled."""
+"""Attempts are scored against the goal of their level, amended, and given feedback as scheduled."""
 
 from typing import Any
 

@@ -12,7 +12,7 @@ COLORS = st.from_regex("#[0-9a-f]{6}", fullmatch=True)
 
 
 def wcag_ratio(one: str, other: str) -> float:
-    """WCAG 2.2, by the letter."""
+    """Return the contrast ratio of two colours, by the formula of WCAG 2.2."""
 
     def luminance(color: str) -> float:
         linear = []

@@ -14,7 +14,7 @@ poses = st.builds(Pose, **dict.fromkeys(JOINTS, positions))
 
 @st.composite
 def gestures(draw: st.DrawFn) -> Gesture:
-    """Any that a theme may have."""
+    """Generate valid gestures."""
     times = sorted(draw(st.sets(st.integers(1, LONGEST_MS), min_size=1, max_size=8)))
     frames = [Keyframe(at_ms=ms, **{joint: draw(positions) for joint in JOINTS}) for ms in times[:-1]]
     return Gesture((*frames, Keyframe(at_ms=times[-1])))

@@ -14,13 +14,13 @@ FRAMEWORK = Path(module.__file__).parent
 
 
 def words(folder: Path, code: str, text: str) -> Path:
-    """A folder with the translations of a language."""
+    """Write the translations of a language into a folder, and return the folder."""
     folder.mkdir(exist_ok=True)
     (folder / f"words.{code}.toml").write_text(text, encoding="utf-8")
     return folder
 
 
-# --- the framework's own words -----------------------------------------------------------------------------------
+# --- the framework's translations --------------------------------------------------------------------------------
 
 
 def test_every_text_of_the_framework_is_translated_and_no_translation_is_obsolete() -> None:
@@ -32,7 +32,7 @@ def test_every_text_of_the_framework_is_translated_and_no_translation_is_obsolet
     assert [problem for text, own in translations.items() if (problem := slot_problem(text, own))] == []
 
 
-# --- a language that has no words, or not all of them ----------------------------------------------------------------
+# --- missing translations --------------------------------------------------------------------------------------------
 
 
 def test_a_language_without_a_file_shows_english(tmp_path: Path) -> None:
@@ -102,7 +102,7 @@ def test_a_byte_order_mark_is_ignored(tmp_path: Path) -> None:
     assert tr("Ready?") == "¿Todo listo?"
 
 
-# --- whose words go before whose -----------------------------------------------------------------------------------
+# --- precedence of translations ------------------------------------------------------------------------------------
 
 
 def test_texts_of_a_theme_precede_those_of_the_task_and_the_framework(tmp_path: Path) -> None:
@@ -119,7 +119,7 @@ def test_regional_texts_precede_those_of_the_language(tmp_path: Path) -> None:
     assert language("es", folder)("computer") == "ordenador"
 
 
-# --- figures --------------------------------------------------------------------------------------------------------
+# --- numbers --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from sar_tui.framework.parameters import TaskParameters, build, changed, current
 
 
 class Parameters(TaskParameters, frozen=True, kw_only=True):
-    """One of each kind."""
+    """One parameter of each kind."""
 
     reach: Annotated[float, meta("Reach", "cm", "How far.", ge=0, le=100)] = 30.5
     repetitions: Annotated[int, meta("Repetitions", ge=1, le=12)] = 3
@@ -194,7 +194,7 @@ def test_a_redeclared_common_parameter_keeps_its_former_spellings() -> None:
 
 
 class GroupedParameters(TaskParameters, frozen=True, kw_only=True):
-    """A task with headings of its own, and with common parameters declared anew."""
+    """Parameters with additional headings, and with common parameters declared again."""
 
     drum: Annotated[bool, meta("Drum", group="Music")] = True
     reach: Annotated[float, meta("Reach", ge=0, le=100)] = 30.5

@@ -1,4 +1,4 @@
-"""A wording for a situation can be said, or its problem is reported."""
+"""A wording for a situation is valid, or its problem is reported."""
 
 import re
 import unicodedata
@@ -123,7 +123,7 @@ HUNDREDS = (
 
 
 def spelled(number: int, language: str) -> str:
-    """A number from 0 to 1000 in words."""
+    """Return a number from 0 to 1000 in words."""
     small = SMALL[language].split()
     if number < len(small):
         return small[number]

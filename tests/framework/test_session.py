@@ -49,7 +49,7 @@ class Disk(Node):
 
 
 class Simulated:
-    """A session with a simulated participant, new or resumed from a record."""
+    """A session with a simulated participant, either new or resumed from a record."""
 
     def __init__(self, history: list[Record] | None = None, seed: int = 3, run: int = 2, **changed: Any) -> None:
         catalogue = Catalogue()
@@ -97,7 +97,7 @@ def shape(records: list[Record], *topics: Any) -> list[Any]:
     return chosen
 
 
-def seconds(records: list[Record]) -> list[float | None]:
+def reaction_times(records: list[Record]) -> list[float | None]:
     return [
         message.reaction_time_ms and round(message.reaction_time_ms, 6)
         for record in records
@@ -139,7 +139,7 @@ def test_a_session_cut_off_anywhere_continues_as_if_it_had_not_been(data: st.Dat
     joined = before + rest.records
     for topics in ([TRIAL], [ATTEMPT_ENDED], [FEEDBACK], [SESSION_ENDED]):
         assert shape(joined, *topics) == shape(session.records, *topics)
-    assert seconds(joined) == seconds(session.records)
+    assert reaction_times(joined) == reaction_times(session.records)
 
 
 @given(st.data())

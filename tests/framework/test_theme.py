@@ -1,4 +1,4 @@
-"""The shipped themes are complete, legible, kind and consistent."""
+"""The bundled themes are complete, legible, kind and consistent."""
 
 import re
 from itertools import combinations, product
@@ -20,7 +20,7 @@ NAMES = ("calm", "high-contrast", "playful")
 LANGUAGES = ("en", "es")
 DEGREES = tuple(f"{valence}{degree}" for valence in ("positive", "negative") for degree in ("_slight", "", "_strong"))
 BREATH = 115
-"""So many characters can be said in one breath."""
+"""Maximum number of characters of an utterance, so that it can be said in one breath."""
 
 UNKIND = {
     "en": r"""wrong wrongly fail fails failed failing failure bad badly poor poorly lazy mistakes? errors? faults? blame
@@ -46,13 +46,13 @@ UNITS = ("ms", "s", "cm", "%", "taps/s", "")
 
 @pytest.fixture(params=[(name, language) for name in NAMES for language in LANGUAGES], ids="-".join)
 def theme(request: pytest.FixtureRequest, catalogue: Catalogue) -> Theme:
-    """Each theme in each language, with nothing taken from elsewhere."""
+    """Each theme in each language, without texts inherited from other themes."""
     name, language = request.param
     return read_theme(catalogue.theme_folder(name), language)
 
 
 def said(theme: Theme, situation: str) -> list[str]:
-    """The wordings for a situation with all slots filled."""
+    """Return the wordings for a situation with all slots filled."""
     slots = dict.fromkeys(FIGURES, "1250 ms") | {
         "percent": "100 %",
         "change": CHANGES[theme.language][0],
@@ -63,12 +63,12 @@ def said(theme: Theme, situation: str) -> list[str]:
 
 
 def words_of(theme: Theme) -> str:
-    """Everything a theme says of its own, in small letters."""
+    """Return all wordings and words of a theme in lower case."""
     wordings = [wording for wordings in theme.phrases.values() for wording in wordings]
     return " ".join([*wordings, *theme.vocabulary.values()]).lower()
 
 
-# --- whole -----------------------------------------------------------------------------------------------------------
+# --- complete --------------------------------------------------------------------------------------------------------
 
 
 def test_names_of_the_shipped_themes(catalogue: Catalogue) -> None:
@@ -135,11 +135,11 @@ def test_combined_phrases_do_not_repeat_each_other(theme: Theme) -> None:
         together += [*product(graded, figures), (f"summary_{valence}", "summary_figures")]
     for words, figures in together:
         for one, other in product(theme.phrases[words], theme.phrases[figures]):
-            assert not runs(one) & runs(other), (one, other)
+            assert not word_triples(one) & word_triples(other), (one, other)
 
 
-def runs(text: str) -> set[str]:
-    """Three words in a row, within its sentences."""
+def word_triples(text: str) -> set[str]:
+    """Return all sequences of three words within a sentence."""
     sentences = [re.findall(r"[\w{}]+", sentence.lower()) for sentence in re.split(r"[.!?:;]", text)]
     return {" ".join(words[i : i + 3]) for words in sentences for i in range(len(words) - 2)}
 

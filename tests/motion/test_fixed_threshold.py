@@ -1,4 +1,4 @@
-"""The thesis' detector: it finds what the thesis found, and has the known faults."""
+"""The detector of the thesis has the results and the known faults of the thesis."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Repetitions of exercises: simulated ones, and those of ten persons with a watch on each wrist in turn."""
+"""Counts of repetitions in simulated exercises, and in recordings of ten people with a watch on either wrist."""
 
 import importlib.util
 from collections.abc import Iterator
@@ -129,7 +129,7 @@ class Set(NamedTuple):
 def watch_sets() -> list[Set]:
     """Return the regular sets of seglearn's ``load_watch``: ax, ay, az, wx, wy, wz at 50 Hz, 20 repetitions each.
 
-    Read from its file, as importing the package needs others that reading does not.
+    Read from its file, because importing the package requires further packages.
     """
     package = importlib.util.find_spec("seglearn")
     assert package is not None
@@ -141,11 +141,11 @@ def watch_sets() -> list[Set]:
 
 
 def cuts(seed: int) -> Iterator[tuple[Set, int]]:
-    """Yield a stretch of every set, and its 5 to 20 repetitions.
+    """Yield a cut of every set, and its number of repetitions, 5 to 20.
 
-    The sets come cut to the exercise, 20 repetitions each by protocol; where each one starts is not known. So a cut
-    takes k twentieths of the set's time. The error of this truth: the tempo is not even, and some recordings hold
-    18.4 to 22 swings to and fro. About one cut in ten is nearer to another whole number than to its k.
+    Each set contains only the exercise, 20 repetitions by protocol; the start of each repetition is unknown. A cut of
+    k repetitions is therefore k twentieths of the set's time. This is approximate: the tempo varies, and some
+    recordings hold 18.4 to 22 cycles. About one cut in ten is nearer to another whole number than to its k.
     """
     streams = np.random.default_rng(seed)
     for whole in watch_sets():
@@ -157,7 +157,7 @@ def cuts(seed: int) -> Iterator[tuple[Set, int]]:
 
 @cache
 def misses() -> dict[str, Floats]:
-    """Return the errors of the count in every cut: of all sets, of each exercise, of each half of the persons."""
+    """Return the absolute errors of the count in every cut, by group: all, each exercise, each half of the people."""
     found: dict[str, list[int]] = {}
     for seed in SEEDS:
         for part, count in cuts(seed):

@@ -39,7 +39,7 @@ def the_reach(made: Simulation) -> Bounds:
     return reach
 
 
-# --- what it has to stand --------------------------------------------------------------------------------------
+# --- realistic recordings --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("scenario", scenarios(), ids=lambda scenario: scenario.name)
@@ -78,14 +78,14 @@ def test_a_reach_is_timed_at_any_rate(rate_hz: float) -> None:
     assert ("low_rate" in reach.flags) == (rate_hz < 32)
 
 
-def test_too_few_samples_a_second_are_refused_in_a_sentence() -> None:
+def test_too_few_samples_a_second_are_refused_with_a_reason() -> None:
     with pytest.raises(ValueError, match=r"gives 4 samples a second; .* at least 20"):
         find(simulate([REACH], rate_hz=4).recording)
     with pytest.raises(ValueError, match="at least 20"):
         Segmenter(0.0)
 
 
-# --- what is no reach ------------------------------------------------------------------------------------------
+# --- other movements -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["clean", "noisy", "biased", "drifting", "tremor", "patient"])
@@ -247,7 +247,7 @@ def test_live_states_do_not_depend_on_the_blocks_that_samples_come_in(cuts: list
 
 
 def watched(made: Simulation) -> tuple[list[float], Segmenter]:
-    """Return when the hand was back and still for 0.8 s, by a segmenter that is asked every 20 ms."""
+    """Return the times (s) at which a segmenter finds the hand back and still for 0.8 s, asked every 20 ms."""
     segmenter, over = Segmenter(250.0), []
     for first in range(0, len(made.recording.time_s), 5):
         block = slice(first, first + 5)

@@ -5,7 +5,7 @@ from typing import Any
 from sar_tui.framework import messages as m
 from sar_tui.reports.logged_messages import LoggedMessage
 
-WHO = "operator.anna"
+ANNA = "operator.anna"
 
 
 class Script(list[LoggedMessage]):
@@ -25,7 +25,7 @@ class Script(list[LoggedMessage]):
         self.extend(LoggedMessage(self.run, round(ms * 1e6), message) for message in messages)
         return self
 
-    def join(self, ms: float, who: str = WHO, state: Any = "joined", *, operated: bool = True) -> "Script":
+    def join(self, ms: float, who: str = ANNA, state: Any = "joined", *, operated: bool = True) -> "Script":
         return self.log(ms, m.OperatorChanged(actor=who, state=state, operated=operated))
 
 
@@ -40,14 +40,14 @@ def pending(proposed: m.Proposal, mode: Any = "approve", level: int | None = Non
 def action(proposed: m.Proposal, decision: Any = "accepted", ground: Any = "operator", **changes: Any) -> m.Action:
     """Return the action of a proposal."""
     said = {name: getattr(proposed, name) for name in proposed.__struct_fields__} | changes
-    return m.Action(**said, decision=decision, actor=WHO if ground == "operator" else "agent", ground=ground)
+    return m.Action(**said, decision=decision, actor=ANNA if ground == "operator" else "agent", ground=ground)
 
 
 def decision(id: str, verdict: Any = "accept", ms: float = 0, **parts: Any) -> m.Decision:
-    return m.Decision(action=id, verdict=verdict, actor=WHO, at=round(ms * 1e6), **parts)
+    return m.Decision(action=id, verdict=verdict, actor=ANNA, at=round(ms * 1e6), **parts)
 
 
-def seen(id: str, ms: float, who: str = WHO) -> m.ProposalSeen:
+def seen(id: str, ms: float, who: str = ANNA) -> m.ProposalSeen:
     return m.ProposalSeen(action=id, actor=who, at=round(ms * 1e6))
 
 

@@ -6,43 +6,43 @@ import pytest
 
 from sar_tui.framework import messages as m
 from sar_tui.reports.deviations import Deviation, deviations
-from tests.reports.session_script import WHO, Script
+from tests.reports.session_script import ANNA, Script
 
 GOES_ON = m.Waiting(what="foreperiod", stage="trial")
 PAUSED = m.Waiting(what="resume", stage="paused")
 
 
 def act(command: Any, **parts: Any) -> m.SessionCommand:
-    return m.SessionCommand(command=command, actor=WHO, **parts)
+    return m.SessionCommand(command=command, actor=ANNA, **parts)
 
 
 def found(script: Script) -> list[Deviation]:
-    return deviations(script, [WHO, "operator.ben"])
+    return deviations(script, [ANNA, "operator.ben"])
 
 
 def test_a_session_that_went_as_planned_has_none() -> None:
-    script = Script().join(10).join(10, state="baton").log(1000, m.Remark(text="Good.", actor=WHO), GOES_ON)
+    script = Script().join(10).join(10, state="baton").log(1000, m.Remark(text="Good.", actor=ANNA), GOES_ON)
     assert found(script) == []
 
 
 @pytest.mark.parametrize(
     ("message", "what", "detail"),
     [
-        (m.ModeChanged(kind="feedback", mode="veto", actor=WHO), "mode", "feedback: veto"),
+        (m.ModeChanged(kind="feedback", mode="veto", actor=ANNA), "mode", "feedback: veto"),
         (act("level", value=3), "level", "3"),
         (act("skip"), "skip", ""),
         (act("repeat"), "repeat", ""),
         (act("end", reason="tired"), "end", "tired"),
         (act("stop"), "stop", ""),
         (act("mark", reason="assisted"), "mark", "assisted"),
-        (m.LateDecision(actor=WHO, what="veto a3", why="It was over."), "missed", "veto a3: It was over."),
-        (m.OperatorChanged(actor=WHO, state="lost", operated=False, detail="silent"), "lost", "silent"),
-        (m.OperatorChanged(actor=WHO, state="left", operated=False), "left", ""),
+        (m.LateDecision(actor=ANNA, what="veto a3", why="It was over."), "missed", "veto a3: It was over."),
+        (m.OperatorChanged(actor=ANNA, state="lost", operated=False, detail="silent"), "lost", "silent"),
+        (m.OperatorChanged(actor=ANNA, state="left", operated=False), "left", ""),
     ],
 )
 def test_each_deviation_has_its_time_and_actor(message: m.Message, what: str, detail: str) -> None:
     script = Script().join(10).log(61_500, message)
-    assert found(script) == [Deviation(run=1, at_s=61.5, what=what, actor=WHO, detail=detail)]
+    assert found(script) == [Deviation(run=1, at_s=61.5, what=what, actor=ANNA, detail=detail)]
 
 
 def test_refused_acts_reported_together_are_counted() -> None:
@@ -76,7 +76,7 @@ def test_each_later_change_of_control_is_a_deviation() -> None:
     script.join(5000, "operator.ben", "baton").join(9000, state="baton")
     assert [(each.what, each.actor, each.at_s) for each in found(script)] == [
         ("baton", "operator.ben", 5),
-        ("baton", WHO, 9),
+        ("baton", ANNA, 9),
     ]
 
 

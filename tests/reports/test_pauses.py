@@ -4,7 +4,7 @@ from typing import Any
 
 from sar_tui.framework import messages as m
 from sar_tui.reports.pauses import Pause, pauses
-from tests.reports.session_script import WHO, Script
+from tests.reports.session_script import ANNA, Script
 
 GOES_ON = m.Waiting(what="foreperiod", stage="trial")
 PAUSED = m.Waiting(what="resume", stage="paused")
@@ -15,22 +15,22 @@ def act(command: Any, reason: str = "", actor: str = "participant") -> m.Session
 
 
 def found(script: Script) -> list[Pause]:
-    return pauses(script, [WHO])
+    return pauses(script, [ANNA])
 
 
 def test_a_pause_has_its_reason_and_who_ended_it() -> None:
     script = Script().log(1000, GOES_ON).log(5000, act("pause"), PAUSED).log(7000, act("pause", "pain"), PAUSED)
-    script.log(9000, act("resume", actor=WHO), GOES_ON).log(60_000, GOES_ON)
-    assert found(script) == [Pause(1, 5, 4, "pain", WHO)]
+    script.log(9000, act("resume", actor=ANNA), GOES_ON).log(60_000, GOES_ON)
+    assert found(script) == [Pause(1, 5, 4, "pain", ANNA)]
 
 
 def test_pain_during_an_operators_pause_starts_the_participants_own() -> None:
-    script = Script().log(5000, act("pause", actor=WHO), PAUSED).log(6000, act("pause", "pain"), PAUSED)
+    script = Script().log(5000, act("pause", actor=ANNA), PAUSED).log(6000, act("pause", "pain"), PAUSED)
     assert found(script.log(8000, act("resume"), GOES_ON)) == [Pause(1, 6, 2, "pain", "participant")]
 
 
 def test_an_operators_pause_is_not_the_participants() -> None:
-    script = Script().log(5000, act("pause", actor=WHO), PAUSED).log(8000, act("resume", actor=WHO), GOES_ON)
+    script = Script().log(5000, act("pause", actor=ANNA), PAUSED).log(8000, act("resume", actor=ANNA), GOES_ON)
     assert found(script) == []
 
 

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from sar_tui.framework import messages as m
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.reports.presence import KINDS, MODES, mode_times, presence
-from tests.reports.session_script import WHO, Script
+from tests.reports.session_script import ANNA, Script
 
 STILL = m.Waiting(what="enter", stage="attempt")
 """Message that only shows that the session went on."""
@@ -31,7 +31,7 @@ def test_a_lost_operator_who_comes_back_was_absent_meanwhile() -> None:
     assert (absence.at_s, absence.duration_s, absence.actor, absence.state, absence.came_back) == (
         20,
         5.5,
-        WHO,
+        ANNA,
         "lost",
         True,
     )
@@ -90,8 +90,8 @@ def test_a_mode_chosen_by_hand_still_holds_in_the_next_run() -> None:
 
 EVENTS = st.one_of(
     st.builds(m.ModeChanged, kind=st.sampled_from(KINDS), mode=st.sampled_from(MODES)),
-    st.builds(m.OperatorChanged, actor=st.just(WHO), state=st.just("joined"), operated=st.just(True)),
-    st.builds(m.OperatorChanged, actor=st.just(WHO), state=st.just("lost"), operated=st.just(False)),
+    st.builds(m.OperatorChanged, actor=st.just(ANNA), state=st.just("joined"), operated=st.just(True)),
+    st.builds(m.OperatorChanged, actor=st.just(ANNA), state=st.just("lost"), operated=st.just(False)),
 )
 
 

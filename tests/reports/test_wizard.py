@@ -19,7 +19,7 @@ from sar_tui.simulation.operator import PROFILES
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
-from tests.reports.session_script import WHO, Script, action, decision, pending, proposal, seen
+from tests.reports.session_script import ANNA, Script, action, decision, pending, proposal, seen
 
 SETTINGS = {"operator_feedback": "approve", "attempts": 8, "prompts_per_attempt": 4}
 """The last setting is the task's own; the report ignores it."""
@@ -38,10 +38,10 @@ def written_session() -> Script:
     script.log(11_002, decision("a1", ms=11_000), action(first))
     script.log(20_000, second, pending(second)).log(20_040, seen("a2", 20_030))
     script.log(22_034, decision("a2", "edit", 22_030), milder)
-    script.log(25_003, m.Remark(text="Take your time.", actor=WHO, at=25_000_000_000))
-    script.log(26_000, m.Remark(gesture="nod", source="gesture", actor=WHO, at=26_000_000_000))
-    script.log(27_000, m.NoteAdded(text="Tired today.", actor=WHO)).log(28_000, m.NoteAdded(label="yawn", actor=WHO))
-    script.log(29_001, m.SessionCommand(command="level", value=2, actor=WHO, at=29_000_000_000))
+    script.log(25_003, m.Remark(text="Take your time.", actor=ANNA, at=25_000_000_000))
+    script.log(26_000, m.Remark(gesture="nod", source="gesture", actor=ANNA, at=26_000_000_000))
+    script.log(27_000, m.NoteAdded(text="Tired today.", actor=ANNA)).log(28_000, m.NoteAdded(label="yawn", actor=ANNA))
+    script.log(29_001, m.SessionCommand(command="level", value=2, actor=ANNA, at=29_000_000_000))
     script.log(30_000, third, pending(third)).log(30_040, seen("a3", 30_030)).log(
         34_000, action(third, ground="deadline")
     )
@@ -51,7 +51,7 @@ def written_session() -> Script:
 
 def test_a_session_computed_by_hand() -> None:
     made, latencies = report("s1", SETTINGS, written_session())
-    assert (made.session, made.operated, made.operators, made.observers) == ("s1", True, [WHO], ["observer.eve"])
+    assert (made.session, made.operated, made.operators, made.observers) == ("s1", True, [ANNA], ["observer.eve"])
     assert (made.duration_s, made.operated_s) == (50, 40)
     (feedback,) = (row for row in made.proposals if row.kind == "feedback")
     assert (feedback.mode, feedback.time_s, feedback.time_share, feedback.unattended_s) == ("approve", 50, 1, 10)
@@ -71,14 +71,14 @@ def test_a_session_computed_by_hand() -> None:
     assert made.counts == {"level": 1, "lost": 1}
     assert [(absence.at_s, absence.duration_s) for absence in made.absences] == [(40, 10)]
     assert (made.notes, made.event_marks) == (1, 1)
-    assert made.written == [Note(1, 27, WHO, "Tired today.", ""), Note(1, 28, WHO, "", "yawn")]
+    assert made.written == [Note(1, 27, ANNA, "Tired today.", ""), Note(1, 28, ANNA, "", "yawn")]
     assert (made.plan["operator_feedback"], made.plan["operator_timeout"], made.pauses) == ("approve", "act", [])
 
 
 def test_the_shares_of_a_kind_that_changed_its_mode() -> None:
     script = Script().join(0).log(1000, proposal("a1"))
-    script.log(5000, m.ModeChanged(kind="feedback", mode="veto", actor=WHO)).log(6000, proposal("a2"), proposal("a3"))
-    made, _ = report("s1", SETTINGS, script.log(20_000, m.NoteAdded(actor=WHO)))
+    script.log(5000, m.ModeChanged(kind="feedback", mode="veto", actor=ANNA)).log(6000, proposal("a2"), proposal("a3"))
+    made, _ = report("s1", SETTINGS, script.log(20_000, m.NoteAdded(actor=ANNA)))
     rows = [(row.mode, row.time_share, row.n, row.share) for row in made.proposals if row.kind == "feedback"]
     assert rows == [("veto", 0.75, 2, 0.6667), ("approve", 0.25, 1, 0.3333)]
 

@@ -55,7 +55,7 @@ def whole(data: Path, **parameters: object) -> str:
     return run.id
 
 
-# --- who takes part ------------------------------------------------------------------------------------------------
+# --- participants --------------------------------------------------------------------------------------------------
 
 
 def test_both_seats_are_stored_and_the_session_is_found_from_either(data: Path) -> None:
@@ -143,7 +143,7 @@ def test_a_session_of_one_has_no_partner(data: Path) -> None:
 @pytest.mark.parametrize("policy", POLICIES)
 @examples(6)
 @given(steps=st.lists(st.integers(0, 30), min_size=1, max_size=3))
-def test_killed_in_mid_trial_and_resumed_each_trial_of_both_is_there_once(
+def test_each_trial_of_both_is_stored_once_after_a_kill_in_mid_trial_and_a_resume(
     policy: str, steps: list[int], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     data = tmp_path_factory.mktemp("data") / "data"
@@ -175,7 +175,7 @@ def test_killed_in_mid_trial_and_resumed_each_trial_of_both_is_there_once(
 
 
 @pytest.mark.parametrize("policy", POLICIES)
-def test_a_session_of_two_comes_out_the_same_when_replayed(data: Path, policy: str) -> None:
+def test_a_session_of_two_replays_identically(data: Path, policy: str) -> None:
     session = whole(data, policy=policy, address="code")
     database = connect(data)
     history = list(sessions.history(database, session))

@@ -32,7 +32,7 @@ def make_participants(task: Any, theme: Any, seed: int) -> list[SimulatedPartici
 
 
 def play(run: Run, clock: VirtualClock, steps: int | None = None) -> None:
-    """So many steps of a run, or all of them; and then its end, orderly or not quite."""
+    """Do a number of steps of a run, or all of them, and close it."""
     run.begin()
     while not run.session.ended and (steps is None or steps > 0):
         assert clock.step()
@@ -96,10 +96,10 @@ def test_each_run_stores_its_software_and_machine(data: Path, monkeypatch: pytes
     clock = VirtualClock(1000 * SECOND)
     play(resume(run.id, data, CATALOGUE, clock, make_participants), clock, 5)
     session = sessions.find(connect(data), data, run.id)
-    driver, ssh = sessions.rows(connect(data), "runs", run.id)
-    assert (driver["software"], driver["machine"]) == (session["software"], session["machine"])
-    assert (driver["machine"]["flags"], ssh["machine"]["flags"]) == ([], ["ssh"])
-    assert ssh["software"] == driver["software"]
+    local, ssh = sessions.rows(connect(data), "runs", run.id)
+    assert (local["software"], local["machine"]) == (session["software"], session["machine"])
+    assert (local["machine"]["flags"], ssh["machine"]["flags"]) == ([], ["ssh"])
+    assert ssh["software"] == local["software"]
 
 
 def test_a_session_that_has_ended_cannot_be_resumed(data: Path) -> None:
@@ -121,11 +121,11 @@ def test_a_session_stored_with_former_spellings_resumes(data: Path) -> None:
     assert table(data, "trials", run.id, *TRIALS) == table(data, "trials", whole, *TRIALS)
 
 
-# --- what was achieved before ----------------------------------------------------------------------------------
+# --- earlier best results --------------------------------------------------------------------------------------
 
 
 def best_known(data: Path, run: Run) -> dict[str, float]:
-    """The best results that a run was given at its beginning."""
+    """Return the earlier best results that a run started with, by level."""
     history = sessions.history(connect(data), run.id)
     (best,) = [r.message.best for r in history if r.topic is SESSION and r.message.run == run.number]
     return dict(best)

@@ -1,4 +1,4 @@
-"""Feedback in simulated sessions is stored as the settings demand."""
+"""Feedback in simulated sessions is given and stored as set."""
 
 from collections import Counter
 from pathlib import Path
@@ -23,7 +23,7 @@ SEEDS = range(1, 13)
 
 
 class StoredSession:
-    """A simulated session, as the database keeps it."""
+    """A simulated session, read from the database."""
 
     def __init__(self, data: Path, user: str, seed: int, task: str = "keyboard", **parameters: Any) -> None:
         catalogue = Catalogue()
@@ -40,7 +40,7 @@ class StoredSession:
         return [record.message for record in self.records if record.topic is topic]
 
     @property
-    def answered(self) -> list[int]:
+    def with_feedback(self) -> list[int]:
         return [row["attempt"] for row in self.attempts if row["feedback"] != "none"]
 
     @property
@@ -56,29 +56,29 @@ class StoredSession:
 def test_competent_users_are_praised_more_often_than_poor_ones_in_every_session(
     data: Path, seed: int, every: int
 ) -> None:
-    """Answered at each attempt (Figures 4.11, 4.12), and at every third (4.13, 4.14)."""
+    """Feedback on each attempt (Figures 4.11, 4.12), and on every third (4.13, 4.14)."""
     settings = {"attempts": 20, "prompts_per_attempt": 8, "difficulty_policy": "fixed", "start_level": 3}
     users = {user: StoredSession(data, user, seed, feedback_every=every, **settings) for user in ("poor", "competent")}
     poor, competent = users["poor"].valences, users["competent"].valences
     assert competent["positive"] > poor["positive"]
     assert poor["negative"] > competent["negative"]
     for session in users.values():
-        assert session.answered == list(range(every, 21, every))
+        assert session.with_feedback == list(range(every, 21, every))
 
 
-def test_with_every_three_feedback_stands_on_three_six_nine_and_nowhere_else(data: Path) -> None:
+def test_feedback_every_three_attempts_is_on_every_third_attempt(data: Path) -> None:
     session = StoredSession(data, "average", 1, attempts=20, prompts_per_attempt=5, feedback_every=3)
-    assert session.answered == [3, 6, 9, 12, 15, 18]
-    assert [feedback.attempt for feedback in session.all(FEEDBACK)] == session.answered
+    assert session.with_feedback == [3, 6, 9, 12, 15, 18]
+    assert [feedback.attempt for feedback in session.all(FEEDBACK)] == session.with_feedback
     said = [action["proposed"]["attempt"] for action in session.actions if action["kind"] == "feedback"]
-    assert said == session.answered
+    assert said == session.with_feedback
 
 
-def test_practice_is_answered_each_time_and_does_not_shift_what_follows(data: Path) -> None:
+def test_each_practice_attempt_gets_feedback_and_the_schedule_starts_after_it(data: Path) -> None:
     session = StoredSession(
         data, "average", 1, attempts=7, practice_attempts=2, prompts_per_attempt=5, feedback_every=3
     )
-    assert session.answered == [1, 2, 5, 8]
+    assert session.with_feedback == [1, 2, 5, 8]
 
 
 # --- each schedule: when, what and why ------------------------------------------------------------------------
@@ -86,7 +86,7 @@ def test_practice_is_answered_each_time_and_does_not_shift_what_follows(data: Pa
 
 @pytest.fixture(scope="module", params=SCHEDULES)
 def session(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> StoredSession:
-    """A session under a schedule, with all else about feedback set to something that does not go without saying."""
+    """A session under each schedule, with values other than the defaults for the other feedback settings."""
     return StoredSession(
         tmp_path_factory.mktemp("data"),
         "average",
@@ -120,19 +120,19 @@ def test_every_attempt_stores_its_feedback_choice(session: StoredSession) -> Non
 
 def test_the_stored_reason_for_feedback_is_true(session: StoredSession) -> None:
     """The row alone shows whether feedback on the attempt was due."""
-    unanswered = 0
+    since = 0
     for row in session.attempts:
         choice = row["choice"]
-        unanswered += 1
-        assert choice["since"] == unanswered
+        since += 1
+        assert choice["since"] == since
         match choice["schedule"]:
             case "every" | "summary":
                 assert choice["interval"] == 4
-                assert choice["due"] == (unanswered == 4)
-                assert f"{unanswered} since the last" in choice["why"]
+                assert choice["due"] == (since == 4)
+                assert f"{since} since the last" in choice["why"]
             case "faded":
                 assert 1 <= choice["interval"] <= RAREST
-                assert choice["due"] == (unanswered >= choice["interval"])
+                assert choice["due"] == (since >= choice["interval"])
             case "bandwidth":
                 assert choice["tolerance"] == pytest.approx(0.12 * row["goal"])
                 off = abs(row["metric"] - row["goal"])
@@ -144,19 +144,19 @@ def test_the_stored_reason_for_feedback_is_true(session: StoredSession) -> None:
             case "none":
                 assert (choice["due"], choice["why"]) == (False, "No feedback is given.")
         if row["feedback"] != "none":
-            unanswered = 0
+            since = 0
 
 
-def test_the_row_is_the_last_message_and_the_answer_has_the_same_choice(session: StoredSession) -> None:
+def test_the_row_and_the_feedback_have_the_choice_of_the_last_message(session: StoredSession) -> None:
     by_attempt = {message.attempt: message for message in session.all(ATTEMPT_ENDED)}
     assert [row["choice"] for row in session.attempts] == [
         msgspec.to_builtins(by_attempt[row["attempt"]].choice) for row in session.attempts
     ]
-    answers = session.all(FEEDBACK)
-    assert [answer.attempt for answer in answers] == session.answered
-    for answer in answers:
-        assert answer.choice == by_attempt[answer.attempt].choice
-        assert answer.valence == by_attempt[answer.attempt].feedback
+    given = session.all(FEEDBACK)
+    assert [feedback.attempt for feedback in given] == session.with_feedback
+    for feedback in given:
+        assert feedback.choice == by_attempt[feedback.attempt].choice
+        assert feedback.valence == by_attempt[feedback.attempt].feedback
 
 
 def test_feedback_is_said_as_chosen_and_when_it_was_due(session: StoredSession) -> None:
@@ -164,8 +164,8 @@ def test_feedback_is_said_as_chosen_and_when_it_was_due(session: StoredSession) 
     asked = [key.at for key in session.all(KEY) if key.key == REQUEST_KEY]
     on_request = session.parameters.feedback_schedule == "request"
     said = [action for action in session.actions if action["kind"] == "feedback"]
-    assert [action["proposed"]["attempt"] for action in said] == session.answered
-    due = asked if on_request else [rows[attempt]["ended_ns"] + 700_000_000 for attempt in session.answered]
+    assert [action["proposed"]["attempt"] for action in said] == session.with_feedback
+    due = asked if on_request else [rows[attempt]["ended_ns"] + 700_000_000 for attempt in session.with_feedback]
     assert [action["decided_ns"] for action in said] == due
     for action in said:
         row = rows[action["proposed"]["attempt"]]
@@ -175,9 +175,9 @@ def test_feedback_is_said_as_chosen_and_when_it_was_due(session: StoredSession) 
         assert any(character.isdigit() for character in action["final"]["text"])
 
 
-def test_each_schedule_except_none_answers_some_attempts(session: StoredSession) -> None:
-    how_many = len(session.answered)
-    assert how_many == 0 if session.parameters.feedback_schedule == "none" else 0 < how_many < 16
+def test_each_schedule_except_none_gives_feedback_on_some_attempts(session: StoredSession) -> None:
+    count = len(session.with_feedback)
+    assert count == 0 if session.parameters.feedback_schedule == "none" else 0 < count < 16
 
 
 def test_each_proposal_was_said_or_has_a_reason_why_it_was_not(session: StoredSession) -> None:

@@ -23,7 +23,7 @@ KIND, CALM = Catalogue().task("pairs"), Catalogue().theme("calm")
 
 
 class Disk(Node):
-    """Writes everything down at once."""
+    """Acknowledges every trial at once."""
 
     name = "disk"
     emits = (STORED,)
@@ -34,7 +34,7 @@ class Disk(Node):
 
 
 class Played(NamedTuple):
-    """Return the messages of a session by topic."""
+    """Messages of a session."""
 
     records: tuple[Record, ...]
 
@@ -43,13 +43,13 @@ class Played(NamedTuple):
         return [one for one in reported if all(getattr(one, name) == value for name, value in wanted.items())]
 
     @property
-    def answers(self) -> list[m.Proposal]:
+    def proposed_feedback(self) -> list[m.Proposal]:
         return self.all(PROPOSED, kind="feedback")
 
 
 @functools.cache
 def play(policy: str, seed: int, left: str = "average", right: str = "poor", **more: Any) -> Played:
-    """A short session of two."""
+    """Run a short session of two participants."""
     parameters = build(KIND.Parameters, {"policy": policy, "attempts": 2, "prompts_per_attempt": 6, **more})
     task, clock = KIND(parameters), VirtualClock()
     two = [SimulatedParticipant(PEOPLE[left], task, seed), SimulatedPartner(PEOPLE[right], task, seed, seat="B")]
@@ -77,7 +77,7 @@ def test_each_row_and_each_feedback_has_the_seat_of_its_participant(policy: str,
         values = [trial.value for trial in mine if trial.value is not None]
         assert (attempt.trials, attempt.correct) == (len(mine), sum(trial.correct for trial in mine))
         assert attempt.metric == (pytest.approx(sum(values) / len(values)) if values else None)
-    feedback = {(one.attempt, one.seat): one for one in played.answers}
+    feedback = {(one.attempt, one.seat): one for one in played.proposed_feedback}
     assert set(feedback) == {(one.attempt, one.seat) for one in played.all(ATTEMPT_ENDED)}
     for attempt in played.all(ATTEMPT_ENDED):
         answer = feedback[attempt.attempt, attempt.seat]
@@ -148,7 +148,7 @@ def test_the_same_seed_gives_the_same_session(policy: str) -> None:
     assert play(policy, 3).records == play.__wrapped__(policy, 3).records
 
 
-def test_two_of_a_kind_are_two_people() -> None:
+def test_two_participants_of_the_same_model_perform_differently() -> None:
     played = play("race", 5, right="average")
     left, right = ([row.reaction_time_ms for row in played.all(TRIAL, seat=seat)] for seat in "AB")
     assert left != right

@@ -27,8 +27,8 @@ from tests.examples import first
 from tests.simulation.test_pairs import CALM, KIND, POLICIES, Disk, Played
 
 SEEDS = range(10)
-NEAR = 15
-"""Within so many ms of the truth the onset of a movement is found."""
+MAX_ONSET_ERROR_MS = 15
+"""Largest error of a detected movement onset."""
 
 
 @pytest.fixture(autouse=True)
@@ -38,15 +38,15 @@ def samples_in_fewer_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sar_tui.inputs.sensor.DRAIN", 80 * MS)
 
 
-class Sat(NamedTuple):
-    """Return the messages of a session, and when each hand started a complete reach (ns)."""
+class PlayedReaches(NamedTuple):
+    """Messages of a session, and the times (ns) at which each hand started a complete reach, by seat."""
 
     played: Played
     onsets: dict[str, list[int]]
 
 
-def play(policy: str, seed: int) -> Sat:
-    """An attempt of three prompts, with sensors of 100 Hz."""
+def play(policy: str, seed: int) -> PlayedReaches:
+    """Run a session of one attempt of three prompts, with sensors of 100 Hz."""
     given = {"policy": policy, "respond_with": "reaches", "attempts": 1, "prompts_per_attempt": 3}
     given |= {"foreperiod_max_ms": 600, "quiet_ms": 100}
     task, clock = KIND(build(KIND.Parameters, given)), VirtualClock()
@@ -72,7 +72,7 @@ def play(policy: str, seed: int) -> Sat:
     while not session.ended and clock.step():
         pass
     assert session.faults == []
-    return Sat(Played(tuple(records)), onsets)
+    return PlayedReaches(Played(tuple(records)), onsets)
 
 
 @pytest.mark.parametrize("policy", POLICIES)
@@ -83,7 +83,7 @@ def test_each_movement_and_each_feedback_has_the_seat_of_its_participant(policy:
     for trial in trials:
         if trial.response is not None:
             nearest = min(onsets[trial.seat], key=lambda at: abs(at - trial.response_at))
-            assert abs(nearest - trial.response_at) / MS < NEAR
+            assert abs(nearest - trial.response_at) / MS < MAX_ONSET_ERROR_MS
             assert trial.reaction_time_ms == pytest.approx((trial.response_at - trial.onset) / MS)
     seats = [{trial.seat for trial in trials if trial.trial == number} for number in (1, 2, 3)]
     if policy == "alternate":
@@ -94,7 +94,7 @@ def test_each_movement_and_each_feedback_has_the_seat_of_its_participant(policy:
         assert seats == [{"A", "B"}] * 3
     for number in (1, 2, 3):
         rows = [trial for trial in trials if trial.trial == number]
-        _judge(policy, rows)
+        _check_results(policy, rows)
     for ended in played.all(ATTEMPT_ENDED):
         mine = [trial for trial in trials if trial.seat == ended.seat]
         values = [trial.value for trial in mine if trial.value is not None]
@@ -104,8 +104,8 @@ def test_each_movement_and_each_feedback_has_the_seat_of_its_participant(policy:
         assert answer.text.startswith({"A": "Left: ", "B": "Right: "}[ended.seat])
 
 
-def _judge(policy: str, rows: list[Any]) -> None:
-    """A trial came to what its policy says."""
+def _check_results(policy: str, rows: list[Any]) -> None:
+    """Check the results of the trials of a prompt against the policy."""
     times = [row.reaction_time_ms for row in rows if row.details["right"]]
     for row in rows:
         match policy:
@@ -118,7 +118,7 @@ def _judge(policy: str, rows: list[Any]) -> None:
                 assert (row.correct, row.value) == (row.details["right"], row.reaction_time_ms)
 
 
-def test_a_session_of_reaches_of_two_is_stored_and_comes_out_the_same_when_replayed(data: Path) -> None:
+def test_a_session_of_two_with_reaches_is_stored_and_replays_identically(data: Path) -> None:
     given = {"policy": "race", "respond_with": "reaches", "attempts": 1, "prompts_per_attempt": 2}
     catalogue = Catalogue()
     plan = make_plan(catalogue, KIND, ["P01", "P02"], given, seed=3, mode="simulated")

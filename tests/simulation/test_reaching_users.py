@@ -57,7 +57,7 @@ def samples(
     """A session of each user with each seed."""
     data = tmp_path_factory.mktemp("reaching")
     with pytest.MonkeyPatch.context() as patch:
-        if request.param != SEEDS:  # The same samples in fewer blocks: to make many small ones is what takes time.
+        if request.param != SEEDS:  # The same samples in fewer blocks, because making many small blocks takes time.
             patch.setattr("sar_tui.inputs.simulated.STEP", 80 * MS)
             patch.setattr("sar_tui.inputs.sensor.DRAIN", 80 * MS)
         made = [

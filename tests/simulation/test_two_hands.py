@@ -28,13 +28,13 @@ REACH_PERCEPTION: Any = type(REACHING(build(REACHING.Parameters, {"imu": "simula
 
 
 class TwoHandsParameters(REACHING.Parameters, frozen=True, kw_only=True):
-    """Each has a sensor."""
+    """Parameters for a sensor per seat."""
 
     imu_b: Annotated[str, meta("Motion sensor on the right", help="As Motion sensor.", min_length=1)] = "simulated"
 
 
 class TwoHands(REACHING):  # type: ignore[misc]
-    """Both reach, each on their own; the trial is over when both are back."""
+    """Both participants reach independently; the trial ends when both hands are back."""
 
     name = "two hands"
     seats = ("A", "B")
@@ -104,7 +104,7 @@ def test_the_samples_of_each_are_their_own_and_in_order(data: Path, played: str)
     assert not np.array_equal(samples["A"]["rate"], samples["B"]["rate"])
 
 
-def test_a_session_with_two_sensors_comes_out_the_same_when_replayed(data: Path, played: str) -> None:
+def test_a_session_with_two_sensors_replays_identically(data: Path, played: str) -> None:
     database = connect(data)
     history = list(sessions.history(database, played))
     database.close()

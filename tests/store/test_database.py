@@ -19,7 +19,7 @@ from sar_tui.store.database import FILE, VERSION, StoreError, connect, default_f
 from sar_tui.store.schema import migrations
 
 _NOBODY = 65534
-"""The user who owns nothing."""
+"""User id of ``nobody``, who owns no files."""
 posix = pytest.mark.skipif(os.name != "posix", reason="permissions are those of POSIX")
 
 TABLES = {"participants", "settings", "sessions", "seats", "runs", "attempts", "trials", "actions", "events", "notes"}
@@ -133,7 +133,7 @@ def test_a_folder_that_is_a_file_is_reported(tmp_path: Path) -> None:
 
 @posix
 def test_a_folder_that_is_read_only_is_reported() -> None:
-    """The superuser may write anywhere, and so steps down to an ordinary user meanwhile."""
+    """The superuser can write anywhere, so the test drops to an ordinary user for a moment."""
     user = os.geteuid()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -151,7 +151,7 @@ def test_a_folder_that_is_read_only_is_reported() -> None:
 
 @pytest.fixture
 def older(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A database of this version, and a program of the next, whose migration adds a table."""
+    """A database of this version, opened by a program of the next version, whose migration adds a table."""
     opened = Database(connect(data))
     opened["participants"].insert({"code": "P01", "created_at": "now"})
     opened.close()
@@ -182,7 +182,7 @@ def test_an_older_database_is_brought_up_to_date_after_a_backup(older: Path) -> 
     assert [row["code"] for row in kept["participants"].rows] == ["P01"]
 
 
-def test_a_database_of_the_first_version_keeps_its_attempts_and_can_take_a_sensors_samples(data: Path) -> None:
+def test_a_database_of_the_first_version_keeps_its_attempts_and_can_store_a_sensors_samples(data: Path) -> None:
     data.mkdir()
     first = Database(sqlite3.connect(data / FILE))
     migrations.apply(first, stop_before="version_2")
@@ -197,7 +197,9 @@ def test_a_database_of_the_first_version_keeps_its_attempts_and_can_take_a_senso
     assert {"imu_streams", "imu_chunks"} <= set(opened.table_names())
 
 
-def test_a_database_of_the_second_version_keeps_its_attempts_and_can_take_why_they_were_answered(data: Path) -> None:
+def test_a_database_of_the_second_version_keeps_its_attempts_and_can_store_feedback_choices(
+    data: Path,
+) -> None:
     data.mkdir()
     second = Database(sqlite3.connect(data / FILE))
     migrations.apply(second, stop_before="version_3")
@@ -210,7 +212,7 @@ def test_a_database_of_the_second_version_keeps_its_attempts_and_can_take_why_th
     assert (attempt["feedback"], attempt["qualities"], attempt["choice"]) == ("positive", {}, None)
 
 
-def test_a_database_of_the_third_version_keeps_its_actions_and_notes_and_can_take_an_operators(data: Path) -> None:
+def test_a_database_of_the_third_version_keeps_its_actions_and_notes_and_can_store_an_operators(data: Path) -> None:
     data.mkdir()
     third = Database(sqlite3.connect(data / FILE))
     migrations.apply(third, stop_before="version_4")

@@ -26,11 +26,11 @@ from tests.tasks.reaching.reaching_driver import ReachingDriver, merged
 NAMES = ("session", "stream", "seq", "n", "t0_ns", "t1_ns", "before_event", "at_ns", "crc32", "data")
 
 
-# --- from messages to rows ------------------------------------------------------------------------------------
+# --- rows of messages -----------------------------------------------------------------------------------------
 
 
 def block(before: int, *stamps: int, at: int = 0) -> Record:
-    """Samples that passed before the message of that number."""
+    """Return a block of samples that precedes the message with a number."""
     samples = np.zeros(len(stamps), SAMPLE)
     samples["at"] = stamps
     return Record(before, at or stamps[-1], IMU, ImuBlock(samples=pack(samples)))
@@ -49,7 +49,7 @@ def chunks(*records: Record, streams: imu.StreamRows | None = None) -> list[dict
     return [dict(zip(NAMES, row, strict=True)) for row in rows]
 
 
-def test_samples_that_nothing_lies_between_are_one_chunk() -> None:
+def test_samples_without_a_message_between_them_are_one_chunk() -> None:
     (chunk,) = chunks(attached(1), block(2, 10, 20), block(2, 30, at=35), key(2))
     assert (chunk["n"], chunk["t0_ns"], chunk["t1_ns"]) == (3, 10, 30)
     assert (chunk["before_event"], chunk["at_ns"]) == (2, 35)
@@ -62,8 +62,8 @@ def test_a_message_between_samples_divides_them() -> None:
     assert [(c["stream"], c["seq"], c["before_event"], c["n"]) for c in (first, second)] == [(1, 1, 2, 1), (1, 2, 3, 2)]
 
 
-def test_samples_that_a_message_followed_from_come_before_it() -> None:
-    """A block is an input: what is derived of it has its number."""
+def test_samples_precede_the_message_derived_from_them() -> None:
+    """A block has no number of its own: it carries the number of the message that is derived from it."""
     first, second = chunks(attached(1), block(2, 10), block(2, 20), key(2), key(3), block(4, 30))
     assert [(c["before_event"], c["t1_ns"]) for c in (first, second)] == [(2, 20), (4, 30)]
 
@@ -102,7 +102,7 @@ def test_the_layout_says_how_to_read_the_bytes_without_this_program() -> None:
 
 
 class StoredSession:
-    """A reaching session that is recorded: inline, or by a thread that a test runs by hand."""
+    """A recorded reaching session; the recorder works inline, or on calls of ``write``."""
 
     def __init__(
         self, data: Path, *, inline: bool = True, of: "StoredSession | None" = None, **parameters: Any
@@ -122,10 +122,10 @@ class StoredSession:
         self.driver.screen.stores = False
         self.recorder = Recorder(self.database, self.id, run, self.driver.session.bus, inline=inline)
         self.driver.session.begin(run)
-        self.eyes = connect(data)
+        self.reader = connect(data)
 
     def do(self, reaches: int) -> "StoredSession":
-        """Do this many reaches, one per attempt, from the instructions on."""
+        """Do a number of reaches, one per attempt, starting at the instructions."""
         self.driver.start_session(rest_ms=2000)
         self.driver.reach()
         for _ in range(reaches - 1):
@@ -135,21 +135,21 @@ class StoredSession:
         return self
 
     def write(self) -> None:
-        """Run one turn of the recorder's thread, and handle what it reports."""
+        """Write as the recorder's thread does, and handle its acknowledgements."""
         self.recorder.try_write()
         self.driver.wait(0)
 
     @property
     def history(self) -> list[Record]:
-        return list(sessions.history(self.eyes, self.id))
+        return list(sessions.history(self.reader, self.id))
 
     def chunks(self) -> list[dict[str, Any]]:
         return list(
-            Database(self.eyes).query("SELECT * FROM imu_chunks WHERE session=? ORDER BY stream, seq", [self.id])
+            Database(self.reader).query("SELECT * FROM imu_chunks WHERE session=? ORDER BY stream, seq", [self.id])
         )
 
     def samples(self, from_ns: int = 0, to_ns: int = 2**62, run: int | None = None) -> Samples:
-        return imu.samples(self.eyes, self.id, from_ns, to_ns, run)
+        return imu.samples(self.reader, self.id, from_ns, to_ns, run)
 
 
 def test_every_sample_of_a_session_is_stored_as_it_was_measured(data: Path) -> None:
@@ -157,7 +157,7 @@ def test_every_sample_of_a_session_is_stored_as_it_was_measured(data: Path) -> N
     stored.recorder.write()
     assert len(stored.driver.samples) > 1500
     assert stored.samples().tobytes() == stored.driver.samples.tobytes()
-    (stream,) = sessions.rows(stored.eyes, "imu_streams", stored.id)
+    (stream,) = sessions.rows(stored.reader, "imu_streams", stored.id)
     assert (stream["stream"], stream["run"], stream["source"], stream["rate_hz"]) == (1, 1, "simulated", 250.0)
     assert [chunk["seq"] for chunk in stored.chunks()] == list(range(1, len(stored.chunks()) + 1))
     assert sum(chunk["n"] for chunk in stored.chunks()) == len(stored.driver.samples)
@@ -189,7 +189,7 @@ def test_samples_are_found_by_when_they_were_measured(data: Path) -> None:
     assert len(stored.samples(int(stamps[-1]))) == 1
     assert len(stored.samples(0, int(stamps[0]))) == 0
     assert len(stored.samples(run=2)) == 0
-    assert len(imu.samples(stored.eyes, "another", 0, 2**62)) == 0
+    assert len(imu.samples(stored.reader, "another", 0, 2**62)) == 0
 
 
 @pytest.mark.parametrize("change", ["a byte", "cut short", "another block's"])
@@ -203,8 +203,8 @@ def test_a_damaged_block_is_reported_by_its_number_and_never_taken_for_samples(d
         "cut short": whole[: -SAMPLE.itemsize],
         "another block's": stored.chunks()[number]["data"],
     }[change]
-    with stored.eyes:
-        stored.eyes.execute("UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", (damaged, stored.id, number))
+    with stored.reader:
+        stored.reader.execute("UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", (damaged, stored.id, number))
     words = f"Block {number} of sensor stream 1 of session {stored.id} is damaged"
     with pytest.raises(StoreError, match=words):
         stored.samples()
@@ -242,7 +242,7 @@ def test_a_session_with_a_sensor_is_derived_again_from_the_database(data: Path, 
 def test_a_session_cut_off_anywhere_and_written_in_any_batches_can_be_replayed(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
-    """Samples that were written together come back as one block; with a signal to go, so does the long wait for it."""
+    """Samples that were written together are read as one block, including a long wait for a go signal."""
     stored = StoredSession(
         tmp_path_factory.mktemp("stored"), inline=False, go_signal=data.draw(st.booleans()), attempts=1
     )
@@ -264,7 +264,7 @@ def test_a_session_cut_off_anywhere_and_written_in_any_batches_can_be_replayed(
     assert resumed.driver.session.faults == []
 
 
-def test_a_second_run_is_a_stream_of_its_own_numbered_on(data: Path) -> None:
+def test_a_second_run_has_its_own_stream_with_the_next_number(data: Path) -> None:
     first = StoredSession(data, inline=False).do(1)
     first.write()
     first.driver.wait(300)
@@ -282,7 +282,7 @@ def test_a_second_run_is_a_stream_of_its_own_numbered_on(data: Path) -> None:
     second.driver.wait(2000)
     assert second.driver.reach().correct
     second.recorder.write()
-    streams = sessions.rows(second.eyes, "imu_streams", second.id)
+    streams = sessions.rows(second.reader, "imu_streams", second.id)
     assert [(stream["stream"], stream["run"]) for stream in streams] == [(1, 1), (2, 2)]
     later = [chunk for chunk in second.chunks() if chunk["stream"] == 2]
     assert second.chunks()[: len(before)] == before
@@ -295,10 +295,10 @@ def test_a_second_run_is_a_stream_of_its_own_numbered_on(data: Path) -> None:
     assert replayed(second.history, second.driver) == [r for r in second.history if r.topic is not IMU]
 
 
-# --- a disk that refuses --------------------------------------------------------------------------------------
+# --- a full disk ----------------------------------------------------------------------------------------------
 
 
-def test_while_the_disk_refuses_samples_wait_in_order_and_none_is_lost_or_doubled(data: Path) -> None:
+def test_samples_wait_in_order_while_the_disk_is_full_and_none_is_lost_or_doubled(data: Path) -> None:
     stored = StoredSession(data, inline=False)
     stored.driver.start_session(rest_ms=500)
     stored.write()
@@ -330,7 +330,7 @@ def test_while_the_disk_refuses_samples_wait_in_order_and_none_is_lost_or_double
     assert replayed(stored.history, stored.driver) == [r for r in stored.driver.records if r.topic is not IMU]
 
 
-def test_a_sensor_that_comes_loose_and_back_is_two_streams_of_one_run(data: Path) -> None:
+def test_a_sensor_detached_and_attached_again_has_two_streams_in_one_run(data: Path) -> None:
     stored = StoredSession(data).do(1)
     driver = stored.driver
     for state in ("detached", "attached"):
@@ -338,7 +338,7 @@ def test_a_sensor_that_comes_loose_and_back_is_two_streams_of_one_run(data: Path
         driver.session.bus.publish(SENSOR, SensorChanged(state=state, at=driver.clock.now(), rate_hz=250.0))  # type: ignore[arg-type]
     driver.wait(500)
     stored.recorder.write()
-    streams = sessions.rows(stored.eyes, "imu_streams", stored.id)
+    streams = sessions.rows(stored.reader, "imu_streams", stored.id)
     assert [(stream["stream"], stream["run"]) for stream in streams] == [(1, 1), (2, 1)]
     second = [chunk for chunk in stored.chunks() if chunk["stream"] == 2]
     assert sum(chunk["n"] for chunk in second) == pytest.approx(0.5 * 250, abs=3)

@@ -41,7 +41,7 @@ run.begin()
 print(run.id, flush=True)
 os._exit(9)
 """
-"""A program that enters a session and ends without a word."""
+"""A program that starts a session and is killed."""
 
 Program = Callable[[str, str], subprocess.Popen[str]]
 
@@ -94,7 +94,7 @@ def test_a_released_lock_can_be_taken_again(data: Path) -> None:
     hold(data, "session", "abc").release()
 
 
-def test_asking_takes_nothing(data: Path) -> None:
+def test_asking_for_a_lock_does_not_take_it(data: Path) -> None:
     assert not is_held(data, "session", "abc")
     lock = hold(data, "session", "abc")
     for _ in range(3):
@@ -120,7 +120,7 @@ def test_a_folder_that_cannot_be_written_to_is_reported(tmp_path: Path) -> None:
 
 
 def begin(plan: Plan, data: Path, catalogue: Catalogue) -> str:
-    """A live session that is begun and left: its id."""
+    """Start and close a live session, and return its id."""
     run = start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     run.begin()
     run.recorder.write()
@@ -195,7 +195,7 @@ def test_a_session_whose_program_was_killed_is_interrupted_and_can_be_resumed(da
     assert sessions.find(database, data, session)["status"] == "interrupted"
 
 
-def test_a_session_that_cannot_be_brought_back_leaves_its_participant_free(
+def test_a_session_that_cannot_be_resumed_leaves_its_participant_free(
     plan: Plan, data: Path, catalogue: Catalogue
 ) -> None:
     session = begin(plan, data, catalogue)

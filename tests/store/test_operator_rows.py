@@ -1,4 +1,4 @@
-"""Acts of an operator are stored with actor, kind, reason and time."""
+"""Operators' decisions, words and requests are stored with actor, kind, reason and time."""
 
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,11 @@ ANA = "operator.ana"
 
 
 class Operated(Recorded):
-    """A simulated session of three attempts whose operator decides on each proposal as the test says."""
+    """A simulated session of three attempts with an operator.
+
+    Args:
+        verdicts: the decisions, by the number of the pending approval, from 1; no decision on the others.
+    """
 
     def __init__(self, data: Path, verdicts: dict[int, dict[str, Any]], **parameters: Any) -> None:
         quiet = {"attempts": 3, "prompts_per_attempt": 2, "encouragement": False, "filler": "never"}
@@ -37,10 +41,10 @@ class Operated(Recorded):
             clock.call_at(now + 700 * MS, lambda: bus.publish(DECISION, reported))
 
     def rows(self, kind: str) -> list[dict[str, Any]]:
-        """The actions of a kind, as they are stored at the end."""
+        """Finish the session and return the stored actions of a kind."""
         self.finish()
         self.recorder.write()
-        return [row for row in sessions.rows(self.eyes, "actions", self.id) if row["kind"] == kind]
+        return [row for row in sessions.rows(self.reader, "actions", self.id) if row["kind"] == kind]
 
 
 def test_approved_edited_and_vetoed_actions_can_be_told_apart(data: Path) -> None:
@@ -93,7 +97,7 @@ def test_an_operators_own_words_and_notes_are_stored_with_their_times(data: Path
     assert (own["decision"], own["actor"], own["mode"]) == ("initiated", ANA, "manual")
     assert own["final"]["text"] == "Well held."
     assert own["decided_ns"] <= own["started_ns"] <= own["ended_ns"]
-    notes = operated.eyes.execute("SELECT at_ns, author, text, label FROM notes ORDER BY at_ns").fetchall()
+    notes = operated.reader.execute("SELECT at_ns, author, text, label FROM notes ORDER BY at_ns").fetchall()
     assert notes == [(12 * MS, ANA, "coughs", ""), (13 * MS, ANA, "", "pain")]
 
 
@@ -114,7 +118,7 @@ def test_changes_of_level_that_were_asked_about_are_rows_too(data: Path) -> None
         ("l3", "accepted", "deadline"),
     ]
     assert [row["final"] for row in rows] == [None, {"level": 4}, {"level": 5}]
-    levels = operated.eyes.execute("SELECT level FROM attempts ORDER BY attempt").fetchall()
+    levels = operated.reader.execute("SELECT level FROM attempts ORDER BY attempt").fetchall()
     assert levels == [(1,), (1,), (4,), (5,)]
 
 
@@ -171,7 +175,7 @@ def test_stored_rows_do_not_depend_on_how_writes_are_batched(data: Path) -> None
             bus.tap(lambda _, recorder=operated.recorder: recorder.write())
         bus.publish(REMARK, m.Remark(text="Well held.", actor=ANA, at=operated.clock.now()))
         operated.rows("feedback")
-        tables = [sessions.rows(operated.eyes, name, operated.id) for name in ("actions", "trials", "attempts")]
+        tables = [sessions.rows(operated.reader, name, operated.id) for name in ("actions", "trials", "attempts")]
         stored.append([sorted(str({**row, "session": ""}) for row in rows) for rows in tables])
     apart, together = stored
     assert len(apart[0]) > 8

@@ -44,7 +44,7 @@ A_TRIAL = TrialEnded(
 
 
 class Recorded:
-    """A simulated session with a recorder: inline, or with a thread that is run by hand."""
+    """A simulated session with a recorder that works inline, or on calls of ``write_on_a_thread``."""
 
     def __init__(
         self,
@@ -82,7 +82,7 @@ class Recorded:
         self.recorder = Recorder(self.database, self.id, 1, self.session.bus, inline=inline)
         self.records: list[Record] = []
         self.session.bus.tap(self.records.extend)
-        self.eyes = connect(data)
+        self.reader = connect(data)
 
     def step(self) -> bool:
         return not self.session.ended and self.clock.step()
@@ -97,7 +97,7 @@ class Recorded:
             assert self.step()
 
     def write_on_a_thread(self) -> None:
-        """One turn of the recorder's own thread."""
+        """Write once in another thread, as the recorder's own does."""
         thread = threading.Thread(target=self.recorder.try_write)
         thread.start()
         thread.join()
@@ -107,11 +107,11 @@ class Recorded:
 
     def stored(self, table: str) -> list[Any]:
         """Return what another program sees in the database."""
-        return list(Database(self.eyes).query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", [self.id]))
+        return list(Database(self.reader).query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", [self.id]))
 
     @property
     def history(self) -> list[Record]:
-        return list(sessions.history(self.eyes, self.id))
+        return list(sessions.history(self.reader, self.id))
 
 
 def test_a_whole_session_is_in_the_tables_as_it_was_on_the_bus(data: Path) -> None:
@@ -128,7 +128,7 @@ def test_a_trials_row_is_its_message(data: Path) -> None:
     recorded = Recorded(data)
     recorded.session.begin()
     recorded.finish()
-    rows = sessions.rows(recorded.eyes, "trials", recorded.id)
+    rows = sessions.rows(recorded.reader, "trials", recorded.id)
     trials = recorded.all(TRIAL)
     assert len(rows) == len(trials) == 6
     for row, trial in zip(rows, trials, strict=True):
@@ -144,7 +144,7 @@ def test_an_attempts_row_is_its_message(data: Path) -> None:
     recorded = Recorded(data)
     recorded.session.begin()
     recorded.finish()
-    rows = sessions.rows(recorded.eyes, "attempts", recorded.id)
+    rows = sessions.rows(recorded.reader, "attempts", recorded.id)
     for row, attempt in zip(rows, recorded.all(ATTEMPT_ENDED), strict=True):
         expected = msgspec.to_builtins(attempt)
         expected["started_ns"], expected["ended_ns"] = expected.pop("started"), expected.pop("ended")
@@ -156,7 +156,7 @@ def test_an_action_has_its_proposal_its_decision_and_each_moment(data: Path) -> 
     recorded.session.begin()
     recorded.finish()
     recorded.recorder.write()
-    rows = sessions.rows(recorded.eyes, "actions", recorded.id)
+    rows = sessions.rows(recorded.reader, "actions", recorded.id)
     kinds = ["greeting", "instruction", "feedback", "feedback", "goodbye"]
     assert [row["kind"] for row in rows] == kinds
     for row, action in zip(rows, recorded.all(ACTION), strict=True):
@@ -175,7 +175,7 @@ def test_a_dropped_action_is_stored_with_who_dropped_it(data: Path) -> None:
     recorded.session.bus.publish(COMMAND, SessionCommand(command="stop", at=stopped_at))
     recorded.finish()
     recorded.recorder.write()
-    rows = {row["kind"]: row for row in sessions.rows(recorded.eyes, "actions", recorded.id)}
+    rows = {row["kind"]: row for row in sessions.rows(recorded.reader, "actions", recorded.id)}
     greeting, instruction = rows["greeting"], rows["instruction"]
     assert (greeting["decision"], greeting["started_ns"], greeting["ended_ns"]) == ("accepted", 0, stopped_at)
     assert (instruction["decision"], instruction["actor"], instruction["final"]) == ("dropped", "stop", None)
@@ -188,7 +188,7 @@ def test_an_utterance_that_is_too_late_is_dropped_by_the_agent(data: Path) -> No
     recorded.session.begin()
     recorded.finish()
     recorded.recorder.write()
-    rows = {row["kind"]: row for row in sessions.rows(recorded.eyes, "actions", recorded.id)}
+    rows = {row["kind"]: row for row in sessions.rows(recorded.reader, "actions", recorded.id)}
     assert (rows["instruction"]["decision"], rows["instruction"]["actor"]) == ("dropped", "agent")
 
 
@@ -202,7 +202,7 @@ def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_whatever
     robot._send_report(Report("a1", "say", "done", SECOND))
     recorded.clock.advance(0)
     recorded.recorder.write()
-    greeting = sessions.rows(recorded.eyes, "actions", recorded.id)[0]
+    greeting = sessions.rows(recorded.reader, "actions", recorded.id)[0]
     assert (greeting["started_ns"], greeting["ended_ns"]) == (0, 2 * SECOND)
 
 
@@ -210,7 +210,7 @@ def test_the_last_trial_closes_the_session(data: Path) -> None:
     recorded = Recorded(data)
     recorded.session.begin()
     recorded.finish()
-    (row,) = Database(recorded.eyes).query("SELECT status, ended_at FROM sessions")
+    (row,) = Database(recorded.reader).query("SELECT status, ended_at FROM sessions")
     assert row["status"] == "completed"
     assert row["ended_at"] is not None
 
@@ -263,7 +263,7 @@ def test_a_thread_that_is_stopped_writes_what_is_left_and_ends(data: Path) -> No
 
 
 def fill(recorded: Recorded) -> None:
-    """From here on the disk has no room."""
+    """Fill the disk: the database can no longer grow."""
     (pages,) = recorded.database.execute("PRAGMA page_count").fetchone()
     recorded.database.execute(f"PRAGMA max_page_count={pages}")
 
@@ -272,7 +272,7 @@ def make_room(recorded: Recorded) -> None:
     recorded.database.execute("PRAGMA max_page_count=1000000")
 
 
-def test_on_a_full_disk_nothing_is_acknowledged_that_is_not_there_and_later_all_of_it_is(data: Path) -> None:
+def test_on_a_full_disk_only_stored_trials_are_acknowledged_and_later_all(data: Path) -> None:
     recorded = Recorded(data, inline=False, attempts=3, prompts_per_attempt=20)
     acknowledged: list[tuple[int, int]] = []
 
@@ -321,10 +321,10 @@ def test_on_a_full_disk_nothing_is_acknowledged_that_is_not_there_and_later_all_
     assert recorded.session.faults == []
 
 
-def test_an_error_that_is_no_full_disk_is_reported_as_what_it_is_and_everything_is_stored(data: Path) -> None:
+def test_another_error_than_a_full_disk_is_reported_and_everything_is_stored(data: Path) -> None:
     recorded = Recorded(data, inline=False)
     recorded.session.begin()
-    recorded.eyes.execute("INSERT INTO events VALUES (?,1,1,0,'input/key','{}')", (recorded.id,))
+    recorded.reader.execute("INSERT INTO events VALUES (?,1,1,0,'input/key','{}')", (recorded.id,))
     for _ in range(3):
         recorded.write_on_a_thread()
         recorded.clock.advance(0)
@@ -333,19 +333,19 @@ def test_an_error_that_is_no_full_disk_is_reported_as_what_it_is_and_everything_
     assert "UNIQUE constraint failed: events.session, events.seq" in refusal.reason
     assert "full" not in refusal.reason
     assert recorded.recorder.pending > 0
-    recorded.eyes.execute("DELETE FROM events")
+    recorded.reader.execute("DELETE FROM events")
     recorded.write_on_a_thread()
     recorded.clock.advance(0)
     assert [storage.working for storage in recorded.all(STORAGE)] == [False, True]
 
 
-def test_a_disk_that_refuses_for_another_reason_than_before_is_reported_again(data: Path) -> None:
+def test_a_second_error_of_another_kind_is_reported_too(data: Path) -> None:
     recorded = Recorded(data, inline=False)
     recorded.session.begin()
     recorded.database.execute("PRAGMA query_only=1")
     recorded.write_on_a_thread()
     recorded.database.execute("PRAGMA query_only=0")
-    recorded.eyes.execute("INSERT INTO events VALUES (?,1,1,0,'input/key','{}')", (recorded.id,))
+    recorded.reader.execute("INSERT INTO events VALUES (?,1,1,0,'input/key','{}')", (recorded.id,))
     recorded.write_on_a_thread()
     recorded.clock.advance(0)
     first, second = [storage.reason for storage in recorded.all(STORAGE)]

@@ -138,7 +138,7 @@ def test_a_message_that_cannot_be_read_is_reported(database: sqlite3.Connection,
         list(sessions.history(database, session))
 
 
-# --- the best results so far ----------------------------------------------------------------------------------
+# --- earlier best results ------------------------------------------------------------------------------------
 
 TIME, TAPS = Metric("time", "ms", "lower"), Metric("taps", "taps/s", "higher")
 ROWS = st.lists(
@@ -159,7 +159,7 @@ ROWS = st.lists(
 
 @examples(25)
 @given(ROWS, st.sampled_from([TIME, TAPS]))
-def test_the_best_is_of_the_live_sessions_of_a_participant_in_a_task_by_level_without_practice(
+def test_the_best_result_is_from_live_sessions_by_level_without_practice(
     rows: list[dict[str, Any]], metric: Metric
 ) -> None:
     with tempfile.TemporaryDirectory() as folder:

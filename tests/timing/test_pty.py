@@ -26,9 +26,9 @@ def python(program: str) -> list[str]:
 
 @pytest.fixture
 def baseline(tmp_path: Path) -> Iterator[Terminal]:
-    """The bare loop, with twelve prompts."""
-    orders = ["--prompts", "12", "--shortest-ms", "50", "--longest-ms", "60"]
-    with Terminal([sys.executable, "-m", "sar_tui.timing.baseline", str(tmp_path / "trials"), *orders]) as terminal:
+    """Run the baseline program with twelve prompts."""
+    options = ["--prompts", "12", "--shortest-ms", "50", "--longest-ms", "60"]
+    with Terminal([sys.executable, "-m", "sar_tui.timing.baseline", str(tmp_path / "trials"), *options]) as terminal:
         yield terminal
 
 

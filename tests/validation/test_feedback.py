@@ -18,14 +18,14 @@ Change = Callable[[Simulated], Simulated]
 
 @pytest.fixture
 def conditions(catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) -> Conditions:
-    """Fewer seeds than are validated with."""
+    """Conditions with fewer seeds than in the validation."""
     monkeypatch.setattr(feedback, "SEEDS", range(1, 4))
     return Conditions(catalogue)
 
 
 @pytest.fixture
 def sessions_become(simulated_once: None, monkeypatch: pytest.MonkeyPatch) -> Callable[[Change], None]:
-    """Have every session changed before it is looked at."""
+    """Return a function that changes every simulated session before it is evaluated."""
     run = SessionRunner.run
 
     def become(change: Change) -> None:
@@ -136,9 +136,9 @@ def test_feedback_every_three_attempts_is_on_every_third_attempt(conditions: Con
     assert not failed(report)
     for seed in (1, 2, 3):
         rows = [row for row in report.rows if row["seed"] == seed]
-        answered = {every: [row["attempt"] for row in rows if row["every"] == every and row["feedback"] != "none"]
+        attempts = {every: [row["attempt"] for row in rows if row["every"] == every and row["feedback"] != "none"]
                     for every in (1, 3)}  # fmt: skip
-        assert answered == {1: list(range(1, 21)), 3: [3, 6, 9, 12, 15, 18]}
+        assert attempts == {1: list(range(1, 21)), 3: [3, 6, 9, 12, 15, 18]}
         results = {every: [row["reaction_time_ms"] for row in rows if row["every"] == every] for every in (1, 3)}
         assert results[1] == results[3], "the same user, whatever is said"
     assert len(report.drawings) == 2
@@ -162,7 +162,7 @@ def test_a_setting_that_has_no_effect_fails_the_claim(conditions: Conditions, mo
     assert claim.against.startswith("seed 1, attempt 1; seed 1, attempt 2; seed 1, attempt 4; ")
 
 
-# --- what is drawn ---------------------------------------------------------------------------------------------------
+# --- the figures -----------------------------------------------------------------------------------------------------
 
 
 def row(time: float | None, answer: str) -> dict[str, Any]:

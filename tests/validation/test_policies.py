@@ -1,4 +1,4 @@
-"""Feedback schedules: when each answers, what and why, and a failure of each claim."""
+"""Feedback schedules: when each gives feedback, its content and reason, and a failure of each claim."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -21,7 +21,7 @@ def rows(report: Report, schedule: str) -> list[Row]:
     return [row for row in report.rows if row["schedule"] == schedule]
 
 
-def answered(report: Report, schedule: str) -> list[int]:
+def with_feedback(report: Report, schedule: str) -> list[int]:
     return [row["attempt"] for row in rows(report, schedule) if row["feedback"]]
 
 
@@ -35,30 +35,30 @@ def test_the_participant_performs_the_same_under_every_schedule(report: Report) 
     assert len({tuple(row["reaction_time_ms"] for row in rows(report, name)) for name in policies.SCHEDULES}) == 1
 
 
-def test_every_and_summary_answer_at_their_interval(report: Report) -> None:
-    assert answered(report, "every") == list(range(2, 21, 2))
-    assert answered(report, "summary") == [5, 10, 15, 20]
+def test_every_and_summary_give_feedback_at_their_interval(report: Report) -> None:
+    assert with_feedback(report, "every") == list(range(2, 21, 2))
+    assert with_feedback(report, "summary") == [5, 10, 15, 20]
     assert {row["attempts"] for row in rows(report, "summary") if row["feedback"]} == {5}
 
 
 def test_faded_feedback_becomes_rarer_with_success(report: Report) -> None:
-    given = answered(report, "faded")
+    given = with_feedback(report, "faded")
     gaps = [later - earlier for earlier, later in pairwise(given)]
     assert given[0] == 1
     assert gaps[0] < gaps[-1]
     assert max(row["interval"] for row in rows(report, "faded")) > min(row["interval"] for row in rows(report, "faded"))
 
 
-def test_bandwidth_answers_only_results_outside_the_tolerance(report: Report) -> None:
+def test_bandwidth_feedback_is_only_on_results_outside_the_tolerance(report: Report) -> None:
     for row in rows(report, "bandwidth"):
         assert row["tolerance"] == 100
         assert (abs(row["reaction_time_ms"] - row["goal_ms"]) > 100) == bool(row["feedback"])
 
 
-def test_on_request_only_requested_attempts_are_answered(report: Report) -> None:
+def test_on_request_only_requested_feedback_is_given(report: Report) -> None:
     asked = [row["attempt"] for row in rows(report, "request") if row["asked"]]
     assert 0 < len(asked) < 20
-    assert answered(report, "request") == asked
+    assert with_feedback(report, "request") == asked
     assert {row["asked"] for name in ("every", "none") for row in rows(report, name)} == {False}
 
 
@@ -83,14 +83,14 @@ def silent(done: Simulated) -> Simulated:
 
 
 def hurried(done: Simulated) -> Simulated:
-    """Each answer is given as its attempt ends."""
+    """Give all feedback at the end of its attempt."""
     ends = {attempt["attempt"]: attempt["ended_ns"] for attempt in done.attempts}
     actions = [action | {"decided_ns": ends.get(action["final"]["attempt"])} for action in done.actions]
     return done._replace(actions=[action for action in actions if action["decided_ns"]])
 
 
 def late(done: Simulated) -> Simulated:
-    """Each answer is given a minute after it was."""
+    """Give all feedback a minute later."""
     return done._replace(actions=[row | {"decided_ns": row["decided_ns"] + 60 * 10**9} for row in done.actions])
 
 

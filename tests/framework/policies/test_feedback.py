@@ -79,7 +79,7 @@ def test_a_task_without_accuracy_is_judged_by_its_metric() -> None:
 
 
 @given(METRICS, ACCURACIES, st.sampled_from([TIME, TAPS]), st.integers(1, 2000), st.integers(0, 100))
-def test_praise_is_never_given_for_failure_nor_blame_for_success(
+def test_failure_is_never_praised_and_success_is_never_blamed(
     metric: float | None, accuracy: float | None, kind: Metric, threshold: int, band: int
 ) -> None:
     parameters = build(TaskParameters, {"threshold": threshold, "neutral_band": band})
@@ -92,7 +92,7 @@ def test_praise_is_never_given_for_failure_nor_blame_for_success(
     assert (verdict.valence == "neutral") == (enough and near)
 
 
-# --- how far from the goal ------------------------------------------------------------------------------------
+# --- distance from the goal -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""A policy is one file: it is found by its name, brings its own parameters, and a session runs by it."""
+"""A policy is one file: it is found by its name, adds its own parameters, and can be used in a session."""
 
 import json
 import os
@@ -39,7 +39,7 @@ from sar_tui.framework.policies.feedback.policy import Decision, FeedbackPolicy
 
 
 def decide(history, attempt, settings):
-    return Decision(history.since == 2, "Every other attempt is answered.")
+    return Decision(history.since == 2, "Every other attempt gets feedback.")
 
 
 POLICY = FeedbackPolicy(decide)

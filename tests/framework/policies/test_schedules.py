@@ -1,4 +1,4 @@
-"""Feedback schedules answer attempts when feedback is due."""
+"""Feedback schedules decide on which attempts feedback is given."""
 
 from typing import Any
 
@@ -34,7 +34,7 @@ def judged(metric: float | None, accuracy: float | None = 1.0, goal: float = GOA
 def step(
     history: History, attempt: JudgedAttempt, parameters: TaskParameters, practice: bool = False
 ) -> tuple[History, FeedbackChoice]:
-    """One attempt, as the course of a session takes it."""
+    """Remember an attempt and decide on its feedback, as a session does."""
     if not practice:
         history = feedback_choice.remember(history, attempt, parameters)
     choice = feedback_choice.choose(history, attempt, parameters, "results", practice=practice)
@@ -50,7 +50,7 @@ def chosen(parameters: TaskParameters, attempts: list[JudgedAttempt]) -> list[Fe
 
 
 def due(choices: list[FeedbackChoice]) -> list[int]:
-    """The numbers of the attempts that are answered."""
+    """Return the numbers of the attempts with feedback."""
     return [number for number, choice in enumerate(choices, 1) if choice.due]
 
 
@@ -58,7 +58,7 @@ def due(choices: list[FeedbackChoice]) -> list[int]:
 
 
 @given(st.integers(1, 100), RESULTS, st.sampled_from(["every", "summary"]))
-def test_every_nth_attempt_is_answered_whatever_the_outcomes(
+def test_every_nth_attempt_gets_feedback_regardless_of_the_outcomes(
     every: int, results: list[float | None], schedule: str
 ) -> None:
     choices = chosen(settings(schedule, feedback_every=every), [judged(result) for result in results])
@@ -141,14 +141,14 @@ def test_faded_feedback_thins_with_success_and_returns_with_failure_within_bound
 
 @given(st.integers(1, 6))
 def test_faded_feedback_thins_to_its_maximum_interval_with_constant_success(fade: int) -> None:
-    answered = due(chosen(settings("faded", feedback_fade=fade), [judged(500.0)] * 200))
-    gaps = [later - earlier for earlier, later in zip([0, *answered], answered, strict=False)]
+    given = due(chosen(settings("faded", feedback_fade=fade), [judged(500.0)] * 200))
+    gaps = [later - earlier for earlier, later in zip([0, *given], given, strict=False)]
     assert gaps == sorted(gaps)
     assert (gaps[0], gaps[-1]) == (1, RAREST)
 
 
 @given(OUTCOMES, st.integers(1, 10))
-def test_after_enough_failures_each_attempt_is_answered_again(outcomes: list[bool], fade: int) -> None:
+def test_after_enough_failures_each_attempt_gets_feedback_again(outcomes: list[bool], fade: int) -> None:
     attempts = [judged(500.0 if success else 2000.0) for success in outcomes]
     choices = chosen(settings("faded", feedback_fade=fade), attempts + [judged(2000.0)] * (len(outcomes) + RAREST))
     assert all(choice.due and choice.interval == 1 for choice in choices[-RAREST // 2 :])
@@ -156,13 +156,13 @@ def test_after_enough_failures_each_attempt_is_answered_again(outcomes: list[boo
 
 @given(RESULTS, st.integers(1, 10))
 def test_faded_feedback_is_due_after_its_interval(results: list[float | None], fade: int) -> None:
-    unanswered = 0
+    since = 0
     for choice in chosen(settings("faded", feedback_fade=fade), [judged(result) for result in results]):
-        unanswered += 1
-        assert choice.since == unanswered
-        assert choice.due == (choice.interval is not None and unanswered >= choice.interval)
+        since += 1
+        assert choice.since == since
+        assert choice.due == (choice.interval is not None and since >= choice.interval)
         if choice.due:
-            unanswered = 0
+            since = 0
 
 
 # --- bandwidth ------------------------------------------------------------------------------------------------
@@ -179,7 +179,7 @@ def test_bandwidth_feedback_is_given_only_strictly_outside_the_tolerance(metric:
 
 @given(st.integers(1, 2000), st.integers(0, 100), st.integers(-150, 150))
 def test_the_tolerance_is_symmetric_around_any_goal(goal: int, percent: int, off: int) -> None:
-    """In hundredths of the goal, so that what lies on the bound lies exactly on it."""
+    """In percent of the goal, so that a result on the bound lies exactly on it."""
     parameters = settings("bandwidth", feedback_tolerance=percent, min_accuracy=0)
     choices = [chosen(parameters, [judged(goal * (1 + side * off / 100), goal=float(goal))])[0] for side in (1, -1)]
     assert [choice.due for choice in choices] == [abs(off) > percent] * 2
@@ -187,7 +187,7 @@ def test_the_tolerance_is_symmetric_around_any_goal(goal: int, percent: int, off
 
 def test_bounds_of_a_fractional_goal_are_within_the_tolerance() -> None:
     parameters = settings("bandwidth", feedback_tolerance=10)
-    assert 0.7 * 1.1 - 0.7 > 0.07, "a sum of fractions that is not what it says"
+    assert 0.7 * 1.1 - 0.7 > 0.07, "floating-point arithmetic puts this bound outside the tolerance"
     assert not chosen(parameters, [judged(0.7 * 1.1, goal=0.7)])[0].due
 
 
@@ -202,7 +202,7 @@ def test_an_inaccurate_attempt_is_always_outside_the_tolerance(metric: float, ac
 
 
 @given(RESULTS, st.sampled_from(["request", "none"]), st.booleans())
-def test_on_request_and_none_never_give_feedback_unasked(
+def test_on_request_and_none_never_give_feedback_without_a_request(
     results: list[float | None], schedule: str, practice: bool
 ) -> None:
     history = History()
@@ -215,7 +215,7 @@ def test_on_request_and_none_never_give_feedback_unasked(
 
 
 @given(RESULTS, st.sampled_from(["every", "faded", "bandwidth", "summary"]), st.integers(1, 10))
-def test_practice_is_always_answered_and_does_not_affect_the_schedule(
+def test_practice_always_gets_feedback_and_does_not_affect_the_schedule(
     results: list[float | None], schedule: str, every: int
 ) -> None:
     parameters = settings(schedule, feedback_every=every)
@@ -223,11 +223,11 @@ def test_practice_is_always_answered_and_does_not_affect_the_schedule(
     for result in results:
         after, choice = step(history, judged(result), parameters, practice=True)
         assert choice.due
-        assert choice.attempts == 1, "practice is not summed up"
+        assert choice.attempts == 1, "a summary does not include practice"
         assert after == history
 
 
-# --- what is written down -------------------------------------------------------------------------------------
+# --- the stored decision ----------------------------------------------------------------------------------------
 
 
 @given(RESULTS, st.sampled_from(SCHEDULES), st.integers(1, 10), st.floats(0, 1), st.booleans())
