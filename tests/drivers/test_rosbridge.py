@@ -110,7 +110,7 @@ def test_two_at_a_time_do_not_disturb_each_other(server: RosBridge, call: Callab
     assert one.received == []
 
 
-def test_nothing_piles_up_while_the_server_is_away_and_all_works_when_it_is_back(
+def test_nothing_queues_while_the_server_is_away_and_all_works_when_it_returns(
     server: RosBridge, call: Callable[[int], Caller]
 ) -> None:
     caller = call(server.port)
@@ -282,7 +282,7 @@ def test_a_program_prints_nothing_about_its_connection_and_ends_in_any_state_of_
         assert server.data("/out") == ["farewell"]
 
 
-def test_it_loads_nothing_heavy_until_it_is_opened() -> None:
+def test_no_websocket_module_is_loaded_before_a_connection_is_opened() -> None:
     program = "import sys, sar_tui.drivers.rosbridge, sar_tui.outputs.ros, sar_tui.inputs.ros; print(*sys.modules)"
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert not {"roslibpy", "autobahn", "twisted", "txaio"} & set(run.stdout.split())

@@ -50,7 +50,7 @@ def test_before_a_trial_the_words_go_and_the_agent_listens() -> None:
     assert after(action("Well done."), Waiting(what="agent", stage="trial")).words == "Well done."
 
 
-def test_a_filler_goes_when_the_wait_it_covered_is_over() -> None:
+def test_a_filler_disappears_when_its_wait_is_over() -> None:
     assert after(action("Just a moment.", kind="filler"), BETWEEN).words == ""
     assert after(action("Well done."), BETWEEN).words == "Well done."
 
@@ -61,7 +61,7 @@ def test_it_thinks_while_an_answer_is_awaited_and_not_longer() -> None:
     assert after(BETWEEN, state=state).face == "listening"
 
 
-def test_a_cue_stands_until_the_response_is_there() -> None:
+def test_a_cue_is_shown_until_the_response() -> None:
     cue = CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left")
     assert after(cue, FOREPERIOD, Waiting(what="response", stage="trial")).cue == cue
     assert after(cue, Waiting(what="quiet", stage="trial")).cue is None

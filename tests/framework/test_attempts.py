@@ -100,7 +100,7 @@ def test_amending_within_an_attempt_replaces_the_last_trial_and_scores_nothing()
 
 
 @pytest.mark.parametrize("attempts", [1, 4])
-def test_an_amended_attempt_is_scored_as_if_its_results_had_been_so_at_once(attempts: int) -> None:
+def test_an_amended_attempt_is_scored_as_if_it_had_the_amended_results_from_the_start(attempts: int) -> None:
     under_way, at_once = (session_attempts(lifts=2, attempts=attempts, start_level=4) for _ in range(2))
     said = attempt(under_way, lift(400), lift(500)).first.ended
     amended = under_way.amend(lift(500, correct=False))

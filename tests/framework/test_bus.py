@@ -230,7 +230,7 @@ def test_a_late_subscriber_gets_the_last_value_of_a_kept_topic_only(bus: Bus) ->
     assert late == ["new"]
 
 
-def test_messages_of_a_stream_have_no_number_of_their_own(bus: Bus, cascades: list[list[Record]]) -> None:
+def test_messages_of_a_stream_are_not_numbered(bus: Bus, cascades: list[list[Record]]) -> None:
     during: list[int] = []
 
     def react(message: Said) -> None:

@@ -196,5 +196,5 @@ def test_digits_are_found_in_an_unknown_language() -> None:
 
 
 @given(st.text(), st.sampled_from(["0", "7", "٣", "½"]), st.text(), st.sampled_from(["en", "es", "fr"]))
-def test_a_digit_is_found_wherever_it_stands(before: str, digit: str, after: str, language: str) -> None:
+def test_a_digit_is_found_anywhere_in_a_text(before: str, digit: str, after: str, language: str) -> None:
     assert holds_number(before + digit + after, language)

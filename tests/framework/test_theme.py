@@ -89,7 +89,7 @@ def test_every_shipped_theme_is_complete_in_every_language(theme: Theme) -> None
 # --- words -----------------------------------------------------------------------------------------------------------
 
 
-def test_there_is_more_than_one_way_to_say_anything(theme: Theme) -> None:
+def test_every_situation_has_more_than_one_wording(theme: Theme) -> None:
     for situation, wordings in theme.phrases.items():
         assert len(set(wordings)) == len(wordings) >= (3 if situation.startswith(("positive", "negative")) else 2)
 
@@ -230,7 +230,7 @@ def test_a_theme_without_units_speaks_its_written_text(calm: Theme) -> None:
 
 
 @pytest.mark.parametrize(("name", "ratio"), [("calm", 4.5), ("high-contrast", 7.0), ("playful", 4.5)])
-def test_every_text_colour_stands_out(catalogue: Catalogue, name: str, ratio: float) -> None:
+def test_every_text_colour_has_enough_contrast(catalogue: Catalogue, name: str, ratio: float) -> None:
     theme = catalogue.theme(name)
     contrasts = theme.colors.contrasts()
     assert theme.minimum_contrast == ratio

@@ -99,7 +99,7 @@ def test_faults_of_the_recording_are_flagged_on_its_reaches() -> None:
 
 
 @pytest.mark.parametrize("detector", NAMES)
-def test_a_movement_without_a_return_is_measured_as_far_as_it_goes(detector: str) -> None:
+def test_a_movement_without_a_return_is_measured_up_to_its_end(detector: str) -> None:
     recording = simulate([ReachShape(out_s=0.6, back_s=0.5, peak_back=-1e-9)]).recording
     for reach in detect(recording, detector):
         assert reach.peak_return_rad_s == pytest.approx(0.0, abs=1e-6)

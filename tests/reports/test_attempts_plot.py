@@ -40,7 +40,7 @@ def test_a_goal_that_changes_with_the_level_is_drawn_at_each_attempts_height() -
     assert rows[0].index("╌") > rows[1].rindex("╌") - 1
 
 
-def test_success_failure_and_no_result_have_markers_of_their_own() -> None:
+def test_success_failure_and_no_result_have_different_markers() -> None:
     body = figure(outcomes=OUTCOMES).split("\n", 1)[1]
     assert (body.count("●"), body.count("○"), body.count("×")) == (5, 2, 1)
 
@@ -50,7 +50,7 @@ def test_without_outcomes_all_attempts_look_alike() -> None:
     assert (body.count("●"), body.count("○"), body.count("×")) == (7, 0, 1)
 
 
-def test_a_better_attempt_stands_lower_and_levels_label_the_right_axis() -> None:
+def test_better_attempts_are_lower_and_levels_label_the_right_axis() -> None:
     lines = figure(levels=[1, 2], metrics=[500.0, 900.0], outcomes=["success"] * 2).split("\n")[1:]
     rows = [number for number, line in enumerate(lines) if "●" in line]
     assert lines[rows[0]].index("●") > lines[rows[-1]].index("●")
@@ -68,7 +68,7 @@ def test_colour_does_not_change_the_characters() -> None:
     ]
 
 
-def test_it_is_the_same_every_time_and_leaves_nothing_behind() -> None:
+def test_a_plot_is_the_same_after_other_plots() -> None:
     import plotext
 
     first = figure()
@@ -89,5 +89,5 @@ def test_many_attempts_and_levels_still_fit() -> None:
     assert lines[-1].split()[1:4] == ["1", "20", "40"]
 
 
-def test_without_attempts_there_is_a_sentence() -> None:
+def test_a_session_without_attempts_is_described_in_a_sentence() -> None:
     assert figure(levels=[], metrics=[]) == "There are no attempts to show yet."

@@ -59,7 +59,7 @@ def test_acts_of_participants_and_observers_are_no_deviations() -> None:
     )
 
 
-def test_a_pause_lasts_until_the_session_goes_on() -> None:
+def test_a_pause_lasts_until_the_session_continues() -> None:
     script = Script().join(10).log(5000, act("pause", reason="tired"), PAUSED).log(7000, PAUSED)
     (pause,) = found(script.log(12_250, m.SessionCommand(command="resume"), GOES_ON).log(90_000, GOES_ON))
     assert (pause.what, pause.detail, pause.duration_s) == ("pause", "tired", 7.25)

@@ -22,7 +22,7 @@ def test_the_time_before_the_first_operator_is_no_absence() -> None:
     assert (there.duration_s, there.operated_s, there.absences) == (60, 50, ())
 
 
-def test_a_lost_operator_who_comes_back_was_absent_meanwhile() -> None:
+def test_a_lost_operator_is_absent_until_they_return() -> None:
     script = Script().join(10_000).join(10_000, state="baton")
     script.join(20_000, state="lost", operated=False).join(25_500).join(25_500, state="baton").log(60_000, STILL)
     there = presence(script)

@@ -164,7 +164,7 @@ def test_each_kind_has_the_mode_of_its_controlled_kind(kind: Any, ruled_by: str,
     assert (record.kind, record.mode) == (ruled_by, mode)
 
 
-def test_a_separate_gesture_is_a_proposal_without_a_valence_of_its_own() -> None:
+def test_a_separate_gesture_is_a_proposal_without_a_valence() -> None:
     wave = proposal("a1.gesture", "gesture", "", gesture="nod", valence="negative")
     script = Script().join(10).log(1000, A1, pending(A1), pending(wave)).log(1500, decision(wave.id), action(wave))
     assert [(record.id, record.kind, record.fate, record.valence) for record in proposal_records(script, APPROVE)] == [

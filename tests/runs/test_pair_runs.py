@@ -70,7 +70,7 @@ def test_both_seats_are_stored_and_the_session_is_found_from_either(data: Path) 
     database.close()
 
 
-def test_neither_of_two_can_be_in_another_live_session_meanwhile(data: Path) -> None:
+def test_neither_participant_can_be_in_a_second_live_session(data: Path) -> None:
     run = start(plan(), data, CATALOGUE, VirtualClock(), make_participants)
     for left, right in (("P01", "P03"), ("P03", "P02")):
         with pytest.raises(StoreError, match=r"The participant P0[12] is in a live session already"):

@@ -160,7 +160,7 @@ def test_a_session_gets_the_best_of_the_participants_earlier_ones_by_level(data:
     assert best_known(data, third) == best_of(data, first.id, second.id) != {}
 
 
-def test_a_simulated_session_neither_sets_a_best_nor_gets_one(data: Path) -> None:
+def test_a_simulated_session_does_not_use_or_set_best_results(data: Path) -> None:
     played(data, 1, mode="simulated")
     live = played(data, 2)
     simulated = played(data, 3, mode="simulated")

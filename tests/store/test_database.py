@@ -90,7 +90,7 @@ def test_a_database_that_others_could_read_is_made_private(database: sqlite3.Con
     assert mode(data / FILE) == 0o600
 
 
-def test_opening_it_again_keeps_what_is_there(database: sqlite3.Connection, data: Path) -> None:
+def test_opening_a_database_again_keeps_its_rows(database: sqlite3.Connection, data: Path) -> None:
     Database(database)["participants"].insert({"code": "P01", "created_at": "now"})
     assert [row["code"] for row in Database(connect(data))["participants"].rows] == ["P01"]
     assert list(data.glob("*-v*.db")) == []

@@ -84,11 +84,11 @@ def test_other_statuses_of_a_sensor_do_not_begin_a_stream(state: Any) -> None:
     assert (len(streams), [(row[1], row[2]) for row in rows]) == (1, [(1, 1), (1, 2)])
 
 
-def test_counting_goes_on_from_batch_to_batch_and_only_once_a_batch_is_stored() -> None:
+def test_chunks_are_counted_across_batches_once_they_are_stored() -> None:
     streams = imu.StreamRows("s", 1)
     batch = [attached(1), block(2, 10)]
     first, again = streams.rows(batch), streams.rows(batch)
-    assert first[:2] == again[:2], "a batch that was refused is made once more as it was"
+    assert first[:2] == again[:2], "a batch that was not stored is numbered as before"
     (next_chunk,) = chunks(block(2, 20), streams=first[2])
     assert (next_chunk["stream"], next_chunk["seq"]) == (1, 2)
 

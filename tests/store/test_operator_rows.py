@@ -101,7 +101,7 @@ def test_an_operators_own_words_and_notes_are_stored_with_their_times(data: Path
     assert notes == [(12 * MS, ANA, "coughs", ""), (13 * MS, ANA, "", "pain")]
 
 
-def test_changes_of_level_that_were_asked_about_are_rows_too(data: Path) -> None:
+def test_level_changes_that_needed_approval_are_rows_too(data: Path) -> None:
     operated = Operated(
         data,
         {1: {"verdict": "veto"}, 2: {"verdict": "edit", "level": 4}},
@@ -122,7 +122,7 @@ def test_changes_of_level_that_were_asked_about_are_rows_too(data: Path) -> None
     assert levels == [(1,), (1,), (4,), (5,)]
 
 
-def test_a_change_of_level_that_is_left_out_because_nobody_is_there_is_a_row_too(data: Path) -> None:
+def test_a_level_change_dropped_without_an_operator_is_a_row_too(data: Path) -> None:
     operated = Operated(
         data, {}, operator_difficulty="approve", operator_lost="silent", threshold=60_000, min_accuracy=0
     )

@@ -27,7 +27,7 @@ def test_an_invalid_code_is_refused_with_a_warning_against_names(code: str) -> N
 
 
 @given(st.text(max_size=40))
-def test_a_code_is_safe_to_name_a_file_or_it_is_refused(code: str) -> None:
+def test_a_code_that_is_unsafe_as_a_file_name_is_refused(code: str) -> None:
     try:
         kept = check_code(code)
     except StoreError:

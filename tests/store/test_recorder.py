@@ -192,7 +192,7 @@ def test_an_utterance_that_is_too_late_is_dropped_by_the_agent(data: Path) -> No
     assert (rows["instruction"]["decision"], rows["instruction"]["actor"]) == ("dropped", "agent")
 
 
-def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_whatever_order_they_come(data: Path) -> None:
+def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_any_order_of_the_reports(data: Path) -> None:
     robot = FakeOutput("robot", frozenset({"say"}))
     recorded = Recorded(data, speech=Speaker(2000), robot=robot)
     recorded.session.begin()
@@ -215,7 +215,7 @@ def test_the_last_trial_closes_the_session(data: Path) -> None:
     assert row["ended_at"] is not None
 
 
-def test_inline_a_trial_is_there_when_it_is_acknowledged(data: Path) -> None:
+def test_inline_a_trial_is_stored_when_it_is_acknowledged(data: Path) -> None:
     recorded = Recorded(data)
     seen: list[tuple[int, int]] = []
 
@@ -246,7 +246,7 @@ def test_on_a_thread_nothing_is_written_until_it_runs_and_then_the_trial_is_ackn
     assert recorded.all(WAITING)[-1].what == "response"
 
 
-def test_a_thread_that_is_stopped_writes_what_is_left_and_ends(data: Path) -> None:
+def test_a_stopped_thread_writes_the_remaining_messages_and_ends(data: Path) -> None:
     recorded = Recorded(data, inline=False)
     stopped = threading.Event()
     thread = threading.Thread(target=recorded.recorder.run, args=(stopped.is_set,))

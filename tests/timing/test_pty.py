@@ -76,7 +76,7 @@ def test_control_c_interrupts_as_in_any_terminal() -> None:
     assert "KeyboardInterrupt" in terminal.output.decode()
 
 
-def test_a_killed_program_leaves_what_it_had_written() -> None:
+def test_output_of_a_killed_program_is_kept() -> None:
     with Terminal(python("print('so far', flush=True); import time; time.sleep(60)")) as terminal:
         terminal.wait_for("so far")
         terminal.kill()
@@ -167,7 +167,7 @@ def test_a_participant_can_stop_and_go_on(baseline: Terminal, tmp_path: Path) ->
     assert len(rows(tmp_path)) == 12
 
 
-def test_a_participant_stops_at_the_moment_given_even_before_a_prompt_is_answered(baseline: Terminal) -> None:
+def test_a_participant_stops_at_the_given_time_even_before_responding(baseline: Terminal) -> None:
     participant = ScriptedParticipant(baseline, random_answers(1, 60_000, 60_000))
     baseline.wait_for("Enter")
     assert participant.run(until=time.monotonic_ns() + 500_000_000) == []

@@ -303,7 +303,7 @@ def test_a_due_action_interrupts_while_others_wait(driver: ArbiterDriver) -> Non
 # --- the stop key ---------------------------------------------------------------------------------------------
 
 
-def test_the_stop_key_halts_everything_and_drops_what_waits(driver: ArbiterDriver) -> None:
+def test_the_stop_key_stops_all_actions_and_drops_waiting_ones(driver: ArbiterDriver) -> None:
     driver.propose("a", "b")
     driver.propose("c", due=driver.clock.now() + SECOND)
     pressed = driver.clock.now() - 5 * MS

@@ -54,7 +54,7 @@ def numbers(driver: LoopDriver) -> list[tuple[int, int]]:
 # --- a normal session -------------------------------------------------------------------------------------
 
 
-def test_a_session_goes_from_the_instructions_through_its_attempts_to_its_end(new_session: NewSession) -> None:
+def test_a_session_runs_from_the_instructions_to_its_end(new_session: NewSession) -> None:
     driver = new_session()
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "instructions")
     driver.enter()
@@ -538,7 +538,7 @@ IN_A_TRIAL = [in_quiet, in_foreperiod, in_storing, before_onset, in_response]
 
 
 @pytest.mark.parametrize("moment", IN_A_TRIAL)
-def test_a_pause_in_a_trial_voids_it_and_it_is_repeated_as_it_was(
+def test_a_trial_voided_by_a_pause_is_repeated_unchanged(
     new_session: NewSession, moment: Callable[[LoopDriver], None]
 ) -> None:
     driver, undisturbed = new_session(seed=5), new_session(seed=5)
@@ -591,7 +591,7 @@ def test_flags_of_a_voided_prompt_are_not_on_its_repetition(new_session: NewSess
     assert (timing.false_starts, timing.flags) == (0, ())
 
 
-def test_after_a_pause_there_is_quiet_and_a_whole_foreperiod(new_session: NewSession) -> None:
+def test_after_a_pause_come_a_quiet_time_and_a_whole_foreperiod(new_session: NewSession) -> None:
     driver = new_session(foreperiod_min_ms=700, foreperiod_max_ms=700)
     driver.start()
     driver.operate("pause")
@@ -611,7 +611,7 @@ def test_nothing_times_out_in_a_pause(new_session: NewSession) -> None:
     assert driver.waiting.stage == "paused"
 
 
-def test_a_pause_between_attempts_voids_nothing_and_goes_back_there(new_session: NewSession) -> None:
+def test_a_pause_between_attempts_voids_nothing_and_returns_there(new_session: NewSession) -> None:
     driver = new_session()
     driver.enter()
     driver.attempt()
@@ -622,7 +622,7 @@ def test_a_pause_between_attempts_voids_nothing_and_goes_back_there(new_session:
     assert driver.all(VOIDED) == []
 
 
-def test_a_pause_in_the_instructions_goes_back_to_them(new_session: NewSession) -> None:
+def test_a_pause_in_the_instructions_returns_to_them(new_session: NewSession) -> None:
     driver = new_session()
     driver.operate("pause")
     driver.operate("resume")

@@ -257,7 +257,7 @@ def test_under_other_schedules_a_request_is_ignored(new_session: NewSession, sch
     assert set(requests(driver)) == {""}
 
 
-def test_requested_feedback_stands_when_the_attempt_is_amended(new_session: NewSession) -> None:
+def test_requested_feedback_is_kept_when_the_attempt_is_amended(new_session: NewSession) -> None:
     driver = new_session(feedback_schedule="request")
     lift(driver)
     driver.press("tab")

@@ -75,7 +75,7 @@ def test_a_counting_mark_does_not_make_a_failed_trial_correct(new_session: NewSe
     assert marked(driver) == [(1, 1, "leaned", False)]
 
 
-def test_the_last_of_two_marks_in_a_trial_stands(new_session: NewSession) -> None:
+def test_the_last_of_two_marks_in_a_trial_counts(new_session: NewSession) -> None:
     driver = new_session()
     driver.press("space")
     driver.to_prompt()

@@ -313,7 +313,7 @@ def test_a_mark_that_changes_no_outcome_leaves_the_level_pending(calm: Theme) ->
     assert pending_ids(driver) == ["l1"]
 
 
-def test_a_mark_withdraws_a_pending_level_whatever_the_previous_outcome(calm: Theme) -> None:
+def test_a_mark_withdraws_a_pending_level_regardless_of_the_previous_outcome(calm: Theme) -> None:
     driver = LiftDriver(Lift, calm, attempts=3, filler="never", operator_difficulty="approve", operator_time_ms=60_000)
     driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
     driver.begin_lifts()

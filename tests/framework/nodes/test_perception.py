@@ -35,7 +35,7 @@ def test_only_the_same_key_within_the_interval_is_a_repeat() -> None:
     assert [percept.repeat for percept in keys] == [False, True, False, False, False]
 
 
-def test_a_held_key_stays_a_repeat_however_long_it_is_held() -> None:
+def test_a_held_key_remains_a_repeat_for_any_time() -> None:
     assert [p.repeat for p in perceived(*[("f", at) for at in range(0, 3000, 30)])] == [False] + [True] * 99
 
 
