@@ -40,7 +40,7 @@ PHRASE_KEYS: dict[str, set[str]] = {
     "accuracy": set(),
     "empty": set(),
     **{f"summary_{valence}": set() for valence in _VALENCES},
-    # knowledge of results, in figures
+    # knowledge of results, in numbers
     **{f"{valence}_first": {"value", "goal"} for valence in _VALENCES},
     **{
         f"{valence}_{change}": {"value", "goal", "difference", "change", "reference"}
@@ -52,7 +52,7 @@ PHRASE_KEYS: dict[str, set[str]] = {
     "empty_figures": {"correct", "trials"},
     "summary_figures": {"reached", "attempts", "value", "goal"},
     "summary_empty_figures": {"reached", "attempts"},
-    # knowledge of performance, in words and in figures
+    # knowledge of performance, in words and in numbers
     "performance_first": {"aim"},
     "performance_improved": {"change", "reference"},
     "performance_worsened": {"aim", "reference"},

@@ -153,7 +153,7 @@ class Theme(msgspec.Struct, frozen=True):
         if not self.units:
             return text
         units = "|".join(re.escape(unit) for unit in sorted(self.units, key=len, reverse=True))
-        # a unit that begins with a figure, such as 1/s, stands apart from its number
+        # a unit that begins with a digit, such as 1/s, is separated from its number by a space
         spelled = rf"(\d(?:[\d.,]*\d)?)(?:\s+|(?!\d))({units})(?!\w)"
         return re.sub(spelled, lambda found: f"{found[1]} {self._unit(found[2], found[1])}", text)
 

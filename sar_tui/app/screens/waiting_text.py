@@ -99,7 +99,7 @@ def _no_space(detail: str, tr: Language) -> WaitingText:
         tr("Please fetch the experimenter"),
         f"{tr('The computer cannot save just now, so the session has paused.')}\n"
         f"{tr('Everything you did is kept.')}\n\n"
-        f"{tr('For the experimenter: {words}', words=detail or tr('The disk refuses to write.'))}\n"
+        f"{tr('For the experimenter: {words}', words=detail or tr('The disk cannot be written to.'))}\n"
         f"{tr('When it can be saved again, the session can go on.')}",
         "",
     )
