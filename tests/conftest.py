@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from sar_tui.framework.clock import MS
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue
@@ -104,6 +105,13 @@ def simulated_once(_simulated: dict[object, Simulated], monkeypatch: pytest.Monk
         return _simulated[key]
 
     monkeypatch.setattr(SessionRunner, "run", recall)
+
+
+@pytest.fixture
+def fewer_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Send samples of simulated hands in larger blocks, which is faster and does not change the results."""
+    monkeypatch.setattr("sar_tui.inputs.simulated.STEP", 40 * MS)
+    monkeypatch.setattr("sar_tui.inputs.sensor.DRAIN", 40 * MS)
 
 
 @pytest.fixture

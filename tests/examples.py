@@ -17,9 +17,14 @@ _COMMON = settings(
 )
 
 
+def fewer(number: int) -> int:
+    """Return a number of examples, or a fifth of it, at least 4, in a quick run."""
+    return max(4, number // _SHARE) if QUICK else number
+
+
 def examples(number: int) -> settings:
     """Return settings for a property with its own number of examples."""
-    return settings(_COMMON, max_examples=max(4, number // _SHARE) if QUICK else number)
+    return settings(_COMMON, max_examples=fewer(number))
 
 
 def load_profile() -> None:

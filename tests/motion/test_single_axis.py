@@ -17,9 +17,9 @@ from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.single_axis import SingleAxisParameters, find
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, Simulation, simulate, table_4_1_recording
-from tests.examples import examples
+from tests.examples import examples, fewer
 
-SEEDS = range(40)
+SEEDS = range(fewer(40))
 NOISY = Profile(noise_rad_s=0.01)
 REACH = ReachShape(out_s=0.6, back_s=0.5, peak_out=2.0, peak_back=-2.4)
 PAUSED = ReachShape(out_s=0.6, back_s=0.5, dwell_s=1.2, peak_out=2.0, peak_back=-2.4)

@@ -19,6 +19,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
+from tests.examples import first
 
 USERS = ("poor", "average", "competent")
 SEEDS = (1, 2)
@@ -168,7 +169,7 @@ def chunks(data: Path, session: str) -> list[tuple[object, ...]]:
     return list(connect(data).execute(query, (session,)))
 
 
-@pytest.mark.parametrize("user", USERS)
+@pytest.mark.parametrize("user", first(1, USERS))
 def test_the_same_seed_twice_is_the_same_to_the_last_nanosecond_and_sample(
     user: str, data: Path, catalogue: Catalogue
 ) -> None:
@@ -181,6 +182,7 @@ def test_the_same_seed_twice_is_the_same_to_the_last_nanosecond_and_sample(
     assert events(data, first) != events(data, another)
 
 
+@pytest.mark.usefixtures("fewer_blocks")
 def test_with_a_signal_to_go_every_user_has_reaction_times(data: Path, catalogue: Catalogue) -> None:
     for user in USERS:
         session = simulate(plan(3, attempts=2, go_signal=True), PEOPLE[user], data, catalogue)
@@ -189,6 +191,7 @@ def test_with_a_signal_to_go_every_user_has_reaction_times(data: Path, catalogue
         assert any(times)
 
 
+@pytest.mark.usefixtures("fewer_blocks")
 def test_feedback_on_how_the_hand_moved_is_said_and_kept(data: Path, catalogue: Catalogue) -> None:
     settings = {"feedback_on": "performance", "feedback_form": "qualitative"}
     session = simulate(plan(3, attempts=3, **settings), PEOPLE["competent"], data, catalogue)

@@ -25,6 +25,8 @@ from sar_tui.widgets.large_characters import draw
 from tests.examples import first
 from tests.untranslated import english_in, phrases
 
+pytestmark = pytest.mark.usefixtures("fewer_blocks")
+
 TASKS = ("keyboard", "pairs", "reaching")
 SETTINGS: dict[str, dict[str, object]] = {
     "keyboard": {"attempts": 6, "prompts_per_attempt": 3, "practice_attempts": 1, "start_level": 9},

@@ -4,7 +4,6 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.clock import MS
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ATTEMPT_ENDED, CUE, FEEDBACK, PROMPT, REACH, TRIAL, VOIDED, WAITING
@@ -16,11 +15,7 @@ NEAR = 15
 KIND: Any = Catalogue().task("pairs")
 
 
-@pytest.fixture(autouse=True)
-def samples_in_fewer_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Send samples in larger blocks, which is faster and does not change the results."""
-    monkeypatch.setattr("sar_tui.inputs.simulated.STEP", 40 * MS)
-    monkeypatch.setattr("sar_tui.inputs.sensor.DRAIN", 40 * MS)
+pytestmark = pytest.mark.usefixtures("fewer_blocks")
 
 
 def make(**parameters: Any) -> Task:

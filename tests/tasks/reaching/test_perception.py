@@ -17,10 +17,19 @@ from sar_tui.plugins import Catalogue
 from tests.examples import first
 from tests.tasks.reaching.reaching_driver import FLICK, REACH_OUT, ReachingDriver, ms
 
+pytestmark = pytest.mark.usefixtures("fewer_blocks")
+
 SLOW = ReachShape(out_s=1.2, back_s=1.2, peak_out=0.8, peak_back=-0.8)
 MIRRORED = ReachShape(out_s=0.5, back_s=0.5, peak_out=-1.5, peak_back=1.5)
 FAST = ReachShape(out_s=0.25, back_s=0.25, peak_out=3.1, peak_back=-3.1)
 TOO_FAST = ReachShape(out_s=0.4, back_s=0.4, peak_out=6.0, peak_back=-6.0)
+
+
+@pytest.fixture
+def usual_blocks(fewer_blocks: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Send samples in blocks of 10 ms, as in a session."""
+    monkeypatch.setattr("sar_tui.inputs.simulated.STEP", 10 * MS)
+    monkeypatch.setattr("sar_tui.inputs.sensor.DRAIN", 10 * MS)
 
 
 def started(**settings: Any) -> ReachingDriver:
@@ -74,6 +83,7 @@ def test_a_reach_is_one_row_timed_by_the_hand_not_by_the_keys() -> None:
     assert len(driver.all(REACH)) == 1
 
 
+@pytest.mark.usefixtures("usual_blocks")
 def test_a_reach_is_reported_as_soon_as_the_hand_rests() -> None:
     driver = started()
     driver.move(300)
@@ -96,6 +106,7 @@ def test_a_second_press_before_the_return_does_not_shorten_the_reach() -> None:
     assert (trial.details["closed"], trial.timing.flags) == ("key", ())
 
 
+@pytest.mark.usefixtures("usual_blocks")
 def test_a_hand_that_keeps_moving_after_the_second_press_repeats_the_trial() -> None:
     driver = started()
     driver.move(300, ReachShape(out_s=5.0, back_s=5.0))
@@ -442,6 +453,7 @@ def test_a_gap_at_rest_does_not_affect_the_reach() -> None:
     assert trial.value == pytest.approx(1000, abs=20)
 
 
+@pytest.mark.usefixtures("usual_blocks")
 def test_a_reach_without_samples_is_repeated() -> None:
     driver = ReachingDriver()
     driver.start_session()
@@ -467,6 +479,7 @@ def test_a_sensor_too_slow_for_a_reach_is_reported() -> None:
     assert "too slow" in driver.waiting.notice
 
 
+@pytest.mark.usefixtures("usual_blocks")
 def test_a_sensor_detached_during_a_reach_voids_it_and_old_samples_are_dropped() -> None:
     driver = started()
     driver.move(300)
@@ -499,6 +512,7 @@ def one_reach(monkeypatch: pytest.MonkeyPatch, drain_ms: float, press: bool) -> 
     return driver.to_row(), driver.samples
 
 
+@pytest.mark.usefixtures("usual_blocks")
 @pytest.mark.parametrize("press", [True, False])
 @pytest.mark.parametrize("drain_ms", first(1, [4, 30, 250]))
 def test_the_size_of_blocks_does_not_change_a_reach(
