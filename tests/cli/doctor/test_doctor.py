@@ -3,7 +3,7 @@
 import json
 import sys
 from collections import namedtuple
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,9 @@ from sar_tui.cli.doctor import sensors
 from sar_tui.drivers import phidget as phidget_driver
 from sar_tui.inputs import phidget
 from sar_tui.inputs.imu import Info, Sample, Status
+from sar_tui.outputs.sound import mixer
+from sar_tui.outputs.sound.mixer import examine
+from sar_tui.outputs.sound.protocol import Examined
 from tests.program import Call, Called
 
 
@@ -48,6 +51,24 @@ def plugged(monkeypatch: pytest.MonkeyPatch) -> type[Plugged]:
     monkeypatch.setattr(phidget_driver, "plugged_in", lambda: False)
     monkeypatch.setattr(sensors, "_SENSOR_S", 0.001)
     return Socket
+
+
+@pytest.fixture(scope="module")
+def _examined() -> dict[object, Examined]:
+    return {}
+
+
+@pytest.fixture(autouse=True)
+def examined_once(_examined: dict[object, Examined], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Start the voice once: what it answers about speech and sound is the same in every test."""
+
+    def recall(program: Sequence[str], *settings: Any) -> Examined:
+        key = (tuple(program), *map(repr, settings))
+        if key not in _examined:
+            _examined[key] = examine(program, *settings)
+        return _examined[key]
+
+    monkeypatch.setattr(mixer, "examine", recall)
 
 
 @pytest.fixture(autouse=True)
