@@ -1,12 +1,17 @@
 """``sar-tui reanalyse``: the reaches of a session, found again in its stored samples."""
 
 import json
+import shutil
 import sqlite3
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE
 from tests.program import Call
 
 
@@ -20,10 +25,20 @@ def stored_rows(folder: Path) -> list[str]:
         return list(connection.iterdump())
 
 
+@pytest.fixture(scope="module")
+def reaches(tmp_path_factory: pytest.TempPathFactory, catalogue: Catalogue) -> tuple[Path, str]:
+    """The data folder of a short simulated session of the reaching task, and the session's id."""
+    folder = tmp_path_factory.mktemp("reaches")
+    plan = make_plan(catalogue, "reaching", ["SIM"], {"attempts": 3}, seed=3, mode="simulated")
+    return folder, simulate(plan, PEOPLE["poor"], folder, catalogue)
+
+
 @pytest.fixture
-def reached(call: Call) -> str:
-    """A short simulated session of the reaching task; its id."""
-    return str(call("simulate", "reaching", "--user", "poor", "--seed", 3, "--attempts", 3, "--json").json["session"])
+def reached(reaches: tuple[Path, str], tmp_path: Path) -> str:
+    """The id of that session, in a copy of its own."""
+    folder, session = reaches
+    shutil.copytree(folder, tmp_path / "data")
+    return session
 
 
 def recorded(call: Call, session: str) -> list[dict[str, Any]]:
@@ -57,7 +72,7 @@ def test_the_same_detector_gives_exactly_what_was_recorded(call: Call, reached: 
 )
 def test_the_results_are_the_same_for_any_settings(call: Call, settings: tuple[str, ...]) -> None:
     options = [word for setting in settings for word in ("--set", setting)]
-    call("simulate", "reaching", "--user", "average", "--seed", 5, "--attempts", 4, *options)
+    call("simulate", "reaching", "--user", "average", "--seed", 5, "--attempts", 2, *options)
     trials = call("reanalyse", "last", "--json").json["trials"]
     assert all(row["equal"] for row in trials)
     assert any(row["reach_time_ms"] for row in trials)

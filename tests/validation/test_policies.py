@@ -113,6 +113,7 @@ def reworded(done: Simulated) -> Simulated:
         (reworded, "summary", "A summary covers 5 attempts", "summary, attempt 5; summary, attempt 10; "),
     ],
 )
+@pytest.mark.usefixtures("simulated_once")
 def test_a_contradicting_log_fails_the_claim(
     catalogue: Catalogue,
     monkeypatch: pytest.MonkeyPatch,
@@ -129,6 +130,7 @@ def test_a_contradicting_log_fails_the_claim(
     assert against in found
 
 
+@pytest.mark.usefixtures("simulated_once")
 def test_an_attempt_without_a_reason_fails_the_claim(catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) -> None:
     run = SessionRunner.run
 
