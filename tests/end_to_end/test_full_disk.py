@@ -45,7 +45,7 @@ def _fill(folder: Path, terminal: Terminal) -> Callable[[], object]:
 
 
 def test_the_session_pauses_while_the_disk_is_full_and_continues_when_there_is_space(small_disk: Path) -> None:
-    with Terminal(run_command(small_disk, prompts_per_attempt=40, attempts=1)) as terminal:
+    with Terminal(run_command(small_disk, prompts_per_attempt=20, attempts=1)) as terminal:
         participant = ScriptedParticipant(terminal, random_answers(5, 80, 140))
         participant.run(4)
         cure = _fill(small_disk, terminal)
@@ -58,7 +58,7 @@ def test_the_session_pauses_while_the_disk_is_full_and_continues_when_there_is_s
         assert terminal.wait() == 0
 
     assert rows(small_disk, "PRAGMA integrity_check") == [("ok",)]
-    assert rows(small_disk, "SELECT trial FROM trials") == [(trial,) for trial in range(1, 41)]
+    assert rows(small_disk, "SELECT trial FROM trials") == [(trial,) for trial in range(1, 21)]
     seqs = [seq for (seq,) in rows(small_disk, "SELECT seq FROM events ORDER BY seq")]
     assert seqs == list(range(1, len(seqs) + 1)), "every message is there, in order"
     assert rows(small_disk, "SELECT count(*) FROM events WHERE topic='store/changed'") == [(2,)]
