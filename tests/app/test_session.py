@@ -7,6 +7,7 @@ import pytest
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import open_app, plan, stored
+from tests.examples import first
 
 
 async def test_a_session_from_the_instructions_to_the_summary(
@@ -220,7 +221,7 @@ async def test_a_session_left_after_its_last_attempt_is_resumed_there(
     assert stored(data, "SELECT status FROM sessions") == [("completed",)]
 
 
-@pytest.mark.parametrize("theme", ["calm", "high-contrast", "playful"])
+@pytest.mark.parametrize("theme", first(1, ["calm", "high-contrast", "playful"]))
 async def test_the_agent_is_silent_during_an_attempt(
     theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
