@@ -268,6 +268,7 @@ async def test_leaving_with_unsaved_changes_asks_once(data: Path, catalogue: Cat
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_a_yes_or_no_field_is_reset_like_any_other(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -357,6 +358,7 @@ async def test_a_heading_opens_and_folds_with_a_key(data: Path, catalogue: Catal
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_a_heading_opens_with_a_click(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, size=(80, 200)) as driver:
@@ -400,6 +402,7 @@ async def test_a_folded_heading_shows_values_that_differ_from_the_defaults(data:
         assert driver.sees("not saved")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_emptied_settings_are_shown_as_none(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -430,6 +433,7 @@ async def test_an_invalid_value_unfolds_its_heading(data: Path, catalogue: Catal
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_folded_settings_are_saved_too(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -459,6 +463,7 @@ async def test_settings_that_were_never_unfolded_are_saved_and_reset_too(data: P
     assert stored_settings(data) == {}
 
 
+@pytest.mark.slow
 async def test_an_invalid_stored_value_is_unfolded_when_the_form_opens(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=9999)
     async with open_app(data, catalogue, size=(80, 200)) as driver:
