@@ -16,8 +16,9 @@ from pathlib import Path
 
 from benchmarks.fake_phidget import FakeSpatial
 from sar_tui.app.app import run_app
+from sar_tui.drivers.phidget import new_channel
 from sar_tui.inputs import sources
-from sar_tui.inputs.phidget import PhidgetSource, new_channel
+from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.store.database import FILE
@@ -67,7 +68,7 @@ def _drive(fake: FakeSpatial, rate_hz: int, seconds: float, folder: Path) -> dic
 def main() -> int:
     """Run the app, and drive the sensor from a thread."""
     rate_hz, seconds, folder, result = int(sys.argv[1]), float(sys.argv[2]), Path(sys.argv[3]), Path(sys.argv[4])
-    fake = FakeSpatial(new_channel(), 1000 // rate_hz)
+    fake = FakeSpatial(new_channel("Spatial"), 1000 // rate_hz)
     sources._SHIPPED["phidget"] = lambda text, seed, clock: PhidgetSource(
         make=lambda: fake.spatial, denied=lambda: False
     )
