@@ -4,14 +4,16 @@ A session takes all times from one clock, so the same nodes run live and, thousa
 replay or a test.
 """
 
-import asyncio
 import contextlib
 import heapq
 import itertools
 import sys
 import time
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    import asyncio
 
 MS = 1_000_000
 """Nanoseconds in a millisecond."""
@@ -49,7 +51,9 @@ class Clock(Protocol):
 class LiveClock:
     """The host's monotonic clock. Callbacks run inside ``run``; the task that awaits it owns the session."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(self, loop: "asyncio.AbstractEventLoop") -> None:
+        import asyncio  # a program without a live session does not need it
+
         self._loop = loop
         self._due: asyncio.Queue[Callable[[], object]] = asyncio.Queue()
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from sar_tui.checks.task import check
 from sar_tui.checks.task_translations import remarks_in, texts_in
 from tests.program import Call
 
@@ -60,28 +61,32 @@ def translate(folder: Path, words: dict[str, str]) -> None:
     (folder / "words.es.toml").write_text("\n".join(lines), encoding="utf-8")
 
 
-def problem(call: Call, folder: Path) -> str:
-    checks = call("tasks", "check", folder, "--json").json["checks"]
-    return str(next(row["problem"] for row in checks if row["check"] == CHECK))
+def found(folder: Path, name: str) -> str:
+    """Return the problems that a check finds; later checks are not made."""
+    return " ".join(next(done.problems for done in check(folder) if done.check == name))
+
+
+def problem(folder: Path) -> str:
+    return found(folder, CHECK)
 
 
 def quoted(words: dict[str, str]) -> dict[str, str]:
     return {english: f'"{own}"' for english, own in words.items()}
 
 
-def test_a_task_in_english_only_passes(call: Call, folder: Path) -> None:
-    assert problem(call, folder) == ""
+def test_a_task_in_english_only_passes(folder: Path) -> None:
+    assert problem(folder) == ""
 
 
-def test_a_complete_translation_passes_without_the_frameworks_texts(call: Call, folder: Path) -> None:
+def test_a_complete_translation_passes_without_the_frameworks_texts(folder: Path) -> None:
     translate(folder, quoted(WORDS))
-    assert problem(call, folder) == ""
+    assert problem(folder) == ""
 
 
 @pytest.mark.parametrize("text", WORDS)
-def test_each_untranslated_text_is_reported(call: Call, folder: Path, text: str) -> None:
+def test_each_untranslated_text_is_reported(folder: Path, text: str) -> None:
     translate(folder, quoted({english: own for english, own in WORDS.items() if english != text}))
-    assert problem(call, folder) == f"words.es.toml has no translation of {text!r}."
+    assert problem(folder) == f"words.es.toml has no translation of {text!r}."
 
 
 @pytest.mark.parametrize(
@@ -92,20 +97,21 @@ def test_each_untranslated_text_is_reported(call: Call, folder: Path, text: str)
         ('"Pulse: {key"', "has broken slots (expected '}' before end of string)."),
     ],
 )
-def test_translations_with_other_slots_are_reported(call: Call, folder: Path, own: str, reported: str) -> None:
+def test_translations_with_other_slots_are_reported(folder: Path, own: str, reported: str) -> None:
     translate(folder, {**quoted(WORDS), "Press: {key}": own})
-    assert problem(call, folder) == f"The translation of 'Press: {{key}}' in words.es.toml {reported}"
-    assert call("tasks", "check", folder).code == 1
+    assert problem(folder) == f"The translation of 'Press: {{key}}' in words.es.toml {reported}"
 
 
 def test_a_translation_that_is_not_text_is_reported(call: Call, folder: Path) -> None:
     translate(folder, {**quoted(WORDS), "Arrows": "5"})
-    assert problem(call, folder) == "The translation of 'Arrows' in words.es.toml is not a text."
+    assert problem(folder) == "The translation of 'Arrows' in words.es.toml is not a text."
+    called = call("tasks", "check", folder)
+    assert (called.code, f"✗ {CHECK}. The translation of 'Arrows'" in called.out) == (1, True)
 
 
-def test_an_invalid_toml_file_is_reported(call: Call, folder: Path) -> None:
+def test_an_invalid_toml_file_is_reported(folder: Path) -> None:
     (folder / "words.es.toml").write_text("Pulse = = {")
-    assert problem(call, folder).startswith("words.es.toml cannot be read: ")
+    assert problem(folder).startswith("words.es.toml cannot be read: ")
 
 
 def test_a_broken_translation_is_shown_in_english(call: Call, folder: Path, tmp_path: Path) -> None:
@@ -124,14 +130,13 @@ def test_a_broken_translation_is_shown_in_english(call: Call, folder: Path, tmp_
 NUMBERS = "gives feedback in words without numbers"
 
 
-def numbers(call: Call, folder: Path) -> str:
-    checks = call("tasks", "check", folder, "--json").json["checks"]
-    return str(next(row["problem"] for row in checks if row["check"] == NUMBERS))
+def numbers(folder: Path) -> str:
+    return found(folder, NUMBERS)
 
 
-def test_remarks_without_numbers_pass(call: Call, folder: Path) -> None:
+def test_remarks_without_numbers_pass(folder: Path) -> None:
     (folder / "task.py").write_text(TASK.replace("Once more.", "That slipped."))
-    assert numbers(call, folder) == ""
+    assert numbers(folder) == ""
 
 
 @pytest.mark.parametrize(
@@ -145,20 +150,21 @@ def test_remarks_without_numbers_pass(call: Call, folder: Path) -> None:
         ("class A", 'SWAY = Quality("s", "lower", "steadier", "in one go", 1.0)\n\nclass A', "in one go"),
     ],
 )
-def test_a_number_in_a_remark_is_reported(call: Call, folder: Path, old: str, new: str, reported: str) -> None:
+def test_a_number_in_a_remark_is_reported(folder: Path, old: str, new: str, reported: str) -> None:
     source = TASK.replace("Once more.", "That slipped.") if old != '"gap": "Once more."' else TASK
     source = source.replace("import Metric, ", "import Mark, Metric, ").replace(old, new)
     declared = "    marks = (MARK,)\n" if "MARK" in source else "    qualities = (SWAY,)\n" if "SWAY" in source else ""
     source = source.replace('    title = "Arrows"\n', f'    title = "Arrows"\n{declared}')
     (folder / "task.py").write_text(source)
-    assert numbers(call, folder) == f"{reported!r} holds a number (en); feedback in words has none."
-    assert call("tasks", "check", folder).code == 1
+    assert numbers(folder) == f"{reported!r} holds a number (en); feedback in words has none."
 
 
 def test_a_number_in_a_translated_remark_is_reported_with_its_language(call: Call, folder: Path) -> None:
     (folder / "task.py").write_text(TASK.replace("Once more.", "That slipped."))
     translate(folder, quoted({**WORDS, "That slipped.": "Se soltaron dos."}))
-    assert numbers(call, folder) == "'Se soltaron dos.' holds a number (es); feedback in words has none."
+    assert numbers(folder) == "'Se soltaron dos.' holds a number (es); feedback in words has none."
+    called = call("tasks", "check", folder)
+    assert (called.code, f"✗ {NUMBERS}. 'Se soltaron dos.' holds" in called.out) == (1, True)
 
 
 @pytest.mark.parametrize(

@@ -253,8 +253,8 @@ def test_programs_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) 
         run = subprocess.run([sys.executable, "-c", opens, str(data)], capture_output=True, text=True, check=False)
         return run.stderr
 
-    with ThreadPoolExecutor(6) as pool:
-        assert list(pool.map(program, range(6))) == [""] * 6
+    with ThreadPoolExecutor(3) as pool:
+        assert list(pool.map(program, range(3))) == [""] * 3
 
 
 def test_threads_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.plugins import Catalogue, PluginError
-from sar_tui.runs.plan import Failed, Plan
+from sar_tui.runs.plan import Failed, Plan, make_plan
 from sar_tui.runs.run import resume, start
 from sar_tui.store import locks, sessions
 from sar_tui.store.database import StoreError, connect
@@ -135,6 +135,13 @@ def test_a_participant_cannot_be_in_two_live_sessions(plan: Plan, data: Path, ca
     assert len(sessions.listing(connect(data), data)) == 1
     run.close()
     start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: []).close()
+
+
+def test_two_participants_can_be_in_live_sessions(plan: Plan, data: Path, catalogue: Catalogue) -> None:
+    run = start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
+    other = make_plan(catalogue, "keyboard", ["P02"], seed=1)
+    start(other, data, catalogue, VirtualClock(), lambda task, theme, seed: []).close()
+    run.close()
 
 
 def test_a_session_that_is_live_cannot_be_resumed_elsewhere(plan: Plan, data: Path, catalogue: Catalogue) -> None:
