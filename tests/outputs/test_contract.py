@@ -15,7 +15,7 @@ from tests.outputs.contract import CHECKS, Rig
 from tests.outputs.ros_fixtures import ros_rig
 from tests.outputs.screen_fixtures import screen_rig
 from tests.outputs.servo_fixtures import servo_rig
-from tests.outputs.voice_fixtures import speech_in_real_time_rig, speech_rig, tones_rig
+from tests.outputs.voice_fixtures import speech_in_real_time_rig, speech_rig, tones_in_real_time_rig, tones_rig
 
 
 @contextmanager
@@ -36,11 +36,12 @@ RIGS: dict[str, Callable[[], AbstractContextManager[Rig]]] = {
     "speech": speech_rig,
     "speech in real time": speech_in_real_time_rig,
     "tones": tones_rig,
+    "tones in real time": tones_in_real_time_rig,
     "servo on its thread": threaded_servo_rig,
 }
 
 
-IN_REAL_TIME = ("speech in real time", "servo on its thread")
+IN_REAL_TIME = ("speech in real time", "tones in real time", "servo on its thread")
 """Outputs on the host's clock. They pass every check on a virtual clock, too, so `make test` tries only two here."""
 QUICK = ("each_part_ends_exactly_once_and_done_ones_began", "stop_of_one_that_is_under_way_leaves_the_one_that_waits")
 

@@ -176,6 +176,16 @@ def speech_in_real_time_rig() -> Iterator[Rig]:
 
 @contextmanager
 def tones_rig() -> Iterator[Rig]:
+    """Tones on a virtual clock."""
+    rig = Rig(Tones(Sound()), VirtualClock(), ["tone"])
+    try:
+        yield rig
+    finally:
+        rig.output.close()
+
+
+@contextmanager
+def tones_in_real_time_rig() -> Iterator[Rig]:
     """Tones in real time, to no loudspeaker."""
     yield from _live_rig(Tones(Sound(backends=NOBODY)), "tone")
 
