@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from sar_tui.motion.shapes import ReachShape, minimum_jerk, waveform
@@ -21,19 +21,22 @@ from tests.examples import examples
 
 SECOND = 1_000_000_000
 REACH = ReachShape(out_s=0.5, back_s=0.5, dwell_s=0.2, peak_out=2.0, peak_back=-2.0)
+HALFWAY = ReachShape(out_s=0.5, back_s=0.5, peak_out=2.0, peak_back=-1.0)
+"""A reach that leaves the hand turned."""
 
 
-def a_hand(profile: str = "patient", seed: int = 3, rate_hz: float = 250.0) -> SimulatedHand:
+def a_hand(profile: str = "patient", seed: int = 3, rate_hz: float = 250.0, shape: ReachShape = REACH) -> SimulatedHand:
     hand = SimulatedHand(PROFILES[profile], rate_hz, seed)
-    hand.move(2 * SECOND, REACH)
+    hand.move(2 * SECOND, shape)
     return hand
 
 
-@given(cuts=st.lists(st.integers(0, 5 * SECOND), max_size=8), rate_hz=st.sampled_from([60.0, 250.0, 1000.0]))
+@given(cuts=st.lists(st.integers(0, 6 * SECOND), max_size=8), rate_hz=st.sampled_from([60.0, 250.0, 1000.0]))
+@example(cuts=[100_000_000, 5_500_000_000], rate_hz=250.0)
 @examples(30)
 def test_samples_do_not_depend_on_how_they_are_requested(cuts: list[int], rate_hz: float) -> None:
-    whole = a_hand(rate_hz=rate_hz).samples(0, 5 * SECOND)
-    hand, edges = a_hand(rate_hz=rate_hz), [0, *sorted(cuts), 5 * SECOND]
+    whole = a_hand(rate_hz=rate_hz, shape=HALFWAY).samples(0, 6 * SECOND)
+    hand, edges = a_hand(rate_hz=rate_hz, shape=HALFWAY), [0, *sorted(cuts), 6 * SECOND]
     parts = [hand.samples(begin, end) for begin, end in itertools.pairwise(edges)]
     assert np.concatenate(parts).tobytes() == whole.tobytes()
 
