@@ -21,6 +21,7 @@ from sar_tui.simulation.operator import PROFILES
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store.database import connect
 from sar_tui.validation.feedback import competent, examples, frequency
+from sar_tui.validation.policies import SCHEDULES
 from sar_tui.validation.policies import run as policies
 from sar_tui.validation.report import Conditions, Report
 
@@ -75,6 +76,7 @@ def test_every_field_of_a_validation_is_documented(
     name: str, validate: Callable[[Conditions], Report], request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.validation.feedback.SEEDS", range(1, 2))
+    monkeypatch.setattr("sar_tui.validation.policies.SCHEDULES", {"every": SCHEDULES["every"]})
     fields = set(validate(Conditions(request.getfixturevalue("catalogue"))).rows[0])
     lines = [line for line in PAGE.splitlines() if line.startswith((f"| `{name}`", "| `figure-4.11`"))]
     assert fields - set().union(*map(named, lines)) == set()
