@@ -11,10 +11,11 @@ import pytest
 from sar_tui.cli import session_choice
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.wizard import name_at_session, session_to_show
-from sar_tui.link import discovery
+from sar_tui.link import discovery, invitation
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import NAME, Invitation
 from sar_tui.link.zenoh_settings import Credentials
+from tests.link.tls_fixtures import invite_guests
 from tests.program import Call
 
 ONE, OTHER = JoinableSession("abc1", "keyboard", "l1", 1), JoinableSession("abd2", "reaching", "l2", 2)
@@ -51,6 +52,14 @@ def test_the_only_session_is_joined_and_several_are_offered_on_the_screen(monkey
     live(monkeypatch, ONE, OTHER)
     assert session_to_show(None, None, wait=False, observe=False) is None
     assert session_to_show("abd", None, wait=False, observe=False) == OTHER
+
+
+def test_an_expired_invitation_is_refused(call: Call, data: Path, tmp_path: Path) -> None:
+    path = tmp_path / "late.sar-link"
+    invitation.write(invite_guests(data).late, path)
+    called = call("wizard", "--link", path)
+    assert (called.code, called.out) == (2, "")
+    assert called.err.startswith(f"The invitation {path} expired on ")
 
 
 def test_an_operators_invitation_cannot_be_used_to_observe(monkeypatch: pytest.MonkeyPatch) -> None:
