@@ -109,8 +109,7 @@ def load_task(folder: Path) -> type[Task]:
         raise PluginError(f"{folder.name} cannot name a task's folder. Use a Python name, such as tapping.")
     name = _package_of(folder)
     try:
-        importlib.invalidate_caches()
-        module = importlib.import_module(f"{name}.task")
+        module = _import(folder, f"{name}.task")
     except (Exception, SystemExit) as error:
         raise PluginError(f"The task {folder.name} cannot be loaded: {_why(error)}") from error
     own = [value for value in vars(module).values() if getattr(value, "__module__", None) == module.__name__]
@@ -130,10 +129,17 @@ def view_module(task: type[Task]) -> types.ModuleType | None:
     if package.startswith(f"{_PACKAGE}."):
         package = _package_of(folder)
     try:
-        importlib.invalidate_caches()
-        return importlib.import_module(f"{package}.view")
+        return _import(folder, f"{package}.view")
     except (Exception, SystemExit) as error:
         raise PluginError(f"The view of the task {task.name} cannot be loaded: {_why(error)}") from error
+
+
+def _import(folder: Path, name: str) -> types.ModuleType:
+    """Import a module of a task's folder, of which Python may remember an older listing of files."""
+    if name not in sys.modules:
+        for path in [path for path in sys.path_importer_cache if path.startswith(str(folder))]:
+            del sys.path_importer_cache[path]
+    return importlib.import_module(name)
 
 
 def _package_of(folder: Path) -> str:
