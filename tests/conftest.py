@@ -29,7 +29,7 @@ _HOME = pytest.StashKey[tempfile.TemporaryDirectory[str]]()
 
 _MEMORY = Path("/dev/shm")
 _ENOUGH = 2**30
-_GARBAGE = 100_000
+_GARBAGE = 200_000
 """New objects until the next collection."""
 
 
@@ -53,7 +53,7 @@ def pytest_collection_finish() -> None:
     """Exclude what was loaded from garbage collection, and collect less often: it is a fifth of the time otherwise."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(_GARBAGE, 10, 10)
+    gc.set_threshold(_GARBAGE, 20, 20)
 
 
 def _has_room(folder: Path) -> bool:

@@ -34,7 +34,6 @@ def load_profile() -> None:
 
 
 def first(number: int, values: Iterable[Any]) -> list[Any]:
-    """Return the values as parameters of a test; all after the first few are slow."""
-    return [
-        value if place < number else pytest.param(value, marks=pytest.mark.slow) for place, value in enumerate(values)
-    ]
+    """Return the values as parameters of a test: in a quick run only the first few, else all, the others slow."""
+    found = list(values)
+    return found[:number] + ([] if QUICK else [pytest.param(value, marks=pytest.mark.slow) for value in found[number:]])

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from monalysa.quality import smoothness as monalysa
 
 from sar_tui.motion.samples import Floats
 from sar_tui.motion.smoothness import ldlj, movement_units, sparc, tremor_index
@@ -45,6 +44,8 @@ def test_a_gaussian_movement_has_its_known_smoothness() -> None:
 
 
 def test_smoothness_agrees_with_monalysa() -> None:
+    from monalysa.quality import smoothness as monalysa  # imports slowly, in every process that collects tests
+
     for number, speed in enumerate(random_profiles(50)):
         rate_hz = 50.0 + 4 * number
         assert sparc(speed, rate_hz) == pytest.approx(monalysa.sparc(speed, rate_hz)[0], abs=1e-6)
