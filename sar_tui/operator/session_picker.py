@@ -12,7 +12,7 @@ from textual import on
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.screen import Screen
-from textual.widgets import Footer, OptionList, Static
+from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from sar_tui.framework.messages import Role
@@ -22,6 +22,7 @@ from sar_tui.link.discovery import JoinableSession, live_sessions
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
 from sar_tui.operator.screen import PanelScreen
+from sar_tui.widgets.key_footer import KeyFooter
 
 LOOK_SECONDS = 1.0
 HOW_TO_START = "No session on this machine can be joined. Start one with: sar-tui run TASK -p CODE --operator"
@@ -70,7 +71,7 @@ class ChooseScreen(Screen[JoinableSession | None]):
         box.border_title = "Sessions to join"
         yield box
         yield Static("", id="hint", markup=False)
-        yield Footer()
+        yield KeyFooter()
 
     def on_mount(self) -> None:
         self.look_again()

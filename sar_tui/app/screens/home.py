@@ -7,7 +7,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
-from textual.widgets import Button, Footer, OptionList, Static
+from textual.widgets import Button, OptionList, Static
 from textual.widgets.option_list import Option
 
 from sar_tui.framework.declaration import ParameterError
@@ -16,6 +16,7 @@ from sar_tui.plugins import PluginError
 from sar_tui.store import participants, sessions
 from sar_tui.store.database import StoreError
 from sar_tui.store.provenance import machine
+from sar_tui.widgets.key_footer import KeyFooter
 
 _NEW = "+"
 _LOOK_SECONDS = 3.0
@@ -61,7 +62,7 @@ class HomeScreen(Screen[None]):
             recent.border_title = "Recent sessions"
             recent.border_subtitle = "Enter opens"
             yield recent
-        yield Footer()
+        yield KeyFooter()
 
     def on_mount(self) -> None:
         tasks = self.query_one("#task", OptionList)

@@ -5,11 +5,12 @@ from typing import Any, ClassVar
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.screen import Screen
-from textual.widgets import Footer, Static
+from textual.widgets import Static
 
 from sar_tui.app.screens.summary import Summary
 from sar_tui.plugins import PluginError
 from sar_tui.store import provenance, sessions
+from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.task_view import stored_facts
 
@@ -40,7 +41,7 @@ class PastSessionScreen(Screen[None]):
         else:
             tr = language_of(self.app)
             yield Summary(metric, lambda attempts: stored_facts(task, attempts, metric, tr), id="summary")
-        yield Footer()
+        yield KeyFooter()
 
     def on_mount(self) -> None:
         rows = sessions.rows(self.app.database, "attempts", self._row["id"])

@@ -11,7 +11,7 @@ from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
-from textual.widgets import Footer, Static
+from textual.widgets import Static
 
 from sar_tui.app.sensor_advice import MARKS, Fact, Mark, facts, reach_test_text, signed, worst
 from sar_tui.app.sensor_monitor import SensorWatch
@@ -21,6 +21,7 @@ from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.motion.reach_bounds import Hand
 from sar_tui.runs.plan import Plan
 from sar_tui.tui.language import planned_language, translated
+from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.sensor_placement import bar, draw_hand
 from sar_tui.widgets.speed_trace import SpeedTrace
 
@@ -120,7 +121,7 @@ class SensorCheckScreen(Screen[bool]):
             reach.border_title = self.tr("Test reach")
             yield Static(id="result")
             yield SpeedTrace(id="trace")
-        yield Footer()
+        yield KeyFooter()
 
     def on_mount(self) -> None:
         if isinstance(self._clock, LiveClock):

@@ -6,7 +6,7 @@ from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
-from textual.widgets import ContentSwitcher, Footer, Static
+from textual.widgets import ContentSwitcher, Static
 
 from sar_tui.app.agent.screen_base import AgentScreen
 from sar_tui.app.live import LiveSession
@@ -30,6 +30,7 @@ from sar_tui.framework.topics import RECALL
 from sar_tui.tui.gc_control import GcControl
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.drawing import DrawingArea
+from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.progress_line import ProgressLine
 
 
@@ -76,7 +77,7 @@ class SessionScreen(AgentScreen):
         with Horizontal(id="progress"):
             yield ProgressLine(id="trials")
             yield ProgressLine(id="attempts")
-        yield Footer()
+        yield KeyFooter()
 
     def on_mount(self) -> None:
         self._show_trials(0)

@@ -7,7 +7,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.screen import Screen
-from textual.widgets import Button, Footer, Static
+from textual.widgets import Button, Static
 
 from sar_tui.framework.declaration import ParameterError, show
 from sar_tui.framework.parameters import build, changed, current_values, grouped
@@ -18,6 +18,7 @@ from sar_tui.store import participants
 from sar_tui.store.database import StoreError
 from sar_tui.theme_folder import languages
 from sar_tui.widgets.field_group import FieldGroup
+from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.parameter_field import ParameterField
 
 _FOLDED = ("Operator", "Timing")
@@ -74,7 +75,7 @@ class SettingsScreen(Screen[None]):
             yield Button("Save", id="save", variant="primary", compact=True)
             yield Button("Reset all", id="reset-all", compact=True)
             yield Button("Back", id="back", compact=True)
-        yield Footer()
+        yield KeyFooter()
 
     async def on_mount(self) -> None:
         await self._check()

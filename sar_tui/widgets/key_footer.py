@@ -1,0 +1,25 @@
+"""Footer that lists the keys of a screen."""
+
+from textual.screen import Screen
+from textual.widgets import Footer
+
+
+class KeyFooter(Footer):
+    """Textual's footer, composed anew only when its keys change.
+
+    Textual composes it whenever the focus moves, which takes longer than everything else that a key press does.
+    """
+
+    _keys: tuple[tuple[str, str, str, bool], ...] = ()
+
+    def bindings_changed(self, screen: Screen[object]) -> None:
+        """Compose the keys anew if they differ from those shown."""
+        keys = tuple(
+            (binding.key, binding.description, binding.action, enabled)
+            for _, binding, enabled, _ in screen.active_bindings.values()
+            if binding.show
+        )
+        if keys != self._keys:
+            super().bindings_changed(screen)
+            is_composed = self.is_attached and screen is self.screen and self.app.app_focus
+            self._keys = keys if is_composed else ()

@@ -1,0 +1,68 @@
+"""The footer: it lists the keys that work, and keeps its widgets while the focus moves."""
+
+from typing import ClassVar
+
+from textual.app import App, ComposeResult
+from textual.binding import Binding, BindingType
+from textual.widgets import Button
+
+from sar_tui.widgets.key_footer import KeyFooter
+
+
+class Saving(App[None]):
+    """Two buttons, and a key that works only while there is something to save."""
+
+    ENABLE_COMMAND_PALETTE = False
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("ctrl+s", "save", "Save"),
+        Binding("escape", "back", "Back"),
+        Binding("x", "back", "Hidden", show=False),
+    ]
+    can_save: bool | None = False
+
+    def compose(self) -> ComposeResult:
+        yield Button("One")
+        yield Button("Two")
+        yield KeyFooter()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        return self.can_save if action == "save" else True
+
+    @property
+    def keys(self) -> dict[str, bool]:
+        """The descriptions of the keys shown, with True if the key works."""
+        return {key.description: not key._disabled for key in self.query("FooterKey")}  # type: ignore[attr-defined]
+
+
+async def test_it_lists_the_keys_that_work() -> None:
+    app = Saving()
+    async with app.run_test() as pilot:
+        await pilot.pause()
+        assert app.keys == {"Back": True}
+        for can_save, keys in ((True, {"Save": True, "Back": True}), (None, {"Save": False, "Back": True})):
+            app.can_save = can_save
+            app.refresh_bindings()
+            await pilot.pause()
+            assert app.keys == keys
+
+
+async def test_it_keeps_its_widgets_while_the_focus_moves() -> None:
+    app = Saving()
+    async with app.run_test() as pilot:
+        await pilot.pause()
+        before, focused = list(app.query("FooterKey")), app.focused
+        await pilot.press("tab")
+        await pilot.pause()
+        assert app.focused is not focused
+        assert list(app.query("FooterKey")) == before
+
+
+async def test_its_keys_can_be_clicked() -> None:
+    app = Saving()
+    app.can_save = True
+    pressed: list[str] = []
+    app.action_save = lambda: pressed.append("save")  # type: ignore[attr-defined]
+    async with app.run_test() as pilot:
+        await pilot.pause()
+        await pilot.click("FooterKey")
+    assert pressed == ["save"]
