@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, settings
 
 QUICK = os.environ.get("SAR_TUI_TEST_EXAMPLES") == "few"
 """`make test` asks for few examples, `make test-all` for all of them."""
-_SHARE = 5
+_SHARE = 10
 _COMMON = settings(
     derandomize=True,
     deadline=None,

@@ -1,6 +1,8 @@
 """Keep tests of the app independent of the developer's terminal and other sessions."""
 
+import gc
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import pytest
 
@@ -28,4 +30,5 @@ def no_session_to_join(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(autouse=True)
 def no_collection(monkeypatch: pytest.MonkeyPatch) -> None:
     """Skip garbage collection around attempts, which is slow with the memory of a test run."""
-    monkeypatch.setattr("gc.collect", lambda generation=2: 0)
+    skipped = SimpleNamespace(collect=int, freeze=int, unfreeze=int, enable=gc.enable, disable=gc.disable)
+    monkeypatch.setattr("sar_tui.tui.gc_control.gc", skipped)

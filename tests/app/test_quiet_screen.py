@@ -66,11 +66,14 @@ async def test_no_widget_of_a_session_is_animated(data: Path, catalogue: Catalog
 
 
 async def test_no_garbage_is_collected_while_a_response_is_awaited(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("sar_tui.tui.gc_control.gc", gc)
+    gc.unfreeze()
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         assert not gc.isenabled()
+        assert gc.get_freeze_count() > 0
         await driver.answer(prompt)
         assert gc.isenabled()
         await driver.to_prompt()
@@ -79,6 +82,7 @@ async def test_no_garbage_is_collected_while_a_response_is_awaited(
         assert gc.isenabled()
     assert gc.isenabled()
     assert gc.get_freeze_count() == 0
+    gc.freeze()  # as before
 
 
 async def test_no_color_is_respected_and_the_text_stays_the_same(
