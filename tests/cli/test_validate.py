@@ -52,6 +52,7 @@ def test_detection_is_validated_under_each_difficulty(call: Call) -> None:
     assert rows["all combined"]["thesis_error_median_ms"] is None
 
 
+@pytest.mark.slow
 def test_modularity_is_counted_for_each_task(call: Call) -> None:
     called = call("validate", "--only", "modularity", "--json")
     assert called.code == 0
@@ -82,6 +83,7 @@ def test_the_feedback_of_the_thesis_is_plotted_counted_and_judged(call: Call) ->
     }
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("two_seeds")
 def test_people_see_one_example_of_each_kind_and_programs_see_all(call: Call) -> None:
     rows = call("validate", "--only", "figure-4.13", "--json").json["figure-4.13"]

@@ -90,6 +90,7 @@ def test_feedback_that_contradicts_its_result_fails_the_claim(
 # --- Figure 4.13 -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_examples_are_of_both_forms_and_each_degree(conditions: Conditions) -> None:
     report = feedback.examples(conditions)
     assert not failed(report)
@@ -131,6 +132,7 @@ def test_feedback_in_the_wrong_form_or_with_a_wrong_number_fails_a_claim(
 # --- Figure 4.14 ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_feedback_every_three_attempts_is_on_every_third_attempt(conditions: Conditions) -> None:
     report = feedback.frequency(conditions)
     assert not failed(report)

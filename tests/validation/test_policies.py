@@ -25,6 +25,7 @@ def with_feedback(report: Report, schedule: str) -> list[int]:
     return [row["attempt"] for row in rows(report, schedule) if row["feedback"]]
 
 
+@pytest.mark.slow
 def test_all_claims_hold_and_every_schedule_has_twenty_attempts(report: Report) -> None:
     assert [claim for claim in report.claims if not claim.holds] == []
     for schedule in ("every", "faded", "bandwidth", "summary", "request", "none"):
