@@ -5,6 +5,7 @@ The settings form, `--set`, the checks and the documentation are made from these
 
 import difflib
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 
 import msgspec
@@ -86,8 +87,12 @@ else:  # a msgspec struct cannot have several bases with fields, so the fields a
 P = TypeVar("P", bound=TaskParameters)
 
 
+@lru_cache(maxsize=64)
 def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
-    """Return the declared parameters of a task: its own first, then the common ones."""
+    """Return the declared parameters of a task: its own first, then the common ones.
+
+    Cached, because settings are built with every key typed into the form.
+    """
     common = _declared(TaskParameters)
     found = [
         msgspec.structs.replace(
