@@ -1,10 +1,12 @@
 """Caches shared by all tests: parsed style sheets and the bundled themes."""
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
+import typer.main
 from textual.css import stylesheet
 from textual.css.model import RuleSet
 
@@ -43,5 +45,6 @@ def _cached_themes(read_theme: Callable[..., Theme], shipped: Path) -> Callable[
 def _caches() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stylesheet, "parse", _cached_parse(stylesheet.parse))
+        patch.setattr(typer.main, "get_command", cache(typer.main.get_command))
         patch.setattr(plugins, "read_theme", _cached_themes(plugins.read_theme, plugins._shipped("themes")))
         yield
