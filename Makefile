@@ -27,7 +27,7 @@ test: .venv/ready  ## every behaviour, in a few minutes on two cores
 	@SAR_TUI_TEST_EXAMPLES=few $(BIN)/python -m pytest -n 4 --dist worksteal -m "not slow"
 
 test-all: .venv/ready  ## every test, the long ones in full
-	@$(BIN)/python -m pytest -n 4 --dist worksteal
+	@$(BIN)/python -m pytest -n 2 --dist worksteal
 
 coverage: .venv/ready  ## all tests, and which lines of the code they run
 	@$(BIN)/python -m pytest -n 2 --dist worksteal --cov --cov-report=term
