@@ -138,9 +138,9 @@ async def test_a_wrong_key_is_a_response_and_the_agent_mentions_accuracy(
         await driver.press("j" if prompt.expected == "f" else "f")
         await driver.answer(await driver.to_prompt())
         assert driver.stored("SELECT correct FROM trials") == [(0,), (1,)]
-        goodbye = driver.messages("arbiter/action")[-1]["text"]
-        assert "ccuracy" in goodbye
-        assert goodbye in driver.said
+        text = driver.messages("arbiter/action")[-1]["text"]
+        assert "ccuracy" in text
+        assert text in driver.said
         await driver.see_the_summary()
         assert driver.sees("You did 1 attempt. ")
         assert driver.sees("○ missed")
