@@ -17,8 +17,8 @@ class OrderedScreen(Screen[T]):
     """
 
     def takes(self, event: events.Key | events.Paste) -> bool:
-        """Type a key if a field takes it; returns True if so. Other keys are looked up in the bindings."""
-        raise NotImplementedError
+        """Type a key if a field takes it; return True if so. Other keys are looked up in the bindings: here, all."""
+        return False
 
 
 async def in_order(app: App[Any], event: events.Event) -> bool:

@@ -10,7 +10,7 @@ class KeyFooter(Footer):
     Textual composes it whenever the focus moves, which takes longer than everything else that a key press does.
     """
 
-    _keys: tuple[tuple[str, str, str, bool], ...] = ()
+    _keys: tuple[tuple[str, str, str, bool], ...] | None = None
 
     def bindings_changed(self, screen: Screen[object]) -> None:
         """Compose the keys anew if they differ from those shown."""
@@ -22,4 +22,4 @@ class KeyFooter(Footer):
         if keys != self._keys:
             super().bindings_changed(screen)
             is_composed = self.is_attached and screen is self.screen and self.app.app_focus
-            self._keys = keys if is_composed else ()
+            self._keys = keys if is_composed else None

@@ -66,3 +66,18 @@ async def test_its_keys_can_be_clicked() -> None:
         await pilot.pause()
         await pilot.click("FooterKey")
     assert pressed == ["save"]
+
+
+class Plain(App[None]):
+    """No keys of its own, only the command palette."""
+
+    def compose(self) -> ComposeResult:
+        yield KeyFooter()
+
+
+async def test_without_other_keys_the_palette_is_shown() -> None:
+    app = Plain()
+    async with app.run_test() as pilot:
+        await pilot.pause()
+        await pilot.pause()
+        assert "palette" in [key.description for key in app.query("FooterKey")]  # type: ignore[attr-defined]
