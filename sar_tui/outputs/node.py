@@ -157,7 +157,8 @@ class OutputNode(Node):
         try:
             getattr(self.output, part)(action, *what)
         except Exception as error:
-            self._end(action, part, "failed", f"{describe(error)}.")
+            why = as_text(error) if isinstance(error, OutputError) else f"{describe(error)}."
+            self._end(action, part, "failed", why)
 
     # --- reports of the output -------------------------------------------------------------------------------
 

@@ -57,23 +57,27 @@ class Output:
 
     def say(self, action: str, text: str) -> None:
         """Speak ``text``, which is written as it is to be spoken."""
-        raise NotImplementedError
+        raise self._without("say")
 
     def show(self, action: str, text: str, face: str) -> None:
         """Display a text and an expression (one of `theme.FACES`). Done when others replace them."""
-        raise NotImplementedError
+        raise self._without("show")
 
     def gesture(self, action: str, name: str) -> None:
         """Perform one of the theme's gestures."""
-        raise NotImplementedError
+        raise self._without("gesture")
 
     def gaze(self, action: str, where: str) -> None:
         """Look somewhere (see `Gaze`)."""
-        raise NotImplementedError
+        raise self._without("gaze")
 
     def tone(self, action: str, name: str) -> None:
         """Play one of the theme's short tones."""
-        raise NotImplementedError
+        raise self._without("tone")
+
+    def _without(self, part: ActionPart) -> "OutputError":
+        """Return the error of an output that lists a part in ``can`` and does not perform it."""
+        return OutputError(f"{type(self).__name__} lists {part} in its can, but has no method {part}.")
 
     def stop(self, action: str = "") -> None:
         """Stop one action, or all of them. Harmless if nothing is under way.

@@ -352,6 +352,18 @@ def test_an_output_that_raises_on_close_does_not_block_the_exit() -> None:
     assert asked(stage) == [("close",)]
 
 
+@pytest.mark.parametrize(("part", "given"), [("say", "spoken"), ("show", "text"), ("gesture", "gesture")])
+def test_a_part_without_a_method_has_failed_and_its_author_reads_why(part: ActionPart, given: str) -> None:
+    class Half(Output):
+        name = "half"
+        can = frozenset((part,))
+
+    stage = Stage(Half())
+    stage.act(**{given: "wave"})
+    assert stage.states(part=part) == ["queued", "failed"]
+    assert stage.reports[-1].detail == f"Half lists {part} in its can, but has no method {part}."
+
+
 def test_an_output_that_neither_reports_nor_stops_has_failed() -> None:
     stage = Stage(FakeOutput(breaks=("stop",)))
     stage.act(gesture="wave")
