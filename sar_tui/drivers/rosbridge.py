@@ -23,6 +23,8 @@ PING_S = 3.0
 """Interval of pings, and the time limit for each reply."""
 CLOSE_S = 1.0
 """Longest wait for the server when closing."""
+_STARTING = threading.Lock()
+"""Held while roslibpy starts its event loop: a second thread would find the loop missing, and never connect."""
 
 
 class AddressError(ValueError):
@@ -136,7 +138,8 @@ class Bridge:
         else:
             _silence("roslibpy", "autobahn")
             host = f"[{self._address.host}]" if ":" in self._address.host else self._address.host
-            factory = make(make.create_url(host, self._address.port))
+            with _STARTING:
+                factory = make(make.create_url(host, self._address.port))
             factory.initialDelay, factory.maxDelay = FIRST_RETRY_S, LONGEST_RETRY_S
             factory.setProtocolOptions(autoPingInterval=PING_S, autoPingTimeout=PING_S)
             factory.on("ready", self._on_ready)

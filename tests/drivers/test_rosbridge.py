@@ -110,6 +110,33 @@ def test_two_at_a_time_do_not_disturb_each_other(server: RosBridge, call: Callab
     assert one.received == []
 
 
+def test_two_that_open_while_the_event_loop_starts_both_connect(
+    server: RosBridge, call: Callable[[int], Caller], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The loop starts slowly, so that a second caller would find it missing."""
+    from roslibpy.comm import comm_asyncio
+
+    second_has_come = threading.Event()
+
+    class SlowLoop(comm_asyncio.AsyncioEventLoopManager):  # type: ignore[misc]
+        def run(self) -> None:
+            if self._thread is not None:
+                second_has_come.set()
+            super().run()
+
+        def _run_thread(self) -> None:
+            second_has_come.wait(0.2)
+            super()._run_thread()
+
+    loop = SlowLoop()
+    monkeypatch.setattr(comm_asyncio, "_MANAGER_SINGLETON", loop)
+    callers = [call(server.port) for _ in range(2)]
+    for caller in callers:
+        caller.wait_until_connected(server)
+        caller.bridge.close()
+    loop.terminate()
+
+
 def test_nothing_queues_while_the_server_is_away_and_all_works_when_it_returns(
     server: RosBridge, call: Callable[[int], Caller]
 ) -> None:
