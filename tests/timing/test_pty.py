@@ -194,9 +194,9 @@ def test_a_word_is_a_key_too() -> None:
 
 def test_enter_is_pressed_even_where_something_moves_all_the_time() -> None:
     program = (
-        "import select, tty; tty.setraw(0); print('Press Enter\\r')\n"
+        "import os, select, tty; tty.setraw(0); print('Press Enter\\r')\n"
         "while not select.select([0], [], [], 0.05)[0]: print('.', end='', flush=True)\n"
-        "print('Press: f \\r')\n"
+        "os.read(0, 1); print('Press: f \\r', flush=True); os.read(0, 1)\n"
     )
     with Terminal(python(program)) as terminal:
         assert len(ScriptedParticipant(terminal, random_answers(1, 1, 2)).run(1)) == 1

@@ -138,6 +138,8 @@ class Supervisor:
 
     def _ready_child(self) -> VoiceProcess | None:
         """Return the process, started if necessary. None if it cannot start; the part has then failed."""
+        if self._child and self._child.has_ended:
+            self._end_child()
         if self._child is None:
             try:
                 self._child = VoiceProcess(self._setup, self._receive, self._program)

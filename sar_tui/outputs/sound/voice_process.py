@@ -33,6 +33,11 @@ class VoiceProcess:
         self._listener.start()
         self.send(setup)
 
+    @property
+    def has_ended(self) -> bool:
+        """True if the process has ended, even before ``on_reply`` has reported it."""
+        return self._process.poll() is not None
+
     def send(self, request: Request) -> None:
         """Send a request; it is dropped if the process has ended, which ``on_reply`` reports with None."""
         with contextlib.suppress(OSError):
