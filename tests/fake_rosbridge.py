@@ -6,13 +6,16 @@ unsubscribe, set_level and status, each a JSON object with an ``op``, in a WebSo
 """
 
 import asyncio
+import importlib
 import json
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, Literal
 
+import pytest
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
@@ -22,6 +25,16 @@ REPORT = "/sar_tui/report"
 PARTS = {"speech": "say", "gesture": "gesture", "gaze": "gaze"}
 KNOWN_TYPES = ("std_msgs/String", "sensor_msgs/Imu")
 Manner = Literal["obliging", "silent", "slow", "failing", "muddled", "breaking off", "terse"]
+
+
+def hide_roslibpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make the package impossible to import.
+
+    It is imported before: an import under way in the thread of an earlier test would remain half done.
+    """
+    importlib.import_module("roslibpy.comm.comm_asyncio")
+    for name in ("roslibpy", "roslibpy.comm"):
+        monkeypatch.setitem(sys.modules, name, None)
 
 
 def wait_until(happened: Callable[[], Any], what: str = "it") -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from sar_tui.drivers import rosbridge
 from sar_tui.drivers.rosbridge import NO_PACKAGE, Address, AddressError, Bridge, parse
-from tests.fake_rosbridge import RosBridge, ros_bridge, wait_until
+from tests.fake_rosbridge import RosBridge, hide_roslibpy, ros_bridge, wait_until
 
 STRING = "std_msgs/String"
 
@@ -251,8 +251,7 @@ def test_nonsense_from_the_server_does_no_harm(server: RosBridge, call: Callable
 
 
 def test_a_missing_package_is_reported_with_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "roslibpy", None)
-    monkeypatch.setitem(sys.modules, "roslibpy.comm", None)
+    hide_roslibpy(monkeypatch)
     caller = Caller(9090)
     wait_until(lambda: caller.changes == [False])
     assert caller.bridge.problem == NO_PACKAGE

@@ -1,7 +1,6 @@
 """A topic of sensor_msgs/Imu behind a rosbridge server as a source."""
 
 import math
-import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -12,7 +11,7 @@ from sar_tui.framework.clock import MS, SECOND, host_now
 from sar_tui.inputs.imu import Sample, SourceError, Status
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.ros import LOOKED_AT, RosImuSource
-from tests.fake_rosbridge import RosBridge, ros_bridge, wait_until
+from tests.fake_rosbridge import RosBridge, hide_roslibpy, ros_bridge, wait_until
 
 BORN_NS = 1_760_000_000 * SECOND
 """A stamp of a ROS clock, which shows the time of day."""
@@ -284,8 +283,7 @@ def test_a_feed_finds_the_gap_of_a_sensor_that_continues(connect: Callable[..., 
 
 
 def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "roslibpy", None)
-    monkeypatch.setitem(sys.modules, "roslibpy.comm", None)
+    hide_roslibpy(monkeypatch)
     statuses: list[Status] = []
     source = RosImuSource("//127.0.0.1/imu")
     source.start(lambda sample: None, statuses.append)

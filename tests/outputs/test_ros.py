@@ -18,7 +18,7 @@ from sar_tui.outputs.node import STOP_TIMEOUT
 from sar_tui.outputs.output import OutputError, Report
 from sar_tui.outputs.ros import ANSWER, CONFIRM, LONGEST, PATIENCE, SETTLE, Ros
 from sar_tui.outputs.ros_topics import Topics, read_report
-from tests.fake_rosbridge import Manner, RosBridge, ros_bridge, wait_until
+from tests.fake_rosbridge import Manner, RosBridge, hide_roslibpy, ros_bridge, wait_until
 from tests.outputs.contract import THEME, WAIT_S, Rig
 from tests.outputs.ros_fixtures import BenchClock, RosRig, is_ready, robot_bench
 
@@ -384,8 +384,7 @@ def test_without_a_bridge_early_requests_fail_after_a_time() -> None:
 
 
 def test_without_the_package_parts_fail_with_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "roslibpy", None)
-    monkeypatch.setitem(sys.modules, "roslibpy.comm", None)
+    hide_roslibpy(monkeypatch)
     rig = RosRig(Ros("ros://127.0.0.1"), BenchClock(), ("say",))
     rig.ask("say", "greeting", "Hello.")
     rig.wait_for("say", "greeting")
