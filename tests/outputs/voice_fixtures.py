@@ -95,9 +95,9 @@ def pids(file: Path) -> list[int]:
 
 
 def is_alive(pid: int) -> bool:
-    """Return True if a process exists and is not a zombie."""
+    """Return True if a process exists and is not a zombie. A zombie with threads left (``l``) cannot be reaped yet."""
     state = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False).stdout
-    return bool(state.strip()) and not state.startswith("Z")
+    return bool(state.strip()) and (not state.startswith("Z") or "l" in state)
 
 
 class Listener:
