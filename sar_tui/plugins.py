@@ -8,16 +8,19 @@ import importlib
 import inspect
 import sys
 import types
-from collections.abc import Iterator
-from importlib.metadata import EntryPoint, entry_points
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import platformdirs
 
 import sar_tui
-from sar_tui.framework.task import Task
 from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
-from sar_tui.theme_folder import read_theme
+
+if TYPE_CHECKING:  # loaded with the first task: the app's first screen is shown before
+    from importlib.metadata import EntryPoint
+
+    from sar_tui.framework.task import Task
 
 _PACKAGE = "sar_tui_tasks"
 DEFAULT_THEME = "calm"
@@ -50,14 +53,14 @@ class Catalogue:
     def task_names(self) -> list[str]:
         """Return the names of all tasks, including those that fail to load."""
         folders = (path.parent.name for path in _children(self._tasks, "task.py"))
-        return sorted({*folders, *(entry.name for entry in entry_points(group="sar_tui.tasks"))})
+        return sorted({*folders, *(entry.name for entry in _installed_tasks())})
 
-    def task(self, name: str) -> type[Task]:
+    def task(self, name: str) -> "type[Task]":
         """Load a task by name. Raises PluginError."""
         for path in _children(self._tasks, "task.py"):
             if path.parent.name == name:
                 return load_task(path.parent)
-        for entry in entry_points(group="sar_tui.tasks"):
+        for entry in _installed_tasks():
             if entry.name == name:
                 return _from_entry_point(entry)
         raise PluginError(f"There is no task {name}. Choose one of: {', '.join(self.task_names())}.")
@@ -96,12 +99,12 @@ def _children(folders: tuple[Path, ...], file: str) -> Iterator[Path]:
             yield from sorted(folder.glob(f"*/{file}"))
 
 
-def task_folder(task: type[Task]) -> Path:
+def task_folder(task: "type[Task]") -> Path:
     """Return the folder that a task was loaded from."""
     return Path(inspect.getfile(task)).parent
 
 
-def load_task(folder: Path) -> type[Task]:
+def load_task(folder: Path) -> "type[Task]":
     """Load the one task of a folder. Raises PluginError."""
     if not (folder / "task.py").is_file():
         raise PluginError(f"There is no task.py in {folder}.")
@@ -121,7 +124,7 @@ def load_task(folder: Path) -> type[Task]:
     return _checked(found[0], folder.name)
 
 
-def view_module(task: type[Task]) -> types.ModuleType | None:
+def view_module(task: "type[Task]") -> types.ModuleType | None:
     """Load the ``view.py`` beside a task's module; None if there is none. Raises PluginError."""
     folder, (package, _, _) = task_folder(task), task.__module__.rpartition(".")
     if not package or not (folder / "view.py").is_file():
@@ -154,7 +157,13 @@ def _package_of(folder: Path) -> str:
     return name
 
 
-def _from_entry_point(entry: EntryPoint) -> type[Task]:
+def _installed_tasks() -> "Iterable[EntryPoint]":
+    from importlib.metadata import entry_points
+
+    return entry_points(group="sar_tui.tasks")
+
+
+def _from_entry_point(entry: "EntryPoint") -> "type[Task]":
     try:
         found = entry.load()
     except Exception as error:
@@ -182,15 +191,19 @@ def _make_package(name: str, path: list[str]) -> None:
 
 def _missing_methods(values: list[object]) -> list[str]:
     """Return the methods that an incomplete task among the values does not define."""
+    from sar_tui.framework.task import Task
+
     unfinished = (value for value in values if isinstance(value, type) and issubclass(value, Task))
     return sorted(next((value.__abstractmethods__ for value in unfinished), frozenset()))
 
 
 def _is_task(value: object) -> bool:
+    from sar_tui.framework.task import Task
+
     return isinstance(value, type) and issubclass(value, Task) and value is not Task and not inspect.isabstract(value)
 
 
-def _checked(task: type[Task], name: str) -> type[Task]:
+def _checked(task: "type[Task]", name: str) -> "type[Task]":
     missing = [attribute for attribute in ("name", "title", "metric") if not hasattr(task, attribute)]
     if missing:
         raise PluginError(f"The task {name} does not declare its {' or its '.join(missing)}.")
@@ -210,6 +223,8 @@ def load_theme(folder: Path, language: str = ENGLISH) -> Theme:
     Raises:
         PluginError: its files cannot be read.
     """
+    from sar_tui.theme_folder import read_theme
+
     default = _shipped("themes") / DEFAULT_THEME
     try:
         base = read_theme(default, language) if folder != default else None

@@ -10,7 +10,7 @@ import typer.main
 from textual.css import stylesheet
 from textual.css.model import RuleSet
 
-from sar_tui import plugins
+from sar_tui import plugins, theme_folder
 from sar_tui.framework.theme import ENGLISH, Theme
 
 
@@ -46,5 +46,5 @@ def _caches() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stylesheet, "parse", _cached_parse(stylesheet.parse))
         patch.setattr(typer.main, "get_command", cache(typer.main.get_command))
-        patch.setattr(plugins, "read_theme", _cached_themes(plugins.read_theme, plugins._shipped("themes")))
+        patch.setattr(theme_folder, "read_theme", _cached_themes(theme_folder.read_theme, plugins._shipped("themes")))
         yield

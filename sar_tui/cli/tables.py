@@ -7,8 +7,6 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from sar_tui.store.sessions import attempt_ended
-
 if TYPE_CHECKING:
     from sar_tui.framework.messages import AttemptEnded
     from sar_tui.framework.trial_types import Metric
@@ -66,6 +64,8 @@ def seats(rows: Sequence[Row]) -> list[str]:
 
 def summary(rows: Sequence[Row], metric: "Metric", findings: Findings = lambda *_: ()) -> str:
     """Sum up a session in a few sentences, seat by seat where there are several; practice does not count."""
+    from sar_tui.store.sessions import attempt_ended
+
     if len(taken := seats(rows)) > 1:
         mine = {seat: [row for row in rows if row["seat"] == seat] for seat in taken}
         return " ".join(f"Seat {seat}: {summary(own, metric, findings)}" for seat, own in mine.items())

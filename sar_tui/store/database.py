@@ -9,12 +9,12 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
-import filelock
 import platformdirs
 
 FILE = "sar-tui.db"
 VERSION = 4
 """The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
+_LOCK_TIMEOUT_S = 10
 _NOT_OURS = "{path} is not a SQLite database. Move it away, or choose another --data folder."
 _TEMPORARY = {
     sqlite3.SQLITE_FULL,
@@ -65,12 +65,13 @@ def connect(folder: Path) -> sqlite3.Connection:
         raise _unwritable(folder, error) from error
     try:
         database = sqlite3.connect(path, timeout=10, isolation_level=None, check_same_thread=False)
-        with filelock.FileLock(path.with_suffix(".lock"), timeout=10, mode=0o600):
+        if _version(database, path) == VERSION:
             database.execute("PRAGMA journal_mode=WAL")
-            database.execute("PRAGMA synchronous=FULL")
-            _migrate(database, path)
-    except filelock.Timeout:
-        raise StoreError(f"Another program keeps {path} locked. Close it and try again.") from None
+        else:
+            with _alone(path):
+                database.execute("PRAGMA journal_mode=WAL")
+                _migrate(database, path)
+        database.execute("PRAGMA synchronous=FULL")
     except OSError as error:
         raise _unwritable(folder, error) from error
     except sqlite3.Error as error:
@@ -129,7 +130,20 @@ def transaction(database: sqlite3.Connection) -> Iterator[sqlite3.Connection]:
         raise explain(error) from error
 
 
-def _migrate(database: sqlite3.Connection, path: Path) -> None:
+@contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    """Hold the lock under which one program at a time creates or migrates the database."""
+    import filelock
+
+    try:
+        with filelock.FileLock(path.with_suffix(".lock"), timeout=_LOCK_TIMEOUT_S, mode=0o600):
+            yield
+    except filelock.Timeout:
+        raise StoreError(f"Another program keeps {path} locked. Close it and try again.") from None
+
+
+def _version(database: sqlite3.Connection, path: Path) -> int:
+    """Return the number of migrations that the database has seen. Raises StoreError if there were more than VERSION."""
     (version,) = database.execute("PRAGMA user_version").fetchone()
     if version > VERSION:
         raise StoreError(
@@ -137,6 +151,12 @@ def _migrate(database: sqlite3.Connection, path: Path) -> None:
             "Update sar-tui.",
             bad_input=True,
         )
+    return int(version)
+
+
+def _migrate(database: sqlite3.Connection, path: Path) -> None:
+    """Migrate the database, unless another program has done so meanwhile."""
+    version = _version(database, path)
     if version < VERSION:
         if version:
             _back_up(database, path, version)

@@ -2,10 +2,12 @@
 
 import os
 from pathlib import Path
-
-import filelock
+from typing import TYPE_CHECKING
 
 from sar_tui.store.database import StoreError
+
+if TYPE_CHECKING:  # loaded with the first lock: lists of sessions rarely need one
+    import filelock
 
 _TIMEOUT_SECONDS = 0.5
 """Longest wait for a lock that is taken: another program's ``is_held`` takes it for a moment."""
@@ -21,13 +23,15 @@ def _path(folder: Path, kind: str, name: str) -> Path:
     return locks / f"{kind}-{name}.lock"
 
 
-def hold(folder: Path, kind: str, name: str) -> filelock.BaseFileLock:
+def hold(folder: Path, kind: str, name: str) -> "filelock.BaseFileLock":
     """Take the lock of a session or a participant until it is released, or this program ends.
 
     Raises:
         Held: another program holds it.
         StoreError: the folder cannot be written to.
     """
+    import filelock
+
     try:
         lock = filelock.FileLock(_path(folder, kind, name), mode=0o600)
         lock.acquire(timeout=_TIMEOUT_SECONDS)
@@ -43,6 +47,8 @@ def is_held(folder: Path, kind: str, name: str) -> bool:
     path = _path(folder, kind, name)
     if not path.exists():
         return False
+    import filelock
+
     lock = filelock.FileLock(path, mode=0o600)
     try:
         lock.acquire(blocking=False)

@@ -62,6 +62,39 @@ def test_help_and_version_import_nothing_heavy() -> None:
     assert (done.returncode, done.stderr) == (0, "0 []\n" * 5)
 
 
+def loaded_by(*arguments: str) -> set[str]:
+    """Return the modules that a call of the program has loaded when it ends."""
+    script = (
+        "import sys; from sar_tui.__main__ import main\n"
+        f"sys.argv = ['sar-tui', *{arguments!r}]\n"
+        "try: main()\n"
+        "except SystemExit as end: print(end.code, *sys.modules, file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    code, *modules = done.stderr.split()
+    assert code == "0", done.stderr
+    return set(modules)
+
+
+def test_the_version_is_printed_without_the_parser_of_the_command_line() -> None:
+    assert not loaded_by("--version") & {"typer", "typing", "re", "pathlib"}
+
+
+def test_a_command_loads_no_other_command() -> None:
+    modules = loaded_by("tasks")
+    assert "sar_tui.cli.tasks" in modules
+    assert not modules & {"sar_tui.cli.detect", "sar_tui.cli.live", "sar_tui.cli.link", "sar_tui.cli.validate"}
+    assert not modules & {"sqlite3", "sqlite_utils", "filelock", "numpy", "textual"}
+
+
+def test_the_sessions_of_a_current_database_are_listed_without_the_modules_that_migrate_one(
+    simulated: str, tmp_path: Path
+) -> None:
+    modules = loaded_by("sessions", "--data", str(tmp_path / "data"))
+    assert "sar_tui.store.sessions" in modules
+    assert not modules & {"sqlite_utils", "sar_tui.store.schema", "filelock", "numpy", "textual"}
+
+
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
 def test_every_command_takes_the_data_and_tasks_folders_and_has_help(call: Call, command: list[str]) -> None:
     called = call(*command, "--help")

@@ -8,9 +8,11 @@ import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 from sqlite_utils import Database, Migrations
 
 from sar_tui.store import database as module
@@ -72,6 +74,26 @@ def test_the_keys_are_those_of_the_contract(database: sqlite3.Connection) -> Non
 
 def test_every_commit_is_synced_to_the_disk(database: sqlite3.Connection) -> None:
     assert (pragma(database, "journal_mode"), pragma(database, "synchronous")) == ("wal", 2)
+
+
+def test_a_current_database_opens_while_another_program_holds_the_lock_of_migrations(data: Path) -> None:
+    connect(data).close()
+    with FileLock(data / "sar-tui.lock"):
+        with closing(connect(data)) as database:
+            assert pragma(database, "user_version") == VERSION
+        with closing(sqlite3.connect(data / FILE)) as earlier:
+            earlier.execute("PRAGMA user_version=1")
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(module, "_LOCK_TIMEOUT_S", 0)
+            assert "locked" in str(refusal(data))
+
+
+def test_a_current_database_that_lost_its_write_ahead_log_mode_gets_it_back(data: Path) -> None:
+    connect(data).close()
+    with closing(sqlite3.connect(data / FILE)) as restored:
+        restored.execute("PRAGMA journal_mode=DELETE")
+    with closing(connect(data)) as database:
+        assert pragma(database, "journal_mode") == "wal"
 
 
 @posix
