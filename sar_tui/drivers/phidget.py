@@ -4,6 +4,7 @@ import ctypes
 import importlib
 import os
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -14,6 +15,8 @@ UDEV_RULE = 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"'
 _VENDOR = "06c2"
 _DEVICES = Path("/sys/bus/usb/devices")
 _NODES = Path("/dev/bus/usb")
+_IMPORTING = threading.Lock()
+"""Held while Phidget22 is imported: its modules import each other in a circle, which fails in two threads at once."""
 
 
 def new_channel(kind: str) -> Any:
@@ -26,8 +29,9 @@ def new_channel(kind: str) -> Any:
             import libusb_package
 
             ctypes.CDLL(str(libusb_package.get_library_path()))
-    devices = importlib.import_module(f"Phidget22.Devices.{kind}")
-    from Phidget22.Phidget import Phidget
+    with _IMPORTING:
+        devices = importlib.import_module(f"Phidget22.Devices.{kind}")
+        from Phidget22.Phidget import Phidget
 
     Phidget.getLibraryVersion()  # Fails before there is an object, whose destructor would print a second error.
     return getattr(devices, kind)()

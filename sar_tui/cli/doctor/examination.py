@@ -1,6 +1,7 @@
 """All checks of ``sar-tui doctor``, in the order in which they are printed."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
 
 from sar_tui.cli.common import Home
 from sar_tui.cli.doctor.finding import Finding
@@ -8,15 +9,31 @@ from sar_tui.cli.doctor.installation import outputs, python, tasks, themes
 from sar_tui.cli.doctor.link import browser, invitations, operator_here
 from sar_tui.cli.doctor.sensors import motion_sensor, sensor_driver
 from sar_tui.cli.doctor.servo import servo_controller
-from sar_tui.cli.doctor.speech import sound_card, speech_engine
+from sar_tui.cli.doctor.speech import examine_voice, sound_card, speech_engine
 from sar_tui.cli.doctor.storage import database, disk_space
 from sar_tui.cli.doctor.terminal import colours, connection, size, terminal
 from sar_tui.cli.doctor.timing import clock, measured_timing, onset_stamps, priority
 
+Check = Callable[[], Finding]
+
 
 def examine(home: Home) -> Iterator[Finding]:
-    """Run every check. A check that raises is itself a finding."""
-    checks: tuple[tuple[str, Callable[[], Finding]], ...] = (
+    """Run every check. A check that raises is itself a finding.
+
+    Those that wait for a device or a child process wait side by side, while the others are run.
+    """
+    with ThreadPoolExecutor() as pool:
+        for name, check in _checks(home, pool):
+            try:
+                yield check()
+            except Exception as error:
+                yield Finding(name, "bad", f"This check failed ({type(error).__name__}: {error}).")
+
+
+def _checks(home: Home, pool: Executor) -> Sequence[tuple[str, Check]]:
+    """Return the checks by name, in the order of their findings. Those that wait are started in the pool."""
+    voice = pool.submit(examine_voice).result
+    return (
         ("Python", python),
         ("Terminal", terminal),
         ("Terminal size", size),
@@ -26,11 +43,11 @@ def examine(home: Home) -> Iterator[Finding]:
         ("Onset stamps", onset_stamps),
         ("Priority", priority),
         ("Measured timing", lambda: measured_timing(home.folder)),
-        ("Sensor driver", sensor_driver),
-        ("Motion sensor", motion_sensor),
-        ("Servo controller", servo_controller),
-        ("Speech", speech_engine),
-        ("Sound card", sound_card),
+        ("Sensor driver", pool.submit(sensor_driver).result),
+        ("Motion sensor", pool.submit(motion_sensor).result),
+        ("Servo controller", pool.submit(servo_controller).result),
+        ("Speech", lambda: speech_engine(voice)),
+        ("Sound card", lambda: sound_card(voice)),
         ("Operator here", operator_here),
         ("Invitations", lambda: invitations(home.folder)),
         ("Browser", browser),
@@ -40,8 +57,3 @@ def examine(home: Home) -> Iterator[Finding]:
         ("Themes", lambda: themes(home)),
         ("Outputs", outputs),
     )
-    for name, check in checks:
-        try:
-            yield check()
-        except Exception as error:
-            yield Finding(name, "bad", f"This check failed ({type(error).__name__}: {error}).")

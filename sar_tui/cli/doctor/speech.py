@@ -1,6 +1,6 @@
 """Speech and sound: an engine, voices for the languages that ship, a sound card."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from sar_tui.cli.doctor.finding import Finding
@@ -15,9 +15,17 @@ _NO_WORDS = "Without it, the agent's words are on the screen only."
 _NO_SOUND = "Without it nothing is heard; `--speech file:FOLDER` writes what the agent says to WAV files."
 
 
-def speech_engine(program: Sequence[str] = ()) -> Finding:
+def examine_voice(program: Sequence[str] = (), backends: Sequence[str] = ()) -> "Examined":
+    """Ask the child process that would speak and play what it can do. Raises SoundError if it does not answer."""
+    from sar_tui.outputs.sound.mixer import examine
+    from sar_tui.outputs.sound.voice_process import PROGRAM
+
+    return examine(program or PROGRAM, backends, _PATIENCE_S)
+
+
+def speech_engine(examined: "Callable[[], Examined]") -> Finding:
     """Check that there is a speech engine with a voice for each language that ships."""
-    found = _examined("Speech", program)
+    found = _answer("Speech", examined)
     if isinstance(found, Finding):
         return found
     if found.no_voices:
@@ -30,9 +38,9 @@ def speech_engine(program: Sequence[str] = ()) -> Finding:
     return Finding("Speech", "ok", f"{count}, including {' and '.join(_LANGUAGES.values())}")
 
 
-def sound_card(program: Sequence[str] = (), backends: Sequence[str] = ()) -> Finding:
+def sound_card(examined: "Callable[[], Examined]") -> Finding:
     """Check that there is a working sound card."""
-    found = _examined("Sound card", program, backends)
+    found = _answer("Sound card", examined)
     if isinstance(found, Finding):
         return found
     if found.no_card:
@@ -40,14 +48,12 @@ def sound_card(program: Sequence[str] = (), backends: Sequence[str] = ()) -> Fin
     return Finding("Sound card", "ok", f"there is one, by {found.card}")
 
 
-def _examined(name: str, program: Sequence[str], backends: Sequence[str] = ()) -> "Examined | Finding":
-    """Ask the child process that would use them."""
-    from sar_tui.outputs.sound.mixer import examine
+def _answer(name: str, examined: "Callable[[], Examined]") -> "Examined | Finding":
+    """Return what the child process answered, or the finding that it did not."""
     from sar_tui.outputs.sound.protocol import SoundError
-    from sar_tui.outputs.sound.voice_process import PROGRAM
 
     try:
-        return examine(program or PROGRAM, backends, _PATIENCE_S)
+        return examined()
     except SoundError as error:
         return Finding(name, "care", str(error), f"Restart the computer, and try again. {_NO_WORDS}")
 

@@ -4,12 +4,15 @@ import json
 import sys
 from collections import namedtuple
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
+from threading import Barrier
 from typing import Any
 
 import pytest
 
-from sar_tui.cli.doctor import sensors
+from sar_tui.cli.doctor import examination, sensors
+from sar_tui.cli.doctor.finding import Finding
 from sar_tui.drivers import phidget as phidget_driver
 from sar_tui.inputs import phidget
 from sar_tui.inputs.imu import Info, Sample, Status
@@ -89,6 +92,40 @@ def test_json_has_one_row_per_finding(call: Call) -> None:
     rows = call("doctor", "--json").json["checks"]
     assert all(set(row) == {"name", "state", "found", "mend"} for row in rows)
     assert {row["state"] for row in rows} <= {"ok", "care", "bad"}
+
+
+def test_checks_that_wait_for_devices_and_the_voice_wait_side_by_side(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    together = Barrier(4)
+
+    def meets(name: str) -> Finding:
+        together.wait(timeout=10)
+        return Finding(name, "ok", "met the others")
+
+    def voice() -> Examined:
+        together.wait(timeout=10)
+        return Examined(card="Null")
+
+    for name in ("sensor_driver", "motion_sensor", "servo_controller"):
+        monkeypatch.setattr(examination, name, partial(meets, name))
+    monkeypatch.setattr(examination, "examine_voice", voice)
+    rows = call("doctor", "--json").json["checks"]
+    assert [row["name"] for row in rows if row["found"] == "met the others"] == [
+        "sensor_driver",
+        "motion_sensor",
+        "servo_controller",
+    ]
+    assert [row["name"] for row in rows].index("motion_sensor") == 10
+
+
+def test_a_check_that_fails_beside_others_is_a_finding(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails() -> Finding:
+        raise ZeroDivisionError("a plain mistake")
+
+    monkeypatch.setattr(examination, "motion_sensor", fails)
+    found = finding(call("doctor", "--json"), "Motion sensor")
+    assert (found["state"], found["found"]) == ("bad", "This check failed (ZeroDivisionError: a plain mistake).")
 
 
 def test_the_data_folder_is_made_and_named(call: Call, tmp_path: Path) -> None:
