@@ -13,9 +13,9 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
-from benchmarks import agent, operator, paint, report, response, scale, sensor
+from benchmarks import agent, commands, operator, paint, report, response, scale, sensor
 
-PARTS = ("response", "paint", "scale", "sensor", "agent", "operator")
+PARTS = ("response", "paint", "commands", "scale", "sensor", "agent", "operator")
 RESULTS = Path(__file__).parent / "results"
 
 
@@ -54,6 +54,9 @@ def main() -> int:
             results["response"] = response.measure(trials, place, lambda name: pressed())
         if "paint" in parts:
             results["paint"] = paint.measure(starts, place, progress("first paint", 2 * (starts + 1)))
+        if "commands" in parts:
+            ended = progress("commands", len(commands.PROGRAMS) * (starts + 1))
+            results["commands"] = commands.measure(starts, place, ended)
         if "scale" in parts:
             results["scale"] = scale.measure(attempts, place, progress("simulated attempts", attempts))
         if "sensor" in parts:

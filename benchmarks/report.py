@@ -75,6 +75,12 @@ def _paint(paint: Results) -> dict[str, Rows]:
     return {"Start to first paint (s)": [["program", "median"], *medians, ["ratio", f"{paint['ratio']:.2f}"]]}
 
 
+def _commands(commands: Results) -> dict[str, Rows]:
+    ratios = {name: f"{ratio:.1f}" for name, ratio in commands["ratios"].items()}
+    rows = [[name, f"{seconds:.3f}", ratios.get(name, "1")] for name, seconds in commands["median_s"].items()]
+    return {"A command from start to end (s)": [["command", "median", "times Python"], *rows]}
+
+
 def _scale(scale: Results) -> dict[str, Rows]:
     return {
         "A simulated trial, with the database on": [
@@ -133,6 +139,7 @@ def _operator(operator: Results) -> dict[str, Rows]:
 _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "response": _response,
     "paint": _paint,
+    "commands": _commands,
     "scale": _scale,
     "sensor": _sensor,
     "agent": _agent,
