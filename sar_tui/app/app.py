@@ -19,12 +19,9 @@ from textual.screen import Screen
 from textual.widget import Widget
 
 from sar_tui.app.exit_message import UNSAVED, exit_message
-from sar_tui.app.theming import ThemedApp
-from sar_tui.framework.clock import SECOND, Clock, LiveClock
-from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.messages import SessionCommand
+from sar_tui.app.opening import OpeningApp
 from sar_tui.plugins import Catalogue, PluginError
-from sar_tui.store.database import StoreError, connect, explain
+from sar_tui.store.database import StoreError, explain
 from sar_tui.theme_folder import may_have_images
 from sar_tui.tui.exit_codes import after_signal
 from sar_tui.tui.timestamps import OnsetWatch, watched
@@ -32,6 +29,7 @@ from sar_tui.tui.too_small import cover_if_too_small
 
 if TYPE_CHECKING:  # loaded with a session, so that the first screen is there sooner
     from sar_tui.app.live import LiveSession
+    from sar_tui.framework.clock import Clock
     from sar_tui.inputs.imu_feed import ImuFeed
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.runs.plan import Plan
@@ -39,7 +37,7 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
 _KEY_NAMES = {"escape": "Esc", "question_mark": "?"}
 
 
-class SarTui(ThemedApp):
+class SarTui(OpeningApp):
     """The app for participant and therapist: home, settings, sessions.
 
     Args:
@@ -62,39 +60,29 @@ class SarTui(ThemedApp):
         folder: Path,
         catalogue: Catalogue,
         begin: "Plan | str | None" = None,
-        clock: Clock | None = None,
+        clock: "Clock | None" = None,
         link: "BrokerProcess | None" = None,
     ) -> None:
         self.onset_watch = OnsetWatch()
-        super().__init__(catalogue)
-        self.folder = folder
-        self.database = connect(folder)
+        super().__init__(folder, catalogue, begin)
         self.live: LiveSession | None = None
         self.feeds: Sequence[ImuFeed] = ()
-        self._begin = begin
         self._session_clock = clock
         self._link = link
         self.picture: type[Widget] | None = None
+        self._has_begun = False
 
     def get_driver_class(self) -> type[Driver]:
         return watched(super().get_driver_class(), self.onset_watch, self._terminal_gone)
 
-    @property
-    def is_for_one_session(self) -> bool:
-        """True if the app was opened for one session, and ends with it."""
-        return self._begin is not None
-
     # --- beginning ----------------------------------------------------------------------------------------
 
     def on_mount(self) -> None:
-        from sar_tui.app.screens.home import HomeScreen
-
         self._catch_signals()
         self.watch_themes()
-        if self._begin is None:
-            self.push_screen(HomeScreen())
-        else:
+        if self._begin is not None:
             self.begin_session(self._begin)
+        self._has_begun = True
         cover_if_too_small(self, self.size)
 
     def begin_session(self, what: "Plan | str") -> None:
@@ -110,6 +98,8 @@ class SarTui(ThemedApp):
     def _check_sensors(self, plan: "Plan") -> None:
         """Start a session's sensors, show what they send, and hand them over to the session."""
         from sar_tui.app.screens.sensor_check import SensorCheckScreen
+        from sar_tui.framework.clock import LiveClock
+        from sar_tui.framework.declaration import ParameterError
         from sar_tui.runs.sensors import open_sensors
 
         clock = self._session_clock or LiveClock(asyncio.get_running_loop())
@@ -151,6 +141,7 @@ class SarTui(ThemedApp):
         """Open a session on a screen of its own."""
         from sar_tui.app.live import LiveSession
         from sar_tui.app.screens.session import SessionScreen
+        from sar_tui.framework.declaration import ParameterError
         from sar_tui.runs.plan import Failed
 
         live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, self._link)
@@ -214,6 +205,9 @@ class SarTui(ThemedApp):
     def action_stop(self) -> None:
         """F2, anywhere in a session: stop everything the agent says and does."""
         if self._open:
+            from sar_tui.framework.clock import SECOND
+            from sar_tui.framework.messages import SessionCommand
+
             asked = round(self._open.stamp(self.key_seconds) * SECOND)
             self._open.operate(SessionCommand(command="stop", at=asked))
 
@@ -230,7 +224,7 @@ class SarTui(ThemedApp):
             self._open.keyboard.focused(focused, self._open.stamp(seconds))
 
     def on_resize(self, event: events.Resize) -> None:
-        if len(self.screen_stack) > 1:  # before, there is nothing to cover
+        if self._has_begun:  # before, there is nothing to cover
             cover_if_too_small(self, event.size)
 
     def _catch_signals(self) -> None:

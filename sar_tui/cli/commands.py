@@ -1,5 +1,6 @@
 """The tree of commands. A command's module is imported when the command is called, or for the help that lists it."""
 
+import gc
 from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib import import_module
@@ -103,6 +104,11 @@ def open_app(
     if context.invoked_subcommand is None:
         catalogue = home.catalogue()
         need_screen()
-        from sar_tui.app.app import run_app
+        gc.disable()  # nothing that is loaded is garbage; the app turns it on again once its first screen is filled
+        try:
+            from sar_tui.app.app import run_app
 
-        raise typer.Exit(run_app(home.folder, catalogue))
+            ended = run_app(home.folder, catalogue)
+        finally:
+            gc.enable()
+        raise typer.Exit(ended)

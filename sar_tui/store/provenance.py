@@ -13,8 +13,8 @@ import msgspec
 import sar_tui
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric
+from sar_tui.store import connection
 
-_MULTIPLEXERS = {"tmux": "TMUX", "screen": "STY", "zellij": "ZELLIJ"}
 _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils")
 
 
@@ -70,9 +70,6 @@ def measured_timing(folder: Path) -> dict[str, Any] | None:
 
 def machine() -> dict[str, Any]:
     """Describe the machine and the terminal. ``flags``: conditions that are known to make timing less exact."""
-    multiplexer = next((name for name, sign in _MULTIPLEXERS.items() if sign in os.environ), None)
-    ssh = any(name in os.environ for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT"))
-    flags = [*(["ssh"] if ssh else []), *([multiplexer] if multiplexer else [])]
     return {
         "system": platform.system(),
         "release": platform.release(),
@@ -80,7 +77,7 @@ def machine() -> dict[str, Any]:
         "cores": os.cpu_count(),
         "clock": "perf_counter" if sys.platform == "win32" else "monotonic",
         "terminal": os.environ.get("TERM_PROGRAM") or os.environ.get("TERM", ""),
-        "ssh": ssh,
-        "multiplexer": multiplexer,
-        "flags": flags,
+        "ssh": connection.is_ssh(),
+        "multiplexer": connection.multiplexer(),
+        "flags": connection.timing_flags(),
     }

@@ -57,7 +57,11 @@ class BaseApp(App[int]):
         is_new = self.available_themes.get(colors.name) != colors
         if is_new:
             self.register_theme(colors)
-        if self.theme != colors.name:
+        if not self.is_running and colors.dark == self.current_theme.dark:
+            # Setting the attribute would have the style sheets parsed twice before the first frame.
+            self.set_reactive(App.theme, colors.name)
+            self.stylesheet.set_variables(self.get_css_variables())
+        elif self.theme != colors.name:
             self.theme = colors.name
         elif is_new:
             self.mutate_reactive(App.theme)

@@ -11,6 +11,13 @@ SWITCH_INTERVAL = 0.0005
 _PERIOD = 0.02
 
 
+def end_loading() -> None:
+    """Turn the garbage collector on, if it was off while the program was loaded, and let it pass over all that was."""
+    if not gc.isenabled():
+        gc.freeze()
+        gc.enable()
+
+
 class GcControl:
     """Turns the garbage collector off in trials, and measures how late the event loop runs in them."""
 

@@ -30,5 +30,7 @@ def no_session_to_join(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(autouse=True)
 def no_collection(monkeypatch: pytest.MonkeyPatch) -> None:
     """Skip garbage collection around attempts, which is slow with the memory of a test run."""
-    skipped = SimpleNamespace(collect=int, freeze=int, unfreeze=int, enable=gc.enable, disable=gc.disable)
+    skipped = SimpleNamespace(
+        collect=int, freeze=int, unfreeze=int, enable=gc.enable, disable=gc.disable, isenabled=gc.isenabled
+    )
     monkeypatch.setattr("sar_tui.tui.gc_control.gc", skipped)

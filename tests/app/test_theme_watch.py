@@ -2,8 +2,6 @@
 
 import os
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -289,15 +287,6 @@ async def test_an_unreadable_custom_calm_theme_is_reported_and_replaced(
     async with open_app(data, themes) as driver:
         assert driver.app.theme == "sar-high-contrast"
         assert driver.sees("The theme calm cannot be read")
-
-
-def test_modules_that_only_a_session_needs_are_not_loaded_before_the_first_screen() -> None:
-    script = "import sys, sar_tui.app.app, sar_tui.app.screens.home; print(*sys.modules)"
-    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
-    assert "sar_tui.theme_folder" in loaded
-    assert not {"sar_tui.framework.session", "sar_tui.outputs.node", "sar_tui.runs.run", "sar_tui.app.live"} & set(
-        loaded
-    )
 
 
 async def test_no_theme_file_is_checked_during_a_trial(

@@ -1,6 +1,6 @@
 """The first screen: participant, task, theme, and the recent sessions."""
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import on
 from textual.app import ComposeResult
@@ -10,13 +10,14 @@ from textual.screen import Screen
 from textual.widgets import Button, OptionList, Static
 from textual.widgets.option_list import Option
 
-from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
-from sar_tui.store import participants, sessions
+from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
-from sar_tui.store.provenance import machine
 from sar_tui.widgets.key_footer import KeyFooter
+
+if TYPE_CHECKING:  # loaded when the lists are filled: the empty screen is shown before
+    from sar_tui.framework.task import Task
+    from sar_tui.store.sessions import Row
 
 _NEW = "+"
 _LOOK_SECONDS = 3.0
@@ -45,6 +46,7 @@ class HomeScreen(Screen[None]):
         super().__init__()
         self._theme_of: tuple[str, str] | None = None
         self._can_operate = False
+        self._is_filled = False
 
     def compose(self) -> ComposeResult:
         yield Static(_title(), id="title", markup=False)
@@ -65,6 +67,11 @@ class HomeScreen(Screen[None]):
         yield KeyFooter()
 
     def on_mount(self) -> None:
+        self.query_one("#participant").border_subtitle = "arrows and Enter"
+
+    def fill(self) -> None:
+        """Fill the lists; called once the empty screen is shown, because reading their contents takes a moment."""
+        self._is_filled = True
         tasks = self.query_one("#task", OptionList)
         for name in self.app.catalogue.task_names():
             try:
@@ -72,12 +79,13 @@ class HomeScreen(Screen[None]):
             except PluginError:
                 tasks.add_option(Option(f"{name} (does not load)", id=name, disabled=True))
         tasks.highlighted = 0
-        self.query_one("#participant").border_subtitle = "arrows and Enter"
-        self.call_after_refresh(self._list_themes)
+        self._list_participants()
+        self._list_themes()
+        self._list_recent()
+        self.look_for_sessions()
         self.set_interval(_LOOK_SECONDS, self.look_for_sessions)
 
     def _list_themes(self) -> None:
-        """List all themes; called once the screen is shown, because reading them takes a moment."""
         self.app.load_themes()
         themes = self.query_one("#theme", OptionList)
         themes.add_options([Option(theme.title, id=name) for name, theme in self.app.themes.items()])
@@ -86,15 +94,18 @@ class HomeScreen(Screen[None]):
         self._show_saved_theme()
 
     def on_screen_resume(self) -> None:
-        self._list_participants()
-        self._list_recent()
-        self.look_for_sessions()
+        if self._is_filled:
+            self._list_participants()
+            self._list_recent()
+            self.look_for_sessions()
         if self.focused is None:
             self.query_one("#participant").focus()
 
     # --- the lists ---------------------------------------------------------------------------------------
 
     def _list_participants(self, chosen: str | None = None) -> None:
+        from sar_tui.store import participants
+
         people = self.query_one("#participant", OptionList)
         chosen = chosen or self._chosen("participant")
         codes = participants.codes(self.app.database)
@@ -104,6 +115,8 @@ class HomeScreen(Screen[None]):
         people.highlighted = codes.index(chosen) if chosen in codes else 0
 
     def _list_recent(self) -> None:
+        from sar_tui.store import sessions
+
         recent = self.query_one("#recent", OptionList)
         rows = sessions.listing(self.app.database, self.app.folder, limit=30)
         rows.sort(key=lambda row: not _can_resume(row))
@@ -133,6 +146,8 @@ class HomeScreen(Screen[None]):
     @on(OptionList.OptionHighlighted, "#participant, #task")
     def _show_saved_theme(self) -> None:
         """Select the theme saved with a participant's settings; a choice by hand stays."""
+        from sar_tui.store import participants
+
         who, task = self._chosen("participant"), self._chosen("task")
         if who and task and (who, task) != self._theme_of:
             self._theme_of = (who, task)
@@ -165,6 +180,7 @@ class HomeScreen(Screen[None]):
     @on(OptionList.OptionSelected, "#recent")
     def _recent_selected(self, event: OptionList.OptionSelected) -> None:
         from sar_tui.app.screens.past_session import PastSessionScreen
+        from sar_tui.store import sessions
 
         try:
             row = sessions.find(self.app.database, self.app.folder, event.option.id or "")
@@ -242,9 +258,11 @@ class HomeScreen(Screen[None]):
 
         self.app.push_screen(SecondParticipantScreen(who), second_chosen)
 
-    def _begin(self, task: type[Task], *codes: str) -> None:
+    def _begin(self, task: "type[Task]", *codes: str) -> None:
         """Plan the session from the first participant's saved settings, save the theme, and begin."""
+        from sar_tui.framework.declaration import ParameterError
         from sar_tui.runs.plan import Failed, make_plan
+        from sar_tui.store import participants
 
         saved = participants.settings(self.app.database, codes[0], task.name)
         theme = self._chosen("theme") or saved.theme
@@ -269,7 +287,7 @@ class HomeScreen(Screen[None]):
         if chosen := self._participant_and_task():
             self.app.push_screen(SettingsScreen(*chosen))
 
-    def _participant_and_task(self) -> tuple[str, type[Task]] | None:
+    def _participant_and_task(self) -> "tuple[str, type[Task]] | None":
         who, name = self._chosen("participant"), self._chosen("task")
         if not who or not name:
             self.notify("Choose or add a participant first.", severity="warning")
@@ -280,16 +298,18 @@ class HomeScreen(Screen[None]):
 
 def _title() -> str:
     """Return the program's name, and what makes timing less exact in this terminal."""
-    flags = machine()["flags"]
+    flags = timing_flags()
     return "sar-tui" + (f"   (inside {' and '.join(flags)}: reaction times are less exact)" if flags else "")
 
 
-def _can_resume(row: sessions.Row) -> bool:
+def _can_resume(row: "Row") -> bool:
     return bool(row["status"] == "interrupted" and row["mode"] == "live")
 
 
-def _line(row: sessions.Row) -> str:
+def _line(row: "Row") -> str:
     """Return a session as a line: start, participants, task, attempts, status."""
+    from sar_tui.store import sessions
+
     when = sessions.local_time(row["started_at"])
     done = f"{row['attempts']} of {row['parameters'].get('attempts', '?')}"
     how = "interrupted: Enter resumes" if _can_resume(row) else row["status"]

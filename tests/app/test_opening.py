@@ -1,0 +1,135 @@
+"""The app opens with the frame of the home screen; its lists are filled after that, and no key is lost."""
+
+import gc
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from textual.events import Key, Resize
+from textual.geometry import Size
+
+from sar_tui.app.app import SarTui
+from sar_tui.app.screens.home import HomeScreen
+from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.plugins import Catalogue
+from sar_tui.store.database import StoreError
+from tests.app.app_driver import AppDriver, known, open_app, stored
+from tests.settle import settle
+
+LATER = {
+    "sar_tui.framework.task",
+    "sar_tui.framework.messages",
+    "sar_tui.framework.session",
+    "sar_tui.store.sessions",
+    "sar_tui.outputs.node",
+    "sar_tui.runs.run",
+    "sar_tui.app.live",
+    "importlib.metadata",
+    "filelock",
+    "sqlite_utils",
+}
+"""Modules that the frame of the home screen does not need."""
+
+
+def test_modules_that_the_empty_home_screen_does_not_need_are_not_loaded_before_it_is_shown() -> None:
+    script = (
+        "import sys; from sar_tui.app.app import SarTui; from sar_tui.app.screens.home import HomeScreen; "
+        "HomeScreen(); print(*sys.modules)"
+    )
+    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
+    assert "sar_tui.theme_folder" in loaded
+    assert not LATER & set(loaded)
+
+
+async def test_the_home_screen_is_laid_out_before_its_lists_are_filled(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known(data, "P01")
+    seen: list[str] = []
+    fill = HomeScreen.fill
+
+    def see_and_fill(home: HomeScreen) -> None:
+        driver = AppDriver(home.app, VirtualClock(SECOND))
+        seen.append(driver.text)
+        fill(home)
+
+    monkeypatch.setattr(HomeScreen, "fill", see_and_fill)
+    async with open_app(data, catalogue) as driver:
+        assert len(seen) == 1
+        assert all(heading in seen[0] for heading in ("sar-tui", "Who", "Task", "Theme", "Start", "Recent sessions"))
+        assert "P01" not in seen[0]
+        assert driver.sees("P01")
+        assert driver.sees("Keyboard reaction")
+        assert driver.sees("None yet.")
+
+
+async def test_keys_pressed_before_the_lists_are_filled_act_on_the_filled_lists(
+    data: Path, catalogue: Catalogue
+) -> None:
+    known(data, "P01")
+    known(data, "P02")
+    app = SarTui(data, catalogue, clock=(clock := VirtualClock(SECOND)))
+    driver = AppDriver(app, clock)
+    for key in ("down", "right", "right", "right", "enter"):
+        app.post_message(Key(key, None))
+    async with app.run_test(size=(80, 24)) as driver.pilot:
+        await driver.settle()
+        assert driver.sees("Welcome")
+    app.close_session()
+    assert stored(data, "SELECT participant FROM seats") == [("P02",)]
+
+
+async def test_an_early_ctrl_q_ends_the_app(data: Path, catalogue: Catalogue) -> None:
+    app = SarTui(data, catalogue)
+    app.post_message(Key("ctrl+q", None))
+    async with app.run_test(size=(80, 24)):
+        await settle(app)
+        assert not app.is_running
+        assert app.return_code == 0
+
+
+async def test_a_window_that_is_too_small_at_the_start_shows_the_lists_once_it_is_larger(
+    data: Path, catalogue: Catalogue
+) -> None:
+    known(data, "P01")
+    async with open_app(data, catalogue, size=(60, 20)) as driver:
+        assert driver.sees("This window is too small.")
+        await driver.resize(80, 24)
+        assert driver.sees("P01")
+        await driver.press("right", "right", "right", "enter")
+        assert driver.sees("Welcome")
+
+
+async def test_a_window_that_grows_before_the_lists_are_filled_still_shows_them(
+    data: Path, catalogue: Catalogue
+) -> None:
+    known(data, "P01")
+    app = SarTui(data, catalogue)
+    driver = AppDriver(app, VirtualClock(SECOND))
+    app.post_message(Resize(Size(80, 24), Size(80, 24)))
+    async with app.run_test(size=(60, 20)) as driver.pilot:
+        await driver.resize(80, 24)
+        assert driver.sees("P01")
+
+
+def test_a_database_that_cannot_be_opened_is_reported_before_the_screen_changes(
+    data: Path, catalogue: Catalogue
+) -> None:
+    data.mkdir()
+    (data / "sar-tui.db").write_text("Dear diary, today I was a text file.")
+    with pytest.raises(StoreError, match="is not a SQLite database"):
+        SarTui(data, catalogue)
+
+
+async def test_garbage_is_collected_again_once_the_home_screen_is_filled(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.tui.gc_control.gc", gc)
+    gc.disable()
+    try:
+        async with open_app(data, catalogue):
+            assert gc.isenabled()
+    finally:
+        gc.enable()
+        gc.unfreeze()
