@@ -10,6 +10,7 @@ from textual.screen import Screen
 from sar_tui.app.live import LiveSession
 from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import Prompt, Shown
+from sar_tui.framework.visible_text import visible
 
 _READ_AFTER = 0.03
 """Seconds until a prompt's time stamp is read: work before then would delay the drawing of the prompt."""
@@ -27,7 +28,7 @@ def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt) -> None
     app: Any = screen.app
     if getattr(app._driver, "can_stamp_onset", False):
         stamps: list[int] = []  # a new list, so that a voided prompt's stamp is not taken for the next one's
-        app.onset_watch.arm(prompt.text, stamps.append)
+        app.onset_watch.arm(visible(prompt.text), stamps.append)
         unseen_at = live.clock.now() + _UNSEEN
         asyncio.get_running_loop().call_later(_READ_AFTER, _read_stamp, live, shown, stamps, unseen_at)
     else:

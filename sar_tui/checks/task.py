@@ -7,7 +7,7 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.checks import task_translations, task_view
+from sar_tui.checks import task_texts, task_translations, task_view
 from sar_tui.checks.check import Check
 from sar_tui.framework.bus import FAULT, Record
 from sar_tui.framework.clock import VirtualClock
@@ -17,7 +17,8 @@ from sar_tui.framework.parameters import TaskParameters, build, changed, fields
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric, Situation
+from sar_tui.framework.trial_types import Metric, Situation, Stimulus
+from sar_tui.framework.visible_text import control_problem
 from sar_tui.plugins import CURRENT_NAMES, Catalogue, PluginError, load_task
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.simulate import simulate
@@ -58,6 +59,7 @@ def check(folder: Path) -> Iterator[Check]:
         return
     yield Check("can be set up with its defaults")
     yield _check("gives instructions, and a goal for each level", lambda: _words(task))
+    yield _check("has no control characters in its texts", lambda: " ".join(task_texts.problems(task)))
     yield _check("has all its texts in each of its languages", lambda: " ".join(task_translations.problems(kind)))
     yield _check("gives feedback in words without numbers", lambda: " ".join(task_translations.numbers(kind)))
     if task_view.has_view(kind):
@@ -139,15 +141,21 @@ def _prompts(kind: type[Task], task: Task) -> str:
             situation = Situation(1, trial, level, RandomStreams(SEED, 1, trial), RandomStreams(SEED))
             prompt = task.stimulus(situation)
             where = f"at level {level}, trial {trial}"
-            if not prompt.name:
-                return f"The stimulus has no name {where}."
-            if not prompt.text.strip() or not prompt.text.isprintable():
-                return f"The prompt's text is not one line of plain text {where}: {prompt.text!r}."
-            if prompt.choices < 1:
-                return f"The prompt is drawn from {prompt.choices} stimuli {where}."
+            if problem := _content_problem(prompt, where):
+                return problem
             if prompt != task.stimulus(situation) or prompt != again.stimulus(situation):
                 return f"The prompt differs when asked for again {where}. Draw from situation.streams only."
     return ""
+
+
+def _content_problem(prompt: Stimulus, where: str) -> str:
+    if not prompt.name:
+        return f"The stimulus has no name {where}."
+    if not prompt.text.strip() or not prompt.text.isprintable():
+        return f"The prompt's text is not one line of plain text {where}: {prompt.text!r}."
+    if prompt.choices < 1:
+        return f"The prompt is drawn from {prompt.choices} stimuli {where}."
+    return control_problem(f"What the prompt shows {where}", "".join((prompt.glyph, prompt.hint, *prompt.halves)))
 
 
 # --- what it does ---------------------------------------------------------------------------------------------

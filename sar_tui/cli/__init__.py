@@ -10,9 +10,9 @@ def main() -> None:
     if sys.argv[1:] == ["--version"]:  # loading the parser of the command line takes longer than starting Python
         print(f"sar-tui {__version__}")
         raise SystemExit(0)
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
+    from sar_tui.cli.visible_output import make_output_visible
+
+    make_output_visible()
     from sar_tui.cli.commands import app
 
     app(prog_name="sar-tui")

@@ -127,10 +127,13 @@ class Home(NamedTuple):
 
 
 def console(*, error: bool = False) -> "Console":
-    """Return a console for people. It honours NO_COLOR, and is plain if there is no terminal."""
-    from rich.console import Console
+    """Return a console for people. It honours NO_COLOR, and is plain if there is no terminal.
 
-    return Console(stderr=error, highlight=False, soft_wrap=False)
+    It shows texts as they are, without markup and names of emoji.
+    """
+    from sar_tui.cli.visible_console import VisibleConsole
+
+    return VisibleConsole(stderr=error, highlight=False, soft_wrap=False, markup=False, emoji=False)
 
 
 def progress_bar(**options: Any) -> "Progress":
@@ -144,9 +147,17 @@ def progress_bar(**options: Any) -> "Progress":
 
 def print_json(value: object) -> None:
     """Print one line of JSON."""
+    import json
+
     import msgspec
 
-    print(msgspec.json.encode(value).decode())
+    from sar_tui.framework.visible_text import escaped
+
+    try:
+        encoded = msgspec.json.encode(value).decode()
+    except UnicodeEncodeError:  # a file's name that is not UTF-8
+        encoded = json.dumps(msgspec.to_builtins(value), ensure_ascii=False)
+    print(escaped(encoded))
 
 
 def read_settings(pairs: Sequence[str] | None, **options: str | None) -> dict[str, object]:

@@ -7,6 +7,8 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from sar_tui.framework.visible_text import visible
+
 if TYPE_CHECKING:
     from sar_tui.framework.messages import AttemptEnded
     from sar_tui.framework.trial_types import Metric
@@ -28,7 +30,7 @@ def table(*columns: str, right: Sequence[str] = (), whole: Sequence[str] = ()) -
 
 def add(made: Table, *cells: object) -> None:
     """Add a row. Markup is not interpreted; an empty cell is a dash."""
-    made.add_row(*(Text("–" if cell in (None, "") else str(cell)) for cell in cells))
+    made.add_row(*(Text("–" if cell in (None, "") else visible(str(cell), "\n")) for cell in cells))
 
 
 def head(made: Table, heading: str) -> None:

@@ -4,6 +4,8 @@ import re
 import string
 import unicodedata
 
+from sar_tui.framework.visible_text import control_problem
+
 FIGURES = frozenset({"value", "goal", "difference", "percent", "correct", "trials", "reached", "attempts"})
 """Slots that hold a number."""
 _VALENCES = ("positive", "neutral", "negative")
@@ -120,6 +122,8 @@ def wording_problems(situation: str, wording: str, language: str) -> list[str]:
         parts = [part[1:] for part in string.Formatter().parse(wording) if part[1] is not None]
     except ValueError as error:
         return [f"{where} has broken slots ({error}): {wording!r}."]
+    if problem := control_problem(where, wording):
+        return [problem]
     used = {name or "" for name, _, _ in parts}
     found = [f"{where} uses the unknown slot {{{name}}}." for name in sorted(used - slots)]
     if any(form or conversion for _, form, conversion in parts):

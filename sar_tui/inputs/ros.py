@@ -11,6 +11,7 @@ from msgspec import Meta
 
 from sar_tui.drivers.rosbridge import AddressError, Bridge, TopicName, parse
 from sar_tui.framework.clock import SECOND, host_now
+from sar_tui.framework.visible_text import visible
 from sar_tui.inputs.imu import NOTHING, Info, Sample, SourceError, Status, Vector
 
 IMU = "sensor_msgs/Imu"
@@ -194,7 +195,7 @@ class RosImuSource:
         return None
 
     def _attach(self, imu: _Imu, rate_hz: float) -> None:
-        frame = "".join(filter(str.isprintable, imu.header.frame_id))[:40]
+        frame = visible(imu.header.frame_id)[:40]
         self.info = Info(
             source=f"ros://{self._address.host}:{self._address.port}{self._topic}",
             model=f"{IMU} ({frame})" if frame else IMU,

@@ -4,7 +4,6 @@ Input is never trusted: a message is decoded into exactly its type, or refused w
 """
 
 import struct
-import unicodedata
 from collections.abc import Iterable
 from typing import IO, Any, Literal, TypeVar
 
@@ -13,6 +12,7 @@ import msgspec
 from sar_tui.framework.bus import Record, Topic
 from sar_tui.framework.messages import Message, SessionCommand
 from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
+from sar_tui.framework.visible_text import obeyed
 from sar_tui.link.peer import Frame, MotionTrace, Welcome
 
 T = TypeVar("T")
@@ -250,19 +250,12 @@ def decode_act(topic: str, raw: msgspec.Raw) -> Message:
             longest = MAX_NOTE_CHARS if is_note else MAX_TEXT_CHARS
             if len(value) > longest:
                 raise ProtocolError(f"A text is longer than {longest} characters.")
-            if not all(_is_plain(each) for each in value if not (is_note and each in "\n\t")):
+            if obeyed(value, "\n\t" if is_note else ""):
                 raise ProtocolError("A text contains control characters.")
     if isinstance(message, SessionCommand) and message.command == "pause" and message.reason not in _PAUSE_REASONS:
         raise ProtocolError("That is not a valid reason for a pause.")
     return message
 
-
-def _is_plain(character: str) -> bool:
-    """Return whether it is neither a control character nor one that changes the direction of text."""
-    return unicodedata.category(character) not in ("Cc", "Cs", "Zl", "Zp") and character not in _BIDI_CONTROLS
-
-
-_BIDI_CONTROLS = "".join(map(chr, (*range(0x202A, 0x202F), *range(0x2066, 0x206A))))
 
 _PAUSE_REASONS = ("", "tired", "pain", "finished")
 """Reasons that an operator may give; the session acts on others, such as a lost sensor, by itself."""

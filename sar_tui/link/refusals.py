@@ -10,6 +10,8 @@ import re
 from collections.abc import Iterable
 from typing import Literal, NamedTuple, TypeVar
 
+from sar_tui.framework.visible_text import visible
+
 HOST_LOG = (
     "error,zenoh_link_tls::unicast=debug,zenoh_link_commons::tls=warn,"
     "zenoh_transport::unicast::establishment::accept=debug,zenoh::net::routing::interceptor::access_control=trace"
@@ -176,5 +178,5 @@ def _remember(known: dict[str, T], key: str, value: T) -> None:
 
 
 def _printable(key: str) -> str:
-    """Return untrusted text shortened and without control characters."""
-    return "".join(letter if letter.isprintable() else "�" for letter in key[:_MAX_KEY])
+    """Return untrusted text shortened, with control characters made visible."""
+    return visible(key[:_MAX_KEY])

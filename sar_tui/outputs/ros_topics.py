@@ -5,6 +5,7 @@ from typing import Any, Literal
 import msgspec
 
 from sar_tui.drivers.rosbridge import Address, AddressError, TopicName, parse
+from sar_tui.framework.visible_text import visible
 from sar_tui.outputs.output import OutputError
 
 STRING = "std_msgs/String"
@@ -70,4 +71,4 @@ def read_report(message: Any) -> RobotReport | str:
 
 def plain(text: str) -> str:
     """Return a robot's text, fit for one line of the log and the screen."""
-    return "".join(character if character.isprintable() else " " for character in text)[:200]
+    return visible(text)[:200]

@@ -13,6 +13,8 @@ from aiohttp.web import WebSocketResponse
 from textual_serve.app_service import AppService
 from textual_serve.download_manager import DownloadManager
 
+from sar_tui.framework.visible_text import visible
+
 DRIVER = "sar_tui.tui.web_driver:ServedDriver"
 _HANDSHAKE = b"__GANGLION__\n"
 """First line of Textual's web driver; see there for the packets that follow."""
@@ -116,9 +118,7 @@ class BrowserView(AppService):
         message = b""
         while more := await process.stderr.read(4096):
             message = (message + more)[-_MAX_ERROR_BYTES:]
-        return "".join(
-            character for character in message.decode(errors="replace") if character.isprintable() or character == "\n"
-        ).strip()
+        return visible(message.decode(errors="replace"), "\n").strip()
 
     async def on_data(self, payload: bytes) -> None:
         """Send to the browser. If it is gone, the output is still read, so that the program can end."""

@@ -22,6 +22,7 @@ from sar_tui.framework.theme import (
     ThemeError,
     Voice,
 )
+from sar_tui.framework.visible_text import control_problem, visible
 from sar_tui.theme_folder.faces import drawing_problems, fitted
 
 LEAST_CONTRAST = 4.5
@@ -126,6 +127,8 @@ class _Reader:
             )
         else:
             value = self._converted("settings", name, self._table[name], _SETTINGS[name])
+            if problem := control_problem(f"{name} in theme.toml", value) if isinstance(value, str) else "":
+                self.problems["settings"].append(problem)
             if value is not None:
                 return value
         return getattr(self._base, name) if self._base and name == "dark" else default[name]
@@ -264,6 +267,5 @@ def _legible(colors: Colors) -> str:
 
 
 def _printable(name: str) -> str:
-    """Return a name shortened and without control characters, for an error message."""
-    cut = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}…"
-    return "".join(character if character.isprintable() else "�" for character in cut)
+    """Return a name shortened, with control characters made visible, for an error message."""
+    return visible(name if len(name) <= _LONGEST else f"{name[:_LONGEST]}…")

@@ -7,6 +7,7 @@ import msgspec
 
 from sar_tui.framework.phrase_keys import PHRASE_KEYS, VOCABULARY, holds_number, wording_problems
 from sar_tui.framework.theme import ENGLISH, Theme
+from sar_tui.framework.visible_text import control_problem
 from sar_tui.theme_folder.appearance import read_toml
 
 _TABLES = {"vocabulary": VOCABULARY, "units": ()}
@@ -121,6 +122,8 @@ def _vocabulary_problems(words: dict[str, str], language: str) -> dict[str, str]
     for name, word in words.items():
         if name not in VOCABULARY:
             wrong[name] = f"{name} is not a word of the vocabulary ({language})."
+        elif problem := control_problem(f"{name} in vocabulary ({language})", word):
+            wrong[name] = problem
         elif holds_number(word, language):
             wrong[name] = f"{name} in vocabulary ({language}) holds a number."
     return wrong
@@ -133,6 +136,8 @@ def _units_problems(words: dict[str, str], language: str) -> dict[str, str]:
         forms = word.split("|")
         if not name.strip():
             wrong[name] = f"A unit in units ({language}) has an empty name."
+        elif problem := control_problem(f"{name} in units ({language})", f"{name}{word}"):
+            wrong[name] = problem
         elif len(forms) > MOST_FORMS or not all(form.strip() for form in forms):
             wrong[name] = f"{name} in units ({language}) must be one text, or two: singular | plural."
     return wrong

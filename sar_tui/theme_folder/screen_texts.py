@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from sar_tui.framework.language import slot_problem, words_files
+from sar_tui.framework.visible_text import control_problem
 from sar_tui.theme_folder.appearance import read_toml
 
 
@@ -31,6 +32,8 @@ def read_texts(path: Path) -> tuple[dict[str, str], list[str]]:
             problems.append(f"The wording of {english!r} in {path.name} is not a text.")
         elif problem := slot_problem(english, own):
             problems.append(f"The wording of {english!r} in {path.name} {problem}.")
+        elif problem := control_problem(f"The wording of {english!r} in {path.name}", own):
+            problems.append(problem)
         else:
             texts[english] = own
     return texts, problems

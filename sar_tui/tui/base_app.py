@@ -2,11 +2,13 @@
 
 import os
 import sys
-from typing import ClassVar
+from collections.abc import Sequence
+from typing import Any, ClassVar
 
 from textual import events
 from textual.app import App
 from textual.binding import Binding, BindingType
+from textual.filter import LineFilter
 
 from sar_tui.framework.theme import Theme
 from sar_tui.tui.exit_codes import INTERRUPTED
@@ -14,6 +16,7 @@ from sar_tui.tui.gc_control import SWITCH_INTERVAL
 from sar_tui.tui.ordered_keys import in_order
 from sar_tui.tui.textual_theme import textual_theme
 from sar_tui.tui.timestamps import stamp_keys_as_read
+from sar_tui.tui.visible_lines import VisibleLines
 
 DEBUG = "SAR_TUI_DEBUG"
 """Environment variable: show the traceback of a fault."""
@@ -37,6 +40,7 @@ class BaseApp(App[int]):
         super().__init__()
         self.failure = ""
         self.key_seconds = 0.0
+        self._visible_lines = VisibleLines()
 
     def run_here(self) -> int:
         """Run in this terminal or browser; returns the exit code."""
@@ -50,6 +54,16 @@ class BaseApp(App[int]):
             self.key_seconds = event.time
         if not await in_order(self, event):
             await super().on_event(event)
+
+    # --- what may come from anywhere ----------------------------------------------------------------------
+
+    def get_line_filters(self) -> Sequence[LineFilter]:
+        """Return the filters of all lines: Textual's, and one that makes control characters visible."""
+        return [*super().get_line_filters(), self._visible_lines]
+
+    def notify(self, message: str, *, markup: bool = False, **how: Any) -> None:
+        """Show a notification. Its text may quote anything, so it is not read as markup."""
+        super().notify(message, markup=markup, **how)
 
     def apply_theme(self, theme: Theme) -> None:
         """Show the colours of a theme, also if it has the name of the present one."""

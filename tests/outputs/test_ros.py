@@ -112,7 +112,7 @@ def test_a_failure_of_the_robot_is_quoted_in_one_line() -> None:
         rig.ask("gesture", "a")
         rig.wait_for("gesture", "a")
         assert rig.states("a", "gesture") == ["failed"]
-        assert rig.detail("a", "gesture") == "My arm is [2J stuck."
+        assert rig.detail("a", "gesture") == "My arm is␛[2J stuck."
 
 
 def test_a_part_aborted_by_the_robot_itself_is_reported_as_such() -> None:

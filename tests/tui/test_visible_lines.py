@@ -1,0 +1,174 @@
+"""Texts of themes, tasks, operators and sessions are drawn visibly by all three apps."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+from rich.segment import Segment
+from rich.style import Style
+from textual.color import Color
+from textual.widgets import Static
+
+from sar_tui.app.agent.app import AgentApp
+from sar_tui.cli.theme_scaffold import make
+from sar_tui.framework import messages as m
+from sar_tui.framework import topics as t
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.trial_types import Metric, Result, Situation, Stimulus, Trial
+from sar_tui.link.discovery import JoinableSession
+from sar_tui.operator.app import WizardApp
+from sar_tui.plugins import Catalogue
+from sar_tui.tui.base_app import BaseApp
+from sar_tui.tui.visible_lines import VisibleLines
+from tests.app.app_driver import known, open_app, plan
+from tests.app.test_agent_view import BETWEEN, Link, said
+from tests.edit import edit
+from tests.hostile import HOSTILE, leaks
+from tests.operator.panel_driver import approval, frame, open_panel, proposal
+from tests.settle import settle
+
+TEXT = f"{HOSTILE}[/b][red"
+"""A hostile text, which is no valid markup either."""
+BEGINNING = "␛]0;owned"
+"""The beginning of that text as it is drawn. Textual itself removes the bell after it."""
+
+
+def drawn(app: BaseApp) -> str:
+    """Return what the app sends to the terminal, without colours. Fails if a terminal would obey any of it."""
+    lines = [strip.text for strip in app.screen._compositor.render_strips()]
+    assert leaks("\n".join(lines)) == []
+    assert {len(line) for line in lines if line.isascii()} <= {app.size.width}
+    return "\n".join(lines)
+
+
+class Hostile(Task):
+    """A task with such texts everywhere."""
+
+    name = "hostile"
+    title = TEXT
+    summary = TEXT
+    metric = Metric("reaction_time", TEXT, "lower", improved=TEXT, worsened=TEXT)
+
+    @property
+    def trials_per_attempt(self) -> int:
+        return 1
+
+    def instructions(self) -> str:
+        return f"Press the key.\n{TEXT}"
+
+    def goal(self, level: int) -> str:
+        return TEXT
+
+    def stimulus(self, situation: Situation) -> Stimulus:
+        return Stimulus("j", "j", f"Press:{TEXT}j", glyph=TEXT, hint=TEXT)
+
+    def perceived(self, trial: Trial, percept: Any) -> Result:
+        latency = trial.latency_ms(percept.at)
+        return Result(response=percept.key, correct=True, response_at=percept.at, value=latency, remark=TEXT)
+
+
+@pytest.fixture
+def hostile_themes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Catalogue:
+    """Themes of which one has such texts."""
+    folder = make("evening", "calm", tmp_path / "themes", Catalogue())
+    edit(folder / "theme.toml", 'title = "Evening"', f"title = {json.dumps(TEXT)}")
+    return Catalogue(themes=(folder.parent,))
+
+
+async def test_the_first_screen_draws_a_themes_title_visibly(data: Path, hostile_themes: Catalogue) -> None:
+    known(data)
+    async with open_app(data, hostile_themes, size=(120, 40)) as driver:
+        assert BEGINNING in drawn(driver.app)
+        await driver.press("ctrl+p", *"owned")
+        assert driver.screen_name == "CommandPalette"
+        assert BEGINNING in drawn(driver.app)
+
+
+async def test_a_session_draws_a_tasks_texts_visibly(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, plan_of_hostile(catalogue), size=(120, 40)) as driver:
+        assert BEGINNING in drawn(driver.app)
+        await driver.press("enter")
+        assert BEGINNING in drawn(driver.app)
+        prompt = await driver.begin()
+        assert "␛" in drawn(driver.app)
+        await driver.wait(400)
+        await driver.press("j")
+        await driver.wait(3000)
+        drawn(driver.app)
+        assert prompt.expected == "j"
+        await driver.press("escape")
+        await driver.press("f1")
+        assert BEGINNING in drawn(driver.app)
+
+
+def plan_of_hostile(catalogue: Catalogue) -> Any:
+    planned = plan(catalogue, catalogue.task("keyboard"))
+    parameters = msgspec.structs.replace(Hostile.Parameters(), attempts=1)
+    return msgspec.structs.replace(planned, task=Hostile, parameters=parameters)
+
+
+async def test_a_notification_quotes_visibly(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue) as driver:
+        driver.app.notify(TEXT, title=TEXT)
+        await driver.settle()
+        assert BEGINNING in drawn(driver.app)
+
+
+async def test_the_panel_draws_what_the_link_brings_visibly(data: Path, catalogue: Catalogue) -> None:
+    async with open_panel(catalogue, data, joins=False, size=(120, 40)) as panel:
+        await panel.join(title=TEXT, participants={"A": TEXT}, unit=TEXT)
+        await panel.publish(t.NOTE_ADDED, m.NoteAdded(actor=f"operator.{TEXT}", text=TEXT))
+        await panel.propose(approval(text=TEXT, spoken=TEXT))
+        assert drawn(panel.app).count(BEGINNING) >= 3
+        said_now = msgspec.structs.asdict(proposal(text=TEXT)) | {"decision": "accepted", "actor": TEXT}
+        await panel.receive([frame(t.ACTION, m.Action(**said_now)), frame(t.PROMPT, _prompt())])
+        assert BEGINNING in drawn(panel.app)
+
+
+def _prompt() -> m.Prompt:
+    numbers = {"attempt": 3, "trial": 5, "presentation": 1, "level": 4, "choices": 4, "timeout": 3}
+    return m.Prompt(**numbers, stimulus=TEXT, expected="f", text=TEXT, glyph=TEXT)
+
+
+async def test_the_choice_of_sessions_draws_their_names_visibly(data: Path, calm: Theme) -> None:
+    found = [JoinableSession(f"{TEXT}{number}", TEXT, "abcd", number) for number in (1, 2)]
+    app = WizardApp(calm, data, "anna", look=lambda: found)
+    async with app.run_test(size=(120, 40)):
+        await settle(app)
+        assert BEGINNING in drawn(app)
+
+
+async def test_the_agents_own_screen_draws_its_text_visibly(calm: Theme) -> None:
+    link = Link()
+    app = AgentApp(calm, link.join)
+    async with app.run_test(size=(80, 24)):
+        await settle(app)
+        link.welcome()
+        link.deliver(t.WAITING, BETWEEN)
+        link.deliver(t.ACTION, said(TEXT))
+        await settle(app)
+        assert BEGINNING in drawn(app)
+
+
+async def test_a_widget_of_ones_own_is_drawn_visibly(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue) as driver:
+        await driver.app.screen.mount(Static(TEXT, markup=False))
+        await driver.settle()
+        assert BEGINNING in drawn(driver.app)
+
+
+# --- the filter ------------------------------------------------------------------------------------------------------
+
+
+def test_a_line_with_signs_keeps_its_width_and_its_colours() -> None:
+    bold = Style(bold=True)
+    line = [Segment("a\x1b[2Jb", bold), Segment("c  ")]
+    assert VisibleLines().apply(line, Color(0, 0, 0)) == [Segment("a␛[2Jb", bold), Segment("c ")]
+
+
+def test_a_line_without_them_is_left_alone() -> None:
+    line = [Segment("👩\u200d👧 ñ", None), Segment("\x1b[2J", None, [(1,)])]  # type: ignore[list-item]
+    assert VisibleLines().apply(line, Color(0, 0, 0)) is line
