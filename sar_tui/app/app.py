@@ -24,6 +24,7 @@ from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.database import StoreError, explain
 from sar_tui.theme_folder import may_have_images
 from sar_tui.tui.exit_codes import after_signal
+from sar_tui.tui.terminal_input import UnreadableInput
 from sar_tui.tui.timestamps import OnsetWatch, watched
 from sar_tui.tui.too_small import cover_if_too_small
 
@@ -222,6 +223,11 @@ class SarTui(OpeningApp):
     def _focus_changed(self, focused: bool, seconds: float) -> None:
         if self._open:
             self._open.keyboard.focused(focused, self._open.stamp(seconds))
+
+    def on_unreadable_input(self, message: UnreadableInput) -> None:
+        """Record it in the session. Textual calls the base class's handler as well."""
+        if self._open:
+            self._open.keyboard.dropped(message.what, self._open.stamp(message.time))
 
     def on_resize(self, event: events.Resize) -> None:
         if self._has_begun:  # before, there is nothing to cover

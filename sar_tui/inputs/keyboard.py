@@ -4,9 +4,9 @@ from typing import TypeVar
 
 from sar_tui.framework.bus import Bus, Topic
 from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import FocusChanged, KeyPressed, Message, Pasted
+from sar_tui.framework.messages import FocusChanged, InputDropped, KeyPressed, Message, Pasted
 from sar_tui.framework.node import Node
-from sar_tui.framework.topics import FOCUS, KEY, PASTE
+from sar_tui.framework.topics import FOCUS, KEY, PASTE, UNREADABLE
 
 M = TypeVar("M", bound=Message)
 
@@ -38,7 +38,7 @@ class Keyboard(Node):
     """
 
     name = "keyboard"
-    emits = (KEY, PASTE, FOCUS)
+    emits = (KEY, PASTE, UNREADABLE, FOCUS)
 
     def __init__(self) -> None:
         super().__init__()
@@ -57,6 +57,10 @@ class Keyboard(Node):
     def pasted(self, length: int, seconds: float) -> None:
         """Publish a paste."""
         self._publish(PASTE, Pasted(length=length, at=_ns(seconds)))
+
+    def dropped(self, what: str, seconds: float) -> None:
+        """Publish that input was dropped."""
+        self._publish(UNREADABLE, InputDropped(what=what, at=_ns(seconds)))
 
     def focused(self, focused: bool, seconds: float) -> None:
         """Publish a change of the window's focus."""

@@ -1,5 +1,6 @@
 """The base of the three apps: the participant's, the operator's panel, and the agent in a window of its own."""
 
+import contextlib
 import os
 import sys
 from collections.abc import Sequence
@@ -9,11 +10,13 @@ from textual import events
 from textual.app import App
 from textual.binding import Binding, BindingType
 from textual.filter import LineFilter
+from textual.geometry import Size
 
 from sar_tui.framework.theme import Theme
 from sar_tui.tui.exit_codes import INTERRUPTED
 from sar_tui.tui.gc_control import SWITCH_INTERVAL
 from sar_tui.tui.ordered_keys import in_order
+from sar_tui.tui.terminal_input import UnreadableInput, capped, tolerate_in_terminals
 from sar_tui.tui.textual_theme import textual_theme
 from sar_tui.tui.timestamps import stamp_keys_as_read
 from sar_tui.tui.visible_lines import VisibleLines
@@ -41,21 +44,31 @@ class BaseApp(App[int]):
         self.failure = ""
         self.key_seconds = 0.0
         self._visible_lines = VisibleLines()
+        self._unreadable, self._last_unreadable = 0, ""
 
     def run_here(self) -> int:
         """Run in this terminal or browser; returns the exit code."""
+        tolerate_in_terminals()
         stamp_keys_as_read()
         sys.setswitchinterval(SWITCH_INTERVAL)
         self.run()
+        self._report_unreadable()
         return self.return_code or int(bool(self.failure))
 
     async def on_event(self, event: events.Event) -> None:
         if isinstance(event, events.Key):
             self.key_seconds = event.time
+        elif isinstance(event, events.Resize) and event.size != capped(event.size):
+            event = events.Resize(capped(event.size), capped(event.size))
         if not await in_order(self, event):
             await super().on_event(event)
 
     # --- what may come from anywhere ----------------------------------------------------------------------
+
+    @property
+    def size(self) -> Size:
+        """The size of the terminal, at most `terminal_input.LARGEST`."""
+        return capped(super().size)
 
     def get_line_filters(self) -> Sequence[LineFilter]:
         """Return the filters of all lines: Textual's, and one that makes control characters visible."""
@@ -64,6 +77,21 @@ class BaseApp(App[int]):
     def notify(self, message: str, *, markup: bool = False, **how: Any) -> None:
         """Show a notification. Its text may quote anything, so it is not read as markup."""
         super().notify(message, markup=markup, **how)
+
+    def on_unreadable_input(self, message: UnreadableInput) -> None:
+        self._unreadable, self._last_unreadable = self._unreadable + 1, message.what
+        self.log.warning(f"unreadable input: {message.what}")
+
+    def _report_unreadable(self) -> None:
+        """Print a line if the terminal sent what cannot be read."""
+        if self._unreadable:
+            times = "once" if self._unreadable == 1 else f"{self._unreadable} times"
+            with contextlib.suppress(OSError):  # the terminal may be gone
+                print(
+                    f"The terminal sent input that cannot be read, {times} (last: {self._last_unreadable}). It was "
+                    "dropped. Is the terminal set to UTF-8?",
+                    file=sys.stderr,
+                )
 
     def apply_theme(self, theme: Theme) -> None:
         """Show the colours of a theme, also if it has the name of the present one."""

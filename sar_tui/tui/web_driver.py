@@ -4,8 +4,12 @@ import contextlib
 import os
 from typing import Any, Protocol, runtime_checkable
 
+from textual.drivers import web_driver
 from textual.drivers.web_driver import WebDriver
 
+from sar_tui.tui.terminal_input import tolerate
+
+tolerate(web_driver)
 _ENDS_S = 3.0
 """Longest time for an app to end after its browser, or the server, has gone."""
 

@@ -8,6 +8,7 @@ from sar_tui.framework.theme import Theme
 __all__ = [
     "FocusChanged",
     "ImuBlock",
+    "InputDropped",
     "KeyPressed",
     "OutputReport",
     "OutputStopped",
@@ -59,6 +60,13 @@ class Pasted(Message, frozen=True, kw_only=True):
     """Text was pasted: never a response. Only its length is stored."""
 
     length: int
+    at: int
+
+
+class InputDropped(Message, frozen=True, kw_only=True):
+    """The terminal sent something that cannot be read, such as a byte that is not UTF-8. ``what``: its end, escaped."""
+
+    what: str
     at: int
 
 

@@ -181,8 +181,8 @@ class Timing(msgspec.Struct, frozen=True):
 
     ``handler_delay_ms``: from the key's time stamp until it was handled. ``loop_lag_ms``: largest delay of the event
     loop while the response was awaited. ``false_starts``: keys pressed in the foreperiod, each of which restarted it.
-    ``flags``: ``anticipation``, ``focus_lost``, ``paste``, ``repeat_key``, ``late_key``, ``other_seat`` (a key of a
-    participant whose turn it was not), ``skipped``, ``onset_refresh``.
+    ``flags``: ``anticipation``, ``focus_lost``, ``paste``, ``unreadable_input``, ``repeat_key``, ``late_key``,
+    ``other_seat`` (a key of a participant whose turn it was not), ``skipped``, ``onset_refresh``.
     """
 
     onset_source: str

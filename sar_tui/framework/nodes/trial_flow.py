@@ -10,7 +10,20 @@ from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.node import STALLED, TimedNode, on
 from sar_tui.framework.session_phase import BEFORE_PROMPT, IN_TRIAL, Phase
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ACTING, CUE, FOCUS, PASTE, PERCEIVED, PROMPT, REACH, SHOWN, STORED, TRIAL, VOIDED
+from sar_tui.framework.topics import (
+    ACTING,
+    CUE,
+    FOCUS,
+    PASTE,
+    PERCEIVED,
+    PROMPT,
+    REACH,
+    SHOWN,
+    STORED,
+    TRIAL,
+    UNREADABLE,
+    VOIDED,
+)
 from sar_tui.framework.trial import OpenTrial
 from sar_tui.framework.trial_types import Again, Mark, Result, Results
 
@@ -224,6 +237,11 @@ class TrialFlow(TimedNode, ABC):
             self._trial.flag("paste")
         if self._phase in BEFORE_PROMPT and self.task.has_foreperiod:
             self._restart_foreperiod()
+
+    @on(UNREADABLE)
+    def input_dropped(self, dropped: m.InputDropped) -> None:
+        if self._phase in IN_TRIAL:
+            self._trial.flag("unreadable_input")
 
     @on(FOCUS)
     def focus_changed(self, focus: m.FocusChanged) -> None:

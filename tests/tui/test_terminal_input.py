@@ -1,0 +1,233 @@
+"""Input that cannot be read is dropped and reported, and the next key counts."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+from unittest.mock import patch
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from textual import events
+from textual._xterm_parser import XTermParser
+from textual.drivers import linux_driver, web_driver
+from textual.geometry import Size
+from textual.message import Message
+
+from sar_tui.app.agent.app import AgentApp
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.plugins import Catalogue
+from sar_tui.tui import terminal_input
+from sar_tui.tui.base_app import BaseApp
+from sar_tui.tui.terminal_input import TolerantParser, UnreadableInput, tolerate, tolerate_in_terminals
+from tests.app.app_driver import known, open_app, plan
+from tests.app.test_agent_view import Link
+from tests.examples import examples
+from tests.operator.panel_driver import open_panel
+from tests.settle import settle
+from tests.tui.unreadable import UNREADABLE
+
+NOISE = st.lists(
+    st.binary(max_size=6)
+    | st.sampled_from([b"\x1b", b"\x1b[", b"\x1b[<", b"\x1bO", b"\x1b[200~", b"\x1b[201~", b"\xc3\xb1", b"j"])
+    | st.from_regex(rb"\A\x1b\[[<?]?[0-9:;]{0,12}[A-Za-z~]\Z")
+    | st.sampled_from(list(UNREADABLE.values())),
+    max_size=8,
+).map(b"".join)
+
+
+class Reader:
+    """Reads bytes as Textual's driver does, with a clock that is advanced by hand."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+        decoder = SimpleNamespace(getincrementaldecoder=None)
+        tolerate(decoder)  # type: ignore[arg-type]
+        self._decode = decoder.getincrementaldecoder("utf-8")().decode
+        self._parser = TolerantParser(now=lambda: self.now)
+
+    def read(self, data: bytes) -> list[Message]:
+        """Return the messages of bytes that are read at once."""
+        with patch("textual._parser.get_time", lambda: self.now):
+            text = self._decode(data)
+            return list(self._parser.feed(text)) if text else []
+
+    def wait(self, seconds: float) -> list[Message]:
+        self.now += seconds
+        with patch("textual._parser.get_time", lambda: self.now):
+            return list(self._parser.tick())
+
+
+def keys(messages: list[Message]) -> list[str | None]:
+    return [message.character for message in messages if isinstance(message, events.Key)]
+
+
+def dropped(messages: list[Message]) -> list[str]:
+    return [message.what for message in messages if isinstance(message, UnreadableInput)]
+
+
+@pytest.mark.parametrize("data", UNREADABLE.values(), ids=UNREADABLE)
+def test_what_cannot_be_read_is_dropped_and_reported_and_the_keys_around_it_count(data: bytes) -> None:
+    messages = Reader().read(b"f" + data + b"j")
+    assert keys(messages) == ["f", "j"]
+    assert len(dropped(messages)) == 1
+    assert not [message for message in messages if isinstance(message, events.Resize)]
+
+
+@pytest.mark.parametrize("data", UNREADABLE.values(), ids=UNREADABLE)
+def test_it_may_arrive_byte_by_byte(data: bytes) -> None:
+    reader = Reader()
+    messages = [message for byte in b"f" + data + b"j" for message in reader.read(bytes([byte]))]
+    assert keys(messages) == ["f", "j"]
+    assert dropped(messages)
+
+
+def test_the_report_quotes_the_bytes() -> None:
+    reader = Reader()
+    assert dropped(reader.read(b"\xf1j")) == [r"\xf1"]
+    assert dropped(reader.read(b"\x1b[55296uj")) == [r"\x1b[55296u"]
+    assert dropped(reader.read(b"\xff" * 5000)) == [r"\xff" * 80]
+
+
+def test_other_input_is_read_as_by_textual() -> None:
+    reader, plain = Reader(), XTermParser()
+    typed = "jñ漢👩\u200d👧 \r\t\x7f\x1b[A\x1bOP\x1b[1;5C\x1b[97;5u"
+    data = f"{typed}\x1b[<0;5;6M\x1b[I\x1b[200~pasted\x1b[201~\x1b[48;30;90;600;900tq"
+    mine, theirs = reader.read(data.encode()), list(plain.feed(data))
+    assert [repr(message) for message in mine] == [repr(message) for message in theirs]
+    assert [message.size for message in mine if isinstance(message, events.Resize)] == [Size(90, 30)]
+
+
+def test_the_mouse_is_where_it_is_after_something_was_dropped() -> None:
+    reader = Reader()
+    reader.read(b"\x1b[48;24;80;480;800t")
+    reader.read(b"\x1b[48;9999;9999;1;1t\x1b[1114112u")
+    (down,) = reader.read(b"\x1b[<0;101;41M")
+    assert isinstance(down, events.MouseDown)
+    assert (down.x, down.y) == (10, 2)
+
+
+def test_a_paste_without_an_end_swallows_no_key_after_it() -> None:
+    reader = Reader()
+    assert reader.read(b"\x1b[200~some text") == []
+    assert reader.wait(0.4) == []
+    assert reader.read(b" and more") == []
+    assert dropped(reader.wait(0.6)) == [r"\x1b[200~some text and more"]
+    assert keys(reader.read(b"j")) == ["j"]
+
+
+def test_a_long_paste_in_parts_stays_a_paste() -> None:
+    reader = Reader()
+    for part in (b"\x1b[200~", b"x" * 4000, b"\xc3", b"\xb1", b"y"):
+        assert reader.read(part) == []
+        assert reader.wait(0.2) == []
+    assert reader.read(b"\x1b[20") == []
+    (paste,) = [message for message in reader.read(b"1~j") if isinstance(message, events.Paste)]
+    assert paste.text == "x" * 4000 + "ñy"
+
+
+@examples(300)
+@given(st.lists(NOISE, max_size=4))
+def test_after_any_bytes_the_next_key_counts(parts: list[bytes]) -> None:
+    reader = Reader()
+    for part in parts:
+        for message in reader.read(part):
+            repr(message)
+    reader.wait(1)
+    reader.read(b"\x80")  # ends a character that was begun
+    reader.wait(1)
+    assert keys(reader.read(b"j"))[-1:] == ["j"]
+
+
+def test_the_drivers_of_terminals_and_browsers_read_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    import sar_tui.tui.web_driver  # noqa: F401  exchanges the parser of Textual's
+
+    assert web_driver.XTermParser is TolerantParser  # type: ignore[attr-defined]
+    monkeypatch.setattr(linux_driver, "XTermParser", XTermParser)
+    monkeypatch.setattr(linux_driver, "getincrementaldecoder", None)
+    tolerate_in_terminals()
+    assert linux_driver.XTermParser is TolerantParser  # type: ignore[attr-defined]
+    assert linux_driver.getincrementaldecoder("utf-8")().decode(b"\xf1j") == "\udcf1j"  # type: ignore[attr-defined]
+
+
+# --- the apps --------------------------------------------------------------------------------------------------------
+
+
+async def send(app: BaseApp, data: bytes) -> None:
+    """Let an app get what a driver would read from these bytes."""
+    reader = Reader()
+    for message in (*reader.read(data), *reader.wait(1)):
+        message.set_sender(app)
+        app.post_message(message)
+    await settle(app)
+
+
+async def test_input_that_was_dropped_in_a_session_is_recorded(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        prompt = await driver.to_first_prompt()
+        await send(driver.app, b"\x80")
+        await driver.settle()
+        assert [message["what"] for message in driver.messages("input/unreadable")] == [r"\x80"]
+        await driver.answer(prompt)
+        assert driver.stored("SELECT correct FROM trials") == [(1,)]
+        ((timing,),) = driver.stored("SELECT timing FROM trials")
+        assert '"unreadable_input"' in timing
+
+
+async def test_it_is_told_when_the_app_has_ended(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with open_app(data, catalogue) as driver:
+        await send(driver.app, b"\x80")
+        await send(driver.app, b"\x1b[55296u")
+    monkeypatch.setattr(BaseApp, "run", lambda _: None)
+    driver.app.run_here()
+    assert r"cannot be read, 2 times (last: \x1b[55296u). It was dropped." in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("size", [(9999, 9999), (65535, 1), (1, 65535)])
+async def test_a_window_larger_than_any_is_drawn_up_to_a_limit(
+    data: Path, catalogue: Catalogue, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(terminal_input, "LARGEST", Size(120, 40))
+    async with open_app(data, catalogue) as driver:
+        await driver.resize(*size)
+        assert driver.app.size == Size(min(size[0], 120), min(size[1], 40))
+        assert driver.app.screen.size == driver.app.size
+        await driver.resize(80, 24)
+        assert driver.app.screen.size == Size(80, 24)
+
+
+@examples(30)
+@given(parts=st.lists(NOISE, min_size=1, max_size=6))
+async def test_the_app_survives_any_bytes(parts: list[bytes], tmp_path_factory: Any, catalogue: Catalogue) -> None:
+    folder = tmp_path_factory.mktemp("noise")
+    known(folder)
+    async with open_app(folder, catalogue) as driver:
+        await survive(driver.app, parts)
+
+
+@examples(30)
+@given(parts=st.lists(NOISE, min_size=1, max_size=6))
+async def test_the_panel_survives_any_bytes(parts: list[bytes], tmp_path_factory: Any, catalogue: Catalogue) -> None:
+    async with open_panel(catalogue, tmp_path_factory.mktemp("noise")) as panel:
+        await survive(panel.app, parts)
+
+
+@examples(30)
+@given(parts=st.lists(NOISE, min_size=1, max_size=6))
+async def test_the_agents_screen_survives_any_bytes(parts: list[bytes], calm: Theme) -> None:
+    app = AgentApp(calm, Link().join)
+    async with app.run_test():
+        await survive(app, parts)
+
+
+async def survive(app: BaseApp, parts: list[bytes]) -> None:
+    """Send bytes to an app, which goes on, or was quit by a key among them."""
+    for part in parts:
+        await send(app, part)
+    assert app.failure == ""
+    assert app.return_code in (None, 0, 130)
