@@ -19,6 +19,7 @@ from sar_tui.validation.simulated_sessions import SessionRunner, Simulated
 from tests.caches import _caches
 from tests.examples import load_profile
 from tests.program import call, simulated
+from tests.signals import let_programs_heed_signals
 
 __all__ = ["_caches", "call", "simulated"]
 
@@ -50,7 +51,11 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Exclude what was loaded from garbage collection, and collect less often: it is a fifth of the time otherwise."""
+    """Prepare the process that runs the tests.
+
+    What was loaded is excluded from garbage collection, which is less frequent: it is a fifth of the time otherwise.
+    """
+    let_programs_heed_signals()
     gc.collect()
     gc.freeze()
     gc.set_threshold(_GARBAGE, 20, 20)
