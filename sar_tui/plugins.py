@@ -227,7 +227,10 @@ def load_theme(folder: Path, language: str = ENGLISH) -> Theme:
 
     default = _shipped("themes") / DEFAULT_THEME
     try:
+        folder.name.encode()
         base = read_theme(default, language) if folder != default else None
         return read_theme(folder, language, base)
+    except UnicodeEncodeError:
+        raise PluginError(f"The theme {folder.name} cannot be read: the name of its folder is not UTF-8.") from None
     except ThemeError as error:
         raise PluginError(f"The theme {folder.name} cannot be read: {error}") from error

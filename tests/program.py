@@ -31,6 +31,7 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     """``call("simulate", "keyboard", ...)``; its data is in ``tmp_path / "data"``."""
     monkeypatch.setenv("SAR_TUI_DATA", str(tmp_path / "data"))
     monkeypatch.setenv("COLUMNS", "160")
+    monkeypatch.setenv("TERM", "xterm-256color")
     for name in ("SAR_TUI_DEBUG", "NO_COLOR", "FORCE_COLOR", "SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY"):
         monkeypatch.delenv(name, raising=False)
 

@@ -190,6 +190,15 @@ def is_served() -> bool:
     return "web_driver" in os.environ.get("TEXTUAL_DRIVER", "")
 
 
+CANNOT_PLACE_TEXT = ("dumb", "unknown")
+"""Kinds of terminals that only print line after line."""
+
+
+def terminal_kind() -> str:
+    """Return the kind of the terminal, as in TERM; empty if it is not known. Windows has one kind."""
+    return os.environ.get("TERM", "" if os.name == "posix" else "windows")
+
+
 def need_screen() -> None:
     """Raise Refused if there is neither a terminal nor a browser to show a screen."""
     if not is_served():
@@ -202,8 +211,10 @@ def need_terminal() -> None:
         raise Refused("A session cannot run in a browser, where responses cannot be timed. Use a terminal.")
     if not all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
         reason = "its input or output is redirected"
-    elif os.environ.get("TERM") in ("dumb", "unknown"):
-        reason = f"this one (TERM={os.environ['TERM']}) cannot place text on the screen"
+    elif (term := terminal_kind()) in CANNOT_PLACE_TEXT:
+        reason = f"this one (TERM={term}) cannot place text on the screen"
+    elif not term:
+        reason = "the variable TERM, which names the kind of this one, is empty; a common value is xterm-256color"
     else:
         return
     raise Refused(f"This needs a real terminal: {reason}. `sar-tui simulate` works without one.")

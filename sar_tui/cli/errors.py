@@ -1,6 +1,8 @@
 """Error handling of all commands: one or two sentences on stderr, and an exit code."""
 
+import errno
 import os
+import re
 import sys
 from typing import Any
 
@@ -10,6 +12,9 @@ from typer.core import TyperGroup
 from sar_tui.tui.exit_codes import BAD_INPUT, FAILED, INTERRUPTED
 
 DEBUG = "SAR_TUI_DEBUG"
+
+_LONG, _QUOTED = 300, 60
+"""A word of this many characters is not quoted whole, but so many of its characters."""
 
 _UsageError: type[Exception] = typer.BadParameter.__bases__[0]
 """The usage error of the click that typer uses, its own or another, depending on its version."""
@@ -81,8 +86,14 @@ def _expected(error: Exception) -> tuple[int, str] | None:
         case sqlite3.Error():
             return _expected(database.explain(error))
         case OSError() if error.filename:
-            return FAILED, f"{error.filename} cannot be used: {error.strerror}."
+            return _unusable(error)
     return None
+
+
+def _unusable(error: OSError) -> tuple[int, str]:
+    if error.errno == errno.ENAMETOOLONG:
+        return BAD_INPUT, f"{error.filename} is too long for the name of a file or folder."
+    return FAILED, f"{error.filename} cannot be used: {error.strerror}."
 
 
 def _remove_prefix(error: Exception) -> None:
@@ -93,7 +104,7 @@ def _remove_prefix(error: Exception) -> None:
 
 
 def _print(sentence: str) -> None:
-    print(sentence, file=sys.stderr)
+    print(re.sub(rf"\S{{{_LONG},}}", lambda word: f"{word[0][:_QUOTED]}…", sentence), file=sys.stderr)
 
 
 def _close_stdout() -> None:

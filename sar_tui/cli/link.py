@@ -58,12 +58,13 @@ def invite(
     """
     from sar_tui.framework.messages import Role
     from sar_tui.link.authority import Authority
-    from sar_tui.link.invitation import file_name, write
+    from sar_tui.link.invitation import check_name, file_name, write
     from sar_tui.link.zenoh_settings import Guest, parse_endpoint
 
     known = get_args(Role)
     if role not in known:
         raise Refused(f"There is no role {role}. Choose one of: {', '.join(known)}.")
+    check_name(name)
     guest = Guest(name, cast(Role, role))
     path = to or Path(file_name(guest))
     if path.exists():

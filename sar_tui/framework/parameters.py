@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 import msgspec
 from msgspec import inspect
 
-from sar_tui.framework.declaration import Field, ParameterError, Settings, declared_field, read
+from sar_tui.framework.declaration import Field, ParameterError, Settings, declared_field, read, show
 from sar_tui.framework.policies import difficulty, feedback, registry
 from sar_tui.framework.settings.agent import AgentSettings
 from sar_tui.framework.settings.difficulty import DifficultySettings
@@ -151,6 +151,9 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
             near = difflib.get_close_matches(name, declared, 1)
             problems[name] = f"There is no parameter {name}." + (f" Did you mean {near[0]}?" if near else "")
             continue
+        if not _is_text(value):
+            problems[name] = f"{declared[name].title} is a text with bytes that are not UTF-8: {show(value)}."
+            continue
         given = read(declared[name], value) if isinstance(value, str) else value
         try:
             good[name] = msgspec.convert(given, types[name], strict=not isinstance(value, str))
@@ -160,6 +163,15 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
     if problems or (problems := built.problems()):
         raise ParameterError(problems)
     return built
+
+
+def _is_text(value: object) -> bool:
+    """Return False for a text, or a list with one, that cannot be stored: bytes of an argument that are not UTF-8."""
+    try:
+        show(value).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def changed(parameters: TaskParameters) -> dict[str, Any]:

@@ -6,7 +6,6 @@ leaves the folder. A guest's key is written to the invitation only.
 
 import contextlib
 import os
-import re
 import secrets
 from collections.abc import Iterable, Iterator, Sequence
 from datetime import UTC, datetime, timedelta
@@ -18,7 +17,7 @@ import msgspec
 
 from sar_tui.framework.messages import Role
 from sar_tui.link.errors import LinkError, need_packages
-from sar_tui.link.invitation import NAME, Invitation
+from sar_tui.link.invitation import Invitation, check_name
 from sar_tui.link.zenoh_settings import Credentials, Endpoint, Guest, TlsFiles, parse_endpoint
 
 if TYPE_CHECKING:
@@ -126,10 +125,7 @@ class Authority:
         from sar_tui.link import certificates
 
         at = (now or datetime.now(UTC)).replace(microsecond=0)
-        if not re.fullmatch(NAME, guest.name):
-            raise LinkError(
-                f"{guest.name!r} cannot be a guest's name. Use at most 32 letters, digits, - and _, as in lab-2."
-            )
+        check_name(guest.name)
         if not 1 <= days <= MAX_DAYS:
             raise LinkError(f"An invitation is valid for 1 to {MAX_DAYS} days, not {days}.")
         for end in where:

@@ -6,6 +6,7 @@ observer until it expires or is revoked.
 
 import contextlib
 import os
+import re
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, get_args
@@ -46,6 +47,12 @@ class Invitation(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def where(self) -> tuple[Endpoint, ...]:
         return tuple(parse_endpoint(text) for text in self.endpoints)
+
+
+def check_name(name: str) -> None:
+    """Raise LinkError if a guest cannot have this name."""
+    if not re.fullmatch(NAME, name):
+        raise LinkError(f"{name!r} cannot be a guest's name. Use at most 32 letters, digits, - and _, as in lab-2.")
 
 
 def file_name(guest: Guest) -> str:

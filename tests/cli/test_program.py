@@ -1,6 +1,7 @@
 """The program as a whole: help, version, exit codes, and errors."""
 
 import os
+import shutil
 import sqlite3
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import sar_tui
+from sar_tui.plugins import Catalogue
 from tests.program import Call
 
 HEAVY = ("textual", "aiohttp", "numpy", "sqlite3", "sqlite_utils", "plotext", "msgspec")
@@ -251,6 +253,82 @@ def test_without_a_terminal_the_app_is_refused(
     assert "sar-tui simulate" in called.err
 
 
+LONG = "x" * 300
+NOT_TEXT = "\udcff"
+"""An argument of one byte that is not UTF-8, as Python passes it."""
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["sessions", "--data", LONG],
+        ["tasks", "--tasks", LONG],
+        ["tasks", "new", LONG],
+        ["tasks", "check", LONG],
+        ["tasks", "show", LONG],
+        ["themes", "new", LONG],
+        ["themes", "new", "evening", "--to", LONG],
+        ["themes", "check", LONG],
+        ["show", LONG],
+        ["graph", LONG],
+        ["detect", LONG],
+        ["wizard", "--link", LONG],
+        ["serve", "operator", "--link", LONG],
+        ["serve", "operator", "--token-file", LONG],
+        ["link", "check", LONG],
+        ["link", "invite", "operator", "--name", LONG, "--host", "here"],
+        ["link", "invite", "operator", "--name", "anna", "--host", "here", "--to", LONG],
+        ["run", "reaching", "-p", "P01", "--imu", f"recorded:{LONG}"],
+        ["run", "keyboard", "-p", "P01", "--speech", f"file:{LONG}"],
+        ["simulate", "keyboard", "--user", "poor", "-p", LONG],
+        ["simulate", "keyboard", "--user", "poor", "--set", f"{LONG}=1"],
+    ],
+    ids=lambda arguments: " ".join(arguments).replace(LONG, "…"),
+)
+def test_a_name_that_is_too_long_is_bad_input(call: Call, tmp_path: Path, arguments: list[str]) -> None:
+    called = call(*arguments)
+    assert (called.code, called.err.count("\n")) == (2, 1)
+    assert "unexpected" not in called.err
+    assert LONG not in called.err
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--set", f"layout={NOT_TEXT}"],
+        ["--set", f"layout=qwerty{NOT_TEXT}"],
+        ["--set", f"speech=file:{NOT_TEXT}"],
+        ["--set", f"levels={NOT_TEXT}"],
+        ["--set", f"attempts={NOT_TEXT}"],
+        ["--set", NOT_TEXT],
+        ["--set", f"{NOT_TEXT}=1"],
+        ["--outputs", f"screen,{NOT_TEXT}"],
+        ["--speech", f"file:{NOT_TEXT}"],
+        ["--language", NOT_TEXT],
+        ["--theme", NOT_TEXT],
+        ["-p", NOT_TEXT],
+    ],
+    ids=lambda arguments: " ".join(arguments).replace(NOT_TEXT, "?"),
+)
+def test_an_argument_that_is_not_text_is_bad_input(call: Call, tmp_path: Path, arguments: list[str]) -> None:
+    called = call("simulate", "keyboard", "--user", "poor", *arguments)
+    assert called.code == 2
+    assert "unexpected" not in called.err
+    assert NOT_TEXT not in called.err
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files that are not text")
+def test_a_theme_whose_name_is_not_text_is_bad_input(
+    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("sar_tui.plugins.user_folder", lambda: tmp_path)
+    shutil.copytree(Catalogue().theme_folder("calm"), tmp_path / "themes" / NOT_TEXT)
+    called = call("simulate", "keyboard", "--user", "poor", "--theme", NOT_TEXT)
+    assert called.code == 2
+    assert called.err == "The theme � cannot be read: the name of its folder is not UTF-8.\n"
+    assert call("themes", "--json").json["themes"][-1]["name"] == NOT_TEXT
+
+
 def test_with_redirected_streams_the_app_is_refused(tmp_path: Path) -> None:
     done = program(TERM="xterm", SAR_TUI_DATA=str(tmp_path))
     assert (done.returncode, done.stdout) == (2, "")
@@ -264,3 +342,23 @@ def test_a_dumb_terminal_is_refused(call: Call, monkeypatch: pytest.MonkeyPatch)
     called = call()
     assert called.code == 2
     assert "TERM=dumb" in called.err
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kinds of terminals")
+@pytest.mark.parametrize("term", ["", None])
+@pytest.mark.parametrize("arguments", [[], ["run", "keyboard", "-p", "P01"], ["wizard", "--wait"]], ids=" ".join)
+def test_a_terminal_of_no_kind_is_refused(
+    call: Call, monkeypatch: pytest.MonkeyPatch, term: str | None, arguments: list[str]
+) -> None:
+    for stream in ("stdin", "stdout", "stderr"):
+        monkeypatch.setattr(getattr(sys, stream), "isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sar_tui.link.discovery.live_sessions", list)
+    for opens in ("sar_tui.app.app.run_app", "sar_tui.operator.app.run_wizard"):
+        monkeypatch.setattr(opens, lambda *_, **__: 7)
+    if term is None:
+        monkeypatch.delenv("TERM")
+    else:
+        monkeypatch.setenv("TERM", term)
+    called = call(*arguments)
+    assert (called.code, called.err.count("\n")) == (2, 1)
+    assert "TERM, which names the kind of this one, is empty" in called.err

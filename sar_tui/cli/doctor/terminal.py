@@ -4,6 +4,7 @@ import os
 import shutil
 import sys
 
+from sar_tui.cli.common import CANNOT_PLACE_TEXT, terminal_kind
 from sar_tui.cli.doctor.finding import Finding
 
 SMALLEST = (80, 24)
@@ -12,14 +13,16 @@ SMALLEST = (80, 24)
 
 def terminal() -> Finding:
     """Check that the program runs in a terminal that can place text."""
-    term = os.environ.get("TERM", "")
-    if term in ("dumb", "unknown"):
+    term = terminal_kind()
+    if term in CANNOT_PLACE_TEXT:
         return Finding("Terminal", "bad", f"TERM={term}: it cannot place text.", "Use another terminal program.")
     if not all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
         return Finding(
             "Terminal", "care", "Input or output is redirected here.", "The app needs a terminal; simulate does not."
         )
-    return Finding("Terminal", "ok", os.environ.get("TERM_PROGRAM") or term or "console")
+    if not term:
+        return Finding("Terminal", "bad", "TERM is empty.", "Set it to your terminal's kind, such as xterm-256color.")
+    return Finding("Terminal", "ok", os.environ.get("TERM_PROGRAM") or term)
 
 
 def size() -> Finding:
