@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 from sar_tui.framework.messages import PendingApproval
-from sar_tui.framework.policies.arbitration import is_awaited
 
 
 class PendingApprovals:
@@ -16,11 +15,6 @@ class PendingApprovals:
     def waiting(self) -> tuple[PendingApproval, ...]:
         """The pending proposals, oldest first."""
         return tuple(self._waiting.values())
-
-    @property
-    def is_awaited(self) -> bool:
-        """True if the session waits for one of them."""
-        return any(map(is_awaited, self._waiting.values()))
 
     @property
     def next_deadline(self) -> int | None:

@@ -17,6 +17,13 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTING, SESSION, SESSION_ENDED, THEME
 
+RULES = 2
+"""Version of the loop's rules. A session keeps those it began with, so that it can be replayed and resumed.
+
+1: the session waits for an operator's decision on feedback and level only, encouragement that is still due when Enter
+is pressed is dropped, and each proposal has ``operator_time_ms``.
+"""
+
 
 class ReplayError(ValueError):
     """A replay differs from the record: another version of the task, the theme or the program made it."""
@@ -58,6 +65,8 @@ class Session:
         self.faults: list[Fault] = []
         self.ended = False
         self.is_agent_acting = False
+        self.awaits_operator = False
+        self._rules = RULES
         self._tr = task.tr
         self._use_texts(theme)
         self.bus.subscribe(THEME, lambda applied: self._use_texts(applied.theme))
@@ -89,6 +98,7 @@ class Session:
             best=self.best,
             others_best=self.others_best,
             names=self.names,
+            rules=self._rules,
         )
         self.bus.publish(SESSION, started)
 
@@ -117,6 +127,8 @@ class Session:
         self.bus.tap(listen)
         recorded = list(history)
         for record in recorded:
+            if isinstance(record.message, SessionStarted):
+                self._rules = record.message.rules
             if record.topic.origin == "input":
                 clock.set(record.at)
                 self.bus.publish(record.topic, record.message)
@@ -157,6 +169,7 @@ class Session:
 
     def _agent_acted(self, agent: AgentActing) -> None:
         self.is_agent_acting = agent.acting
+        self.awaits_operator = agent.awaits_operator
 
 
 def core_nodes(task: Task, theme: Theme, seed: int) -> tuple[Node, ...]:

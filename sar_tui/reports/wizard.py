@@ -22,6 +22,7 @@ _PLANNED = (
     "feedback_delay_ms",
     "filler",
     "operator_time_ms",
+    "operator_ms_per_word",
     "operator_timeout",
     "operator_lost",
     "operator_lost_ms",
@@ -108,7 +109,8 @@ def report(
         parameters: of its task, as stored; older versions may lack some.
         messages: as recorded.
     """
-    settings = msgspec.convert(current_values(TaskParameters, parameters), TaskParameters)
+    given = {"operator_ms_per_word": 0, **parameters}  # earlier versions gave each proposal the same time
+    settings = msgspec.convert(current_values(TaskParameters, given), TaskParameters)
     operators = peers(messages, "operator")
     records = proposal_records(messages, settings)
     there = presence(messages)

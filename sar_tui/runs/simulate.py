@@ -5,6 +5,7 @@ from pathlib import Path
 
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.node import Node
+from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED
@@ -56,7 +57,7 @@ def simulate(
         run.session.bus.subscribe(ATTEMPT_ENDED, lambda ended: progress(ended.attempt))
         run.begin()
         session = run.session
-        while (not session.ended or session.is_agent_acting) and not session.broken and clock.step():
+        while _goes_on(session) and clock.step():
             pass
         session.detach()
         session.bus.drain()
@@ -65,3 +66,8 @@ def simulate(
     finally:
         run.close()
     return run.id
+
+
+def _goes_on(session: Session) -> bool:
+    """Return True until the session has ended, and its goodbye was decided on and said."""
+    return session.broken is None and (not session.ended or session.is_agent_acting or session.awaits_operator)

@@ -329,7 +329,7 @@ async def test_the_form_opens_in_the_tasks_first_field_and_headings_fold_with_a_
         folded = {heading(found): found.folded for found in groups(driver)}
         assert next(iter(folded)) == "▼ Keyboard reaction"
         assert [words for words in folded if folded[words]] == [
-            "▶ Operator 10 settings, none changed",
+            "▶ Operator 11 settings, none changed",
             "▶ Timing 6 settings, none changed",
         ]
         await driver.press("pageup")
@@ -384,7 +384,7 @@ async def test_a_folded_heading_shows_values_that_differ_from_the_defaults(data:
         await driver.settle()
         assert driver.sees("▶ Operator ● feedback: approve, time to decide: 6000 ms")
         await driver.press("ctrl+r")
-        assert heading(group(driver, "Operator")) == "▶ Operator 10 settings, none changed"
+        assert heading(group(driver, "Operator")) == "▶ Operator 11 settings, none changed"
         assert field(driver, "levels").is_changed
         assert driver.sees("not saved")
 

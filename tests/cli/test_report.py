@@ -55,7 +55,9 @@ def test_the_printed_report_has_operators_latencies_and_agreement(call: Call) ->
     assert "Cohen's kappa" in called.out
     assert "(Riek 2012)" in called.out
     assert "Plan: operator_feedback approve, operator_encouragement veto, operator_difficulty approve, " in called.out
-    assert "operator_time_ms 4000, operator_timeout act, operator_lost autonomous" in called.out
+    assert (
+        "operator_time_ms 4000, operator_ms_per_word 250, operator_timeout act, operator_lost autonomous" in called.out
+    )
 
 
 def test_notes_marks_and_pauses_are_printed_with_their_times(call: Call, tmp_path: Path) -> None:

@@ -134,10 +134,10 @@ def test_an_edit_adds_encouragement_and_softens_blame(play: Play, calm: Theme) -
 def test_a_key_due_soon_after_the_deadline_is_pressed_too_late(play: Play) -> None:
     """The deadline is at 1000 ms: a key due at 1130 ms is still pressed, one due at 2000 ms is not."""
     slightly_late = msgspec.structs.replace(PLAIN, mean_ms=1100)
-    messages = play(slightly_late, operator_time_ms=1000)
+    messages = play(slightly_late, operator_time_ms=1000, operator_ms_per_word=0)
     assert len(of(m.LateDecision, messages)) == len(of(m.PendingApproval, messages)) == 6
     assert 100_000_000 < TOO_LATE_TO_STOP < 970_000_000
-    messages = play(msgspec.structs.replace(PLAIN, mean_ms=2000), operator_time_ms=1000)
+    messages = play(msgspec.structs.replace(PLAIN, mean_ms=2000), operator_time_ms=1000, operator_ms_per_word=0)
     assert of(m.LateDecision, messages) == of(m.Decision, messages) == []
 
 

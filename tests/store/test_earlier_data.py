@@ -13,8 +13,10 @@ from pathlib import Path
 import pytest
 
 from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.framework.messages import SessionStarted
 from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
+from sar_tui.framework.topics import SESSION
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume
@@ -121,3 +123,19 @@ def test_opening_it_changes_nothing(call: Call, data: Path) -> None:
 def contents(data: Path) -> list[str]:
     with closing(sqlite3.connect(data / "sar-tui.db")) as database:
         return list(database.iterdump())
+
+
+def test_an_earlier_session_keeps_its_rules(call: Call, data: Path, catalogue: Catalogue) -> None:
+    database = connect(data)
+    row = sessions.find(database, data, INTERRUPTED)
+    kind = catalogue.task(row["task"])
+    parameters = build(kind.Parameters, row["parameters"])
+    session = Session(kind(parameters), catalogue.theme(row["theme"]), VirtualClock(10**15), row["seed"])
+    session.replay(sessions.history(database, INTERRUPTED))
+    database.close()
+    started: list[SessionStarted] = []
+    session.bus.subscribe(SESSION, started.append)
+    session.begin(2)
+    assert started[-1].rules == 1
+    plan = call("report", "wizard", OPERATED, "--json").json["plan"]
+    assert (plan["operator_time_ms"], plan["operator_ms_per_word"]) == (4000, 0)

@@ -52,6 +52,7 @@ def test_approved_edited_and_vetoed_actions_can_be_told_apart(data: Path) -> Non
         data,
         {1: {"verdict": "accept"}, 2: {"verdict": "edit", "text": "Fine."}, 3: {"verdict": "veto"}},
         operator_feedback="approve",
+        operator_ms_per_word=0,
     )
     rows = operated.rows("feedback")
     assert [(row["decision"], row["actor"], row["mode"], row["ground"], row["reason"]) for row in rows] == [

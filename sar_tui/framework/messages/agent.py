@@ -167,7 +167,7 @@ class OutputOpened(Message, frozen=True, kw_only=True):
 class AgentActing(Message, frozen=True, kw_only=True, rename={"awaits_operator": "owing"}):
     """The agent began or stopped speaking or moving; no prompt is shown while ``acting``.
 
-    ``awaits_operator``: True if the session waits for an operator to decide on feedback or on the level by a deadline.
+    ``awaits_operator``: True if the session waits for an operator to decide by a deadline.
     """
 
     acting: bool

@@ -28,6 +28,7 @@ class SessionStarted(Message, frozen=True, kw_only=True):
 
     ``best``: the participant's best results of earlier sessions, by level (as text). ``others_best``: those of other
     participants, by seat. ``names``: what the agent calls each participant, by seat; without a name, the seat.
+    ``rules``: version of the loop's rules that the session follows (see `session.RULES`).
     """
 
     run: int
@@ -37,6 +38,7 @@ class SessionStarted(Message, frozen=True, kw_only=True):
     best: dict[str, float] = {}
     others_best: dict[str, dict[str, float]] = {}
     names: dict[str, str] = {}
+    rules: int = 1
 
 
 class ThemeApplied(Message, frozen=True, kw_only=True):

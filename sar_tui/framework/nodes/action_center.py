@@ -61,7 +61,9 @@ class ActionCenter(Node):
         self._phrases = _Phrases(theme, RandomStreams(seed))
         self._feedback_text = FeedbackText(task, self._phrases)
         self._instructed = False
-        self._ready_for = 0
+        self._considered = (0, 0)
+        self._prepared = 0
+        self._rules = 2
         self._last_feedback = 0
 
     @on(THEME)
@@ -71,6 +73,7 @@ class ActionCenter(Node):
 
     @on(SESSION)
     def greet(self, session: SessionStarted) -> None:
+        self._rules = session.rules
         self._instructed = False
         self._task.names = session.names
         self._propose("greeting", self._to_all("greeting" if session.run == 1 else "welcome_back"))
@@ -119,21 +122,35 @@ class ActionCenter(Node):
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Propose instructions, encouragement or a rest between attempts."""
+        """Propose instructions, encouragement or a rest between attempts: once for each attempt."""
         if waiting.stage == "instructions" and not self._instructed:
             self._instructed = True
             self._propose("instruction", "", spoken=self._task.instructions())
-        if waiting.stage == "attempt" and waiting.attempt > max(1, self._ready_for):
-            self._ready_for = waiting.attempt
+        if waiting.stage == "attempt" and waiting.attempt > 1 and self._is_new(waiting):
+            self._considered = (waiting.attempt, waiting.level)
             self._before_attempt(waiting)
+
+    def _is_new(self, waiting: Waiting) -> bool:
+        """Return True if nothing is proposed yet for an attempt, and its level was not considered before.
+
+        An operator may decide on its level after the session began to wait for it.
+        """
+        attempt, level = self._considered
+        if waiting.attempt == attempt:
+            return self._rules >= 2 and waiting.level != level and waiting.attempt != self._prepared
+        return waiting.attempt > attempt
 
     def _before_attempt(self, waiting: Waiting) -> None:
         parameters = self._task.parameters
         attempts = self.ask(RECALL, Recall(seat=self._task.seats[0])).attempts
         if encouragement.rest_due(len(attempts), parameters.rest_every):
-            self._propose("rest", self._to_all("rest"), attempt=waiting.attempt, joins=True)
+            kind: Kind = "rest"
         elif parameters.encouragement and encouragement.is_hard(attempts, waiting.level):
-            self._propose("encouragement", self._to_all("encouragement"), attempt=waiting.attempt, joins=True)
+            kind = "encouragement"
+        else:
+            return
+        self._prepared = waiting.attempt
+        self._propose(kind, self._to_all(kind), attempt=waiting.attempt, joins=True)
 
     def _propose(
         self,

@@ -1,7 +1,7 @@
 """Approvals: proposals and changes of level that wait for an operator."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
 from msgspec.structs import replace
@@ -62,7 +62,7 @@ class Approvals(TimedNode, ABC):
         return words
 
     def _decide(self, proposal: Proposal) -> None:
-        verdict = arbitration.decide(self._rules, self._parameters, proposal, self.now)
+        verdict = arbitration.decide(self._rules, self._parameters, proposal, self.now, pending=self._pending.waiting)
         match verdict.outcome:
             case "act":
                 self._queue.add(accepted(proposal, ground=verdict.ground))
@@ -88,7 +88,9 @@ class Approvals(TimedNode, ABC):
             return m.LevelReply(happens=verdict.outcome == "act")
         self._level_requests += 1
         self._give_up_levels("amended")
-        verdict = arbitration.decide(self._rules, self._parameters, proposal, self.now, change.level)
+        verdict = arbitration.decide(
+            self._rules, self._parameters, proposal, self.now, change.level, self._pending.waiting
+        )
         if verdict.pending:
             self._ask_operator(verdict.pending)
         elif verdict.outcome == "drop":
@@ -143,7 +145,9 @@ class Approvals(TimedNode, ABC):
         """Apply a new mode, also to pending proposals."""
         self._rules = arbitration.set_mode(self._rules, chosen.kind, chosen.mode)
         for pending in self._pending.remove(lambda one: arbitration.CONTROLLED[one.proposal.kind] == chosen.kind):
-            verdict = arbitration.decide(self._rules, self._parameters, pending.proposal, self.now, pending.level)
+            verdict = arbitration.decide(
+                self._rules, self._parameters, pending.proposal, self.now, pending.level, self._pending.waiting
+            )
             if verdict.pending:
                 self._ask_operator(verdict.pending)
             else:
@@ -156,7 +160,11 @@ class Approvals(TimedNode, ABC):
             self._do_without_operator()
 
     def _apply_deadlines(self) -> None:
-        for pending in self._pending.take_due(self.now):
+        self._do_without_decision(self._pending.take_due(self.now))
+
+    def _do_without_decision(self, undecided: Iterable[PendingApproval]) -> None:
+        """Do what is planned for the case that nobody decides in time."""
+        for pending in undecided:
             if pending.otherwise == "act":
                 self._act(pending, "agent", "deadline")
             else:

@@ -19,6 +19,7 @@ from sar_tui.framework.messages import (
 )
 from sar_tui.framework.node import on, serves
 from sar_tui.framework.nodes.approvals import Approvals, is_level
+from sar_tui.framework.policies import arbitration
 from sar_tui.framework.settings.operator import OperatorSettings
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
@@ -103,14 +104,14 @@ class Arbiter(Approvals):
         self._theme = applied.theme
 
     @on(SESSION)
-    def session_started(self, _: m.SessionStarted) -> None:
+    def session_started(self, started: m.SessionStarted) -> None:
         """Begin a run: drop actions of the last run, and decide a pending level without an operator."""
         self._outputs, self._announced = self._announced, []
         self.cancel_timers()
         self._queue.abandon()
         self._do_without_operator(is_level)
         self._drop("late")
-        self._rules = replace(self._rules, operated=False)
+        self._rules = replace(self._rules, operated=False, version=started.rules)
         self._is_held_back = False
         self._publish_state()
 
@@ -119,7 +120,7 @@ class Arbiter(Approvals):
         """Hold back actions in trials and pauses; stop the instructions when the participant leaves them."""
         in_trial = waiting.what in ("foreperiod", "storage", "response") and waiting.stage == "trial"
         self._is_held_back = in_trial or (waiting.stage == "paused" and waiting.reason != "interrupted")
-        if waiting.stage == "trial":
+        if waiting.stage == "trial" and (waiting.what != "agent" or self._rules.version < 2):
             self._drop("late", lambda one: one.policy == "drop")
         current = self._queue.current
         if waiting.stage not in ("instructions", "paused"):
@@ -148,6 +149,10 @@ class Arbiter(Approvals):
     @on(SESSION_ENDED)
     def session_ended(self, ended: m.SessionEnded) -> None:
         """Drop what waits, except the last feedback if the session was completed: it precedes the goodbye."""
+        if ended.status == "completed" and self._rules.version >= 2:
+            self._do_without_decision(self._pending.remove(_is_feedback_with_deadline))
+            for action in self._queue.remove(lambda one: one.kind == "feedback"):
+                self._queue.add(replace(action, due=0))
         feedback = [action.id for action in self._queue.waiting if action.kind == "feedback"]
         self._drop("late", lambda one: ended.status == "aborted" or one.id not in feedback)
         self._publish_state()
@@ -198,17 +203,20 @@ class Arbiter(Approvals):
         """Apply an operator's decision to a pending, queued or current action."""
         if pending := self._pending.take(decision.action):
             self._apply_decision(pending, decision)
+        elif decision.verdict == "accept" and self._rules.version >= 2:
+            self._decided_late(decision)
         elif queued := self._queue.take(decision.action):
             self._decide_queued(queued, decision)
         elif (current := self._queue.current) and current.id == decision.action and decision.verdict == "veto":
             self.emit(HALT, Halt(action=current.id, reason="vetoed", asked=decision.at or self.now))
         else:
-            why = "It was decided, or its time was over."
-            self.emit(
-                LATE_DECISION,
-                m.LateDecision(actor=decision.actor, what=f"{decision.verdict} {decision.action}", why=why),
-            )
+            self._decided_late(decision)
         self._begin_next()
+
+    def _decided_late(self, decision: m.Decision) -> None:
+        why = "It was decided, or its time was over."
+        what = f"{decision.verdict} {decision.action}"
+        self.emit(LATE_DECISION, m.LateDecision(actor=decision.actor, what=what, why=why))
 
     @on(REMARK)
     def remarked(self, remark: m.Remark) -> None:
@@ -263,7 +271,7 @@ class Arbiter(Approvals):
 
     def _begin_next(self) -> None:
         """Begin the actions whose turn it is."""
-        held = _AFTER_FEEDBACK if self._pending.is_awaited else ()
+        held = _AFTER_FEEDBACK if any(map(arbitration.comes_first, self._pending.waiting)) else ()
         while not self._is_held_back and (action := self._queue.next(self.now, held)):
             if current := self._queue.current:
                 self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
@@ -287,7 +295,8 @@ class Arbiter(Approvals):
 
     def _publish_state(self) -> None:
         """Publish whether the agent acts, and the state for operators, if they changed."""
-        acting = m.AgentActing(acting=self._queue.is_acting, awaits_operator=self._pending.is_awaited)
+        awaits_operator = any(arbitration.is_awaited(self._rules, one) for one in self._pending.waiting)
+        acting = m.AgentActing(acting=self._queue.is_acting, awaits_operator=awaits_operator)
         if acting != self._acting:
             self._acting = acting
             self.emit(ACTING, acting)
@@ -310,6 +319,10 @@ class Arbiter(Approvals):
             self.emit(DROPPED, dropped)
         for pending in self._pending.remove(lambda one: what(one.proposal)):
             self._give_up(pending, reason, "mode", _who(reason, actor))
+
+
+def _is_feedback_with_deadline(pending: m.PendingApproval) -> bool:
+    return pending.proposal.kind == "feedback" and pending.deadline is not None
 
 
 _FIELDS: dict[ActionPart, str] = {"say": "spoken", "gesture": "gesture", "gaze": "gaze", "tone": "tone"}

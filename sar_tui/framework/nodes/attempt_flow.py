@@ -95,7 +95,7 @@ class AttemptFlow(TrialFlow):
             self._wait(Phase.FEEDBACK if self._is_decision_pending else self._after_feedback)
 
     def agent_acted(self, agent: m.AgentActing) -> None:
-        """Wait for an operator's decision on feedback or level in the same way as for delayed feedback."""
+        """Wait for an operator's decision in the same way as for delayed feedback."""
         super().agent_acted(agent)
         was_pending, self._is_decision_pending = self._is_decision_pending, agent.awaits_operator
         if was_pending and not agent.awaits_operator and self._phase is Phase.FEEDBACK:

@@ -202,6 +202,7 @@ class EventHandler(AttemptFlow):
         match self._phase, percept.key:
             case Phase.INSTRUCTIONS, "enter":
                 self._wait(Phase.READY)
+                self._wait_for_decision()
                 if self._blockers.is_sensor_lost:
                     self._pause("sensor")
             case Phase.READY, "enter" if not percept.repeat:

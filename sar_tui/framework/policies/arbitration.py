@@ -4,11 +4,12 @@ Each kind of action has a mode, which determines whether an operator has to deci
 apply; the setting ``operator_lost`` determines whether actions that would have waited are done or dropped.
 """
 
+from collections.abc import Collection
 from typing import Literal
 
 import msgspec
 
-from sar_tui.framework.clock import MS
+from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import ControlledKind, Ground, Kind, Mode, PendingApproval, Proposal
 from sar_tui.framework.settings.operator import OperatorSettings
 
@@ -25,11 +26,21 @@ CONTROLLED: dict[Kind, ControlledKind] = {
 """The kind whose mode applies to each kind of action. Others always act: an operator's own remarks, and fillers."""
 
 
+CHOOSING = 2 * SECOND
+"""Time to notice a proposal and, once it is read, to choose and press a key."""
+_FIRST: tuple[Kind, ...] = ("feedback", "difficulty")
+"""Kinds that come before anything else between two attempts."""
+
+
 class Arbitration(msgspec.Struct, frozen=True):
-    """The modes that are set. They apply while there is an operator (``operated``)."""
+    """The modes that are set. They apply while there is an operator (``operated``).
+
+    ``version``: of the loop's rules (see `session.RULES`).
+    """
 
     modes: dict[ControlledKind, Mode]
     operated: bool = False
+    version: int = 2
 
     def mode(self, kind: Kind) -> Mode:
         """Return the mode of a kind of action, with or without an operator."""
@@ -63,24 +74,39 @@ def set_mode(state: Arbitration, kind: ControlledKind, mode: Mode) -> Arbitratio
 
 
 def decide(
-    state: Arbitration, parameters: OperatorSettings, proposal: Proposal, now: int, level: int | None = None
+    state: Arbitration,
+    parameters: OperatorSettings,
+    proposal: Proposal,
+    now: int,
+    level: int | None = None,
+    pending: Collection[PendingApproval] = (),
 ) -> Verdict:
-    """Decide on a proposal made at ``now`` (ns).
+    """Decide on a proposal made at ``now`` (ns), while others are ``pending``.
 
-    The operator has ``operator_time_ms``. For feedback with a fixed delay it is that delay instead, so that its timing
-    does not show who decided.
+    The operator has the time that `time_to_decide` returns. For feedback with a fixed delay it is that delay instead,
+    so that its timing does not show who decided.
     """
     mode = state.mode(proposal.kind)
     if mode == "autonomous":
         return Verdict("act")
     if not state.operated:
         return Verdict("act" if parameters.operator_lost == "autonomous" else "drop", "no operator")
-    deadline = proposal.due if proposal.due > now else now + parameters.operator_time_ms * MS
-    pending = PendingApproval(seat=proposal.seat, proposal=proposal, mode=mode, level=level)
+    approval = PendingApproval(seat=proposal.seat, proposal=proposal, mode=mode, level=level)
     if mode != "manual":
+        waits = time_to_decide(state, parameters, [*(one.proposal for one in pending if one.deadline), proposal])
+        deadline = proposal.due if proposal.due > now else now + waits
         otherwise = "act" if mode == "veto" else parameters.operator_timeout
-        pending = msgspec.structs.replace(pending, deadline=deadline, otherwise=otherwise)
-    return Verdict("wait", pending=pending)
+        approval = msgspec.structs.replace(approval, deadline=deadline, otherwise=otherwise)
+    return Verdict("wait", pending=approval)
+
+
+def time_to_decide(state: Arbitration, parameters: OperatorSettings, proposals: Collection[Proposal]) -> int:
+    """Return the time (ns) to read proposals one after the other and decide on each; at least ``operator_time_ms``."""
+    least = parameters.operator_time_ms * MS
+    if state.version < 2 or not parameters.operator_ms_per_word:
+        return least
+    words = sum(len((one.text or one.spoken).split()) for one in proposals)
+    return max(least, words * parameters.operator_ms_per_word * MS + len(proposals) * CHOOSING)
 
 
 def is_gesture_separate(state: Arbitration, parameters: OperatorSettings, proposal: Proposal) -> bool:
@@ -90,6 +116,11 @@ def is_gesture_separate(state: Arbitration, parameters: OperatorSettings, propos
     return state.mode("gesture") != "autonomous" and (state.operated or parameters.operator_lost == "silent")
 
 
-def is_awaited(pending: PendingApproval) -> bool:
-    """Return True if the session waits for an approval: of feedback or a change of level, with a deadline."""
-    return pending.deadline is not None and pending.proposal.kind in ("feedback", "difficulty")
+def is_awaited(state: Arbitration, pending: PendingApproval) -> bool:
+    """Return True if no attempt begins before a decision: it has a deadline, so that nothing that is due is lost."""
+    return pending.deadline is not None and (state.version >= 2 or comes_first(pending))
+
+
+def comes_first(pending: PendingApproval) -> bool:
+    """Return True if encouragement and rest wait for a decision: on feedback or a change of level, with a deadline."""
+    return pending.deadline is not None and pending.proposal.kind in _FIRST

@@ -144,8 +144,24 @@ def test_keys_pressed_while_the_agent_speaks_are_no_false_starts_but_delay_the_f
     assert driver.last(TRIAL).timing.false_starts == 0
 
 
-def test_feedback_is_spoken_to_its_end_before_the_next_trial(new_session: NewSession) -> None:
+def test_encouragement_that_waits_for_feedback_is_spoken_before_the_next_trial(new_session: NewSession) -> None:
     driver = new_session()
+    driver.wait(10_000)
+    driver.enter()
+    driver.begin_attempt()
+    driver.answer(300)
+    driver.answer(300)
+    driver.wait(200)
+    driver.press("enter")
+    assert driver.waiting.what == "agent"
+    began = [record.at for record in driver.records if record.topic is FEEDBACK][-1]
+    driver.to_prompt()
+    assert [action.kind for action in driver.all(ACTION)][-2:] == ["feedback", "encouragement"]
+    assert when_still(driver) - began == 6 * SECOND
+
+
+def test_feedback_is_spoken_to_its_end_before_the_next_trial(new_session: NewSession) -> None:
+    driver = new_session(encouragement=False)
     driver.wait(10_000)
     driver.enter()
     driver.press("enter")

@@ -12,6 +12,7 @@ from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.nodes.arbiter import ACTION_TIMEOUT, PER_CHARACTER, Arbiter
 from sar_tui.framework.parameters import TaskParameters, build
+from sar_tui.framework.session import RULES
 from sar_tui.framework.topics import (
     ACTING,
     ACTION,
@@ -77,7 +78,7 @@ class ArbiterDriver:
     def begin(self, outputs: dict[str, tuple[m.ActionPart, ...]], run: int = 1) -> None:
         for name, can in outputs.items():
             self.bus.publish(OUTPUT, m.OutputOpened(output=name, address=name, can=can))
-        self.bus.publish(SESSION, m.SessionStarted(run=run, task="lift", theme="calm", seed=1))
+        self.bus.publish(SESSION, m.SessionStarted(run=run, task="lift", theme="calm", seed=1, rules=RULES))
 
     def wait_for(self, what: Any, stage: Any = "trial", reason: str = "") -> None:
         """Publish that the session waits for something."""
@@ -264,10 +265,20 @@ def test_an_action_of_policy_drop_is_dropped_by_a_trial(driver: ArbiterDriver) -
     driver.propose("c")
     driver.wait_for("enter", "attempt")
     assert driver.dropped == []
-    driver.wait_for("agent")
+    driver.wait_for("quiet")
     assert driver.dropped == [("b", "late")]
     driver.report("a")
     assert driver.acted == ["a", "c"]
+
+
+def test_an_action_of_policy_drop_is_done_while_the_trial_waits_for_the_agent(driver: ArbiterDriver) -> None:
+    driver.propose("a")
+    driver.propose("b", policy="drop")
+    driver.wait_for("agent")
+    driver.report("a")
+    driver.report("b")
+    assert (driver.acted, driver.dropped) == (["a", "b"], [])
+    assert driver.acting == [True, False], "the trial begins when both are over"
 
 
 def test_an_action_of_policy_drop_is_finished_once_begun(driver: ArbiterDriver) -> None:

@@ -22,6 +22,7 @@ from sar_tui.framework.topics import (
     PENDING_APPROVAL,
     PRESENCE,
     REMARK,
+    SESSION,
     SESSION_ENDED,
     WAITING,
 )
@@ -41,8 +42,7 @@ def operated(theme: Theme, **settings: Any) -> LoopDriver:
         attempts=3,
         prompts_per_attempt=2,
         filler="never",
-        encouragement=False,
-        **settings,
+        **{"encouragement": False, **settings},
     )
     driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
     driver.enter()
@@ -75,7 +75,7 @@ def test_no_attempt_begins_while_feedback_is_decided_on(calm: Theme) -> None:
 
 
 def test_the_wait_ends_at_the_deadline(calm: Theme) -> None:
-    driver = operated(calm, operator_feedback="approve", operator_time_ms=5000)
+    driver = operated(calm, operator_feedback="approve", operator_time_ms=5000, operator_ms_per_word=0)
     driver.wait(4000)
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "attempt")
     assert [action.ground for action in feedback(driver)] == ["deadline"]
@@ -431,12 +431,93 @@ def test_feedback_that_becomes_pending_in_a_pause_is_waited_for_after_it(calm: T
 # --- with and without an operator -------------------------------------------------------------------------------------
 
 
+def hurried(calm: Theme, kind: str, mode: str, **settings: Any) -> list[tuple[str, str, str]]:
+    """Play three failed attempts and a success, pressing Enter all the time; return what the agent said and did.
+
+    Nobody decides in time.
+    """
+    modes = {"operator_feedback": mode, f"operator_{kind}": mode}
+    driver = LoopDriver(
+        Catalogue().task("keyboard"),
+        calm,
+        extra=[OutputNode(Speaker(1500), "speech", calm)],
+        attempts=4,
+        prompts_per_attempt=2,
+        filler="never",
+        rest_every=3,
+        **modes,
+        **settings,
+    )
+    driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    for attempt in range(4):
+        while driver.screen.waiting is None or driver.screen.waiting.stage != "trial":
+            driver.press("enter")
+            driver.wait(300)
+        for _ in range(2):
+            driver.answer(400 if attempt == 3 else 4000)
+    while not driver.session.ended:
+        driver.press("enter")
+        driver.wait(300)
+    driver.wait(60_000)
+    return [(action.kind, action.text, action.gesture) for action in driver.all(ACTION) if action.kind != "instruction"]
+
+
+@pytest.mark.parametrize("delay_ms", [0, 3000])
+@pytest.mark.parametrize("kind", ["encouragement", "difficulty", "instruction"])
+@pytest.mark.parametrize("mode", ["veto", "approve"])
+def test_a_hurried_participant_hears_the_same_in_every_mode(calm: Theme, mode: str, kind: str, delay_ms: int) -> None:
+    said = hurried(calm, kind, "autonomous", feedback_delay_ms=delay_ms)
+    assert {"greeting", "feedback", "encouragement", "rest", "goodbye"} <= {name for name, _, _ in said}
+    assert hurried(calm, kind, mode, feedback_delay_ms=delay_ms) == said
+
+
+def test_a_hurried_participant_sees_the_same_gestures_in_every_mode(calm: Theme) -> None:
+    alone = [gesture for _, _, gesture in hurried(calm, "gesture", "autonomous") if gesture]
+    assert alone
+    assert [gesture for _, _, gesture in hurried(calm, "gesture", "veto") if gesture] == alone
+
+
+@pytest.mark.parametrize("mode", ["veto", "approve"])
+def test_encouragement_is_said_before_the_next_attempt_begins(calm: Theme, mode: str) -> None:
+    driver = operated(calm, encouragement=True, operator_encouragement=mode)
+    assert (driver.waiting.stage, driver.waiting.attempt) == ("answer", 2)
+    driver.press("enter")
+    assert driver.waiting.stage == "answer"
+    driver.wait(10_000)
+    assert [action.kind for action in driver.all(ACTION)][-1] == "encouragement"
+    assert (driver.waiting.stage, driver.waiting.attempt) == ("attempt", 2)
+    assert driver.all(DROPPED) == []
+
+
+def test_a_session_of_earlier_rules_is_replayed_and_resumed_by_them(calm: Theme) -> None:
+    settings = {"attempts": 3, "prompts_per_attempt": 2, "filler": "never", "operator_encouragement": "veto"}
+    killed = LoopDriver(Catalogue().task("keyboard"), calm, begin=False, **settings)
+    killed.session._rules = 1
+    killed.session.begin()
+    killed.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    killed.enter()
+    killed.attempt()
+    killed.begin_attempt()
+    assert [dropped.reason for dropped in killed.all(DROPPED)] == ["late"], "it was lost"
+    driver = LoopDriver(Catalogue().task("keyboard"), calm, history=killed.records, **settings)
+    assert driver.last(SESSION).rules == 1
+
+
+@pytest.mark.parametrize(("verdict", "encouraged"), [("accept", 1), ("veto", 0)])
+def test_encouragement_follows_the_level_that_the_operator_decides_on(
+    calm: Theme, verdict: str, encouraged: int
+) -> None:
+    driver = operated(calm, encouragement=True, operator_difficulty="approve", operator_time_ms=60_000)
+    decide(driver, "l1", verdict)
+    assert [action.kind for action in driver.all(ACTION)].count("encouragement") == encouraged
+
+
 def test_an_operator_who_accepts_everything_is_not_noticed_by_the_participant(calm: Theme) -> None:
     """Only the timing differs, and not even that with a fixed delay."""
     sessions = []
     for mode in ("autonomous", "veto", "approve"):
         settings = dict.fromkeys((f"operator_{kind}" for kind in ("feedback", "encouragement", "difficulty")), mode)
-        driver = operated(calm, feedback_delay_ms=2000, operator_time_ms=2000, **settings)
+        driver = operated(calm, feedback_delay_ms=2000, operator_time_ms=2000, operator_ms_per_word=0, **settings)
         driver.wait(5000)
         driver.attempt()
         driver.wait(5000)
@@ -448,6 +529,17 @@ def test_an_operator_who_accepts_everything_is_not_noticed_by_the_participant(ca
         seen = [(record.at, record.message) for record in driver.records if record.topic is WAITING]
         sessions.append((utterances, seen[-1]))
     assert sessions[0] == sessions[1] == sessions[2]
+
+
+@pytest.mark.parametrize("mode", ["veto", "approve"])
+def test_with_a_fixed_delay_encouragement_of_the_agent_alone_comes_at_the_same_moment(calm: Theme, mode: str) -> None:
+    times = []
+    for feedback_mode in ("autonomous", mode):
+        driver = operated(calm, encouragement=True, feedback_delay_ms=3000, operator_feedback=feedback_mode)
+        driver.wait(5000)
+        times.append([(record.at, record.message.id) for record in driver.records if record.topic is ACTION])
+    assert times[0] == times[1]
+    assert driver.last(ACTION).kind == "encouragement"
 
 
 @pytest.mark.parametrize("pauses", [False, True])

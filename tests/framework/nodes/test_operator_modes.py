@@ -209,11 +209,83 @@ def test_the_session_waits_only_while_feedback_is_pending() -> None:
     assert not driver.awaits_operator
 
 
-def test_the_session_does_not_wait_for_encouragement() -> None:
-    driver = OperatedDriver(operator_encouragement="approve")
+@pytest.mark.parametrize("kind", ["encouragement", "rest", "greeting"])
+def test_the_session_waits_for_whatever_has_a_deadline(kind: Any) -> None:
+    driver = OperatedDriver(operator_encouragement="approve", operator_instruction="veto")
+    driver.propose("a1", kind=kind)
+    assert driver.awaits_operator
+    driver.decide("a1", "accept")
+    assert (driver.acted, driver.awaits_operator) == (["a1"], False)
+
+
+def test_the_session_does_not_wait_for_what_only_the_operator_does() -> None:
+    driver = OperatedDriver(operator_encouragement="manual")
     driver.propose("a1", kind="encouragement")
     assert [pending.proposal.id for pending in driver.state.pending] == ["a1"]
     assert not driver.awaits_operator
+
+
+@pytest.mark.parametrize(
+    ("mode", "timeout", "said"), [("veto", "drop", 1), ("approve", "act", 1), ("approve", "drop", 0)]
+)
+def test_pending_feedback_is_decided_when_the_session_is_completed(mode: str, timeout: str, said: int) -> None:
+    driver = OperatedDriver(operator_feedback=mode, operator_timeout=timeout)
+    driver.propose("a1", priority=40, due=driver.clock.now() + 3 * SECOND)
+    driver.bus.publish(EVENT, Event(ended=m.SessionEnded(status="completed")))
+    driver.propose("bye", kind="goodbye", priority=10)
+    driver.report("a1")
+    assert driver.acted == ["a1"] * said + ["bye"]
+
+
+def test_accepting_what_was_decided_already_is_too_late() -> None:
+    driver = OperatedDriver(operator_feedback="veto", operator_time_ms=500, operator_ms_per_word=0)
+    driver.wait_for("response")
+    driver.propose("a1")
+    driver.clock.advance(SECOND)
+    driver.decide("a1", "accept")
+    assert [late.what for late in driver.all(LATE_DECISION)] == ["accept a1"]
+    driver.wait_for("enter", "attempt")
+    assert [said.actor for said in driver.said] == ["agent"]
+
+
+# --- the time to decide -------------------------------------------------------------------------------------------
+
+MEDIAN = "Well done: you took 498 ms on average, which is 22 ms faster than in the last attempt. Keep!"
+"""As long as the median proposal: 19 words."""
+
+
+def seconds_to_decide(driver: OperatedDriver, id: str) -> float:
+    (pending,) = [one for one in driver.state.pending if one.proposal.id == id]
+    assert pending.deadline
+    return (pending.deadline - driver.clock.now()) / SECOND
+
+
+@pytest.mark.parametrize(("text", "seconds"), [("Nod", 4), (MEDIAN, 6.75), (f"{MEDIAN} {MEDIAN}", 11.5)])
+def test_the_time_to_decide_follows_from_the_words(text: str, seconds: float) -> None:
+    driver = OperatedDriver(operator_feedback="approve")
+    driver.propose("a1", text=text)
+    assert seconds_to_decide(driver, "a1") == seconds
+
+
+def test_proposals_are_read_one_after_the_other() -> None:
+    driver = OperatedDriver(operator_feedback="approve", operator_encouragement="approve")
+    driver.propose("a1", "a2", text=MEDIAN)
+    assert (seconds_to_decide(driver, "a1"), seconds_to_decide(driver, "a2")) == (6.75, 13.5)
+
+
+def test_text_that_is_only_spoken_is_read_too() -> None:
+    driver = OperatedDriver(operator_instruction="approve")
+    driver.propose("a1", kind="instruction", text="", spoken=MEDIAN)
+    assert seconds_to_decide(driver, "a1") == 6.75
+
+
+def test_every_proposal_can_have_the_same_time() -> None:
+    driver = OperatedDriver(operator_feedback="approve", operator_time_ms=3000, operator_ms_per_word=0)
+    driver.propose("a1", "a2", text=MEDIAN)
+    assert seconds_to_decide(driver, "a2") == 3
+
+
+# --- what waits for a decision ------------------------------------------------------------------------------------
 
 
 def test_unsaid_feedback_can_be_requested() -> None:
@@ -241,7 +313,7 @@ def test_encouragement_waits_for_pending_feedback() -> None:
 
 
 def test_a_decision_after_the_deadline_is_reported_as_missed() -> None:
-    driver = OperatedDriver(operator_feedback="veto", operator_time_ms=500)
+    driver = OperatedDriver(operator_feedback="veto", operator_time_ms=500, operator_ms_per_word=0)
     driver.propose("a1")
     driver.clock.advance(SECOND)
     driver.report("a1")
