@@ -61,10 +61,12 @@ def simulate(
             pass
         session.detach()
         session.bus.drain()
-        run.recorder.write()
         run.check()
     finally:
-        run.close()
+        try:
+            run.recorder.write()
+        finally:
+            run.close()
     return run.id
 
 

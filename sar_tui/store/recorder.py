@@ -17,21 +17,23 @@ BATCH_SECONDS = 0.1
 """Longest time until a message that is not a trial is written."""
 RETRY_SECONDS = 1.0
 """Time until a failed write is tried again."""
+GROUP = 2000
+"""Number of messages in a transaction on a virtual clock, where nobody waits for a trial."""
 _PERMANENT = "Waiting will not help. End the session: what was saved so far is kept."
 
 
 class Recorder:
     """Writes a session's messages. A trial and everything before it is one transaction, which is then acknowledged.
 
-    On a virtual clock it writes inline, as soon as a trial ends. In a live session ``run`` writes in a thread, so that
-    the bus never waits for the disk. While writing fails, all messages are kept, writing is retried, and the
-    reason is published.
+    In a live session ``run`` writes in a thread, so that the bus never waits for the disk. While writing fails, all
+    messages are kept, writing is retried, and the reason is published. On a virtual clock nobody waits for the disk:
+    a trial is acknowledged as it ends, and many are written in one transaction.
 
     Args:
         database: if inline, the caller's connection; else a connection of the recorder's own, which ``run`` closes.
         session, run: the session and the run that the rows belong to.
         bus: the bus to tap; acknowledgements are posted to it.
-        inline: write on the bus's own thread.
+        inline: on a virtual clock: write on the bus's own thread, ``GROUP`` messages at a time and at the end.
     """
 
     name: ClassVar[str] = "recorder"
@@ -44,6 +46,7 @@ class Recorder:
         self._bus = bus
         self._inline = inline
         self._queue: deque[list[Record]] = deque()
+        self._queued = 0
         self._wake = threading.Event()
         self._finished = threading.Event()
         self._problem: str | None = None
@@ -53,11 +56,26 @@ class Recorder:
     def __call__(self, cascade: list[Record]) -> None:
         """Queue a cascade of the bus."""
         self._queue.append(cascade)
-        if any(isinstance(record.message, m.TrialEnded | m.SessionEnded) for record in cascade):
-            if self._inline:
-                self.write()
-            else:
-                self._wake.set()
+        if self._inline:
+            self._group(cascade)
+        elif any(isinstance(record.message, m.TrialEnded | m.SessionEnded) for record in cascade):
+            self._wake.set()
+
+    def _group(self, cascade: list[Record]) -> None:
+        """Acknowledge the trials of a cascade, and write after one of them if there is enough, or at the end.
+
+        Writing at another time would divide the samples of a sensor into other chunks.
+        """
+        self._queued += len(cascade)
+        is_due = False
+        for record in cascade:
+            if type(message := record.message) is m.TrialEnded:
+                self._bus.publish(STORED, _stored(message))
+                is_due = is_due or self._queued >= GROUP
+            elif type(message) is m.SessionEnded:
+                is_due = True
+        if is_due:
+            self.write()
 
     @property
     def pending(self) -> int:
@@ -102,7 +120,7 @@ class Recorder:
                 self._bus.post(STORAGE, m.StorageChanged(working=True))
 
     def write(self) -> None:
-        """Commit everything that is queued as one transaction, and acknowledge its trials.
+        """Commit everything that is queued as one transaction, and in a live session acknowledge its trials.
 
         Raises:
             StoreError: the disk cannot write, or a message cannot be stored; everything stays queued.
@@ -125,6 +143,13 @@ class Recorder:
         self._streams = streams
         for _ in range(count):
             self._queue.popleft()
+        if self._inline:
+            self._queued = 0
+            return
         for record in records:
             if isinstance(trial := record.message, m.TrialEnded):
-                self._bus.post(STORED, m.Stored(seat=trial.seat, attempt=trial.attempt, trial=trial.trial))
+                self._bus.post(STORED, _stored(trial))
+
+
+def _stored(trial: m.TrialEnded) -> m.Stored:
+    return m.Stored(seat=trial.seat, attempt=trial.attempt, trial=trial.trial)

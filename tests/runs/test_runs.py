@@ -2,6 +2,7 @@
 
 import shutil
 import tempfile
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from sar_tui.framework.topics import SESSION, WAITING
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import Run, resume, start
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
@@ -194,3 +196,17 @@ def test_a_theme_edited_between_two_runs_is_spoken_in_the_second_and_the_first_i
     play(again, clock)
     names = [r.message.attempt_name for r in sessions.history(connect(data), run.id) if r.topic is WAITING]
     assert (names[0], names[-1]) == ("round 1 of 3", "turn 3 of 3")
+
+
+def test_a_simulation_that_is_interrupted_keeps_what_it_has_done(data: Path) -> None:
+    def interrupt(attempt: int) -> None:
+        if attempt == 3:
+            raise KeyboardInterrupt
+
+    plan = make_plan(CATALOGUE, "keyboard", ["P01"], {"prompts_per_attempt": 2}, seed=1, mode="simulated", id="S")
+    with pytest.raises(KeyboardInterrupt):
+        simulate(plan, PEOPLE["average"], data, CATALOGUE, interrupt)
+    with closing(connect(data)) as database:
+        assert [row["attempt"] for row in sessions.rows(database, "attempts", "S")] == [1, 2]
+        assert len(sessions.rows(database, "trials", "S")) >= 5
+        assert sessions.find(database, data, "S")["status"] == "interrupted"

@@ -15,7 +15,7 @@ from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import MS, VirtualClock
 from sar_tui.framework.messages import ImuBlock, KeyPressed, SensorChanged
 from sar_tui.framework.session import Session
-from sar_tui.framework.topics import IMU, KEY, REACH, SENSOR, STORAGE, TRIAL
+from sar_tui.framework.topics import IMU, KEY, REACH, SENSOR, STORAGE, STORED, TRIAL
 from sar_tui.motion.samples import SAMPLE, Samples, pack, unpack
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import StoreError, connect
@@ -173,10 +173,25 @@ def test_the_history_holds_messages_and_samples_in_the_order_in_which_they_passe
 
 
 def test_a_trial_is_not_acknowledged_before_the_samples_it_was_made_of_are_there(data: Path) -> None:
-    stored = StoredSession(data).do(1)
+    stored = StoredSession(data, inline=False).do(1)
+    assert STORED not in {record.topic for record in stored.driver.records}
+    stored.write()
+    assert STORED in {record.topic for record in stored.driver.records}
     details = stored.driver.last(TRIAL).details
     inside = stored.samples(int(details["window_from_ns"] or 0), int(details["window_to_ns"] or 0))
     assert len(inside) == details["samples"]
+
+
+def test_chunks_of_samples_do_not_depend_on_how_many_messages_are_written_at_a_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chunks = []
+    for group in (1, 100, 5000):
+        monkeypatch.setattr("sar_tui.store.recorder.GROUP", group)
+        stored = StoredSession(tmp_path / str(group)).do(2)
+        stored.recorder.write()
+        chunks.append([{**chunk, "session": ""} for chunk in stored.chunks()])
+    assert chunks[0] == chunks[1] == chunks[2]
 
 
 def test_samples_are_found_by_when_they_were_measured(data: Path) -> None:

@@ -25,7 +25,7 @@ from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.recorder import Recorder
+from sar_tui.store.recorder import GROUP, Recorder
 from tests.outputs.fake_outputs import FakeOutput, Speaker
 
 A_TRIAL = TrialEnded(
@@ -215,21 +215,32 @@ def test_the_last_trial_closes_the_session(data: Path) -> None:
     assert row["ended_at"] is not None
 
 
-def test_inline_a_trial_is_stored_when_it_is_acknowledged(data: Path) -> None:
-    recorded = Recorded(data)
-    seen: list[tuple[int, int]] = []
-
-    def look(stored: Stored) -> None:
-        there = {(row["attempt"], row["trial"]) for row in recorded.stored("trials")}
-        assert (stored.attempt, stored.trial) in there
-        assert {record.seq for record in recorded.history} == set(range(1, len(recorded.history) + 1))
-        seen.append((stored.attempt, stored.trial))
-
-    recorded.session.bus.subscribe(STORED, look)
+def test_on_a_virtual_clock_each_trial_is_acknowledged_at_once_and_many_are_one_transaction(data: Path) -> None:
+    recorded = Recorded(data, attempts=12, prompts_per_attempt=20)
+    statements: list[str] = []
+    recorded.database.set_trace_callback(statements.append)
     recorded.session.begin()
     recorded.finish()
-    assert recorded.session.faults == []
-    assert seen == [(attempt, trial) for attempt in (1, 2) for trial in (1, 2, 3)]
+    trials = [(attempt, trial) for attempt in range(1, 13) for trial in range(1, 21)]
+    assert [(stored.attempt, stored.trial) for stored in recorded.all(STORED)] == trials
+    assert [(row["attempt"], row["trial"]) for row in recorded.stored("trials")] == trials
+    assert statements.count("COMMIT") == 1 + len(recorded.records) // GROUP == 2
+    recorded.recorder.write()
+    assert recorded.history == recorded.records
+
+
+def test_the_messages_do_not_depend_on_how_many_are_written_at_a_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    histories = []
+    for group in (1, 7, 2000):
+        monkeypatch.setattr("sar_tui.store.recorder.GROUP", group)
+        recorded = Recorded(tmp_path / str(group))
+        recorded.session.begin()
+        recorded.finish()
+        recorded.recorder.write()
+        histories.append(recorded.history)
+    assert histories[0] == histories[1] == histories[2]
 
 
 def test_on_a_thread_nothing_is_written_until_it_runs_and_then_the_trial_is_acknowledged(data: Path) -> None:
@@ -372,20 +383,23 @@ def test_a_message_that_cannot_be_written_down_does_not_end_the_thread(data: Pat
     assert not caught.value.temporary
 
 
-def test_an_inline_recorder_raises_if_the_disk_is_full_and_keeps_the_stored_data(data: Path) -> None:
+def test_on_a_virtual_clock_a_full_disk_raises_and_everything_before_it_is_kept(
+    data: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.store.recorder.GROUP", 50)
     recorded = Recorded(data, attempts=5, prompts_per_attempt=20)
     fill(recorded)
     recorded.session.begin()
     with pytest.raises(StoreError, match="The disk is full"):
         recorded.finish()
-    assert set(recorded.all(STORED)) == {
-        Stored(attempt=row["attempt"], trial=row["trial"]) for row in recorded.stored("trials")
-    }
+    stored = [(row["attempt"], row["trial"]) for row in recorded.stored("trials")]
+    assert stored == [(trial.attempt, trial.trial) for trial in recorded.all(TRIAL)][: len(stored)]
     pending = recorded.recorder.pending
     assert pending > 0
     make_room(recorded)
     recorded.recorder.write()
     assert recorded.recorder.pending == 0
+    assert recorded.history[: len(recorded.records)] == recorded.records
 
 
 def test_two_programs_on_one_database_are_both_whole(data: Path) -> None:

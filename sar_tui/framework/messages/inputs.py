@@ -156,7 +156,7 @@ class OutputStopped(Message, frozen=True, kw_only=True):
 
 
 class Stored(Message, frozen=True, kw_only=True):
-    """The trial and everything before it are on disk."""
+    """The trial and everything before it are on disk; in a simulated session, with its group of messages."""
 
     attempt: int
     trial: int
