@@ -3,6 +3,7 @@
 import asyncio
 import re
 import tempfile
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -186,7 +187,7 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
 
     class Panel(WizardApp):
         def make_panel(self, where: object) -> PanelScreen:
-            return PanelScreen(join, self._theme, self._folder)
+            return PanelScreen(join, self._theme, self._folder, wall_time=lambda: datetime(2026, 3, 2, 10, 15))
 
     panel = Panel(catalogue.theme("calm"), data, "anna", where=JoinableSession("picture", "keyboard", "picture", 0))
     async with panel.run_test(size=(100, 30)) as pilot:

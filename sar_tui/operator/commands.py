@@ -21,7 +21,8 @@ from sar_tui.framework.messages import (
 from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
 from sar_tui.link.peer import Peer, PeerEvent, Welcome
 from sar_tui.operator import proposal_view
-from sar_tui.operator.event_log import SLOW, ActLog
+from sar_tui.operator.act import SLOW
+from sar_tui.operator.act_log import ActLog
 from sar_tui.operator.event_text import short_name
 from sar_tui.operator.palette import MODES, Item
 from sar_tui.operator.phrases import addressed, addressee, fill_slots, slot_values
@@ -64,9 +65,10 @@ class Commands:
         self.state = self.state.receive(event)
         if isinstance(event, Welcome):
             self._sent_decisions = {}
+            self.log.rejoined()
         if isinstance(event, list) and self.state.welcome:
             for frame in event:
-                self.log.receive(frame, self.state.welcome.name)
+                self.log.receive(frame, self.state.welcome)
                 if isinstance(frame.message, PeerRequestRefused) and frame.message.actor == self.state.welcome.name:
                     self._sent_decisions = {}
 
@@ -223,8 +225,7 @@ class Commands:
         if item.topic is None:
             self.log.report(at, f"Not said: {item.why}.")
             return False
-        text = self._when(item.log_text) if item.topic is REMARK else item.log_text
-        return self.send(text, item.topic, item.message, at)
+        return self.send(item.log_text, item.topic, item.message, at)
 
     def say(self, text: str, seat: str, at: int) -> bool:
         """Have the agent say a typed text."""
@@ -232,7 +233,7 @@ class Commands:
         if not filled:
             return False
         remark = Remark(text=addressed(self.state, seat, filled), source="free text", seat=seat)
-        return self.send(self._when(f"Said{addressee(self.state, seat)} “{filled}”"), REMARK, remark, at)
+        return self.send(f"Said{addressee(self.state, seat)} “{filled}”", REMARK, remark, at)
 
     def _fill(self, text: str, seat: str, at: int) -> str:
         """Return a typed text with its slots filled; empty if a value is not known yet."""
@@ -242,13 +243,11 @@ class Commands:
             return ""
         return filled
 
-    def _when(self, text: str) -> str:
-        """Return a remark's text for the log: it waits for the end of a response or a pause."""
+    def _when(self) -> str:
+        """Return what a remark waits for."""
         if self.state.is_quiet:
-            return f"After the response: {text[0].lower()}{text[1:]}"
-        if self.state.is_paused:
-            return f"After the pause: {text[0].lower()}{text[1:]}"
-        return text
+            return "after the response"
+        return "after the pause" if self.state.is_paused else ""
 
     def note(self, text: str, at: int) -> bool:
         """Add a note to the record."""
@@ -268,7 +267,7 @@ class Commands:
         if self.peer is None or self.state.welcome is None:
             return False
         act = replace(message, actor=self.state.welcome.name, at=at)
-        self.log.add(text, topic, act)
+        self.log.add(text, topic, act, self._when() if topic is REMARK else "")
         self.peer.send(topic, act)
         return True
 

@@ -6,7 +6,6 @@ from sar_tui.framework.messages import (
     Action,
     ArbiterState,
     Dropped,
-    LateDecision,
     LevelChanged,
     LevelDecided,
     OperatorChanged,
@@ -20,7 +19,6 @@ from sar_tui.framework.topics import (
     COMMAND,
     DECISION,
     DROPPED,
-    LATE_DECISION,
     LEVEL,
     LEVEL_DECIDED,
     MODE,
@@ -74,6 +72,13 @@ def participant_name(me: Welcome) -> str:
     return next(iter(me.participants.values())) if len(me.participants) == 1 else "A participant"
 
 
+def stopper(actor: str, me: Welcome | None) -> str:
+    """Return who stopped the agent, for the log: the participant does so by F2."""
+    if actor == "participant":
+        return f"{participant_name(me) if me else 'The participant'} pressed F2"
+    return "You stopped the agent" if me and actor == me.name else f"{short_name(actor)} stopped the agent"
+
+
 def event_line(frame: Frame, me: Welcome | None, before: ArbiterState | None) -> Line | None:
     """Return the log line of a message, or None if it needs none.
 
@@ -93,8 +98,6 @@ def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Te
     text: _Text | None = None
     if topic == REFUSED.name:
         text = _refused(message, me), "bad"
-    elif topic == LATE_DECISION.name:
-        text = _late_decision(message, me), "bad"
     elif topic == PRESENCE.name:
         text = _presence(message, me)
     elif topic == DROPPED.name:
@@ -127,11 +130,6 @@ def _refused(refused: PeerRequestRefused, me: str) -> str:
     times = f" ({refused.count} times)" if refused.count > 1 else ""
     whose = "" if refused.actor == me else f" for {short_name(refused.actor)}"
     return f"Refused{whose}: {_ACTS.get(refused.what, refused.what)}{times}. {refused.why}"
-
-
-def _late_decision(late: LateDecision, me: str) -> str:
-    whose = "" if late.actor == me else f" for {short_name(late.actor)}"
-    return f"Too late{whose}: {late.what}. {late.why}"
 
 
 def _presence(changed: OperatorChanged, me: str) -> _Text:

@@ -2,9 +2,12 @@
 
 import asyncio
 from collections.abc import Callable
+from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from rich.cells import cell_len
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
@@ -31,6 +34,8 @@ FRAME_SECONDS = 1 / 15
 _TALL, _WIDE = 27, 92
 """Lines from which the log is longer, and columns from which the agent's text is wider."""
 _PALETTE_ROWS = 5
+_GAP, _LINK_SHARE = 2, 0.6
+"""Columns between the session and the link in the header, and the largest share of the link (see `operator.tcss`)."""
 
 
 class PanelLayout(OrderedScreen[str]):
@@ -41,6 +46,7 @@ class PanelLayout(OrderedScreen[str]):
         theme: applied until the session's theme is known.
         folder: holds the operator's own file.
         clock: drives the agent's motion; given by tests.
+        wall_time: returns the local date and time.
     """
 
     CSS_PATH = "operator.tcss"
@@ -56,9 +62,15 @@ class PanelLayout(OrderedScreen[str]):
             self.theme = theme
 
     def __init__(
-        self, connect: Callable[[PeerListener], Peer], theme: Theme, folder: Path, clock: Clock | None = None
+        self,
+        connect: Callable[[PeerListener], Peer],
+        theme: Theme,
+        folder: Path,
+        clock: Clock | None = None,
+        wall_time: Callable[[], datetime] = datetime.now,
     ) -> None:
         super().__init__()
+        self._wall_time = wall_time
         self._connect = connect
         self.file, self._file_problem = keymap.read(folder)
         self._clock = clock or LiveClock(asyncio.get_running_loop())
@@ -187,12 +199,20 @@ class PanelLayout(OrderedScreen[str]):
     # --- drawing -------------------------------------------------------------------------------------------------
 
     def _tick(self) -> None:
-        """Draw if something has changed or a countdown is shown."""
+        """Draw if something has changed, a countdown is shown, or an outcome is awaited, which may be too late."""
         if not self.is_mounted or host_now() - self._drawn_at < FRAME_SECONDS * SECOND / 2:
             return
         counts_down = any(each.deadline is not None for each in self.commands.pending)
-        if self.is_stale or counts_down or proposal_view.scheduled_action(self.commands.state):
+        if self.is_stale or counts_down or self._awaits_outcome or proposal_view.scheduled_action(self.commands.state):
             self.draw()
+
+    @property
+    def _awaits_outcome(self) -> bool:
+        """True while an act or a stop may turn out not to have happened."""
+        if (peer := self.commands.peer) is None:
+            return False
+        now = peer.now()
+        return self.commands.log.awaits_outcome(now) or any(stop.is_awaited(now) for stop in self.commands.state.stops)
 
     def draw(self) -> None:
         """Bring the screen up to date."""
@@ -204,14 +224,20 @@ class PanelLayout(OrderedScreen[str]):
         self._agent.show(state, now)
         title = "What they see and hear"
         self.query_one("#agent-frame").border_title = title if state.theme else f"{title}: {status_view.UNKNOWN}"
-        self._put("session", Content(status_view.session_line(state)))
-        self._put("link", status_view.link_status(state, self.commands.control_key))
-        self._put("activity", status_view.activity(state, self._width("activity")))
+        link = status_view.link_status(state, self.commands.control_key)
+        width = self._width("header")
+        room = width - min(cell_len(link.plain), round(_LINK_SHARE * width)) - _GAP
+        self._put("session", Content(status_view.session_line(state, room)))
+        self._put("link", link)
+        self._put("activity", status_view.activity(state, self._width("activity"), now))
         self._draw_proposals(now)
         self._draw_palette()
         log = self.query_one("#log")
-        lines = sorted([*state.log, *self.commands.log.lines(now)], key=lambda line: line.at)
-        self._put("log", status_view.log_lines(lines, self._width("log"), log.content_size.height))
+        stops = [stop.line(now) for stop in state.stops]
+        lines = sorted([*state.log, *stops, *self.commands.log.lines(now)], key=lambda line: line.at)
+        wall = self._wall_time()
+        times = partial(status_view.time_of_day, now=now, wall=wall)
+        self._put("log", status_view.log_lines(lines, self._width("log"), log.content_size.height, times))
         question = key_help.question(self.question, state, self.file)
         footer = key_help.footer(self.file, question, self._width("footer"), is_observer=self.is_observer)
         self._put("footer", footer)

@@ -9,11 +9,15 @@ from msgspec.structs import replace
 from sar_tui.framework import agent_state
 from sar_tui.framework.agent_state import AgentState
 from sar_tui.framework.messages import (
+    Action,
     ArbiterState,
     AttemptEnded,
+    Halt,
     LevelChanged,
     OperatorChanged,
+    OutputOpened,
     OutputReport,
+    OutputStopped,
     Prompt,
     PromptVoided,
     Role,
@@ -27,16 +31,20 @@ from sar_tui.framework.messages import (
 )
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
+    ACTION,
     ARBITER_STATE,
     ATTEMPT_ENDED,
     COMMAND,
+    HALT,
     LEVEL,
     MARKED,
+    OUTPUT,
     PRESENCE,
     PROMPT,
     REPORT,
     SENSOR,
     SESSION_ENDED,
+    STOPPED,
     THEME,
     TRIAL,
     VOIDED,
@@ -45,10 +53,13 @@ from sar_tui.framework.topics import (
 from sar_tui.link.peer import Connection, Frame, MotionTrace, PeerEvent, Welcome
 from sar_tui.operator import event_log
 from sar_tui.operator.event_log import Line
-from sar_tui.operator.event_text import PAUSE_REASONS, event_line
+from sar_tui.operator.event_text import PAUSE_REASONS, event_line, stopper
+from sar_tui.operator.stop import Stop
 
 PARTICIPANT = "participant"
 """Actor of a participant's acts."""
+MAX_STOPS = 10
+"""Number of stops that are kept."""
 MAX_TRIALS = 60
 """Number of trials that are kept for each participant."""
 TRACE_SECONDS = 8
@@ -71,6 +82,8 @@ class SessionState(msgspec.Struct, frozen=True):
         level, next_level: levels of the current and of the next attempt.
         arbiter: pending proposals, queue and modes.
         voice: why speech fails, as the output reported it.
+        outputs: names of the outputs that are open.
+        stops: of the agent, oldest first.
         seats: results by seat.
         peers: roles by name.
         holder: name of the operator who has control.
@@ -90,6 +103,8 @@ class SessionState(msgspec.Struct, frozen=True):
     arbiter: ArbiterState | None = None
     agent: AgentState = AgentState()
     voice: str = ""
+    outputs: frozenset[str] = frozenset()
+    stops: tuple[Stop, ...] = ()
     sensor: SensorChanged | None = None
     seats: dict[str, Seat] = {}
     peers: dict[str, Role] = {}
@@ -177,6 +192,9 @@ def _on_waiting(state: SessionState, waiting: Waiting) -> SessionState:
 
 
 def _on_command(state: SessionState, act: SessionCommand) -> SessionState:
+    if act.command == "stop":
+        stop = Stop(act.at, stopper(act.actor, state.welcome), state.outputs)
+        return replace(state, stops=(*state.stops, stop)[-MAX_STOPS:])
     return replace(state, pauser=act.actor) if act.command == "pause" else state
 
 
@@ -229,6 +247,25 @@ def _on_report(state: SessionState, report: OutputReport) -> SessionState:
     return state
 
 
+def _on_output_opened(state: SessionState, opened: OutputOpened) -> SessionState:
+    return replace(state, outputs=state.outputs | {opened.output})
+
+
+def _on_action(state: SessionState, _: Action) -> SessionState:
+    return replace(state, stops=tuple(stop._replace(is_past=True) for stop in state.stops)) if state.stops else state
+
+
+def _on_halt(state: SessionState, halt: Halt) -> SessionState:
+    """Take over the time of a stop whose key had no time stamp."""
+    if halt.reason != "stopped" or not state.stops:
+        return state
+    return replace(state, stops=(*state.stops[:-1], state.stops[-1]._replace(at=halt.asked)))
+
+
+def _on_output_stopped(state: SessionState, stopped: OutputStopped) -> SessionState:
+    return replace(state, stops=tuple(stop.reported(stopped) for stop in state.stops))
+
+
 def _on_arbiter_state(state: SessionState, arbiter: ArbiterState) -> SessionState:
     return replace(state, arbiter=arbiter, operated=arbiter.operated)
 
@@ -256,6 +293,10 @@ _HANDLERS: dict[str, Callable[[SessionState, Any], SessionState]] = {
     SESSION_ENDED.name: _on_session_ended,
     SENSOR.name: _on_sensor,
     REPORT.name: _on_report,
+    OUTPUT.name: _on_output_opened,
+    ACTION.name: _on_action,
+    HALT.name: _on_halt,
+    STOPPED.name: _on_output_stopped,
     ARBITER_STATE.name: _on_arbiter_state,
     THEME.name: _on_theme,
     PRESENCE.name: _on_presence,

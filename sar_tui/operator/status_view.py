@@ -1,5 +1,9 @@
 """Texts on the session's state: the header, the participant, the log."""
 
+from collections.abc import Callable
+from datetime import datetime, timedelta
+
+from rich.cells import cell_len
 from textual.content import Content
 
 from sar_tui.operator import text_charts
@@ -7,6 +11,7 @@ from sar_tui.operator.event_log import Line
 from sar_tui.operator.event_text import PAUSE_REASONS, participant_name, short_name
 from sar_tui.operator.phrases import metric_text
 from sar_tui.operator.session_state import PARTICIPANT, Seat, SessionState
+from sar_tui.operator.stop import Stop
 from sar_tui.operator.text_charts import Piece, cut
 
 UNKNOWN = "not known yet"
@@ -35,20 +40,33 @@ _REASONS = {
 _SIGNS = {"plain": ("·", "$text-muted"), "good": ("✓", "$success"), "bad": ("!", "$warning bold")}
 
 
-def session_line(state: SessionState) -> str:
-    """Return the task, the participants and the progress of the session."""
+def session_line(state: SessionState, width: int = 200) -> str:
+    """Return the task, the participants and the progress of the session, in at most ``width`` columns.
+
+    If the line is too long, the task and the participants are cut or left out: the level stays.
+    """
     welcome, waiting = state.welcome, state.waiting
     if welcome is None:
         return "Operator"
-    parts = [welcome.title, " and ".join(welcome.participants.values())]
+    progress = []
     if state.ended:
-        parts.append(f"session {state.ended}")
+        progress.append(f"session {state.ended}")
     elif waiting and waiting.attempt:
-        parts.append(_attempt_name(state, waiting.attempt))
+        progress.append(_attempt_name(state, waiting.attempt))
     if state.level is not None:
         then = f", then {state.next_level}" if state.next_level not in (None, state.level) else ""
-        parts.append(f"level {state.level}{then}")
-    return " · ".join(part for part in parts if part)
+        progress.append(f"level {state.level}{then}")
+    who = " and ".join(welcome.participants.values())
+    for parts in ([welcome.title, who, *progress], [who, *progress], progress):
+        line = " · ".join(part for part in parts if part)
+        if cell_len(line) <= width:
+            return line
+    return " · ".join(_shortened(part) for part in reversed(progress))
+
+
+def _shortened(progress: str) -> str:
+    """Return an attempt or a level in fewer columns: "practice 1 of 2" as "practice 1/2"."""
+    return progress.replace("attempt ", "").replace(" of ", "/").replace(", then ", "→")
 
 
 def _attempt_name(state: SessionState, attempt: int) -> str:
@@ -116,8 +134,11 @@ def link_loss(state: SessionState) -> str:
 # --- the participant ----------------------------------------------------------------------------------
 
 
-def activity(state: SessionState, width: int) -> Content:
-    """Return what the session waits for, the prompt, each participant's results, and what the agent does."""
+def activity(state: SessionState, width: int, now: int = 0) -> Content:
+    """Return what the session waits for, the prompt, each participant's results, and what the agent does.
+
+    ``now``: on the session's clock (ns).
+    """
     if state.welcome is None:
         return Content.assemble((UNKNOWN.capitalize(), "$text-muted"))
     seats = sorted({*state.welcome.participants, *state.seats}) or ["A"]
@@ -126,7 +147,7 @@ def activity(state: SessionState, width: int) -> Content:
     for name in seats:
         label = f"{cut(state.welcome.participants.get(name, name), _LABEL)} " if len(seats) > 1 else ""
         rows += _seat(state, state.seat(name), label, width, is_short=len(seats) > 1)
-    rows.append(_agent(state, width))
+    rows.append(_agent(state, width, now))
     return Content.assemble(*[piece for row in rows for piece in (*row, ("\n", ""))][:-1])
 
 
@@ -138,6 +159,8 @@ def waiting_text(state: SessionState) -> str:
     if waiting is None:
         return f"Session: {UNKNOWN}"
     text = _WAITING[waiting.what]
+    if waiting.what == "answer" and state.arbiter and any(one.deadline for one in state.arbiter.pending):
+        text = "Waits for a decision"
     if state.is_paused and waiting.reason in ("", *PAUSE_REASONS) and state.pauser and state.welcome:
         theirs = state.pauser == PARTICIPANT
         text = f"{participant_name(state.welcome) if theirs else short_name(state.pauser)} paused"
@@ -203,7 +226,16 @@ def _hand(state: SessionState, seat: Seat, width: int) -> list[Piece]:
     return [("Hand ", "$text-muted"), (text_charts.motion(seat.rates, width - 5 - len(last)), "$accent"), (last, "")]
 
 
-def _agent(state: SessionState, width: int) -> list[Piece]:
+def current_stop(state: SessionState) -> Stop | None:
+    """Return the last stop until the agent acts again; None if there was none."""
+    return state.stops[-1] if state.stops and not state.stops[-1].is_past else None
+
+
+def _agent(state: SessionState, width: int, now: int) -> list[Piece]:
+    if stop := current_stop(state):
+        text, tone = stop.outcome(now)
+        sign, style = _SIGNS[tone]
+        return [(cut(f"{sign} {text[0].upper()}{text[1:]} · {stop.by}", width), style)]
     if state.voice:
         return [(cut(f"No voice: {state.voice}", width), "$warning")]
     if state.agent.acting is None:
@@ -217,14 +249,27 @@ def _agent(state: SessionState, width: int) -> list[Piece]:
 # --- the log -----------------------------------------------------------------------------------------------------
 
 
-def log_lines(lines: list[Line], width: int, rows: int) -> Content:
-    """Return the last lines, newest at the bottom."""
+def log_lines(lines: list[Line], width: int, rows: int, time_of_day: Callable[[int], str]) -> Content:
+    """Return the last lines, newest at the bottom, each with its time of day."""
     parts: list[Piece] = []
     for line in lines[-rows:] if rows > 0 else []:
         sign, style = _SIGNS[line.tone]
+        time = f"{time_of_day(line.at)} "
         parts += [
+            (time, "$text-muted"),
             (f"{sign} ", style),
-            (cut(line.text_with_count, width - 2), "$warning" if line.tone == "bad" else ""),
+            (cut(line.text_with_count, width - len(time) - 2), "$warning" if line.tone == "bad" else ""),
             ("\n", ""),
         ]
     return Content.assemble(*parts[:-1])
+
+
+def time_of_day(at: int, now: int, wall: datetime) -> str:
+    """Return the local time of a moment of the session ("14:03:22"), or blanks if it is not known.
+
+    Args:
+        at: the moment (ns, session clock).
+        now: the present (ns, session clock).
+        wall: the present, as a date and time.
+    """
+    return f"{wall - timedelta(microseconds=(now - at) // 1000):%H:%M:%S}" if at else " " * len("00:00:00")

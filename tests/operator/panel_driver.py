@@ -3,6 +3,7 @@
 import io
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -301,7 +302,10 @@ class _App(WizardApp):
             self.peer = FakePeer(receive, self.role)
             return self.peer
 
-        return PanelScreen(connect, self._theme, self._folder, VirtualClock(START))
+        return PanelScreen(connect, self._theme, self._folder, VirtualClock(START), self._wall_time)
+
+    def _wall_time(self) -> datetime:
+        return datetime(2026, 1, 5, 14, 3, 20) + timedelta(microseconds=(self.peer.now() - START) / 1000)
 
 
 @asynccontextmanager

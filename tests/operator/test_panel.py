@@ -155,7 +155,7 @@ async def test_a_decided_proposal_makes_room_for_the_next_and_is_not_decided_twi
         await driver.advance(500)
         await driver.press("x", "x")
         assert [(each.action, each.verdict) for each in driver.sent(t.DECISION)] == [("p1", "accept"), ("p2", "veto")]
-        assert "Vetoed feedback …" in driver.text
+        assert driver.text.count("Vetoing feedback …") == 2, "instead of its keys, and in the log"
         await driver.publish(t.REFUSED, m.PeerRequestRefused(actor=ANNA, what=t.DECISION.name, why="Too many at once."))
         await driver.press("x")
         await driver.advance(4000)  # and this one never arrived
@@ -330,7 +330,7 @@ async def test_remarks_that_must_wait_are_logged_so_and_typed_slots_are_filled(
         assert [remark.text for remark in driver.sent(t.REMARK)] == ["P01 :{"]
         await driver.publish(t.WAITING, b.waiting("response"))
         await driver.press("1")
-        assert "After the response: said “" in driver.text
+        assert "Saying “" in driver.text
         await driver.burst("t", *"{result}", "enter")
         assert [remark.text for remark in driver.sent(t.REMARK)][2:] == ["498 ms"]
         await driver.receive(b.welcome())
@@ -415,7 +415,7 @@ async def test_with_two_participants_remarks_go_to_the_chosen_one_and_proposals_
         assert "Say to P02: Hi" in driver.text
         await driver.press("enter")
         assert "Encourage 1/10 · to P02 (a)" in driver.text
-        assert "Said to P02 “Hi”" in driver.text
+        assert "Saying to P02 “Hi” …" in driver.text
         phrase, own = driver.sent(t.REMARK)
         assert (phrase.seat, own.seat, own.text) == ("B", "B", "Right: Hi")
         assert phrase.text.startswith("Right: ")
@@ -457,19 +457,21 @@ async def test_the_log_shows_each_act_with_its_outcome(catalogue: Catalogue, fol
     async with panel(catalogue, folder) as driver:
         await driver.publish(t.WAITING, b.waiting())
         await driver.press("s")
-        assert "Skipped the prompt …" in driver.text
+        assert "Skipping the prompt …" in driver.text
         sent = driver.peer.sent[-1][1]
         await driver.receive([b.frame(t.COMMAND, sent, sent.at + 14 * MS)])
-        assert "Skipped the prompt · link 14 ms" in driver.text
+        assert "Skipping the prompt …" in driver.text
+        await driver.publish(t.TRIAL, b.trial(5, "f", None))
+        assert "✓ Skipped the prompt · link 14 ms" in driver.text
         await driver.press("r")
         refused = m.PeerRequestRefused(actor=ANNA, what=t.COMMAND.name, why="Another operator has control.")
         await driver.publish(t.REFUSED, refused)
-        assert "Repeated the prompt: refused" in driver.text
+        assert "Repeating the prompt: refused" in driver.text
         assert "Refused: a command. Another operator has control." in driver.text
         await driver.advance(100)
         await driver.press("space")
         await driver.advance(5000)
-        assert "Paused: the session has not confirmed it" in driver.text
+        assert "Pausing: the session has not confirmed it" in driver.text
 
 
 async def test_an_observer_sees_the_same_but_cannot_act(catalogue: Catalogue, folder: Path) -> None:

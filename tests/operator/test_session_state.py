@@ -1,5 +1,8 @@
 """State of the session as the panel knows it, the texts about it, and the order of proposals."""
 
+from datetime import datetime
+from functools import partial
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,7 +15,8 @@ from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import SECOND
 from sar_tui.link.peer import Connection, MotionTrace
 from sar_tui.operator import proposal_view, status_view
-from sar_tui.operator.event_log import SentAct
+from sar_tui.operator.act import Act
+from sar_tui.operator.event_log import Line
 from sar_tui.operator.session_state import MAX_TRIALS, SessionState
 from sar_tui.operator.text_charts import cut, motion, responses, sparkline, two_lines, wrap
 from tests.operator import panel_driver as b
@@ -154,20 +158,18 @@ def test_a_lost_link_keeps_the_last_state_and_says_what_the_session_does() -> No
     assert "The connection broke" in status_view.link_loss(state)
 
 
-def test_refused_late_and_dropped_acts_are_logged() -> None:
+def test_refused_acts_and_dropped_proposals_are_logged() -> None:
     state = after(
         (
             t.REFUSED,
             m.PeerRequestRefused(actor="observer.cara", what="a command", why="An observer cannot act.", count=3),
         ),
-        (t.LATE_DECISION, m.LateDecision(actor=b.ANNA, what="veto p1", why="Its time was over.")),
         (t.DROPPED, m.Dropped(id="p1", reason="expired")),
         (t.DROPPED, m.Dropped(id="p2", reason="vetoed", actor=b.ANNA)),
         (t.STORAGE, m.StorageChanged(working=False, reason="The disk is full.")),
     )
     assert lines(state) == [
         "Refused for cara: a command (3 times). An observer cannot act.",
-        "Too late: veto p1. Its time was over.",
         "The proposal expired: nobody decided in time.",
         "Cannot write to the disk: The disk is full.",
     ]
@@ -252,9 +254,33 @@ def test_dropped_proposals_are_logged_by_kind_except_fillers() -> None:
 
 
 def test_a_long_act_leaves_room_for_its_outcome_in_the_log() -> None:
-    act = SentAct("Said “" + "on and " * 30 + "on”", "topic", m.Remark(at=b.START), latency=5_000_000)
+    said = "Said “" + "on and " * 30 + "on”"
+    act = Act(said, t.REMARK.name, m.Remark(at=b.START), state="done", latency=5_000_000)
     assert act.line(b.START).text.endswith("… · link 5 ms")
     assert cell_len(act.line(b.START).text) < 70
+
+
+# --- the header and the log ---------------------------------------------------------------------------------------
+
+
+LEVEL_5 = m.LevelChanged(previous=4, level=5, reason="success")
+
+
+@pytest.mark.parametrize("width", [20, 29, 40, 60, 120])
+@pytest.mark.parametrize("participants", [{"A": "P01"}, {"A": "LEFT-PERSON-01", "B": "RIGHT-PERSON-02"}])
+def test_the_level_stays_in_the_header_however_little_room_there_is(width: int, participants: dict[str, str]) -> None:
+    state = SessionState().receive(b.welcome(participants=participants))
+    state = state.receive([b.frame(t.WAITING, b.waiting()), b.frame(t.LEVEL, LEVEL_5)])
+    line = status_view.session_line(state, width)
+    assert cell_len(line) <= width
+    assert "level 4, then 5" in line or line.startswith("level 4→5 · 3/20")
+
+
+def test_each_line_of_the_log_has_its_time_of_day() -> None:
+    wall = datetime(2026, 1, 5, 0, 0, 10)
+    log = [Line(b.START - 20 * SECOND, "One"), Line(b.START, "Two", "good"), Line(0, "Three")]
+    shown = status_view.log_lines(log, 40, 5, partial(status_view.time_of_day, now=b.START, wall=wall))
+    assert shown.plain.splitlines() == ["23:59:50 · One", "00:00:10 ✓ Two", "         · Three"]
 
 
 # --- the order of proposals ----------------------------------------------------------------------------------------

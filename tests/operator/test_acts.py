@@ -1,0 +1,388 @@
+"""The log of the panel marks as done only what has happened, for the operator who acts and for those who watch."""
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import pytest
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.bus import Record, Topic
+from sar_tui.framework.clock import SECOND
+from sar_tui.framework.messages import Message, Role
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import COMMAND, NOTE_ADDED, OUTPUT, PRESENCE, REMARK, STOPPED
+from sar_tui.link.peer import Connection, Frame
+from sar_tui.link.session_feed import SENT
+from sar_tui.operator import status_view
+from sar_tui.operator.act import SLOW, Act
+from sar_tui.operator.commands import Commands
+from sar_tui.operator.event_log import Line
+from sar_tui.operator.stop import UNCONFIRMED, Stop
+from sar_tui.outputs.node import OutputNode
+from sar_tui.outputs.output import Output
+from sar_tui.plugins import Catalogue
+from tests.loop_driver import LoopDriver
+from tests.operator import panel_driver as b
+from tests.outputs.fake_outputs import FakeOutput, Speaker
+
+ANNA = b.ANNA
+
+
+class Panel:
+    """A panel's commands and log at a session, without a screen. What it sends arrives at once, or when a test says so.
+
+    Attributes:
+        history: the log at each message of the session.
+    """
+
+    role: Role
+    name = ANNA
+
+    def __init__(self, driver: LoopDriver, role: Role = "operator") -> None:
+        self.role = role
+        self.name = f"{role}.anna"
+        self.driver = driver
+        self.commands = Commands()
+        self.commands.peer = self
+        self.history: list[list[Line]] = []
+        self.is_slow = False
+        self.on_its_way: list[Callable[[], None]] = []
+        self.commands.receive(Connection("connected"))
+        self.commands.receive(b.welcome(role))
+        self._receive(driver.records)
+        driver.session.bus.tap(self._receive)
+
+    def _receive(self, cascade: Iterable[Record]) -> None:
+        frames = [Frame(*record) for record in cascade if record.topic in SENT]
+        if frames:
+            self.commands.receive(frames)
+            self.history.append(self.lines)
+
+    # --- the link ------------------------------------------------------------------------------------------
+
+    def send(self, topic: Topic[Any], message: Message) -> None:
+        def arrive() -> None:
+            self.driver.session.bus.publish(topic, message)
+
+        self.on_its_way.append(arrive)
+        if not self.is_slow:
+            self.deliver()
+
+    def deliver(self) -> None:
+        while self.on_its_way:
+            self.on_its_way.pop(0)()
+
+    def now(self) -> int:
+        return self.driver.clock.now()
+
+    def take_control(self) -> None: ...
+
+    def close(self) -> None: ...
+
+    # --- the operator --------------------------------------------------------------------------------------
+
+    def decide(self, verdict: Any) -> None:
+        """Decide on the most urgent proposal."""
+        approval = self.commands.pending[0]
+        self.commands.shown = (approval.proposal.id, self.now() - SECOND)
+        assert self.commands.decide(approval, verdict, self.now())
+
+    def press(self, command: str, text: str) -> None:
+        assert self.commands.command(text, command, self.now())
+
+    @property
+    def lines(self) -> list[Line]:
+        now, state = self.now(), self.commands.state
+        return [*state.log, *(stop.line(now) for stop in state.stops), *self.commands.log.lines(now)]
+
+    @property
+    def texts(self) -> list[str]:
+        return [line.text for line in self.lines]
+
+    @property
+    def last(self) -> tuple[str, str]:
+        """Text without the time of the link, and tone, of the newest act."""
+        line = self.commands.log.lines(self.now())[-1]
+        return line.text.partition(" · link")[0], line.tone
+
+    def was_good(self, text: str) -> bool:
+        """Return True if the log has ever marked a line with this text as done."""
+        return any(line.tone == "good" and text in line.text for lines in self.history for line in lines)
+
+
+def session(theme: Theme, *outputs: Output, **settings: Any) -> LoopDriver:
+    """Start a session with an operator, at the end of its first attempt."""
+    nodes = [OutputNode(output, output.name, theme) for output in outputs]
+    quiet = {"attempts": 3, "prompts_per_attempt": 2, "encouragement": False, "filler": "never"}
+    driver = LoopDriver(Catalogue().task("keyboard"), theme, extra=nodes, **quiet | settings)
+    joined = m.OperatorChanged(actor=ANNA, state="baton", operated=True, holder=ANNA, peers={ANNA: "operator"})
+    driver.session.bus.publish(PRESENCE, joined)
+    driver.wait(10_000)
+    driver.enter()
+    driver.attempt()
+    return driver
+
+
+# --- decisions -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("verdict", "doing", "done"),
+    [("accept", "Approving feedback …", "Approved feedback"), ("veto", "Vetoing feedback …", "Vetoed feedback")],
+)
+@pytest.mark.parametrize("delay_ms", [0, 9000])
+def test_a_decision_is_marked_as_done_when_the_session_has_decided(
+    calm: Theme, verdict: str, doing: str, done: str, delay_ms: int
+) -> None:
+    panel = Panel(session(calm, operator_feedback="approve", feedback_delay_ms=delay_ms))
+    panel.is_slow = True
+    panel.decide(verdict)
+    assert panel.last == (doing, "plain")
+    panel.deliver()
+    assert panel.last == (done, "good")
+
+
+def test_a_decision_that_comes_too_late_is_never_marked_as_done(calm: Theme) -> None:
+    panel = Panel(session(calm, operator_feedback="veto"))
+    panel.is_slow = True
+    panel.decide("accept")
+    panel.driver.wait(10_000)
+    panel.deliver()
+    assert panel.last == ("Approving feedback: too late, it was decided already", "bad")
+    assert not panel.was_good("Approv")
+
+
+def test_a_level_is_marked_as_decided_when_it_is(calm: Theme) -> None:
+    panel = Panel(session(calm, operator_difficulty="approve"))
+    panel.decide("accept")
+    assert panel.last == ("Approved difficulty", "good")
+
+
+def test_an_action_under_way_is_cancelled_when_its_output_is_still(calm: Theme) -> None:
+    robot = FakeOutput("robot", frozenset({"say"}))
+    panel = Panel(session(calm, robot))
+    (current,) = [panel.commands.state.arbiter.current] if panel.commands.state.arbiter else []
+    assert current
+    panel.commands.send("Cancelled feedback", b.t.DECISION, m.Decision(action=current.id, verdict="veto"), panel.now())
+    assert panel.last == ("Cancelling feedback …", "plain")
+    robot.report(current.id, "say", "aborted")
+    panel.driver.wait(0)
+    assert panel.last == ("Cancelled feedback", "good")
+
+
+# --- remarks -------------------------------------------------------------------------------------------------------
+
+
+def test_a_remark_is_said_only_when_its_output_has_said_it(calm: Theme) -> None:
+    driver = session(calm, Speaker(1500))
+    panel = Panel(driver)
+    driver.wait(10_000)
+    driver.begin_attempt()
+    assert panel.commands.say("Well held.", "A", panel.now())
+    assert panel.last == ("Saying “Well held.”: queued, after the response", "plain")
+    driver.answer()
+    driver.wait(1000)
+    assert panel.last == ("Saying “Well held.” …", "plain")
+    assert not panel.was_good("Well held")
+    driver.wait(1500)
+    assert panel.last == ("Said “Well held.”", "good")
+
+
+def test_text_on_a_screen_is_said_as_soon_as_it_is_shown(calm: Theme) -> None:
+    screen = FakeOutput("display", frozenset({"show"}))
+    panel = Panel(session(calm, screen))
+    panel.commands.say("Well held.", "A", panel.now())
+    assert panel.last == ("Saying “Well held.” …", "plain")
+    action = screen.asked[-1][1]
+    screen.report(action, "show", "started")
+    panel.driver.wait(0)
+    assert panel.last == ("Said “Well held.”", "good")
+
+
+def test_a_remark_that_an_output_could_not_say_is_not_confirmed(calm: Theme) -> None:
+    panel = Panel(session(calm, FakeOutput("speech", frozenset({"say"}), breaks=("say",))))
+    panel.commands.say("Well held.", "A", panel.now())
+    panel.driver.wait(0)
+    assert panel.last == ("Saying “Well held.”: not confirmed: speech", "bad")
+
+
+@pytest.mark.parametrize(
+    ("waits", "outcome"), [(True, "not done (stopped)"), (False, "stopped before its end")], ids=["queued", "spoken"]
+)
+def test_a_remark_that_is_stopped_was_not_said(calm: Theme, waits: bool, outcome: str) -> None:
+    panel = Panel(session(calm, Speaker(1500)))
+    panel.driver.wait(10_000)
+    if waits:
+        panel.driver.begin_attempt()
+    panel.commands.say("Well held.", "A", panel.now())
+    panel.driver.operate("stop")
+    panel.driver.wait(100)
+    assert panel.last == (f"Saying “Well held.”: {outcome}", "bad")
+    assert not panel.was_good("Well held")
+
+
+# --- commands ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("command", "text", "doing"),
+    [
+        ("pause", "Paused", "Pausing"),
+        ("skip", "Skipped the prompt", "Skipping the prompt"),
+        ("repeat", "Repeated the prompt", "Repeating the prompt"),
+        ("end", "Ended the session", "Ending the session"),
+    ],
+)
+def test_a_command_is_marked_as_done_when_it_was_carried_out(calm: Theme, command: str, text: str, doing: str) -> None:
+    panel = Panel(session(calm))
+    panel.driver.begin_attempt()
+    panel.is_slow = True
+    panel.press(command, text)
+    assert panel.last == (f"{doing} …", "plain")
+    panel.deliver()
+    assert panel.last == (text, "good")
+
+
+def test_a_level_set_by_hand_is_marked_as_done(calm: Theme) -> None:
+    panel = Panel(session(calm))
+    panel.commands.level(1, panel.now())
+    assert panel.last[1] == "good"
+
+
+def test_a_command_without_effect_is_not_marked_as_done(calm: Theme) -> None:
+    panel = Panel(session(calm))
+    panel.press("skip", "Skipped the prompt")
+    panel.driver.clock.advance(SLOW + 1)
+    assert panel.last == ("Skipping the prompt: it had no effect", "bad")
+    assert not panel.was_good("Skip")
+
+
+def test_after_a_lost_connection_a_missed_outcome_is_not_invented(calm: Theme) -> None:
+    panel = Panel(session(calm, Speaker(1500)))
+    panel.driver.wait(10_000)
+    panel.commands.say("Well held.", "A", panel.now())
+    panel.commands.receive(b.welcome())
+    assert panel.last == ("Saying “Well held.”: the outcome is not known", "bad")
+
+
+# --- stopping the agent --------------------------------------------------------------------------------------------
+
+
+def test_a_stop_is_confirmed_by_the_outputs(calm: Theme) -> None:
+    driver = session(calm, Speaker(9000), FakeOutput("robot", frozenset({"gesture"})))
+    panel = Panel(driver)
+    panel.press("stop", "Stopped")
+    assert "You stopped the agent: stopping robot, speech …" in panel.texts
+    assert not panel.was_good("stopp")
+    driver.wait(1000)
+    assert "You stopped the agent: stopping robot …" in panel.texts
+    driver.wait(1500)
+    assert "You stopped the agent: not confirmed: robot (It did not stop in time.)" in panel.texts
+    assert not panel.was_good("stopp")
+
+
+@pytest.mark.parametrize("role", ["operator", "observer"])
+def test_everybody_sees_that_the_participant_pressed_f2(calm: Theme, role: Role) -> None:
+    driver = session(calm, Speaker(9000))
+    panel = Panel(driver, role)
+    driver.operate("stop")
+    assert "P01 pressed F2: stopping speech …" in panel.texts
+    assert "Stopping speech … · P01" in status_view.activity(panel.commands.state, 60, panel.now()).plain
+    driver.wait(10)
+    assert "P01 pressed F2: stopped after 0 ms" in panel.texts
+    assert "✓ Stopped after 0 ms · P01 pressed F2" in status_view.activity(panel.commands.state, 60).plain
+    driver.wait(10_000)
+    driver.attempt()
+    assert "pressed F2" not in status_view.activity(panel.commands.state, 60, panel.now()).plain
+
+
+def test_an_output_that_never_answers_is_named() -> None:
+    stop = Stop(1000, "P01 pressed F2", frozenset({"robot", "speech"}))
+    stop = stop.reported(m.OutputStopped(output="speech", asked=1000, at=1000))
+    assert stop.outcome(1000 + UNCONFIRMED) == ("stopping robot …", "plain")
+    assert stop.outcome(1001 + UNCONFIRMED) == ("not confirmed: robot", "bad")
+
+
+def test_a_stop_that_never_arrived_is_logged_as_such(calm: Theme) -> None:
+    panel = Panel(session(calm, Speaker(9000)))
+    panel.is_slow = True
+    panel.press("stop", "Stopped")
+    assert panel.last == ("Stopping …", "plain")
+    panel.driver.clock.advance(SLOW + 1)
+    assert panel.last == ("Stopping: the session has not confirmed it", "bad")
+
+
+def test_only_outputs_that_are_open_are_waited_for() -> None:
+    opened = m.OutputOpened(output="speech", address="speech", can=("say",))
+    stop = m.SessionCommand(command="stop", at=b.START)
+    commands = Commands()
+    commands.receive(b.welcome())
+    commands.receive([b.frame(OUTPUT, opened), b.frame(COMMAND, stop)])
+    assert commands.state.stops[-1].awaited == {"speech"}
+    commands.receive([b.frame(STOPPED, m.OutputStopped(output="speech", asked=b.START, at=b.START))])
+    assert commands.state.stops[-1].outcome(b.START)[1] == "good"
+
+
+# --- those who watch -----------------------------------------------------------------------------------------------
+
+
+def watched(calm: Theme, **settings: Any) -> tuple[Panel, Panel]:
+    """Start a session with an operator and an observer."""
+    driver = session(calm, Speaker(500), **settings)
+    return Panel(driver), Panel(driver, "observer")
+
+
+def test_an_observer_sees_the_operators_decisions_with_their_outcome(calm: Theme) -> None:
+    operator, observer = watched(calm, operator_feedback="approve")
+    operator.decide("accept")
+    assert observer.last == ("anna: Approved feedback", "good")
+
+
+def test_an_observer_sees_remarks_notes_marks_and_modes(calm: Theme) -> None:
+    operator, observer = watched(calm)
+    now = operator.now()
+    operator.commands.say("Well held.", "A", now)
+    assert observer.last == ("anna: Saying “Well held.” …", "plain")
+    operator.commands.note("coughs", now)
+    operator.commands.event("phone rang", now)
+    operator.commands.hold(now)
+    operator.commands.level(1, now)
+    operator.driver.wait(1000)
+    assert [(line.text, line.tone) for line in observer.commands.log.lines(now)] == [
+        ("anna: Said “Well held.”", "good"),
+        ("anna: Noted “coughs”", "good"),
+        ("anna: Event: phone rang", "good"),
+        ("anna: Difficulty: manual", "good"),
+        (f"anna: Level {operator.commands.state.next_level}", "good"),
+    ]
+
+
+def test_a_therapists_mark_is_in_the_log_of_everybody() -> None:
+    commands = Commands()
+    commands.receive(b.welcome("observer", marks=b.MARKS))
+    mark = m.SessionCommand(command="mark", actor="therapist", reason="missed", at=b.START)
+    marked = m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False)
+    commands.receive([b.frame(COMMAND, mark), b.frame(b.t.MARKED, marked)])
+    assert commands.log.lines(b.START) == [Line(b.START, "therapist: Marked: marker missed", "good")]
+
+
+def test_earlier_notes_are_there_for_an_observer_who_joins_late_and_are_not_doubled() -> None:
+    note = b.frame(NOTE_ADDED, m.NoteAdded(text="coughs", actor=ANNA, at=b.START))
+    commands = Commands()
+    for _ in range(2):  # the connection is lost in between
+        commands.receive(b.welcome("observer"))
+        commands.receive([note])
+    assert [line.text for line in commands.log.lines(b.START)] == ["anna: Noted “coughs”"]
+
+
+def test_ones_own_acts_are_not_doubled_when_the_session_sends_them_again(calm: Theme) -> None:
+    panel = Panel(session(calm))
+    panel.commands.note("coughs", panel.now())
+    panel.commands.receive(b.welcome())
+    panel.commands.receive([b.frame(NOTE_ADDED, m.NoteAdded(text="coughs", actor=ANNA, at=panel.now()))])
+    assert [line.text.partition(" · ")[0] for line in panel.commands.log.lines(panel.now())] == ["Noted “coughs”"]
+
+
+def test_a_refused_act_of_this_operator_is_not_done() -> None:
+    act = Act("Said “Hi”", REMARK.name, m.Remark(text="Hi", actor=ANNA, at=b.START)).failed("refused")
+    assert act.line(b.START) == Line(b.START, "Saying “Hi”: refused", "bad")
