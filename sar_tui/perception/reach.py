@@ -4,6 +4,7 @@ from collections import deque
 from typing import Literal
 
 from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.held_key import HeldKey
 from sar_tui.framework.messages import (
     ImuBlock,
     KeyPerceived,
@@ -31,9 +32,6 @@ MARGIN_S = 0.05
 """Added to the stillness that the fixed-threshold detector needs."""
 PATIENCE = 300 * MS
 """Longest wait for samples after the tail."""
-KEY_REPEAT = 700 * MS
-"""A key within this time of the one before is held, or was pressed twice: keyboards begin to repeat after 250 to
-660 ms."""
 UNMOVED = 1500 * MS
 """A key within this time of the start, without any movement, was pressed by mistake."""
 
@@ -64,6 +62,7 @@ class ReachPerception(TimedNode):
         self._settled_s = max(SETTLED_S, analysis.fixed_threshold.still_ms / 1000 + MARGIN_S)
         self._blocks: deque[Samples] = deque()
         self._rate_hz = 0.0
+        self._key = HeldKey()
         self._clear()
 
     def _clear(self) -> None:
@@ -154,14 +153,17 @@ class ReachPerception(TimedNode):
     @on(PERCEIVED)
     def key_pressed(self, press: KeyPerceived) -> None:
         """End the reach: the second press means that the hand is back."""
+        if press.seat != self._seat:
+            return
+        if press.gap is None:
+            self._key.release()
+        how = self._key.press(press.at)
         prompt = self._prompt
         if prompt is None or not self._is_prompted or self._ended is not None:
             return
-        if press.repeat or press.seat != self._seat:
+        if press.repeat or press.key != prompt.expected:
             return
-        if press.key != prompt.expected:
-            return
-        if press.gap is not None and press.gap < KEY_REPEAT:
+        if how == "held" or (how == "tapped" and not self._has_moved):
             return
         if self._has_moved or press.at >= self._started + UNMOVED:
             self._ended = press.at

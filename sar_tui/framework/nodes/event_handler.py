@@ -78,7 +78,7 @@ class EventHandler(AttemptFlow):
     def session_started(self, session: m.SessionStarted) -> None:
         """Show the instructions in the first run; continue where the last run stopped in a later one."""
         self._last_key = None
-        self._start_key_at = None
+        self._start_key.release()
         self._focused = True
         self._is_agent_acting = False
         self._feedback_due_at = 0

@@ -7,6 +7,7 @@ import msgspec
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.held_key import HeldKey
 from sar_tui.framework.node import STALLED, TimedNode, on
 from sar_tui.framework.session_phase import BEFORE_PROMPT, IN_TRIAL, Phase
 from sar_tui.framework.task import Task
@@ -31,8 +32,6 @@ GRACE = 50 * MS
 """Wait after the time-out for responses that were stamped in time but are handled late."""
 MAX_PRESENTATIONS = 3
 """A trial that cannot be measured is shown this many times in total; then it counts as missed."""
-HELD_KEY = 700 * MS
-"""A start key that comes again within this time is being held down: keyboards begin to repeat after 250 to 660 ms."""
 HELD_NOTICE = 3 * SECOND
 """After this long without quiet the participant is asked to release the keys."""
 
@@ -57,7 +56,7 @@ class TrialFlow(TimedNode, ABC):
         self._focused = True
         self._repeats = 0
         self._last_key: int | None = None
-        self._start_key_at: int | None = None
+        self._start_key = HeldKey()
         self._awaiting_quiet_since = 0
         self._notice = ""
         self._is_agent_acting = False
@@ -201,19 +200,15 @@ class TrialFlow(TimedNode, ABC):
     @on(PERCEIVED)
     def perceived(self, percept: m.KeyPerceived) -> None:
         self._last_key = percept.at
+        is_start = percept.key == self.task.start_key and self._start_key.press(percept.at) != "held"
         if self._phase in IN_TRIAL:
-            self._key_in_trial(percept)
+            self._key_in_trial(percept, is_start)
         else:
             self._key_between_trials(percept)
-        if percept.key == self.task.start_key:
-            self._start_key_at = percept.at
 
-    def _is_held(self, at: int) -> bool:
-        return self._start_key_at is not None and at - self._start_key_at < HELD_KEY
-
-    def _key_in_trial(self, percept: m.KeyPerceived) -> None:
+    def _key_in_trial(self, percept: m.KeyPerceived, is_start: bool) -> None:
         match self._phase:
-            case Phase.START if percept.key == self.task.start_key and not self._is_held(percept.at):
+            case Phase.START if is_start:
                 self._start_trial(percept.at)
             case phase if phase in BEFORE_PROMPT and self.task.has_foreperiod:
                 self._restart_foreperiod()

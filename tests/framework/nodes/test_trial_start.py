@@ -93,6 +93,28 @@ def test_a_held_start_key_starts_only_one_trial(new_session: NewSession) -> None
     assert len(driver.all(PROMPT)) == 2
 
 
+@pytest.mark.parametrize("interval_ms", [300, 500, 650])
+def test_a_start_key_that_is_tapped_again_and_again_starts_a_trial(new_session: NewSession, interval_ms: int) -> None:
+    driver = new_session()
+    driver.enter()
+    driver.press("space")
+    driver.press("enter")
+    for _ in range(3):
+        driver.wait(interval_ms)
+        driver.press("space")
+    assert len(driver.all(PROMPT)) == 1
+
+
+def test_a_start_key_that_is_held_for_long_starts_no_trial(new_session: NewSession) -> None:
+    driver = new_session()
+    driver.enter()
+    driver.press("space")
+    driver.press("enter")
+    driver.wait(500)
+    driver.hold("space", ms=20_000, every_ms=40)
+    assert driver.all(PROMPT) == []
+
+
 def test_each_trial_needs_a_start_and_each_attempt_enter(new_session: NewSession) -> None:
     driver = new_session()
     driver.begin_lifts()

@@ -133,6 +133,16 @@ def test_a_held_key_does_not_end_a_trial_before_the_hand_has_moved(between_ms: f
     assert driver.to_row().value == pytest.approx(1000, abs=20)
 
 
+def test_a_key_that_is_tapped_all_the_time_ends_the_reach_once_the_hand_has_moved() -> None:
+    driver = started()
+    driver.move(300)
+    for _ in range(8):
+        driver.wait(500)
+        driver.press("space")
+    trial = driver.last(TRIAL)
+    assert (trial.details["closed"], trial.value) == ("key", pytest.approx(1000, abs=20))
+
+
 def test_successive_reaches_have_separate_windows() -> None:
     driver = ReachingDriver(reaches_per_attempt=3, attempts=1)
     driver.start_session()
