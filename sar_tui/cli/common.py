@@ -199,6 +199,11 @@ def terminal_kind() -> str:
     return os.environ.get("TERM", "" if os.name == "posix" else "windows")
 
 
+def is_interactive() -> bool:
+    """Return True if somebody can be asked on this terminal."""
+    return all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stderr))
+
+
 def need_screen() -> None:
     """Raise Refused if there is neither a terminal nor a browser to show a screen."""
     if not is_served():

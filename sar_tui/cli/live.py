@@ -1,5 +1,6 @@
 """``sar-tui run`` and ``sar-tui resume``: start or resume a live session."""
 
+import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Annotated
@@ -17,15 +18,18 @@ from sar_tui.cli.common import (
     TaskName,
     Tasks,
     checked_settings,
+    is_interactive,
     need_terminal,
     read_settings,
 )
 from sar_tui.cli.errors import Refused
+from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
     from sar_tui.framework.task import Task
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.runs.plan import Plan
+    from sar_tui.store.sessions import Row
 
 AllowOperators = Annotated[
     bool, typer.Option("--operator", help="Let operators on this machine join, with `sar-tui wizard`.")
@@ -153,14 +157,19 @@ def _check_sensor(plan: "Plan", home: Home) -> None:
 def resume(
     context: typer.Context,
     session: Annotated[
-        str, typer.Argument(metavar="[SESSION|last]", help="The session's id, or its beginning.", show_default=False)
-    ] = "last",
+        str | None,
+        typer.Argument(metavar="[SESSION|last]", help="The session's id, or its beginning.", show_default=False),
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", "-y", help="Resume the latest without a question.")] = False,
     operator: AllowOperators = False,
     listen: Listen = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Resume an interrupted session, by default the latest."""
+    """Resume an interrupted session.
+
+    Without an id, or with "last", it names the latest one and whose it is, and asks.
+    """
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
 
@@ -169,12 +178,15 @@ def resume(
     from sar_tui.store.sessions import listing
 
     with home.database() as database:
-        if session == "last":
+        if session in (None, "last"):
             rows = listing(database, home.folder)
-            session = next((r["id"] for r in rows if (r["status"], r["mode"]) == ("interrupted", "live")), "")
-            if not session:
+            latest = next((row for row in rows if (row["status"], row["mode"]) == ("interrupted", "live")), None)
+            if latest is None:
                 raise Refused("There is no interrupted session to resume.")
-        chosen = find_resumable(database, home.folder, session)
+            session = str(latest["id"])
+            if not yes:
+                _confirm(latest)
+        chosen = find_resumable(database, home.folder, session or "")
     need_terminal()
     lost_ms = chosen["parameters"].get("operator_lost_ms", TaskParameters().operator_lost_ms)
     with _open_link(home, chosen["id"], chosen["task"], operator, listen, lost_ms) as link:
@@ -182,3 +194,26 @@ def resume(
 
         ended = run_app(home.folder, catalogue, resume=chosen["id"], link=link)
     raise typer.Exit(ended)
+
+
+def _confirm(latest: "Row") -> None:
+    """Ask if this session is meant.
+
+    Raises:
+        Refused: nobody can be asked.
+        Exit: it is not.
+    """
+    from sar_tui.store.sessions import local_time, participant_codes
+
+    done = f"{latest['attempts']} of {latest['parameters'].get('attempts', '?')} attempts done"
+    began = local_time(latest["started_at"])
+    print(
+        f"The latest interrupted session is {latest['id']} of {participant_codes(latest)}: {latest['task']}, "
+        f"began {began}, {done}.",
+        file=sys.stderr,
+    )
+    if not is_interactive():
+        raise Refused(f"Nobody can be asked if it is meant. Name it: sar-tui resume {latest['id']}")
+    if not typer.confirm("Resume it?", err=True):
+        print("Nothing was resumed. `sar-tui sessions` lists all sessions; `sar-tui resume ID` resumes one.")
+        raise typer.Exit(FAILED)

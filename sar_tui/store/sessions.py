@@ -168,6 +168,8 @@ def _typed(table: str, row: Row) -> Row:
 def listing(db: sqlite3.Connection, folder: Path, *, participant: str | None = None, limit: int = -1) -> list[Row]:
     """Return sessions, newest first, with ``participant``, ``partner`` (or None) and their number of ``attempts``.
 
+    The order is that in which they were stored: the machine's clock may have been set back in between.
+
     ``participant`` selects the sessions of one participant, at any seat. The status of a session that is stored as
     running and not locked by a program is ``interrupted``.
     """
@@ -177,7 +179,7 @@ def listing(db: sqlite3.Connection, folder: Path, *, participant: str | None = N
         " (SELECT count(DISTINCT attempt) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts"
         " FROM sessions JOIN seats ON seats.session=sessions.id AND seats.seat='A'"
         " LEFT JOIN seats AS other ON other.session=sessions.id AND other.seat='B'"
-        " WHERE :who IS NULL OR :who IN (seats.participant, other.participant) ORDER BY started_at DESC LIMIT :limit",
+        " WHERE :who IS NULL OR :who IN (seats.participant, other.participant) ORDER BY sessions.rowid DESC LIMIT :limit",
         {"who": participant, "limit": limit},
     )
     return [_with_status(_typed("sessions", row), folder) for row in rows]

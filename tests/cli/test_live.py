@@ -184,14 +184,59 @@ def test_bad_input_never_opens_the_app(
     assert opened == []
 
 
-@pytest.mark.parametrize("arguments", [[], ["last"], ["its id"]], ids=["nothing", "last", "its id"])
-def test_resume_goes_on_with_the_interrupted_session(
-    call: Call, opened: list[dict[str, Any]], tmp_path: Path, arguments: list[str]
+@pytest.fixture
+def answers(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """Answers to the questions that the program will ask."""
+    given: list[bool] = []
+    monkeypatch.setattr("typer.confirm", lambda *_, **__: given.pop(0))
+    return given
+
+
+def test_resume_goes_on_with_the_session_that_is_named(
+    call: Call, opened: list[dict[str, Any]], tmp_path: Path, answers: list[bool]
+) -> None:
+    session = interrupted(call, tmp_path)
+    interrupted(call, tmp_path)
+    assert call("resume", session[:6]).code == 7
+    assert opened[0]["resume"] == session
+
+
+@pytest.mark.parametrize("arguments", [[], ["last"]], ids=["nothing", "last"])
+def test_resume_without_an_id_says_whose_session_it_is_and_asks(
+    call: Call, opened: list[dict[str, Any]], tmp_path: Path, answers: list[bool], arguments: list[str]
 ) -> None:
     session = interrupted(call, tmp_path)
     call("simulate", "keyboard", "--user", "poor", "--attempts", 1)
-    assert call("resume", *[session[:6] if word == "its id" else word for word in arguments]).code == 7
+    answers.append(True)
+    called = call("resume", *arguments)
+    assert (called.code, opened[0]["resume"]) == (7, session)
+    assert f"The latest interrupted session is {session} of SIM: keyboard, began " in called.err
+    assert "1 of 1 attempts done." in called.err
+
+
+def test_a_session_that_was_not_meant_is_not_resumed(
+    call: Call, opened: list[dict[str, Any]], tmp_path: Path, answers: list[bool]
+) -> None:
+    interrupted(call, tmp_path)
+    answers.append(False)
+    called = call("resume")
+    assert (called.code, opened) == (1, [])
+    assert "Nothing was resumed." in called.out
+
+
+def test_a_script_resumes_the_latest_session_without_a_question(
+    call: Call, opened: list[dict[str, Any]], tmp_path: Path, answers: list[bool]
+) -> None:
+    session = interrupted(call, tmp_path)
+    assert call("resume", "--yes").code == 7
     assert opened[0]["resume"] == session
+
+
+def test_where_nobody_can_be_asked_the_session_must_be_named(call: Call, tmp_path: Path) -> None:
+    session = interrupted(call, tmp_path)
+    called = call("resume")
+    assert called.code == 2
+    assert f"Name it: sar-tui resume {session}\n" in called.err
 
 
 def test_resume_without_an_interrupted_session_is_bad_input(

@@ -58,6 +58,15 @@ def test_the_newest_session_comes_first(database: sqlite3.Connection, data: Path
     assert [row["id"] for row in sessions.listing(database, data, limit=2)] == entered[:-3:-1]
 
 
+def test_a_clock_that_was_set_back_does_not_change_which_session_is_the_last(
+    database: sqlite3.Connection, data: Path
+) -> None:
+    earlier, last = enter(database, "P01"), enter(database, "P02")
+    database.execute("UPDATE sessions SET started_at='2031-01-01T00:00:00+00:00' WHERE id=?", (earlier,))
+    assert sessions.find(database, data, "last")["id"] == last
+    assert [row["id"] for row in sessions.listing(database, data)] == [last, earlier]
+
+
 def test_the_sessions_of_one_participant_are_theirs_alone(database: sqlite3.Connection, data: Path) -> None:
     mine, _ = enter(database, "P01"), enter(database, "P02")
     assert [row["id"] for row in sessions.listing(database, data, participant="P01")] == [mine]
