@@ -20,10 +20,19 @@ if TYPE_CHECKING:
     from sar_tui.framework.task import Task
     from sar_tui.plugins import Catalogue
 
+
+def named_path(text: str) -> Path:
+    """Return a path that was given to an option. An empty one, as of a variable that is not set, is bad usage."""
+    if not text:
+        raise typer.BadParameter("a name is missing: it is empty.")
+    return Path(text)
+
+
 Data = Annotated[
     Path | None,
     typer.Option(
         "--data",
+        parser=named_path,
         metavar="DIR",
         show_default=False,
         help="The data folder. Default: SAR_TUI_DATA, or the user's data folder.",
@@ -31,7 +40,13 @@ Data = Annotated[
 ]
 Tasks = Annotated[
     list[Path] | None,
-    typer.Option("--tasks", metavar="DIR", show_default=False, help="Additional folder of tasks. May be repeated."),
+    typer.Option(
+        "--tasks",
+        parser=named_path,
+        metavar="DIR",
+        show_default=False,
+        help="Additional folder of tasks. May be repeated.",
+    ),
 ]
 RecordedSession = Annotated[
     str, typer.Argument(metavar="SESSION|last", help="The session's id, or its beginning.", show_default=False)
@@ -108,10 +123,10 @@ class Home(NamedTuple):
 
     @contextmanager
     def database(self) -> "Iterator[sqlite3.Connection]":
-        """Open the database, and close it afterwards. Raises StoreError."""
-        from sar_tui.store.database import connect
+        """Open the database to read it, and close it afterwards. Raises StoreError."""
+        from sar_tui.store.database import connect_to_read
 
-        database = connect(self.folder)
+        database = connect_to_read(self.folder)
         try:
             yield database
         finally:

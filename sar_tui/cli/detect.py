@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Tasks, console, named_path, print_json
 from sar_tui.cli.errors import Refused
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
 
@@ -87,7 +87,9 @@ class Acceleration(StrEnum):
 def detect(
     file: Annotated[
         Path,
-        typer.Argument(metavar="FILE", help="FILE.csv or FILE.npz: t, wx,wy,wz, ax,ay,az.", show_default=False),
+        typer.Argument(
+            parser=named_path, metavar="FILE", help="FILE.csv or FILE.npz: t, wx,wy,wz, ax,ay,az.", show_default=False
+        ),
     ],
     detector: Annotated[DetectorName, detector_option("How to find the reaches.")] = "single-axis",
     hand: Annotated[Hand, typer.Option(help="The hand with the sensor.")] = Hand.right,

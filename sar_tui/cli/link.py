@@ -6,7 +6,7 @@ from typing import Annotated, Any, cast, get_args
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json
 from sar_tui.cli.errors import Refused
 from sar_tui.tui.exit_codes import FAILED
 
@@ -44,7 +44,11 @@ def invite(
     to: Annotated[
         Path | None,
         typer.Option(
-            "--to", metavar="FILE", show_default=False, help="The file to write. Default: ROLE-NAME.sar-link."
+            "--to",
+            parser=named_path,
+            metavar="FILE",
+            show_default=False,
+            help="The file to write. Default: ROLE-NAME.sar-link.",
         ),
     ] = None,
     as_json: AsJson = False,

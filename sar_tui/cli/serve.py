@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, print_json
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.session_choice import Link
 from sar_tui.drivers import child_process
@@ -46,7 +46,10 @@ def serve(
     token_file: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", show_default=False, help="File that stores the token. Default: a new token each time."
+            parser=named_path,
+            metavar="FILE",
+            show_default=False,
+            help="File that stores the token. Default: a new token each time.",
         ),
     ] = None,
     as_json: AsJson = False,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from sar_tui.cli.common import named_path
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
@@ -17,7 +18,13 @@ Joined = Annotated[
 ]
 Link = Annotated[
     Path | None,
-    typer.Option("--link", metavar="FILE", show_default=False, help="Invitation to a session on another machine."),
+    typer.Option(
+        "--link",
+        parser=named_path,
+        metavar="FILE",
+        show_default=False,
+        help="Invitation to a session on another machine.",
+    ),
 ]
 
 

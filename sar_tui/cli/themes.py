@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.installed import installed
 from sar_tui.tui.exit_codes import FAILED
@@ -64,6 +64,7 @@ def new_theme(
         Path | None,
         typer.Option(
             "--to",
+            parser=named_path,
             metavar="DIR",
             show_default=False,
             help="Folder to create it in. Default: your themes folder.",

@@ -29,6 +29,7 @@ import msgspec
 
 from sar_tui.cli.common import console, print_json, progress_bar
 from sar_tui.cli.tables import add, table
+from sar_tui.drivers.private_folder import make_private
 from sar_tui.store import provenance
 from sar_tui.timing.closed_loop import BASELINE, MAX_PROMPTS, SAR_TUI, Mismatch, take_turns
 from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
@@ -72,7 +73,7 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
     if sys.platform == "win32":
         print("Timing cannot be measured on Windows: it has no pseudo-terminals. Use Linux or macOS.", file=sys.stderr)
         return FAILED
-    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_private(folder)
     load = os.getloadavg()[0]
     try:
         with progress_bar(auto_refresh=False) as bar:

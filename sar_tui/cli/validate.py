@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json, progress_bar
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, progress_bar
 from sar_tui.cli.errors import Refused
 from sar_tui.tui.exit_codes import FAILED
 
@@ -33,7 +33,10 @@ def validate(
     to: Annotated[
         Path | None,
         typer.Option(
-            metavar="DIR", show_default=False, help="Store all rows (NAME.csv) and the printed text (NAME.txt) here."
+            parser=named_path,
+            metavar="DIR",
+            show_default=False,
+            help="Store all rows (NAME.csv) and the printed text (NAME.txt) here.",
         ),
     ] = None,
     reaches: Annotated[

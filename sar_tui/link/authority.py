@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import filelock
 import msgspec
 
+from sar_tui.drivers.private_folder import make_private
 from sar_tui.framework.messages import Role
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.invitation import Invitation, check_name
@@ -260,8 +261,7 @@ class Authority:
     def _locked(self) -> Iterator[None]:
         """Hold the folder's lock, so that one program at a time changes it."""
         try:
-            self._folder.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            self._folder.mkdir(exist_ok=True, mode=0o700)
+            make_private(self._folder)
             if os.name == "posix":
                 self._folder.chmod(0o700)
             lock = filelock.FileLock(self._folder / "lock", timeout=_LOCK_TIMEOUT_S, mode=0o600)

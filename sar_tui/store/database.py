@@ -1,6 +1,7 @@
 """The database file: opened with private permissions, durable commits and the current schema."""
 
 import contextlib
+import errno
 import os
 import sqlite3
 import stat
@@ -8,10 +9,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
+from urllib.parse import quote
 
 import platformdirs
 
+from sar_tui.drivers.private_folder import make_private
+
 FILE = "sar-tui.db"
+LOCK = "sar-tui.lock"
+"""Held while a database is opened, so that one program migrates it."""
 VERSION = 4
 """The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
 _LOCK_TIMEOUT_S = 10
@@ -44,7 +50,51 @@ def default_folder() -> Path:
     return Path(named) if named else platformdirs.user_data_path("sar-tui")
 
 
-def connect(folder: Path) -> sqlite3.Connection:
+class Moved(StoreError):
+    """The database was removed, replaced or cut short while it was open: what is written to it may be lost."""
+
+
+class StoreConnection(sqlite3.Connection):
+    """A connection that notices if its files are no longer those that it opened.
+
+    On POSIX a file can be removed or replaced while it is open. SQLite then writes on, successfully, to files that
+    nobody can open again.
+    """
+
+    path: Path | None = None
+    _files: tuple[tuple[Path, int, int], ...] = ()
+    _size = 0
+
+    def watch(self, path: Path) -> None:
+        """Remember the identity of the database, its write-ahead log and its shared memory."""
+        self.path = path
+        there = [each for each in (path, *sidecars(path)) if each.exists()]
+        self._files = tuple((each, found.st_dev, found.st_ino) for each in there if (found := each.stat()))
+        self._size = path.stat().st_size
+
+    def check(self) -> None:
+        """Raise Moved if a file of the database was removed, replaced or cut short."""
+        for path, device, number in self._files:
+            try:
+                found = path.stat()
+            except (FileNotFoundError, NotADirectoryError):
+                raise Moved(f"{path} was removed while it was in use.") from None
+            except OSError:
+                continue  # the disk cannot tell now; writing reports why
+            if (found.st_dev, found.st_ino) != (device, number):
+                raise Moved(f"{path} was replaced by another file while it was in use.")
+            if path == self.path:
+                if found.st_size < self._size:
+                    raise Moved(f"{path} was overwritten while it was in use.")
+                self._size = found.st_size
+
+
+def sidecars(path: Path) -> tuple[Path, Path]:
+    """Return the paths of a database's write-ahead log and of its shared memory."""
+    return path.with_name(f"{path.name}-wal"), path.with_name(f"{path.name}-shm")
+
+
+def connect(folder: Path) -> StoreConnection:
     """Open the database of a data folder; create or migrate it if necessary.
 
     The folder is created with mode 0700 and the file with 0600. The connection commits automatically outside of
@@ -53,18 +103,25 @@ def connect(folder: Path) -> sqlite3.Connection:
     Raises:
         StoreError: the file is not a sar-tui database, has a newer version or is not writable, or the disk is full.
     """
-    path = folder / FILE
-    if folder.exists() and not folder.is_dir():
-        raise StoreError(f"{folder} is a file, not a folder to keep data in.", bad_input=True)
+    return open_file(folder / FILE)
+
+
+def open_file(path: Path) -> StoreConnection:
+    """Open a database as `connect` does, whatever its file is called."""
+    folder = path.parent
     try:
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        if folder.exists() and not folder.is_dir():
+            raise StoreError(f"{folder} is a file, not a folder to keep data in.", bad_input=True)
+        make_private(folder)
         _create_file(path)
         if os.name == "posix" and stat.S_IMODE(path.stat().st_mode) != 0o600:
             path.chmod(0o600)
     except OSError as error:
         raise _unwritable(folder, error) from error
     try:
-        database = sqlite3.connect(path, timeout=10, isolation_level=None, check_same_thread=False)
+        database = sqlite3.connect(
+            path, timeout=10, isolation_level=None, check_same_thread=False, factory=StoreConnection
+        )
         if _version(database, path) == VERSION:
             database.execute("PRAGMA journal_mode=WAL")
         else:
@@ -72,11 +129,50 @@ def connect(folder: Path) -> sqlite3.Connection:
                 database.execute("PRAGMA journal_mode=WAL")
                 _migrate(database, path)
         database.execute("PRAGMA synchronous=FULL")
+        database.watch(path)
     except OSError as error:
         raise _unwritable(folder, error) from error
     except sqlite3.Error as error:
         raise explain(error, path) from error
     return database
+
+
+def connect_to_read(folder: Path) -> sqlite3.Connection:
+    """Open the database of a data folder to read it, also where nothing can be written, such as on an archive.
+
+    Raises:
+        StoreError: as `connect`; or nothing can be written, and the database must first be migrated or recovered.
+    """
+    try:
+        return connect(folder)
+    except StoreError as refused:
+        if refused.bad_input or not (database := _open_read_only(folder / FILE)):
+            raise
+    (version,) = database.execute("PRAGMA user_version").fetchone()
+    if version != VERSION:
+        database.close()
+        raise StoreError(
+            f"{folder} cannot be written to, and its data is of another version of sar-tui (data version {version}, "
+            f"and this one reads {VERSION}). Copy it to a folder that can be written to, and name that with --data."
+        )
+    return database
+
+
+def _open_read_only(path: Path) -> sqlite3.Connection | None:
+    """Open a database whose folder cannot be written to; None if it cannot be read either."""
+    log, _ = sidecars(path)
+    try:
+        is_complete = not log.exists() or log.stat().st_size == 0
+    except OSError:
+        return None
+    for option in ("mode=ro", "immutable=1") if is_complete else ("mode=ro",):
+        try:
+            database = sqlite3.connect(f"file:{quote(str(path.absolute()))}?{option}", uri=True, isolation_level=None)
+            database.execute("SELECT 1 FROM sessions LIMIT 1").fetchone()
+        except sqlite3.Error:
+            continue
+        return database
+    return None
 
 
 def _create_file(path: Path) -> None:
@@ -90,6 +186,8 @@ def _create_file(path: Path) -> None:
 
 
 def _unwritable(folder: Path, error: OSError) -> StoreError:
+    if error.errno == errno.ENAMETOOLONG:
+        return StoreError(f"{folder} is too long for the name of a file or folder.", bad_input=True)
     return StoreError(f"The data folder {folder} cannot be written to: {error.strerror}.")
 
 
@@ -115,8 +213,11 @@ def transaction(database: sqlite3.Connection) -> Iterator[sqlite3.Connection]:
     """Run a block as one transaction, committed and on the disk when the block ends.
 
     Raises:
+        Moved: the files of the database were removed or replaced; nothing has changed.
         StoreError: the disk cannot write; nothing has changed.
     """
+    if isinstance(database, StoreConnection):
+        database.check()
     try:
         database.execute("BEGIN IMMEDIATE")
         try:
@@ -136,7 +237,7 @@ def _alone(path: Path) -> Iterator[None]:
     import filelock
 
     try:
-        with filelock.FileLock(path.with_suffix(".lock"), timeout=_LOCK_TIMEOUT_S, mode=0o600):
+        with filelock.FileLock(path.with_name(LOCK), timeout=_LOCK_TIMEOUT_S, mode=0o600):
             yield
     except filelock.Timeout:
         raise StoreError(f"Another program keeps {path} locked. Close it and try again.") from None

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sar_tui.drivers.private_folder import make_private
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:  # loaded with the first lock: lists of sessions rarely need one
@@ -19,7 +20,7 @@ class Held(StoreError):
 
 def _path(folder: Path, kind: str, name: str) -> Path:
     locks = folder / "locks"
-    locks.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_private(locks)
     return locks / f"{kind}-{name}.lock"
 
 
@@ -43,16 +44,21 @@ def hold(folder: Path, kind: str, name: str) -> "filelock.BaseFileLock":
 
 
 def is_held(folder: Path, kind: str, name: str) -> bool:
-    """Return True if a program holds the lock now."""
-    path = _path(folder, kind, name)
-    if not path.exists():
+    """Return True if a program holds the lock now; False where nothing can be written, and so nothing runs."""
+    try:
+        path = _path(folder, kind, name)
+        if not path.exists():
+            return False
+    except OSError:
         return False
     import filelock
 
-    lock = filelock.FileLock(path, mode=0o600)
     try:
+        lock = filelock.FileLock(path, mode=0o600)
         lock.acquire(blocking=False)
     except filelock.Timeout:
         return True
+    except OSError:
+        return False
     lock.release()
     return False

@@ -179,7 +179,8 @@ def listing(db: sqlite3.Connection, folder: Path, *, participant: str | None = N
         " (SELECT count(DISTINCT attempt) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts"
         " FROM sessions JOIN seats ON seats.session=sessions.id AND seats.seat='A'"
         " LEFT JOIN seats AS other ON other.session=sessions.id AND other.seat='B'"
-        " WHERE :who IS NULL OR :who IN (seats.participant, other.participant) ORDER BY sessions.rowid DESC LIMIT :limit",
+        " WHERE :who IS NULL OR :who IN (seats.participant, other.participant)"
+        " ORDER BY sessions.rowid DESC LIMIT :limit",
         {"who": participant, "limit": limit},
     )
     return [_with_status(_typed("sessions", row), folder) for row in rows]

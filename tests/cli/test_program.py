@@ -134,6 +134,18 @@ def test_the_folder_named_last_counts(call: Call, tmp_path: Path) -> None:
     assert (tmp_path / "two").exists()
 
 
+@pytest.mark.parametrize("option", ["--data", "--tasks"])
+@pytest.mark.parametrize("before", [True, False], ids=["before the command", "after it"])
+def test_a_folder_without_a_name_is_bad_usage_and_not_the_present_folder(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, option: str, before: bool
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    called = call(option, "", "sessions") if before else call("sessions", option, "")
+    assert called.code == 2
+    assert "a name is missing: it is empty." in called.err
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("arguments", [["--tasks", "/no/such", "tasks"], ["tasks", "--tasks", "/no/such"]])
 def test_a_tasks_folder_that_is_not_there_is_bad_input(call: Call, arguments: list[str]) -> None:
     called = call(*arguments)

@@ -171,6 +171,17 @@ def test_a_folder_that_is_read_only_is_reported() -> None:
     assert not refused.bad_input
 
 
+@posix
+def test_the_folders_above_are_private_too_whatever_the_umask(tmp_path: Path) -> None:
+    before = os.umask(0)
+    try:
+        connect(tmp_path / "clinic" / "ward" / "data").close()
+    finally:
+        os.umask(before)
+    folders = [tmp_path / "clinic", tmp_path / "clinic" / "ward", tmp_path / "clinic" / "ward" / "data"]
+    assert [mode(folder) for folder in folders] == [0o700] * 3
+
+
 @pytest.fixture
 def older(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A database of this version, opened by a program of the next version, whose migration adds a table."""

@@ -1,6 +1,7 @@
 """The database, and the disk that it is on."""
 
 import shutil
+from contextlib import closing
 from pathlib import Path
 
 from sar_tui.cli.common import Home
@@ -12,10 +13,10 @@ _LITTLE, _TOO_LITTLE = 500 * _MEGABYTE, 20 * _MEGABYTE
 
 def database(home: Home) -> Finding:
     """Check that the database can be opened and is not damaged."""
-    from sar_tui.store.database import FILE, StoreError
+    from sar_tui.store.database import FILE, StoreError, connect
 
     try:
-        with home.database() as opened:
+        with closing(connect(home.folder)) as opened:
             (version,) = opened.execute("PRAGMA user_version").fetchone()
             (state,) = opened.execute("PRAGMA quick_check(1)").fetchone()
     except StoreError as error:

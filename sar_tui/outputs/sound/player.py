@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
 
+from sar_tui.drivers.private_folder import make_private
 from sar_tui.framework.clock import host_now
 from sar_tui.outputs.sound.protocol import SoundError
 from sar_tui.outputs.sound.samples import RATE, seconds
@@ -173,7 +174,7 @@ class Folder:
             playback.wake.wait(seconds(samples))
 
     def _write(self, name: str, samples: "array[int]") -> None:
-        self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        make_private(self._folder)
         path, handle = self._next(name)
         try:
             with os.fdopen(handle, "wb") as file, wave.open(file, "wb") as sound:
