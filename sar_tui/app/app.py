@@ -21,7 +21,7 @@ from textual.widget import Widget
 from sar_tui.app.exit_message import UNSAVED, exit_message
 from sar_tui.app.opening import OpeningApp
 from sar_tui.plugins import Catalogue, PluginError
-from sar_tui.store.database import StoreError, explain
+from sar_tui.store.database import StoreError, connect, explain
 from sar_tui.theme_folder import may_have_images
 from sar_tui.tui.exit_codes import after_signal
 from sar_tui.tui.terminal_input import UnreadableInput
@@ -35,6 +35,8 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.runs.plan import Plan
 
+_UNNOTICED_SECONDS = 0.3
+"""Longest wait for the disk at the end before the screen says so."""
 _KEY_NAMES = {"escape": "Esc", "question_mark": "?"}
 
 
@@ -68,6 +70,7 @@ class SarTui(OpeningApp):
         super().__init__(folder, catalogue, begin)
         self.live: LiveSession | None = None
         self.feeds: Sequence[ImuFeed] = ()
+        self._is_leaving = False
         self._session_clock = clock
         self._link = link
         self.picture: type[Widget] | None = None
@@ -178,6 +181,9 @@ class SarTui(OpeningApp):
             self.exit(return_code=1 if self.failure else 0)
             return
         self._show_pending_notice()
+        self.check_database()
+        if self.live and self.live.rescued:
+            self.notify(f"{self.live.rescued} `sar-tui rescue` brings it back.", severity="error", timeout=60)
         if self.live and self.live.unsaved:
             self.notify(f"{UNSAVED} Free some space before the next session.", severity="error", timeout=30)
 
@@ -186,6 +192,22 @@ class SarTui(OpeningApp):
         self._stop_feeds()
         if self.live:
             self.live.close(self)
+
+    def check_database(self) -> None:
+        """Open the database anew if its files were removed or replaced, and say so."""
+        try:
+            self.database.check()
+        except StoreError as error:
+            self.database.close()
+            self.database = connect(self.folder)
+            self.notify(str(error), severity="error", timeout=60)
+
+    def tell_troubles(self) -> None:
+        """Say if rescue files wait, or data was lost."""
+        from sar_tui.store.troubles import troubles
+
+        for text in troubles(self.database, self.folder):
+            self.notify(text, severity="error", timeout=60)
 
     # --- the stop key -----------------------------------------------------------------------------------------
 
@@ -247,9 +269,23 @@ class SarTui(OpeningApp):
         self.call_later(self.exit, None, after_signal(getattr(signal, "SIGHUP", 1)))
 
     def exit(self, *args: Any, **how: Any) -> None:
-        """Exit. Release devices first, while their last reports can still be recorded."""
+        """Exit, once the session is written. Until then the screen stays, so that nobody sees an empty terminal."""
+        if self._is_leaving:
+            return
         if self._open:
-            self._open.release()
+            self._open.stop(self)
+            if not self._open.is_written(_UNNOTICED_SECONDS):
+                self._is_leaving = True
+                self.run_worker(self._exit_once_written(self._open, args, how), name="exit", group="exit")
+                return
+        super().exit(*args, **how)
+
+    async def _exit_once_written(self, live: "LiveSession", args: Sequence[Any], how: dict[str, Any]) -> None:
+        from sar_tui.app.live import LAST_WRITE_SECONDS
+        from sar_tui.app.screens.saving import SavingScreen
+
+        self.push_screen(SavingScreen())
+        await asyncio.to_thread(live.is_written, LAST_WRITE_SECONDS)
         super().exit(*args, **how)
 
     def exit_lines(self, code: int) -> list[str]:
@@ -305,7 +341,7 @@ def run_app(
         app.picture = find_pictures()
     code = app.run_here()
     app.close_session()
-    code = code or int(bool(app.failure or (app.live and app.live.unsaved)))
+    code = code or int(bool(app.failure or (app.live and (app.live.unsaved or app.live.rescued))))
     for line in app.exit_lines(code):
         with contextlib.suppress(OSError):  # the terminal may be gone
             print(line, file=sys.stderr)

@@ -34,8 +34,8 @@ def exit_message(
         names_ended_session: True if the app was opened for this session only.
     """
 
-    def command(name: str, session: str) -> str:
-        parts = ["sar-tui", *name.split(), session]
+    def command(name: str, *session: str) -> str:
+        parts = ["sar-tui", *name.split(), *session]
         if folder.resolve() != default_folder().resolve():
             parts += ["--data", str(folder)]
         for each in tasks:
@@ -46,6 +46,8 @@ def exit_message(
         yield failure
     if code == INTERRUPTED:
         yield "Stopped with Ctrl-C."
+    if live and live.rescued:
+        yield f"{live.rescued} Bring it back into the database: {command('rescue')}"
     if live and not live.run.session.ended and not live.run.session.broken:
         yield f"The session is kept. Resume it: {command('resume', live.run.id)}"
     elif live and names_ended_session:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.link.node import LinkNode
 
-_LAST_WRITE_SECONDS = 5.0
+LAST_WRITE_SECONDS = 5.0
 """Longest wait for the disk at the end of a session."""
 
 
@@ -57,7 +57,8 @@ class LiveSession:
         self.run: Run
         self._folder = folder
         self._catalogue = catalogue
-        self._closing = False
+        self._stopping = False
+        self._closed = False
 
     def open(self, stage: Stage, what: Plan | str) -> None:
         """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start` and `resume`."""
@@ -119,7 +120,7 @@ class LiveSession:
         from textual.worker import get_current_worker
 
         worker = get_current_worker()
-        self.run.recorder.run(lambda: self._closing or worker.is_cancelled)
+        self.run.recorder.run(lambda: self._stopping or worker.is_cancelled)
 
     def operate(self, act: SessionCommand) -> None:
         """Send an operator's act to the session."""
@@ -128,7 +129,12 @@ class LiveSession:
     @property
     def is_closed(self) -> bool:
         """True once the session was closed."""
-        return self._closing
+        return self._closed
+
+    @property
+    def rescued(self) -> str:
+        """Text that says where the session is, and why, if it is not in the database; else empty."""
+        return self.run.recorder.safeguard.text if self.run.recorder.safeguard else ""
 
     @property
     def unsaved(self) -> int:
@@ -141,22 +147,30 @@ class LiveSession:
         if not self.run.recorder.wait(0):
             self.run.session.bus.drain()
 
+    def stop(self, app: "App[int]") -> None:
+        """Release devices and stop both workers; the storage thread first writes the remaining messages."""
+        self.release()
+        self._stopping = True
+        app.workers.cancel_group(app, "session")
+        self.run.recorder.wake()
+
+    def is_written(self, seconds: float) -> bool:
+        """Return True if a stopped session has written all that it can, at the latest after ``seconds``."""
+        return not isinstance(self.clock, LiveClock) or self.run.recorder.wait(seconds)
+
     def close(self, app: "App[int]") -> None:
         """Stop both workers, write the remaining messages, and close the session.
 
         If the disk is too slow, the session stays locked while the thread writes, and ``unsaved`` counts the messages
         that are left.
         """
-        if self._closing:
+        if self._closed:
             return
-        self.release()
-        self._closing = True
-        app.workers.cancel_group(app, "session")
-        if isinstance(self.clock, LiveClock):
-            self.run.recorder.wake()
-            if not self.run.recorder.wait(_LAST_WRITE_SECONDS):
-                return
-        else:
+        self.stop(app)
+        self._closed = True
+        if not self.is_written(LAST_WRITE_SECONDS):
+            return
+        if not isinstance(self.clock, LiveClock):
             with contextlib.suppress(StoreError):
                 self.run.recorder.write()
         self.run.close()

@@ -25,6 +25,7 @@ COMMANDS = {
     "validate": "validate:validate",
     "graph": "graph:graph",
     "serve": "serve:serve",
+    "rescue": "rescue:rescue",
     "doctor": "doctor.command:doctor",
     "timing": "measure_timing:measure_timing",
     "agent": "agent_view:follow_agent",

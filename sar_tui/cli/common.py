@@ -123,11 +123,14 @@ class Home(NamedTuple):
 
     @contextmanager
     def database(self) -> "Iterator[sqlite3.Connection]":
-        """Open the database to read it, and close it afterwards. Raises StoreError."""
+        """Open the database to read it, say if data was lost, and close it afterwards. Raises StoreError."""
         from sar_tui.store.database import connect_to_read
+        from sar_tui.store.troubles import troubles
 
         database = connect_to_read(self.folder)
         try:
+            for text in troubles(database, self.folder):
+                print(f"! {text}", file=sys.stderr)
             yield database
         finally:
             database.close()

@@ -62,6 +62,6 @@ class Blockers:
         return error.detail if error and lost.at - error.at < _RECENT else ""
 
     def detail(self, reason: str) -> str:
-        """Return the error message for the experimenter; empty if ``reason`` is neither ``storage`` nor ``sensor``."""
+        """Return the message for the experimenter; empty if ``reason`` concerns neither the disk nor a sensor."""
         sensors = " ".join(dict.fromkeys(filter(None, self._lost.values())))
-        return {"storage": self._disk_error, "sensor": sensors}.get(reason, "")
+        return {"storage": self._disk_error, "restored": self._disk_error, "sensor": sensors}.get(reason, "")

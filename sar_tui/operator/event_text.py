@@ -194,6 +194,8 @@ def _sensor(changed: SensorChanged) -> _Text | None:
 
 
 def _storage(changed: StorageChanged) -> _Text:
+    if changed.working and changed.reason:
+        return changed.reason, "bad"
     if changed.working:
         return "The disk works again.", "good"
     return f"Cannot write to the disk: {changed.reason}", "bad"

@@ -2,7 +2,7 @@
 
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TypedDict
 
@@ -18,9 +18,15 @@ from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.runs.plan import Failed, Plan, set_up
 from sar_tui.store import locks, participants, sessions
-from sar_tui.store.database import StoreError, connect
+from sar_tui.store.database import StoreError, connect, open_file
+from sar_tui.store.last_saved import forget
 from sar_tui.store.provenance import machine, measured_timing, software
 from sar_tui.store.recorder import Recorder
+from sar_tui.store.rescue import rescue_files
+from sar_tui.store.safeguard import Safeguard
+
+_LAST_WAIT_MS = 1000
+"""Longest wait for a database that another program keeps locked, while a session is written and left."""
 
 NodeFactory = Callable[[Task, Theme, int], Sequence[Node]]
 """Makes the input and output nodes of a session from its task, theme and seed."""
@@ -37,8 +43,10 @@ class Run:
         recorder: Recorder,
         database: sqlite3.Connection,
         held: Sequence[BaseFileLock],
+        folder: Path,
     ) -> None:
         self.id = session_id
+        self._folder = folder
         self.number = number
         self.session = session
         self.recorder = recorder
@@ -64,12 +72,27 @@ class Run:
         """Detach the nodes and release the locks. A session that has not ended is stored as interrupted."""
         try:
             self.session.detach()
-            if not self.session.ended:
-                sessions.interrupt(self._database, self.id)
+            if self.rescue_file:
+                with closing(open_file(self.rescue_file)) as database:
+                    self._leave(database)
+            else:
+                self._database.execute(f"PRAGMA busy_timeout={_LAST_WAIT_MS}")
+                self._leave(self._database)
+                if self.recorder.safeguard:
+                    forget(self._database, self._folder, self.id)
         except (StoreError, sqlite3.Error):
             pass  # a session that is running but not locked counts as interrupted, too
         finally:
             _release(self._database, self._locks)
+
+    def _leave(self, database: sqlite3.Connection) -> None:
+        if not self.session.ended:
+            sessions.interrupt(database, self.id)
+
+    @property
+    def rescue_file(self) -> Path | None:
+        """The rescue file in which the session went on; None if it is in the database."""
+        return self.recorder.safeguard.file if self.recorder.safeguard else None
 
 
 def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nodes: NodeFactory) -> Run:
@@ -159,6 +182,10 @@ def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> ses
         StoreError: there is no such session, or it is live, or it has ended.
     """
     row = sessions.find(database, folder, name)
+    if files := rescue_files(folder, row["id"]):
+        raise StoreError(
+            f"The last messages of session {row['id']} are in {files[0]}. Run `sar-tui rescue` first.", bad_input=True
+        )
     if row["status"] != "interrupted" or row["mode"] != "live":
         raise _not_resumable(row["id"], row["status"] if row["mode"] == "live" else row["mode"])
     return row
@@ -219,9 +246,14 @@ def _with_recorder(
     held: Sequence[BaseFileLock],
 ) -> Run:
     """Return the run of a session with a recorder. In a live session it has its own database connection and thread."""
-    inline = isinstance(session.clock, VirtualClock)
-    recorder = Recorder(database if inline else connect(folder), session_id, number, session.bus, inline=inline)
-    return Run(session_id, number, session, recorder, database, held)
+    if isinstance(session.clock, VirtualClock):
+        recorder = Recorder(database, session_id, number, session.bus, inline=True)
+    else:
+        own = connect(folder)
+        own.execute(f"PRAGMA busy_timeout={_LAST_WAIT_MS}")
+        safeguard = Safeguard(folder, session_id, own)
+        recorder = Recorder(own, session_id, number, session.bus, safeguard=safeguard)
+    return Run(session_id, number, session, recorder, database, held, folder)
 
 
 @contextmanager

@@ -18,6 +18,10 @@ from sar_tui.drivers.private_folder import make_private
 FILE = "sar-tui.db"
 LOCK = "sar-tui.lock"
 """Held while a database is opened, so that one program migrates it."""
+RESCUE, RESCUED = "sar-tui-rescue-", "sar-tui-rescued-"
+"""Beginnings of the names of rescue files: to be brought back, and those that were. See `store.rescue`."""
+SAVED = "saved"
+"""Folder of the notes of what was saved. See `store.last_saved`."""
 VERSION = 4
 """The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
 _LOCK_TIMEOUT_S = 10
@@ -36,12 +40,23 @@ class StoreError(Exception):
     """The database cannot be used. The message is one or two clear sentences.
 
     ``bad_input``: the user's input is wrong, such as the wrong file. ``temporary``: it may work later without a change.
+    ``locked``: another program is writing. ``unreadable``: the file is damaged, or its disk is gone.
     """
 
-    def __init__(self, message: str, *, bad_input: bool = False, temporary: bool = False) -> None:
+    def __init__(
+        self,
+        message: str,
+        *,
+        bad_input: bool = False,
+        temporary: bool = False,
+        locked: bool = False,
+        unreadable: bool = False,
+    ) -> None:
         super().__init__(message)
         self.bad_input = bad_input
         self.temporary = temporary
+        self.locked = locked
+        self.unreadable = unreadable
 
 
 def default_folder() -> Path:
@@ -52,6 +67,9 @@ def default_folder() -> Path:
 
 class Moved(StoreError):
     """The database was removed, replaced or cut short while it was open: what is written to it may be lost."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, temporary=True)
 
 
 class StoreConnection(sqlite3.Connection):
@@ -113,7 +131,7 @@ def open_file(path: Path) -> StoreConnection:
         if folder.exists() and not folder.is_dir():
             raise StoreError(f"{folder} is a file, not a folder to keep data in.", bad_input=True)
         make_private(folder)
-        _create_file(path)
+        create_file(path)
         if os.name == "posix" and stat.S_IMODE(path.stat().st_mode) != 0o600:
             path.chmod(0o600)
     except OSError as error:
@@ -175,8 +193,8 @@ def _open_read_only(path: Path) -> sqlite3.Connection | None:
     return None
 
 
-def _create_file(path: Path) -> None:
-    """Create the file unless it exists.
+def create_file(path: Path) -> None:
+    """Create the file with mode 0600 unless it exists.
 
     Only SQLite may open an existing file: closing it would release all locks that other connections of this process
     hold on it (POSIX), and another program could then remove the write-ahead log they write to.
@@ -205,7 +223,13 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
         sqlite3.SQLITE_NOMEM: "This machine has no memory left. Close other programs.",
     }
     wrong_file = code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT)
-    return StoreError(known.get(code, f"{path}: {error}."), bad_input=wrong_file, temporary=code in _TEMPORARY)
+    return StoreError(
+        known.get(code, f"{path}: {error}."),
+        bad_input=wrong_file,
+        temporary=code in _TEMPORARY,
+        locked=code == sqlite3.SQLITE_BUSY,
+        unreadable=wrong_file or code in (sqlite3.SQLITE_IOERR, sqlite3.SQLITE_CANTOPEN),
+    )
 
 
 @contextmanager

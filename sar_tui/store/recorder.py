@@ -1,5 +1,6 @@
 """The Recorder: a tap on the bus that writes every message to the disk and acknowledges trials."""
 
+import contextlib
 import sqlite3
 import threading
 from collections import deque
@@ -10,8 +11,9 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.topics import STORAGE, STORED
 from sar_tui.store import imu
-from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.database import StoreConnection, StoreError, transaction
 from sar_tui.store.rows import SQL, rows_of
+from sar_tui.store.safeguard import Safeguard
 
 BATCH_SECONDS = 0.1
 """Longest time until a message that is not a trial is written."""
@@ -19,6 +21,8 @@ RETRY_SECONDS = 1.0
 """Time until a failed write is tried again."""
 GROUP = 2000
 """Number of messages in a transaction on a virtual clock, where nobody waits for a trial."""
+LOCKED_TRIES = 10
+"""Failed writes in succession until it is reported that another program keeps the database locked."""
 _PERMANENT = "Waiting will not help. End the session: what was saved so far is kept."
 
 
@@ -34,12 +38,22 @@ class Recorder:
         session, run: the session and the run that the rows belong to.
         bus: the bus to tap; acknowledgements are posted to it.
         inline: on a virtual clock: write on the bus's own thread, ``GROUP`` messages at a time and at the end.
+        safeguard: where the session goes on if the database is removed, or still locked at the end.
     """
 
     name: ClassVar[str] = "recorder"
     emits: ClassVar[tuple[Topic[Any], ...]] = (STORED, STORAGE)
 
-    def __init__(self, database: sqlite3.Connection, session: str, run: int, bus: Bus, *, inline: bool = False) -> None:
+    def __init__(
+        self,
+        database: sqlite3.Connection,
+        session: str,
+        run: int,
+        bus: Bus,
+        *,
+        inline: bool = False,
+        safeguard: Safeguard | None = None,
+    ) -> None:
         self._database = database
         self._session = session
         self._run = run
@@ -50,6 +64,9 @@ class Recorder:
         self._wake = threading.Event()
         self._finished = threading.Event()
         self._problem: str | None = None
+        self._locked = 0
+        self._committed: list[list[Record]] = []
+        self.safeguard = safeguard
         self._streams = imu.resume_streams(database, session, run)
         bus.tap(self)
 
@@ -80,7 +97,7 @@ class Recorder:
     @property
     def pending(self) -> int:
         """Number of cascades that are not on the disk yet."""
-        return len(self._queue)
+        return len(self._queue) + len(self._committed)
 
     def run(self, is_stopped: Callable[[], bool]) -> None:
         """Write until stopped, then write the rest and close the connection. Call it once, in a thread of its own."""
@@ -89,11 +106,13 @@ class Recorder:
                 self._wake.wait(RETRY_SECONDS if self._problem else BATCH_SECONDS)
                 self._wake.clear()
                 self.try_write()
-            self.try_write()
+            self._write_last()
         finally:
             try:
                 if not self._inline:
                     self._database.close()
+                    if self.safeguard:
+                        self.safeguard.close()
             finally:
                 self._finished.set()
 
@@ -110,14 +129,61 @@ class Recorder:
         try:
             self.write()
         except StoreError as error:
+            self._locked = self._locked + 1 if error.locked else 0
+            if 0 < self._locked < LOCKED_TRIES:
+                return
             reason = str(error) if error.temporary else f"{error} {_PERMANENT}"
             if reason != self._problem:
                 self._problem = reason
                 self._bus.post(STORAGE, m.StorageChanged(working=False, reason=reason))
         else:
+            self._locked = 0
             if self._problem:
                 self._problem = None
                 self._bus.post(STORAGE, m.StorageChanged(working=True))
+
+    def _write_last(self) -> None:
+        """Write the rest at the end of a run; into a rescue file if the database cannot be written to now."""
+        try:
+            self.write()
+        except StoreError as error:
+            with contextlib.suppress(StoreError):
+                if error.temporary and self._take_over(str(error), at_end=True):
+                    self._write_or_give_up()
+
+    def _write_or_give_up(self) -> None:
+        try:
+            self.write()
+        except StoreError:
+            if self.safeguard and isinstance(self._database, StoreConnection):
+                self.safeguard.give_up(self._database)
+
+    def _stay_in_place(self) -> None:
+        """Go on in a rescue file if the files of the database were removed or replaced, and say so.
+
+        Raises:
+            StoreError: it cannot be written. What was committed last is not acknowledged.
+        """
+        if self.safeguard and isinstance(self._database, StoreConnection):
+            self._use(self.safeguard.in_place(self._database))
+
+    def _take_over(self, reason: str, *, at_end: bool = False) -> bool:
+        """Go on in a rescue file because the database cannot be written to; False without a safeguard.
+
+        Raises:
+            StoreError: it cannot be written.
+        """
+        if self.safeguard is None or not isinstance(self._database, StoreConnection):
+            return False
+        self._use(self.safeguard.take_over(self._database, reason, at_end=at_end))
+        return True
+
+    def _use(self, database: StoreConnection) -> None:
+        if self.safeguard and database is not self._database:
+            self._database.close()
+            self._database = database
+            self._problem = None
+            self._bus.post(STORAGE, m.StorageChanged(working=True, reason=self.safeguard.text))
 
     def write(self) -> None:
         """Commit everything that is queued as one transaction, and in a live session acknowledge its trials.
@@ -125,8 +191,9 @@ class Recorder:
         Raises:
             StoreError: the disk cannot write, or a message cannot be stored; everything stays queued.
         """
+        self._stay_in_place()
         count = len(self._queue)
-        if not count:
+        if not count and not self._committed:
             return
         records = [record for cascade in list(self._queue)[:count] for record in cascade]
         try:
@@ -136,16 +203,24 @@ class Recorder:
                 for kind, statement in SQL.items():
                     if rows[kind]:
                         connection.executemany(statement, rows[kind])
-        except StoreError:
+        except StoreError as error:
+            if error.bad_input and self._take_over(str(error)):  # the file is damaged
+                self.write()
+                return
             raise
         except Exception as error:  # a task's values do not fit into a row
             raise StoreError(f"A message cannot be stored ({type(error).__name__}: {error}).") from error
         self._streams = streams
         for _ in range(count):
-            self._queue.popleft()
+            self._committed.append(self._queue.popleft())
+        self._queued = 0
+        self._stay_in_place()
+        records = [record for cascade in self._committed for record in cascade]
+        self._committed.clear()
         if self._inline:
-            self._queued = 0
             return
+        if self.safeguard:
+            self.safeguard.saved(records)
         for record in records:
             if isinstance(trial := record.message, m.TrialEnded):
                 self._bus.post(STORED, _stored(trial))

@@ -23,7 +23,7 @@ async def test_a_failed_write_asks_for_the_experimenter_and_the_session_continue
         prompt = await driver.to_first_prompt()
         await driver.disk(False)
         assert driver.sees("Please fetch the experimenter")
-        assert driver.sees("Everything you did is kept.")
+        assert driver.sees("Please leave this screen open: your last answer may not be saved yet.")
         assert driver.sees("For the experimenter: The disk is full. When it can be saved again")
         assert "Press: " not in driver.text
 

@@ -84,6 +84,7 @@ class HomeScreen(Screen[None]):
         self._list_recent()
         self.look_for_sessions()
         self.set_interval(_LOOK_SECONDS, self.look_for_sessions)
+        self.app.tell_troubles()
 
     def _list_themes(self) -> None:
         self.app.load_themes()
@@ -95,6 +96,7 @@ class HomeScreen(Screen[None]):
 
     def on_screen_resume(self) -> None:
         if self._is_filled:
+            self.app.check_database()
             self._list_participants()
             self._list_recent()
             self.look_for_sessions()
@@ -274,6 +276,7 @@ class HomeScreen(Screen[None]):
             self.notify(f"The settings of {codes[0]} do not fit: {error}", severity="warning", timeout=15)
         except StoreError as error:
             self.notify(str(error), severity="error", timeout=15)
+            self.on_screen_resume()  # opens a database anew that was removed
         except (PluginError, Failed) as error:
             self.notify(str(error), severity="warning", timeout=15)
         else:

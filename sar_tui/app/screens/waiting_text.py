@@ -74,9 +74,13 @@ def _paused(waiting: Waiting, task: Task, tr: Language) -> WaitingText | None:
             go_on = f"{tr('We go on with {attempt}.', attempt=waiting.attempt_name)} {waiting.goal}"
             return WaitingText(tr("Welcome back"), go_on, tr("Press Enter to go on."))
         case "restored":
-            return WaitingText(
-                tr("Thank you for waiting"), tr("Everything is saved again."), tr("Press Enter to go on.")
-            )
+            saved = tr("Everything is saved again.")
+            if waiting.detail:
+                told = tr("For the experimenter: {words}", words=waiting.detail)
+                return WaitingText(
+                    tr("Please fetch the experimenter"), f"{saved}\n\n{told}", tr("Press Enter to go on.")
+                )
+            return WaitingText(tr("Thank you for waiting"), saved, tr("Press Enter to go on."))
         case "storage":
             return _no_space(waiting.detail, tr)
         case "sensor":
@@ -98,7 +102,7 @@ def _no_space(detail: str, tr: Language) -> WaitingText:
     return WaitingText(
         tr("Please fetch the experimenter"),
         f"{tr('The computer cannot save just now, so the session has paused.')}\n"
-        f"{tr('Everything you did is kept.')}\n\n"
+        f"{tr('Please leave this screen open: your last answer may not be saved yet.')}\n\n"
         f"{tr('For the experimenter: {words}', words=detail or tr('The disk cannot be written to.'))}\n"
         f"{tr('When it can be saved again, the session can go on.')}",
         "",

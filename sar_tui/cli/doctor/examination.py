@@ -10,7 +10,7 @@ from sar_tui.cli.doctor.link import browser, invitations, operator_here
 from sar_tui.cli.doctor.sensors import motion_sensor, sensor_driver
 from sar_tui.cli.doctor.servo import servo_controller
 from sar_tui.cli.doctor.speech import examine_voice, sound_card, speech_engine
-from sar_tui.cli.doctor.storage import database, disk_space
+from sar_tui.cli.doctor.storage import database, disk_space, saved_data
 from sar_tui.cli.doctor.terminal import colours, connection, size, terminal
 from sar_tui.cli.doctor.timing import clock, measured_timing, onset_stamps, priority
 
@@ -52,6 +52,7 @@ def _checks(home: Home, pool: Executor) -> Sequence[tuple[str, Check]]:
         ("Invitations", lambda: invitations(home.folder)),
         ("Browser", browser),
         ("Data", lambda: database(home)),
+        ("Saved data", lambda: saved_data(home.folder)),
         ("Disk space", lambda: disk_space(home.folder)),
         ("Tasks", lambda: tasks(home)),
         ("Themes", lambda: themes(home)),

@@ -1,5 +1,6 @@
 """The database, and the disk that it is on."""
 
+import os
 import shutil
 from contextlib import closing
 from pathlib import Path
@@ -25,6 +26,29 @@ def database(home: Home) -> Finding:
     if state != "ok":
         return Finding("Data", "bad", f"{path} is damaged: {state}.", "Restore a backup.")
     return Finding("Data", "ok", f"{path}, data version {version}, can be written to")
+
+
+def saved_data(folder: Path) -> Finding:
+    """Check that the database has all that was saved."""
+    from sar_tui.store.database import FILE, SAVED, StoreError, connect_to_read
+    from sar_tui.store.last_saved import losses
+    from sar_tui.store.rescue import rescue_files
+
+    if files := rescue_files(folder):
+        found = f"{', '.join(map(str, files))}: holds data that is not in the database."
+        return Finding("Saved data", "bad", found, "Run `sar-tui rescue`, which brings it back.")
+    if not any(os.path.exists(folder / name) for name in (FILE, SAVED)):
+        return Finding("Saved data", "ok", "nothing was saved yet")
+    try:
+        with closing(connect_to_read(folder)) as opened:
+            lost = losses(opened, folder)
+    except StoreError as error:
+        return Finding("Saved data", "bad", str(error))
+    if not lost:
+        return Finding("Saved data", "ok", "all that was saved is in the database")
+    notes = " and ".join(str(loss.note) for loss in lost)
+    advice = f"The log of the database was damaged or deleted. Restore a backup, or delete {notes} to accept it."
+    return Finding("Saved data", "bad", " ".join(map(str, lost)), advice)
 
 
 def disk_space(folder: Path) -> Finding:

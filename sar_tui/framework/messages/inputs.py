@@ -163,7 +163,7 @@ class Stored(Message, frozen=True, kw_only=True):
 
 
 class StorageChanged(Message, frozen=True, kw_only=True):
-    """Writing to disk fails (``working`` False), or works again."""
+    """Writing to disk fails (``working`` False), or works again; with a reason, in another file than before."""
 
     working: bool
     reason: str = ""

@@ -130,11 +130,12 @@ class EventHandler(AttemptFlow):
 
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:
-        """Pause the session when writing to disk fails; let it be resumed when it works again."""
+        """Pause the session when writing to disk fails, or goes on elsewhere; let it be resumed when it works."""
         self._blockers.update_storage(storage)
-        if self._phase in (Phase.CLOSING, Phase.PAUSED):
+        goes_on_elsewhere = storage.working and bool(storage.reason)
+        if self._phase is Phase.CLOSING or (self._phase is Phase.PAUSED and not goes_on_elsewhere):
             self._wait(self._phase)
-        elif self._blockers.has_disk_failed and self._phase not in OVER:
+        elif (self._blockers.has_disk_failed or goes_on_elsewhere) and self._phase not in OVER:
             self._pause("restored")  # shown as "storage" until writing works again
 
     @on(SENSOR)

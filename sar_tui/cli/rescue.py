@@ -1,0 +1,29 @@
+"""``sar-tui rescue``: bring back what rescue files hold."""
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, print_json
+from sar_tui.tui.exit_codes import FAILED
+
+
+def rescue(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
+    """Bring the sessions of rescue files back into the database.
+
+    A rescue file is written if the database was removed during a session, or locked at its end.
+    """
+    from sar_tui.store.rescue import bring_back, rescue_files
+
+    home = Home.of(context, data, tasks)
+    files = rescue_files(home.folder)
+    sessions = bring_back(home.folder) if files else []
+    if as_json:
+        print_json({"sessions": [each._asdict() | {"file": str(each.file)} for each in sessions]})
+    elif not files:
+        print(f"There are no rescue files in {home.folder}.")
+    for each in () if as_json else sessions:
+        of = f"Session {each.session} of {each.participants} ({each.task})"
+        print(f"{of} stays in {each.file}: {each.problem}." if each.problem else f"{of} is in the database again.")
+    if files and not sessions and not as_json:
+        print("The database has all that is in the rescue files.")
+    if any(each.problem for each in sessions):
+        raise typer.Exit(FAILED)

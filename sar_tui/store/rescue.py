@@ -1,0 +1,239 @@
+"""Rescue files: databases beside the database, in which a session goes on that cannot be written there any more.
+
+The database may have been removed or replaced during the session, or another program may keep it locked when the
+session is left. A rescue file is an ordinary database; ``bring_back`` copies its sessions into the database.
+"""
+
+import contextlib
+import re
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import NamedTuple
+
+from sar_tui.drivers.private_folder import make_private
+from sar_tui.store.database import (
+    RESCUE,
+    RESCUED,
+    StoreConnection,
+    StoreError,
+    connect,
+    create_file,
+    explain,
+    open_file,
+    sidecars,
+    transaction,
+)
+from sar_tui.store.locks import is_held
+from sar_tui.store.session_copy import copy_rows, copy_session
+
+_FACTS = {
+    "sessions": "id=?",
+    "seats": "session=?",
+    "runs": "session=?",
+    "participants": "code IN (SELECT participant FROM seats WHERE session=?)",
+}
+"""The rows that are needed to begin a session anew, by table."""
+
+
+def rescue_files(folder: Path, session: str = "") -> list[Path]:
+    """Return the rescue files of a data folder, or of one of its sessions, that were not brought back yet."""
+    name = re.compile(rf"{RESCUE}{session or '[0-9a-z]+'}(-[0-9]+)?\.db")
+    try:
+        return sorted(path for path in folder.iterdir() if name.fullmatch(path.name))
+    except OSError:
+        return []
+
+
+class Rescue:
+    """Makes the rescue file of a session.
+
+    Args:
+        folder: the data folder.
+        session: the session's id.
+        database: the rows of the session, its seats, runs and participants are read from here, as long as they can be.
+    """
+
+    def __init__(self, folder: Path, session: str, database: sqlite3.Connection) -> None:
+        self._folder = folder
+        self._session = session
+        self._facts = sqlite3.connect(":memory:", check_same_thread=False)
+        for table, condition in _FACTS.items():
+            found = database.execute(f"SELECT * FROM {table} WHERE {condition}", (session,))
+            names = ", ".join(name for name, *_ in found.description)
+            self._facts.execute(f"CREATE TABLE {table} ({names})")
+            slots = ", ".join("?" for _ in found.description)
+            self._facts.executemany(f"INSERT INTO {table} VALUES ({slots})", found)
+
+    def copy_all(self, database: StoreConnection) -> StoreConnection:
+        """Copy all that an open database holds into a new rescue file, and open that.
+
+        The files of an open database can be read even if they were removed. If they were damaged, only this session
+        is copied, or what can be read of it.
+
+        Raises:
+            StoreError: the rescue file cannot be written.
+        """
+        with self._new_file() as path:
+            try:
+                self._create(path)
+                with closing(sqlite3.connect(path)) as target:
+                    database.backup(target)
+                    (state,) = target.execute("PRAGMA quick_check(1)").fetchone()
+                    if state == "ok" and self._is_in(target):
+                        return open_file(path)
+            except sqlite3.Error as error:
+                if not (found := explain(error, path)).unreadable:
+                    raise found from error
+            remove(path)
+            return self._copy_session(database, path)
+
+    def copy_session(self, database: StoreConnection) -> StoreConnection:
+        """Copy this session into a new rescue file, and open that.
+
+        Raises:
+            StoreError: the rescue file cannot be written.
+        """
+        with self._new_file() as path:
+            return self._copy_session(database, path)
+
+    def _copy_session(self, database: StoreConnection, path: Path) -> StoreConnection:
+        target = open_file(path)
+        try:
+            try:
+                copy_session(database, target, self._session)
+            except StoreError as error:
+                if not error.unreadable:
+                    raise
+            if not self._is_in(target):
+                self._copy_facts(target)
+        except BaseException:
+            target.close()
+            raise
+        return target
+
+    def _copy_facts(self, target: StoreConnection) -> None:
+        with transaction(target) as connection:
+            for table in _FACTS:
+                copy_rows(self._facts, connection, table)
+
+    def _create(self, path: Path) -> None:
+        try:
+            make_private(self._folder)
+            create_file(path)
+        except OSError as error:
+            raise StoreError(f"{path} cannot be written: {error.strerror}.", temporary=True) from error
+
+    def _is_in(self, database: sqlite3.Connection) -> bool:
+        return bool(database.execute("SELECT 1 FROM sessions WHERE id=?", (self._session,)).fetchone())
+
+    @contextlib.contextmanager
+    def _new_file(self) -> Iterator[Path]:
+        """Yield a path that no file has; remove the file again on failure."""
+        path = _free(self._folder / f"{RESCUE}{self._session}.db")
+        try:
+            yield path
+        except BaseException:
+            remove(path)
+            raise
+
+
+def _free(path: Path) -> Path:
+    """Return the path, or one with a number if there is such a file."""
+    free, number = path, 1
+    while free.exists():
+        number += 1
+        free = path.with_stem(f"{path.stem}-{number}")
+    return free
+
+
+def remove(path: Path) -> None:
+    """Remove a database with its log."""
+    for each in (path, *sidecars(path)):
+        with contextlib.suppress(OSError):
+            each.unlink()
+
+
+# --- bringing back --------------------------------------------------------------------------------------------------
+
+
+class BroughtBack(NamedTuple):
+    """A session of a rescue file. ``problem``: why it was left there; empty if it is in the database now."""
+
+    file: Path
+    session: str
+    participants: str
+    task: str
+    problem: str = ""
+
+
+def bring_back(folder: Path) -> list[BroughtBack]:
+    """Copy the sessions of all rescue files that the database lacks, or has less of, into the database.
+
+    A file of which nothing is left to bring back gets another name, and stays.
+
+    Raises:
+        StoreError: the database or a rescue file cannot be used.
+    """
+    found: list[BroughtBack] = []
+    with closing(connect(folder)) as database:
+        for path in rescue_files(folder):
+            with closing(open_file(path)) as source:
+                here = [each for row in _sessions(source) if (each := _bring(path, row, source, database, folder))]
+                if not any(each.problem for each in here):
+                    _bring_participants(source, database)
+            found += here
+            if not any(each.problem for each in here):
+                _rename(path)
+    return found
+
+
+def _sessions(database: sqlite3.Connection) -> list[tuple[str, str, str]]:
+    """Return id, participants and task of each session, in order."""
+    return database.execute(
+        "SELECT id, (SELECT group_concat(participant, ', ') FROM seats WHERE session=id), task"
+        " FROM sessions ORDER BY sessions.rowid"
+    ).fetchall()
+
+
+def _bring(
+    path: Path, row: tuple[str, str, str], source: sqlite3.Connection, database: sqlite3.Connection, folder: Path
+) -> BroughtBack | None:
+    """Copy a session unless the database has as much of it; None if so."""
+    session = row[0]
+    first, last, run = _extent(source, session)
+    _, there, last_run = _extent(database, session)
+    is_known = database.execute("SELECT 1 FROM sessions WHERE id=?", (session,)).fetchone()
+    if is_held(folder, "session", session):
+        return BroughtBack(path, *row, "it is still running")
+    if is_known and last <= there:
+        return None
+    if last_run > run:
+        return BroughtBack(path, *row, "it was resumed in the database since, and went on differently")
+    copy_session(source, database, session, adds=first > 1)
+    return BroughtBack(path, *row)
+
+
+def _extent(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
+    """Return the numbers of a session's first and last message and of its last run; 0 if there are none."""
+    first, last = database.execute(
+        "SELECT coalesce(min(seq), 0), coalesce(max(seq), 0) FROM events WHERE session=?", (session,)
+    ).fetchone()
+    (run,) = database.execute("SELECT coalesce(max(run), 0) FROM runs WHERE session=?", (session,)).fetchone()
+    return first, last, run
+
+
+def _bring_participants(source: sqlite3.Connection, database: sqlite3.Connection) -> None:
+    """Copy participants and settings that the database lacks."""
+    for table, slots in (("participants", "?, ?"), ("settings", "?, ?, ?, ?, ?")):
+        rows = source.execute(f"SELECT * FROM {table}").fetchall()
+        database.executemany(f"INSERT OR IGNORE INTO {table} VALUES ({slots})", rows)
+
+
+def _rename(path: Path) -> None:
+    """Give a file that was brought back the name that says so."""
+    try:
+        path.rename(_free(path.with_name(path.name.replace(RESCUE, RESCUED, 1))))
+    except OSError as error:
+        raise StoreError(f"{path} was brought back, but cannot be renamed: {error.strerror}.") from error

@@ -1,0 +1,33 @@
+"""Troubles with the data that a person must know of: rescue files that wait, and data that was lost."""
+
+import os
+import sqlite3
+from pathlib import Path
+
+from sar_tui.store.database import RESCUE, SAVED
+
+
+def troubles(database: sqlite3.Connection, folder: Path) -> list[str]:
+    """Return a sentence or two for each trouble."""
+    if not _may_have_any(folder):
+        return []
+    from sar_tui.store.last_saved import losses
+    from sar_tui.store.rescue import rescue_files
+
+    return [
+        *(
+            f"{path} holds data that is not in the database. `sar-tui rescue` brings it back."
+            for path in rescue_files(folder)
+        ),
+        *(f"{loss} Restore a backup, or delete {loss.note} to accept it." for loss in losses(database, folder)),
+    ]
+
+
+def _may_have_any(folder: Path) -> bool:
+    """Look at the names of files only, which every command has time for."""
+    try:
+        with os.scandir(folder) as entries:
+            names = [entry.name for entry in entries]
+        return any(name.startswith(RESCUE) for name in names) or (SAVED in names and bool(os.listdir(folder / SAVED)))
+    except OSError:
+        return False

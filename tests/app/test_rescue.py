@@ -1,0 +1,159 @@
+"""The database is removed during a session, or locked at its end: the session is in a rescue file, and this is said."""
+
+import asyncio
+import os
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.app import app as app_module
+from sar_tui.app.app import SarTui, run_app
+from sar_tui.app.live import LiveSession
+from sar_tui.framework.messages import StorageChanged
+from sar_tui.framework.task import Task
+from sar_tui.framework.topics import STORAGE
+from sar_tui.plugins import Catalogue
+from sar_tui.store import participants
+from sar_tui.store.database import FILE, connect, open_file
+from sar_tui.store.rescue import rescue_files
+from tests.app.app_driver import known, open_app, plan
+
+posix = pytest.mark.skipif(os.name != "posix", reason="Windows does not remove a file that is open")
+WHERE = "data/sar-tui.db was removed while it was in use. The session goes on in data/sar-tui-rescue-x.db."
+
+
+def delete(data: Path) -> None:
+    for path in data.glob(f"{FILE}*"):
+        path.unlink()
+
+
+async def test_a_session_that_goes_on_elsewhere_pauses_and_says_so(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        prompt = await driver.to_first_prompt()
+        driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
+        await driver.settle()
+        assert driver.sees("Everything is saved again.")
+        assert driver.sees(f"For the experimenter: {WHERE}")
+        assert driver.sees("Press Enter to go on.")
+        await driver.press("enter")
+        assert (await driver.to_prompt()).text == prompt.text
+
+
+async def test_a_pause_by_the_participant_gives_way_to_the_news(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.to_first_prompt()
+        await driver.press("escape")
+        driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
+        await driver.settle()
+        assert driver.sees(f"For the experimenter: {WHERE}")
+
+
+async def _settled(app: SarTui, is_so: Any) -> None:
+    while not is_so():
+        await asyncio.sleep(0)
+
+
+@posix
+async def test_a_database_that_is_removed_in_a_session_costs_nothing(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    app = SarTui(data, catalogue, plan(catalogue, keyboard))
+    async with app.run_test() as pilot:
+        await pilot.press("enter")
+        delete(data)
+        await _settled(app, lambda: rescue_files(data))
+        await pilot.press("ctrl+q")
+    app.close_session()
+    (path,) = rescue_files(data)
+    with closing(open_file(path)) as rescue:
+        assert rescue.execute("SELECT status FROM sessions").fetchall() == [("interrupted",)]
+        assert rescue.execute("SELECT count(*) FROM events WHERE topic='input/key'").fetchone() == (1,)
+    first, second = app.exit_lines(1)
+    assert first.startswith(f"{data / FILE} was removed while it was in use. The session goes on in {path}.")
+    assert "Bring it back into the database: sar-tui rescue --data" in first
+    assert second.startswith("The session is kept. Resume it: sar-tui resume")
+
+
+async def test_a_session_that_is_left_while_the_database_is_locked_is_in_a_rescue_file(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.runs.run._LAST_WAIT_MS", 1)
+    app = SarTui(data, catalogue, plan(catalogue, keyboard))
+    async with app.run_test() as pilot:
+        await pilot.pause()
+        with closing(sqlite3.connect(data / FILE, isolation_level=None)) as other:
+            other.execute("BEGIN IMMEDIATE")
+            await pilot.press("enter", "ctrl+q")
+            app.close_session()
+    (path,) = rescue_files(data)
+    with closing(open_file(path)) as rescue:
+        assert rescue.execute("SELECT count(*) FROM events WHERE topic='input/key'").fetchone() == (1,)
+    assert app.live
+    assert app.live.unsaved == 0
+    assert "Another program keeps sar-tui.db locked." in app.live.rescued
+
+
+async def test_the_screen_stays_until_the_session_is_written(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    is_written = asyncio.Event()
+    loop = asyncio.get_running_loop()
+
+    def wait(_: LiveSession, seconds: float) -> bool:
+        if seconds < 1 or is_written.is_set():
+            return is_written.is_set()
+        asyncio.run_coroutine_threadsafe(is_written.wait(), loop).result()
+        return True
+
+    monkeypatch.setattr(LiveSession, "is_written", wait)
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.press("ctrl+q")
+        assert driver.sees("One moment… Your results are being saved.")
+        await driver.press("ctrl+q", "enter")
+        assert driver.app.is_running
+        is_written.set()
+        await _settled(driver.app, lambda: not driver.app.is_running)
+
+
+def test_the_exit_code_reports_a_session_that_is_not_in_the_database(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Rescued:
+        unsaved, rescued, can_be_joined = 0, WHERE, False
+        run = type("Run", (), {"id": "x", "session": type("Session", (), {"ended": True, "broken": None})})
+        is_closed = True
+
+        def close(self, app: SarTui) -> None: ...
+
+    def left(app: SarTui) -> None:
+        app.live = Rescued()  # type: ignore[assignment]
+
+    monkeypatch.setattr(app_module.SarTui, "run", left)
+    monkeypatch.setattr("sar_tui.tui.base_app.stamp_keys_as_read", lambda: None)
+    assert run_app(data, catalogue) == 1
+
+
+@posix
+async def test_the_home_screen_opens_a_database_anew_that_was_removed(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01")
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2")
+        delete(data)
+        await driver.press("escape")
+        assert driver.sees("was removed while it was in use.")
+        participants.add(driver.app.database, "P02")
+        with closing(connect(data)) as database:
+            assert participants.codes(database) == ["P02"]
+
+
+async def test_the_home_screen_says_that_a_rescue_file_waits(data: Path, catalogue: Catalogue) -> None:
+    open_file(data / "sar-tui-rescue-0123456789.db").close()
+    async with open_app(data, catalogue, size=(120, 40)) as driver:
+        assert driver.sees("`sar-tui rescue` brings it back.")
