@@ -69,6 +69,7 @@ class TolerantParser:
         """Return messages that wait for no further input, such as a single Escape."""
         yield from self._read(self._parser.tick())
         if self._pasted_at is not None and self._now() - self._pasted_at > _PASTE_GAP_S:
+            self._recent = BRACKETED_PASTE_START  # what was pasted is not recorded
             self._drop()
         yield from self._report()
 
