@@ -165,8 +165,14 @@ async def test_a_widget_of_ones_own_is_drawn_visibly(data: Path, catalogue: Cata
 
 def test_a_line_with_signs_keeps_its_width_and_its_colours() -> None:
     bold = Style(bold=True)
-    line = [Segment("a\x1b[2Jb", bold), Segment("c  ")]
-    assert VisibleLines().apply(line, Color(0, 0, 0)) == [Segment("a␛[2Jb", bold), Segment("c ")]
+    line = [Segment("│"), Segment("a\x1b[2J\x07b ", bold), Segment("  "), Segment("│")]
+    assert VisibleLines().apply(line, Color(0, 0, 0)) == [
+        Segment("│"),
+        Segment("a␛[2J␇b", bold),
+        Segment(" "),
+        Segment("│"),
+    ]
+    assert VisibleLines().apply([Segment("a\x1bbc")], Color(0, 0, 0)) == [Segment("a␛b")], "without spaces, it is cut"
 
 
 def test_a_line_without_them_is_left_alone() -> None:
