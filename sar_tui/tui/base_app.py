@@ -34,6 +34,7 @@ class BaseApp(App[int]):
     """
 
     TITLE = "sar-tui"
+    CSS = "OptionList { min-width: 12; }"  # Textual fails on options that are left no column
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+q", "quit", "Quit", priority=True, id="quit"),
         Binding("ctrl+c", "interrupt", "Stop", show=False, priority=True, id="interrupt"),

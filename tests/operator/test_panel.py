@@ -322,6 +322,20 @@ async def test_while_the_panel_is_hidden_only_the_stop_key_acts(catalogue: Catal
         assert "too small" not in driver.text
 
 
+@pytest.mark.parametrize("keys", [(), ("f1",), ("e",)])
+async def test_the_panel_survives_any_size_of_its_window(
+    keys: tuple[str, ...], catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.propose(b.approval())
+        await driver.press(*keys)
+        before, full = driver.text, driver.app.size
+        for size in [(60, 20), (30, 5), (13, 24), (5, 3), (1, 1), (20, 200), (200, 1), full]:
+            await driver.pilot.resize_terminal(*size)
+            await settle(driver.app)
+        assert driver.text == before
+
+
 async def test_remarks_that_must_wait_are_logged_so_and_typed_slots_are_filled(
     catalogue: Catalogue, folder: Path
 ) -> None:

@@ -112,3 +112,11 @@ def test_a_login_name_becomes_a_valid_name(login: str, monkeypatch: pytest.Monke
     for name in ("USER", "LNAME", "USERNAME"):
         monkeypatch.delenv(name, raising=False)
     assert re.fullmatch(NAME, own_name())
+
+
+async def test_the_choice_survives_any_size_of_the_window(catalogue: Catalogue, tmp_path: Path) -> None:
+    app = wizard(catalogue, tmp_path, lambda: [ONE, OTHER])
+    async with app.run_test() as pilot:
+        for size in [(60, 20), (30, 5), (5, 3), (1, 1), (20, 200), (200, 1), (80, 24)]:
+            await pilot.resize_terminal(*size)
+        assert isinstance(app.screen, ChooseScreen)

@@ -1,0 +1,196 @@
+"""The app keeps running in a window of any size, on every screen, and draws again what was there."""
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from pathlib import Path
+
+import pytest
+from textual.widgets import OptionList
+
+from sar_tui.app.agent.app import AgentApp
+from sar_tui.framework.theme import Theme
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import make_plan
+from sar_tui.widgets.choice import Choice
+from tests.app.app_driver import SHORT, AppDriver, known, open_app, plan
+from tests.app.test_agent_view import Link
+from tests.sides_task import write_sides
+
+SIZES = [(60, 20), (30, 5), (26, 24), (13, 24), (5, 3), (1, 1), (20, 200), (200, 1)]
+WIDE_VIEW = """
+from rich.text import Text
+from sar_tui.widgets.task_view import TaskView
+
+
+class Wide(TaskView):
+    def prompt_lines(self, prompt, width, height):
+        assert width >= 60 and height >= 6
+        return super().prompt_lines(prompt, width, height)
+
+    def between_attempts(self):
+        return self.draw
+
+    def draw(self, width, height, colors):
+        assert width >= 60
+        return Text("A wide drawing")
+"""
+Opened = AbstractAsyncContextManager[AppDriver]
+Open = Callable[[Path, Catalogue], Opened]
+
+
+async def shrink_and_grow(driver: AppDriver) -> None:
+    """Make the window each size in turn; in the end, the first again, with the same screen in it."""
+    before = driver.screen_name
+    driver.app.notify("A notice of some length, so that it takes more than one line.", title="Note", timeout=1000)
+    for size in SIZES:
+        await driver.resize(*size)
+    await driver.resize(80, 24)
+    driver.app.clear_notifications()
+    await driver.settle()
+    assert driver.app.is_running
+    assert driver.screen_name == before
+
+
+@asynccontextmanager
+async def home(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
+    for code in ("P01", "P02"):
+        known(data, code)
+    async with open_app(data, catalogue) as driver:
+        yield driver
+
+
+async def choose(driver: AppDriver, task: str) -> None:
+    tasks = driver.app.screen.query_one("#task", OptionList)
+    tasks.highlighted = tasks.get_option_index(task)
+    await driver.settle()
+
+
+@asynccontextmanager
+async def second_participant(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
+    async with home(data, catalogue) as driver:
+        await choose(driver, "pairs")
+        await driver.press("right", "right", "right", "enter")
+        yield driver
+
+
+@asynccontextmanager
+async def list_of_a_setting(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
+    async with home(data, catalogue) as driver:
+        await driver.press("f2")
+        driver.app.screen.query(Choice).first().focus()
+        await driver.press("enter")
+        yield driver
+
+
+def after(*keys: str) -> Open:
+    """Return a function that opens home and presses keys."""
+
+    @asynccontextmanager
+    async def opened(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
+        async with home(data, catalogue) as driver:
+            await driver.press(*keys)
+            yield driver
+
+    return opened
+
+
+def session(task: str, *codes: str, **settings: object) -> Open:
+    """Return a function that opens a session."""
+
+    @asynccontextmanager
+    async def opened(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
+        async with open_app(data, catalogue, make_plan(catalogue, task, codes, settings, seed=7)) as driver:
+            await driver.wait(300)
+            yield driver
+
+    return opened
+
+
+SCREENS: dict[str, tuple[str, Open]] = {
+    "home": ("HomeScreen", home),
+    "help": ("HelpScreen", after("f1")),
+    "new participant": ("NewParticipantScreen", after("down", "down", "enter")),
+    "second participant": ("SecondParticipantScreen", second_participant),
+    "settings": ("SettingsScreen", after("f2")),
+    "list of a setting": ("SettingsScreen", list_of_a_setting),
+    "command palette": ("CommandPalette", after("ctrl+p")),
+    "sensor check": ("SensorCheckScreen", session("reaching", "P01", imu="simulated")),
+    "session": ("SessionScreen", session("keyboard", "P01", **SHORT)),
+}
+
+
+@pytest.mark.parametrize("name", SCREENS)
+async def test_a_screen_survives_any_size_of_the_window(name: str, data: Path, catalogue: Catalogue) -> None:
+    screen, opened = SCREENS[name]
+    async with opened(data, catalogue) as driver:
+        assert driver.screen_name == screen
+        await shrink_and_grow(driver)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (30, 5), (20, 200)])
+async def test_the_app_may_open_in_a_window_of_any_size(size: tuple[int, int], data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01")
+    async with open_app(data, catalogue, size=size) as driver:
+        for key in ("f1", "escape", "ctrl+p", "escape", "f2"):
+            await driver.press(key)
+        await driver.resize(80, 24)
+        assert driver.screen_name == "HomeScreen"
+
+
+@pytest.mark.parametrize("task", ["keyboard", "reaching"])
+async def test_a_session_opens_in_a_window_of_any_size(task: str, data: Path, catalogue: Catalogue) -> None:
+    settings = {"imu": "simulated"} if task == "reaching" else SHORT
+    planned = make_plan(catalogue, task, ["P01"], settings, seed=7)
+    async with open_app(data, catalogue, planned, size=(1, 1)) as driver:
+        await driver.press("f1", "escape", "ctrl+p", "escape")
+        await driver.resize(80, 24)
+        assert driver.screen_name == ("SensorCheckScreen" if task == "reaching" else "SessionScreen")
+
+
+async def test_every_stage_of_a_session_survives_any_size_of_the_window(data: Path, catalogue: Catalogue) -> None:
+    settings = SHORT | {"attempts": 1}
+    async with open_app(data, catalogue, make_plan(catalogue, "keyboard", ["P01"], settings, seed=7)) as driver:
+        await driver.press("enter")
+        await shrink_and_grow(driver)
+        await driver.begin()
+        await shrink_and_grow(driver)
+        assert driver.sees("Paused")
+        await shrink_and_grow(driver)
+        await driver.press("enter")
+        await driver.do_attempt(await driver.to_prompt())
+        await shrink_and_grow(driver)
+        await driver.see_the_summary()
+        await shrink_and_grow(driver)
+        assert driver.sees("Press Enter to finish.")
+        assert driver.session.faults == []
+
+
+async def test_a_session_for_two_survives_any_size_of_the_window(data: Path, catalogue: Catalogue) -> None:
+    settings = SHORT | {"policy": "alternate"}
+    async with open_app(data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:
+        await driver.to_first_prompt()
+        await shrink_and_grow(driver)
+        assert driver.sees("Paused")
+        assert driver.session.faults == []
+
+
+async def test_a_tasks_view_is_not_drawn_smaller_than_the_smallest_window(data: Path, tmp_path: Path) -> None:
+    catalogue = Catalogue(tasks=(write_sides(tmp_path / "mine", WIDE_VIEW).parent,))
+    async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
+        await driver.to_first_prompt()
+        await shrink_and_grow(driver)
+        await driver.press("enter")
+        await driver.do_attempt(await driver.to_prompt())
+        assert driver.sees("A wide drawing")
+        await shrink_and_grow(driver)
+        assert driver.session.faults == []
+
+
+async def test_the_agent_in_a_window_of_its_own_survives_any_size(calm: Theme) -> None:
+    link = Link()
+    app = AgentApp(calm, link.join)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.welcome()
+        for size in SIZES:
+            await pilot.resize_terminal(*size)
+        assert app.is_running
