@@ -127,12 +127,7 @@ class Agent(Horizontal):
     def look(self, face: str) -> None:
         """Change the expression only."""
         self.face = face if face in self._theme.faces else "neutral"
-        picture = self._pictures.get(self.face)
-        if self._picture:
-            self._picture.display = picture is not None
-            self._robot.display = picture is None
-            if picture is not None and self._picture.image is not picture:
-                self._picture.image = picture
+        self._show_picture()
         self._go_on()
 
     def note(self, text: str) -> None:
@@ -174,6 +169,8 @@ class Agent(Horizontal):
         """Move the mouth while ``sounds``; otherwise shut it."""
         if sounds != (self._sounds_since is not None):
             self._sounds_since = self._clock.now() if sounds else None
+            if not self.is_held:
+                self._show_picture()
             self._go_on()
 
     def be_still(self) -> None:
@@ -196,8 +193,7 @@ class Agent(Horizontal):
             self.is_held = False
             if self._still:
                 self._still, self._gaze = None, "ahead"
-                self.look(self.face)
-            self._go_on()
+            self.look(self.face)
 
     @property
     def is_moving(self) -> bool:
@@ -233,15 +229,28 @@ class Agent(Horizontal):
             self._robot.update(Text(drawing), layout=False)
 
     def _lines(self) -> list[str]:
-        """Return the lines of the face, its mouth moving if a voice sounds."""
+        """Return the lines of the face, its mouth moving if a voice sounds, and shut otherwise."""
         faces, line = self._theme.faces, self._theme.mouth_line
         face = faces[self.face].splitlines()
-        if self._sounds_since is None or self.is_held:
-            return face
-        if (self._clock.now() - self._sounds_since) // MOUTH % 2 == 0:
+        is_moving = self._sounds_since is not None and not self.is_held
+        if is_moving and (self._clock.now() - (self._sounds_since or 0)) // MOUTH % 2 == 0:
             return with_mouth(face, line, faces["speaking"].splitlines())
-        shut = faces["neutral"].splitlines() if self.face == "speaking" else face
-        return with_mouth(face, line, shut)
+        return with_mouth(face, line, faces[self._silent_face].splitlines())
+
+    @property
+    def _silent_face(self) -> str:
+        """The expression whose mouth it has without a voice: the face ``speaking`` has an open one."""
+        return "neutral" if self.face == "speaking" else self.face
+
+    def _show_picture(self) -> None:
+        """Show the picture of the expression; the drawing if there is none."""
+        if not self._picture or self._still:
+            return
+        picture = self._pictures.get(self._silent_face if self._sounds_since is None else self.face)
+        self._picture.display = picture is not None
+        self._robot.display = picture is None
+        if picture is not None and self._picture.image is not picture:
+            self._picture.image = picture
 
     def _load_pictures(self) -> None:
         """Load all pictures at once, so that no file is read when a face changes."""

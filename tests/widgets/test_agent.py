@@ -68,14 +68,14 @@ async def test_initially_it_is_at_rest_and_silent_without_timers(calm: Theme) ->
 async def test_text_stays_until_replaced_and_without_text_only_the_face_changes(calm: Theme) -> None:
     async with open_stage(calm) as stage:
         stage.agent.say("Well done.", "happy", "positive")
-        stage.agent.say("", "speaking")
+        stage.agent.say("", "thinking")
         assert stage.words("said") == "Well done."
         assert stage.agent.has_class("positive")
-        assert calm.faces["speaking"].splitlines()[2] in stage.drawing[3]
+        assert calm.faces["thinking"].splitlines()[2] in stage.drawing[3]
         stage.agent.say("Go on.", "")
         assert stage.words("said") == "Go on."
         assert not stage.agent.has_class("positive")
-        assert calm.faces["speaking"].splitlines()[2] in stage.drawing[3]
+        assert calm.faces["thinking"].splitlines()[2] in stage.drawing[3]
 
 
 async def test_joined_text_is_below_the_earlier_text_and_disappears_with_it(calm: Theme) -> None:
@@ -172,6 +172,27 @@ async def test_the_mouth_opens_and_shuts_while_a_voice_sounds(name: str, face: s
         stage.agent.speaking(False)
         assert stage.drawing == silent
         assert not stage.draws_again()
+
+
+@pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
+async def test_the_speaking_face_has_its_mouth_shut_before_and_after_its_words(name: str, catalogue: Catalogue) -> None:
+    theme = catalogue.theme(name)
+    shut, opened = (theme.faces[face].splitlines()[theme.mouth_line] for face in ("neutral", "speaking"))
+    async with open_stage(theme) as stage:
+
+        def mouth() -> str:
+            return stage.drawing[1 + theme.mouth_line]
+
+        stage.agent.say("Press the key that appears.", "speaking")
+        assert shut in mouth()
+        stage.agent.speaking(True)
+        assert opened in mouth()
+        stage.agent.hold()
+        assert shut in mouth(), "nothing moves while a response is awaited, and the mouth is shut"
+        stage.agent.release()
+        assert opened in mouth()
+        stage.agent.speaking(False)
+        assert shut in mouth()
 
 
 async def test_repeated_reports_of_a_voice_do_not_change_the_pace_of_the_mouth(calm: Theme) -> None:

@@ -80,6 +80,20 @@ async def test_pictures_change_with_the_theme(calm: Theme, folder: Path) -> None
         assert shown(agent) == ["robot"]
 
 
+async def test_the_picture_of_speaking_is_shown_only_while_a_voice_sounds(calm: Theme, folder: Path) -> None:
+    agent, app = hang(calm, folder, speaking="happy.png")
+    async with app.run_test():
+        agent.say("Press the key that appears.", "speaking")
+        assert shown(agent) == ["robot"]
+        agent.speaking(True)
+        assert shown(agent) == ["picture"]
+        agent.hold()
+        agent.speaking(False)
+        assert shown(agent) == ["picture"], "nothing changes while a response is awaited"
+        agent.release()
+        assert shown(agent) == ["robot"]
+
+
 async def test_a_picture_is_read_before_its_face_is_needed(calm: Theme, folder: Path) -> None:
     agent, app = hang(calm, folder, happy="happy.png")
     async with app.run_test():
