@@ -143,6 +143,7 @@ def _print_plot(out: "Console", attempts: Sequence[Row], seat: str, metric: "Met
     """Print the plot of a seat's attempts (thesis, Figure 4.4); two seats have the same axis."""
     from rich.text import Text
 
+    from sar_tui.reports.attempt_results import result_name
     from sar_tui.reports.attempts_plot import attempts_figure
 
     counted = [row for row in attempts if not row["practice"]]
@@ -157,8 +158,8 @@ def _print_plot(out: "Console", attempts: Sequence[Row], seat: str, metric: "Met
         width=min(out.width, _PLOT_SIZE[0]),
         height=_PLOT_SIZE[1],
         color=out.is_terminal and not out.no_color,
-        outcomes=[row["outcome"] for row in scored],
-        beside=[row[name] for row in counted for name in ("metric", "goal") if row[name] is not None],
+        results=[result_name(row["outcome"], row["metric"], row["goal"], metric) for row in scored],
+        beside=[row["metric"] for row in counted] + [row["goal"] for row in counted if row["goal"] is not None],
     )
     out.print(Text.from_ansi(plot), soft_wrap=True, end="\n\n")
 

@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from sar_tui.framework.visible_text import visible
+from sar_tui.reports.attempt_results import MARKERS, result_name
 
 if TYPE_CHECKING:
     from sar_tui.framework.messages import AttemptEnded
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 Findings = Callable[[Sequence["AttemptEnded"], "Metric"], Sequence[str]]
 """Sentences that a task's view adds to a summary (`task_view.stored_findings`)."""
-_OUTCOMES = {"success": "● reached", "failure": "○ missed"}
 
 
 def table(*columns: str, right: Sequence[str] = (), whole: Sequence[str] = ()) -> Table:
@@ -46,6 +46,7 @@ def attempts_table(rows: Sequence[Row], metric: "Metric") -> Table:
     numbers = ("attempt", "level", result, "right")
     made = table("attempt", *seat, "level", result, "right", "goal", "feedback", right=numbers)
     for row in rows:
+        name = result_name(row["outcome"], row["metric"], row["goal"], metric)
         add(
             made,
             f"{row['attempt']}{' practice' if row['practice'] else ''}",
@@ -53,7 +54,7 @@ def attempts_table(rows: Sequence[Row], metric: "Metric") -> Table:
             row["level"],
             None if row["metric"] is None else metric.show(row["metric"]),
             f"{row['correct']} of {row['trials']}",
-            _OUTCOMES[row["outcome"]],
+            f"{MARKERS[name]} {name}",
             "" if row["feedback"] == "none" else row["feedback"],
         )
     return made

@@ -6,9 +6,10 @@ from itertools import groupby
 from typing import Any
 
 from sar_tui.framework.language import Language
+from sar_tui.reports.attempt_results import MARKERS, ResultName
 
-REACHED, MISSED, EMPTY, LEVEL, GOAL = "●", "○", "×", "░", "╌"
-"""Markers of an attempt with its goal reached, missed, or without a result; of the level; of the goal."""
+LEVEL, GOAL = "░", "╌"
+_COLORS: dict[ResultName, str] = {"reached": "green", "missed": "red", "inaccurate": "red", "no result": "red"}
 
 _ENGLISH = Language()
 _MARGIN = 7
@@ -26,11 +27,13 @@ def attempts_figure(
     width: int,
     height: int,
     color: bool = True,
-    outcomes: Sequence[str] = (),
-    beside: Sequence[float] = (),
+    results: Sequence[ResultName] = (),
+    beside: Sequence[float | None] = (),
     tr: Language = _ENGLISH,
 ) -> str:
     """Draw the metric (left axis) and the level (right axis, shaded) over attempts, with the goal as a line.
+
+    Attempts without a result have their markers below the axis, where no value is read from them.
 
     Args:
         levels: of each attempt.
@@ -39,8 +42,8 @@ def attempts_figure(
         goals: of each attempt; they may differ by level.
         width, height: in characters, including heading and axes.
         color: use ANSI colours.
-        outcomes: ``success`` or ``failure`` of each attempt; if empty, all have the same marker.
-        beside: metrics and goals of a figure shown beside this one, so that both have the same axis.
+        results: of each attempt; if empty, all that have a metric have the same marker.
+        beside: metrics and goals of a figure shown beside this one, so that both have the same axes.
         tr: the language of the other words.
 
     Returns:
@@ -51,14 +54,19 @@ def attempts_figure(
     import plotext
 
     width, height = max(width, _SMALLEST[0]), max(height, _SMALLEST[1])
+    names = results or ["no result" if value is None else "reached" for value in metrics]
+    has_empty = None in (*metrics, *beside)
     plotext.clear_figure()
     try:
-        body = _body(plotext, levels, metrics, goals, (width, height - 1), outcomes, beside, tr)
+        body = _body(plotext, levels, metrics, goals, (width, height - 1 - has_empty), names, beside, tr)
     finally:
         plotext.clear_figure()
     lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
     lines[-1] = tr("attempt")[:_MARGIN].ljust(_MARGIN) + lines[-1][_MARGIN:]
-    text = "\n".join([_heading(metric, goals, metrics, outcomes, width, tr), *lines])
+    if has_empty:
+        marker = plotext.colorize(MARKERS["no result"], _COLORS["no result"], "bold")
+        lines.insert(-1, _below_axis(plotext.uncolorize(lines[-2]), metrics, marker))
+    text = "\n".join([_heading(metric, goals, names, width, tr, has_legend=bool(results)), *lines])
     return text if color else plotext.uncolorize(text)
 
 
@@ -68,8 +76,8 @@ def _body(
     metrics: Sequence[float | None],
     goals: Sequence[float],
     size: tuple[int, int],
-    outcomes: Sequence[str],
-    beside: Sequence[float],
+    results: Sequence[ResultName],
+    beside: Sequence[float | None],
     tr: Language,
 ) -> str:
     """Draw the axes and the data, on a canvas two lines lower than the height."""
@@ -80,10 +88,11 @@ def _body(
     plt.plotsize(*size)
     plt.xaxes(True, False)
     plt.xlim(0.5, count + 0.5)
-    low, high = _limits([*(m for m in metrics if m is not None), *goals, *beside])
+    low, high = _limits([value for value in (*metrics, *goals, *beside) if value is not None])
     plt.ylim(low, high, yside="left")
     highest = max(1, *levels)
-    rise = rows // highest or rows / highest
+    shaded = rows if len(set(levels)) > 1 else max(1, rows // 4)  # a level that never changes needs no more
+    rise = shaded // highest or shaded / highest
     plt.ylim(1 / rise, rows / rise, yside="right")
 
     plt.bar(attempts, levels, width=1, minimum=1 / rise, marker=LEVEL, color="blue", yside="right")
@@ -92,12 +101,12 @@ def _body(
         plt.plot([same[0] - 0.5, same[-1] + 0.5], [goal] * 2, marker=GOAL)
     for run in _runs(metrics):
         plt.plot([attempt for attempt, _ in run], [value for _, value in run], marker="braille")
-    marks = _marks(metrics, outcomes)
-    for mark, colour in ((REACHED, "green"), (MISSED, "red"), (EMPTY, "red")):
-        found = [attempt for attempt, its in zip(attempts, marks, strict=True) if its == mark]
+    for name, marker in MARKERS.items():
+        found = [attempt for attempt, its in zip(attempts, results, strict=True) if its == name != "no result"]
         if found:
-            heights = [low if mark == EMPTY else metrics[attempt - 1] for attempt in found]
-            plt.scatter(found, heights, marker=mark, color=colour, style="bold")
+            plt.scatter(
+                found, [metrics[attempt - 1] for attempt in found], marker=marker, color=_COLORS[name], style="bold"
+            )
 
     ticks = _round_numbers(low, high, max(2, rows // 2))
     plt.yticks(ticks, [tr.figures(f"{tick:g}").rjust(_MARGIN) for tick in ticks], yside="left")
@@ -109,26 +118,28 @@ def _body(
     return str(plt.build())
 
 
-def _marks(metrics: Sequence[float | None], outcomes: Sequence[str]) -> list[str]:
-    known = outcomes or ["success"] * len(metrics)
-    return [
-        EMPTY if value is None else REACHED if outcome == "success" else MISSED
-        for value, outcome in zip(metrics, known, strict=True)
-    ]
+def _below_axis(axis: str, metrics: Sequence[float | None], marker: str) -> str:
+    """Return the line below the axis, with a marker for each attempt without a metric in the attempt's column."""
+    first, last = axis.index("└") + 1, axis.index("┘") - 1
+    line = [" "] * (last + 1)
+    for index, value in enumerate(metrics):
+        if value is None:  # the column in which plotext would draw a value
+            line[first + math.floor(0.5 + round((last - first) * (index + 0.5) / len(metrics), 8))] = marker
+    return "".join(line).rstrip()
 
 
 def _heading(
     metric: str,
     goals: Sequence[float],
-    metrics: Sequence[float | None],
-    outcomes: Sequence[str],
+    results: Sequence[ResultName],
     width: int,
     tr: Language,
+    *,
+    has_legend: bool,
 ) -> str:
     """Return the names of both axes, and between them as much of the legend as fits."""
-    used = set(_marks(metrics, outcomes))
-    legend = [f"{REACHED} {tr('reached')}", f"{MISSED} {tr('missed')}"] if outcomes else []
-    legend += [f"{EMPTY} {tr('no result')}"] if EMPTY in used else []
+    used = set(results) if has_legend else {"no result"} & set(results)
+    legend = [f"{marker} {tr(name)}" for name, marker in MARKERS.items() if name in used]
     goal = tr.figures(f" {goals[0]:g}") if len(set(goals)) == 1 else ""
     legend += [f"{GOAL} {tr('goal')}{goal}"]
     right = f"{LEVEL} {tr('level')}"

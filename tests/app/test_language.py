@@ -16,6 +16,7 @@ from sar_tui.framework.language import read_words, slot_problem
 from sar_tui.framework.messages import SensorChanged, SensorState
 from sar_tui.framework.topics import SENSOR
 from sar_tui.plugins import Catalogue
+from sar_tui.reports.attempt_results import MARKERS
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.language import app_language, session_language
@@ -68,7 +69,7 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() ->
     code = [*(path for room in rooms for path in room.rglob("*.py")), package / "reports" / "attempts_plot.py"]
     bindings = [*BaseApp.BINDINGS, *SarTui.BINDINGS, *SessionScreen.BINDINGS, *SensorCheckScreen.BINDINGS]
     labels = {binding.description for binding in bindings if isinstance(binding, Binding) and binding.show}
-    texts = {"palette", *labels}.union(*(texts_in(path.read_text("utf-8")) for path in code))
+    texts = {"palette", *labels, *MARKERS}.union(*(texts_in(path.read_text("utf-8")) for path in code))
     translations = read_words(APP / "words.es.toml")
     assert set(translations) == texts
     assert [problem for text, own in translations.items() if (problem := slot_problem(text, own))] == []

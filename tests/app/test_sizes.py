@@ -128,7 +128,9 @@ async def test_a_screen_survives_any_size_of_the_window(name: str, data: Path, c
 
 
 @pytest.mark.parametrize("size", [(1, 1), (30, 5), (20, 200)])
-async def test_the_app_may_open_in_a_window_of_any_size(size: tuple[int, int], data: Path, catalogue: Catalogue) -> None:
+async def test_the_app_may_open_in_a_window_of_any_size(
+    size: tuple[int, int], data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01")
     async with open_app(data, catalogue, size=size) as driver:
         for key in ("f1", "escape", "ctrl+p", "escape", "f2"):

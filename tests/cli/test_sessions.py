@@ -82,6 +82,20 @@ def test_show_prints_facts_attempts_plot_and_timing(call: Call, simulated: str) 
     assert "\x1b" not in called.out
 
 
+def test_show_says_what_became_of_each_attempt_as_its_plot_does(call: Call, tmp_path: Path, simulated: str) -> None:
+    change(tmp_path, "UPDATE attempts SET outcome='failure'")
+    change(tmp_path, "UPDATE attempts SET metric=NULL WHERE attempt=1")
+    change(tmp_path, "UPDATE attempts SET metric=goal + 100 WHERE attempt=2")
+    change(tmp_path, "UPDATE attempts SET metric=goal - 100 WHERE attempt=3")
+    printed = call("show", "last").out
+    table = {line.split()[0]: line for line in printed.splitlines() if line.strip()[:1].isdigit()}
+    assert "× no result" in table["1"]
+    assert "○ missed" in table["2"]
+    assert "◇ inaccurate" in table["3"]
+    legend = next(line for line in printed.splitlines() if "░ level" in line)
+    assert all(marker in legend for marker in ("○ missed", "◇ inaccurate", "× no result"))
+
+
 def test_show_reports_causes_of_inexact_timing(call: Call, tmp_path: Path, simulated: str) -> None:
     change(tmp_path, "UPDATE sessions SET machine=?", json.dumps({"flags": ["ssh", "tmux"]}))
     timing = {"onset_source": "flush", "handler_delay_ms": 0.25, "flags": ["focus_lost"]}

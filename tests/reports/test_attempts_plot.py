@@ -2,11 +2,17 @@
 
 import pytest
 
+from sar_tui.framework.messages import Outcome
+from sar_tui.framework.trial_types import Metric
+from sar_tui.reports.attempt_results import ResultName, result_name
 from sar_tui.reports.attempts_plot import attempts_figure
 
 LEVELS = [1, 2, 3, 4, 3, 4, 5, 4]
 METRICS = [680.0, 813.0, 763.0, 1012.0, 818.0, 920.0, 1121.0, None]
-OUTCOMES = ["success", "success", "success", "failure", "success", "success", "failure", "failure"]
+RESULTS: list[ResultName] = [
+    "reached", "reached", "reached", "missed", "reached", "reached", "missed", "no result"
+]  # fmt: skip
+TIME = Metric("reaction_time", "ms", "lower")
 
 
 def figure(**changes: object) -> str:
@@ -18,13 +24,13 @@ def figure(**changes: object) -> str:
 
 @pytest.mark.parametrize("size", [(76, 12), (100, 18), (50, 9), (30, 7)])
 def test_it_has_the_requested_size(size: tuple[int, int]) -> None:
-    lines = figure(width=size[0], height=size[1], outcomes=OUTCOMES).split("\n")
+    lines = figure(width=size[0], height=size[1], results=RESULTS).split("\n")
     assert len(lines) == size[1]
     assert max(map(len, lines)) <= size[0]
 
 
 def test_it_names_both_axes_the_goal_and_the_markers() -> None:
-    heading, *_, last = figure(outcomes=OUTCOMES).split("\n")
+    heading, *_, last = figure(results=RESULTS).split("\n")
     for part in ("reaction time (ms)", "● reached", "○ missed", "× no result", "╌ goal 1000", "░ level"):
         assert part in heading
     assert last.startswith("attempt ")
@@ -40,8 +46,74 @@ def test_a_goal_that_changes_with_the_level_is_drawn_at_each_attempts_height() -
     assert rows[0].index("╌") > rows[1].rindex("╌") - 1
 
 
+def row_of(figure_text: str, marker: str) -> int:
+    """Return the number of the first line of the body with a marker."""
+    return next(row for row, line in enumerate(figure_text.split("\n")) if row and marker in line)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 7, 20, 61])
+@pytest.mark.parametrize("width", [30, 76, 100])
+def test_an_attempt_without_result_is_below_the_axis_in_its_column(count: int, width: int) -> None:
+    for empty in {0, count // 2, count - 1}:
+        times: list[float | None] = [700.0] * count
+        there = figure(levels=[1] * count, metrics=times, width=width).split("\n")
+        times[empty] = None
+        drawn = figure(levels=[1] * count, metrics=times, width=width)
+        line = drawn.split("\n")[-2]
+        assert line.strip() == "×"
+        assert "└" in drawn.split("\n")[-3]
+        with_all = next(row for row in there[1:] if "●" in row)
+        assert with_all[line.index("×")] == "●", f"attempt {empty + 1} of {count} in {width} columns"
+
+
+def test_figures_beside_each_other_have_their_axes_on_the_same_lines() -> None:
+    full = figure(levels=[1, 1], metrics=[500.0, 700.0], beside=[600.0, None])
+    with_a_gap = figure(levels=[1, 1], metrics=[600.0, None], beside=[500.0, 700.0])
+    assert row_of(full, "└") == row_of(with_a_gap, "└")
+    assert len(full.split("\n")) == len(with_a_gap.split("\n"))
+
+
+@pytest.mark.parametrize("levels", [[1] * 5, [4] * 5, [3]])
+def test_a_level_that_never_changes_leaves_most_of_the_plot_empty(levels: list[int]) -> None:
+    lines = figure(levels=levels, metrics=[700.0] * len(levels)).split("\n")[1:]
+    shaded = [line for line in lines if "░" in line]
+    assert 1 <= len(shaded) <= 3
+    assert shaded == lines[-2 - len(shaded) : -2], "at the bottom"
+    assert shaded[0].rstrip().endswith(f"├{levels[0]}")
+
+
+@pytest.mark.parametrize(
+    ("outcome", "value", "goal", "name"),
+    [
+        ("success", 700.0, 1000.0, "reached"),
+        ("failure", 1200.0, 1000.0, "missed"),
+        ("failure", 1000.0, 1000.0, "missed"),
+        ("failure", 400.0, 1000.0, "inaccurate"),
+        ("failure", None, 1000.0, "no result"),
+        ("failure", 400.0, None, "missed"),
+    ],
+)
+def test_a_failure_that_is_better_than_the_goal_is_inaccurate(
+    outcome: Outcome, value: float | None, goal: float | None, name: str
+) -> None:
+    assert result_name(outcome, value, goal, TIME) == name
+
+
+def test_of_a_measure_whose_high_values_are_good_the_high_failures_are_inaccurate() -> None:
+    smoothness = Metric("smoothness", "", "higher")
+    assert result_name("failure", 0.9, 0.5, smoothness) == "inaccurate"
+    assert result_name("failure", 0.4, 0.5, smoothness) == "missed"
+
+
+def test_the_legend_names_the_markers_that_are_shown() -> None:
+    heading = figure(levels=[1, 1], metrics=[400.0, 500.0], results=["inaccurate", "reached"]).split("\n")[0]
+    assert "● reached  ◇ inaccurate" in heading
+    assert "missed" not in heading
+    assert "no result" not in heading
+
+
 def test_success_failure_and_no_result_have_different_markers() -> None:
-    body = figure(outcomes=OUTCOMES).split("\n", 1)[1]
+    body = figure(results=RESULTS).split("\n", 1)[1]
     assert (body.count("●"), body.count("○"), body.count("×")) == (5, 2, 1)
 
 
@@ -51,7 +123,7 @@ def test_without_outcomes_all_attempts_look_alike() -> None:
 
 
 def test_better_attempts_are_lower_and_levels_label_the_right_axis() -> None:
-    lines = figure(levels=[1, 2], metrics=[500.0, 900.0], outcomes=["success"] * 2).split("\n")[1:]
+    lines = figure(levels=[1, 2], metrics=[500.0, 900.0], results=["reached"] * 2).split("\n")[1:]
     rows = [number for number, line in enumerate(lines) if "●" in line]
     assert lines[rows[0]].index("●") > lines[rows[-1]].index("●")
     assert [line.rstrip()[-1] for line in lines if "├" in line] == ["2", "1"]
@@ -60,11 +132,11 @@ def test_better_attempts_are_lower_and_levels_label_the_right_axis() -> None:
 def test_colour_does_not_change_the_characters() -> None:
     import plotext
 
-    coloured = figure(color=True, outcomes=OUTCOMES)
+    coloured = figure(color=True, results=RESULTS)
     assert "\x1b[" in coloured
-    assert "\x1b" not in figure(outcomes=OUTCOMES)
+    assert "\x1b" not in figure(results=RESULTS)
     assert [line.rstrip() for line in plotext.uncolorize(coloured).split("\n")] == [
-        line.rstrip() for line in figure(outcomes=OUTCOMES).split("\n")
+        line.rstrip() for line in figure(results=RESULTS).split("\n")
     ]
 
 
@@ -79,7 +151,7 @@ def test_a_plot_is_the_same_after_other_plots() -> None:
 
 @pytest.mark.parametrize("metrics", [[None], [700.0], [0.0]])
 def test_one_attempt_is_enough(metrics: list[float | None]) -> None:
-    assert "attempt" in figure(levels=[1], metrics=metrics, outcomes=["failure"])
+    assert "attempt" in figure(levels=[1], metrics=metrics, results=["missed" if metrics[0] else "no result"])
 
 
 def test_many_attempts_and_levels_still_fit() -> None:

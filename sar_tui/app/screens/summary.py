@@ -76,7 +76,8 @@ class Summary(Vertical):
         return f"{facts}{more}"
 
     def _draw(self) -> None:
-        from sar_tui.reports.attempts_plot import EMPTY, LEVEL, MISSED, REACHED
+        from sar_tui.reports.attempt_results import MARKERS
+        from sar_tui.reports.attempts_plot import LEVEL
 
         plot = self.query_one("#plot", Static)
         if not self._attempts:
@@ -87,8 +88,9 @@ class Summary(Vertical):
             return
         text = Text("\n".join(map("".join, zip(*figures, strict=True))))
         colors = self.app.theme_variables
-        for marks, color in ((LEVEL, "text-muted"), (REACHED, "success"), (MISSED + EMPTY, "warning")):
-            text.highlight_regex(f"[{marks}]+", colors[color])
+        text.highlight_regex(f"{LEVEL}+", colors["text-muted"])
+        for name, marker in MARKERS.items():
+            text.highlight_regex(f"{marker}+", colors["success" if name == "reached" else "warning"])
         plot.update(text)
 
     def _figure(self, attempts: Sequence[AttemptEnded], width: int, height: int) -> list[str]:
@@ -96,6 +98,7 @@ class Summary(Vertical):
 
         The plots of two participants share the scale of their left axis.
         """
+        from sar_tui.reports.attempt_results import result_name
         from sar_tui.reports.attempts_plot import attempts_figure
 
         tr = language_of(self.app)
@@ -109,10 +112,8 @@ class Summary(Vertical):
             width=width - _GAP if len(self._attempts) > 1 else width,
             height=height,
             color=False,
-            outcomes=[a.outcome for a in attempts],
-            beside=[
-                value for each in self._attempts for a in each for value in (a.metric, a.goal) if value is not None
-            ],
+            results=[result_name(a.outcome, a.metric, a.goal, self._metric) for a in attempts],
+            beside=[value for each in self._attempts for a in each for value in (a.metric, a.goal or 0.0)],
             tr=tr,
         )
         return [line.ljust(width) for line in figure.splitlines()]
