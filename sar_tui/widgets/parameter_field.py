@@ -96,11 +96,13 @@ class ParameterField(Widget):
         self.query_exactly_one("Input, Choice").focus()
 
     def reset(self) -> None:
-        """Put the default back."""
+        """Put the default back, selected if it is being edited, so that what is typed next replaces it."""
         self.value = self.field.default
         for editor in self.children:
             if isinstance(editor, Input | Choice):
                 editor.value = show(self.value)
+                if isinstance(editor, Input) and editor.has_focus:
+                    editor.select_all()
 
     @on(Input.Changed)
     @on(Choice.Changed)

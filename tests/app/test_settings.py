@@ -229,6 +229,41 @@ async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogu
 
 
 @pytest.mark.usefixtures("a_participant")
+async def test_what_is_typed_after_a_reset_replaces_the_default(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2")
+        await fill(driver, "attempts", "7")
+        await driver.press("ctrl+r")
+        await driver.write("4")
+        assert field(driver, "attempts").value == "4"
+        await driver.press("ctrl+r", "end")
+        await driver.write("4")
+        assert field(driver, "attempts").value == "204", "unless the cursor is moved"
+
+
+@pytest.mark.usefixtures("a_participant")
+@pytest.mark.parametrize("sizes", [((80, 24),), ((30, 5), (80, 24)), ((80, 30), (79, 24), (80, 24))])
+async def test_the_focused_field_stays_in_view_in_a_smaller_window(
+    sizes: tuple[tuple[int, int], ...], data: Path, catalogue: Catalogue
+) -> None:
+    async with open_app(data, catalogue, size=(80, 50)) as driver:
+        await driver.press("f2")
+        form = driver.app.screen.query_one("#form")
+        in_view = [each for each in every_field(driver) if each.region and each.region in form.region]
+        for widget in (in_view[-1], group(driver, "Timing")):
+            if isinstance(widget, ParameterField):
+                widget.focus_editor()
+            else:
+                widget.heading.focus()
+            for size in sizes:
+                await driver.resize(*size)
+            focused = driver.app.focused
+            assert focused
+            assert focused.region in form.region
+            await driver.resize(80, 50)
+
+
+@pytest.mark.usefixtures("a_participant")
 async def test_saved_settings_apply_to_the_participants_next_session(data: Path, catalogue: Catalogue) -> None:
     known(data, "P02", attempts=2)
     async with open_app(data, catalogue) as driver:

@@ -28,6 +28,12 @@ _FOLDED = ("Operator", "Timing")
 class _Form(VerticalScroll, can_focus=False, inherit_bindings=False):
     """The headings and their fields. Page keys are left to the screen, which moves by headings."""
 
+    def on_resize(self) -> None:
+        """Keep the focused field or heading in view in a smaller window."""
+        if (focused := self.screen.focused) and self in focused.ancestors:
+            shown = next((each for each in focused.ancestors if isinstance(each, ParameterField)), focused)
+            self.call_after_refresh(shown.scroll_visible, animate=False, immediate=True)
+
 
 class SettingsScreen(Screen[None]):
     """One field for each parameter, under headings; saved for this participant's next sessions."""
