@@ -14,7 +14,7 @@ import msgspec
 
 from benchmarks.silent_app import MOTOR, PLAYER
 from sar_tui.store.database import FILE
-from sar_tui.timing.closed_loop import SAR_TUI, Block, Mismatch, Program, Row, take_turns
+from sar_tui.timing.closed_loop import LEAVE_KEYS, SAR_TUI, Block, Mismatch, Program, Row, take_turns
 from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
@@ -103,7 +103,7 @@ def _program(name: str, outputs: str) -> Program:
         _check_speech(folder, outputs, len(rows))
         return rows
 
-    return Program(name, command, recorded, SAR_TUI.quit_key)
+    return Program(name, command, recorded, SAR_TUI.quit_keys)
 
 
 def _check_speech(folder: Path, outputs: str, trials: int) -> None:
@@ -153,7 +153,8 @@ def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:
                 on_stop()
             if len(stopped) == count:
                 break
-        terminal.press("ctrl+q")
+        for key in LEAVE_KEYS:
+            terminal.press(key)
         terminal.wait()
     if len(stopped) < count:
         raise NotStopped(f"The agent spoke and moved at once only {len(stopped)} times of {count}.")

@@ -20,7 +20,7 @@ from sar_tui.framework.clock import MS, SECOND
 from sar_tui.operator.commands import TOO_SOON
 from sar_tui.operator.keymap import KEY_COMMANDS, key_name
 from sar_tui.store.database import FILE
-from sar_tui.timing.closed_loop import SAR_TUI, Block, Mismatch, Row, take_turns
+from sar_tui.timing.closed_loop import LEAVE_KEYS, SAR_TUI, Block, Mismatch, Row, take_turns
 from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.pty import Terminal, read_together, visible
 
@@ -161,7 +161,8 @@ def _acts(count: int, folder: Path, on_act: Callable[[], None]) -> dict[str, lis
                 on_act()
                 say.append(terminals.say(f"Number{number}a, and on we go."))
                 on_act()
-        participant.press("ctrl+q")
+        for key in LEAVE_KEYS:
+            participant.press(key)
         participant.wait()
     return done
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from sar_tui.motion.samples import unpack
 from sar_tui.store.database import FILE
+from sar_tui.timing.closed_loop import LEAVE_KEYS
 from sar_tui.timing.pty import Terminal
 
 RUNS = ((250, 60.0), (1000, 300.0))
@@ -53,7 +54,8 @@ def _run(rate_hz: int, seconds: float, folder: Path, on_second: Callable[[], Non
                 ticks += 1
                 on_second()
         terminal.settle()
-        terminal.press("ctrl+q")
+        for key in LEAVE_KEYS:
+            terminal.press(key)
         terminal.wait()
     took = json.loads(result.read_text())
     with closing(sqlite3.connect(folder / FILE)) as database:

@@ -234,6 +234,29 @@ class SarTui(OpeningApp):
             asked = round(self._open.stamp(self.key_seconds) * SECOND)
             self._open.operate(SessionCommand(command="stop", at=asked))
 
+    # --- quitting ---------------------------------------------------------------------------------------------
+
+    async def action_quit(self) -> None:
+        """Ctrl-Q: exit; during a session, ask first, because a participant may have pressed it by mistake."""
+        from sar_tui.app.screens.leave import LeaveScreen
+
+        session = self._open.run.session if self._open else None
+        if session is None or session.ended or session.broken:
+            self.exit()
+        elif not any(isinstance(screen, LeaveScreen) for screen in self.screen_stack):
+            in_trial = getattr(self.screen, "is_in_trial", False)
+            answered = functools.partial(self._left_or_went_on, was_in_trial=in_trial)
+            await self.push_screen(LeaveScreen(), answered)  # mounted: the next key of a burst is its own
+
+    def _left_or_went_on(self, leaves: bool | None, *, was_in_trial: bool) -> None:
+        """Exit; or go on with the trial that the question has paused."""
+        from sar_tui.framework.messages import SessionCommand
+
+        if leaves:
+            self.exit()
+        elif was_in_trial and self._open:
+            self._open.operate(SessionCommand(command="resume"))
+
     # --- the terminal --------------------------------------------------------------------------------------
 
     def on_app_blur(self, event: events.AppBlur) -> None:

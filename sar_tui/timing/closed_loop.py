@@ -46,14 +46,14 @@ class Program(msgspec.Struct, frozen=True):
         command: makes the command from an empty folder to write in, and a block.
         read_trials: reads the recorded trials, in order, from that folder: ``response``, ``correct``,
             ``reaction_time_ms``, and ``timing`` if there is one.
-        quit_key: the key that ends it, if it does not end by itself.
+        quit_keys: the keys that end it, if it does not end by itself.
         companion: makes a context manager from that folder and the terminal; it is entered before the first prompt.
     """
 
     name: str
     command: Callable[[Path, Block], list[str]]
     read_trials: Callable[[Path], list[Row]]
-    quit_key: str | None = None
+    quit_keys: tuple[str, ...] = ()
     companion: Callable[[Path, Terminal], AbstractContextManager[object]] = lambda folder, terminal: nullcontext()
 
 
@@ -68,7 +68,7 @@ class Mismatch(RuntimeError):
     """The recorded trials do not match the pressed keys."""
 
 
-def python_program(name: str, module: str, quit_key: str | None = None) -> Program:
+def python_program(name: str, module: str) -> Program:
     """Return a program with the command line and the output file of ``sar_tui.timing.baseline``."""
 
     def command(folder: Path, block: Block) -> list[str]:
@@ -80,7 +80,7 @@ def python_program(name: str, module: str, quit_key: str | None = None) -> Progr
     def read_trials(folder: Path) -> list[Row]:
         return [json.loads(line) for line in (folder / "trials.jsonl").read_text().splitlines()]
 
-    return Program(name, command, read_trials, quit_key)
+    return Program(name, command, read_trials)
 
 
 def _sar_tui(folder: Path, block: Block) -> list[str]:
@@ -105,7 +105,9 @@ def _trials_table(folder: Path) -> list[Row]:
 
 
 BASELINE = python_program("bare loop", "sar_tui.timing.baseline")
-SAR_TUI = Program("sar-tui", _sar_tui, _trials_table, quit_key="ctrl+q")
+LEAVE_KEYS = ("ctrl+q", "down", "enter")
+"""Keys that leave a session of sar-tui: it asks first."""
+SAR_TUI = Program("sar-tui", _sar_tui, _trials_table, LEAVE_KEYS)
 MAX_PROMPTS = 200
 """The largest number of prompts in an attempt of sar-tui."""
 
@@ -141,9 +143,10 @@ def run_block(program: Program, block: Block, folder: Path, on_press: Callable[[
             participant.run(block.prompts)
         finally:
             gc.enable()
-        if program.quit_key and not terminal.ended:
+        if program.quit_keys and not terminal.ended:
             terminal.settle()
-            terminal.press(program.quit_key)
+            for key in program.quit_keys:
+                terminal.press(key)
         if terminal.wait(seconds=10) != 0:
             raise Mismatch(f"{program.name} ended with an error: {visible(bytes(terminal.output))[-300:]}")
         rows = program.read_trials(Path(own))

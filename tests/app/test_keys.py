@@ -119,7 +119,7 @@ async def test_quitting_in_a_trial_leaves_a_resumable_session(
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.to_prompt()
-        await driver.press("ctrl+q")
+        await driver.press("ctrl+q", "down", "enter")
         assert not driver.app.is_running
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
     assert stored(data, "SELECT count(*) FROM trials") == [(1,)]

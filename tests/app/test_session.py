@@ -209,7 +209,7 @@ async def test_a_session_left_after_its_last_attempt_is_resumed_there(
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.do_attempt(await driver.begin())
         session = driver.session_id
-        await driver.press("ctrl+q")
+        await driver.press("ctrl+q", "down", "enter")
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
     async with open_app(data, catalogue, session) as driver:
         assert driver.sees("Press Enter to see how it went.")

@@ -15,7 +15,7 @@ async def test_session_and_storage_are_workers_that_end_with_the_app(
     async with app.run_test() as pilot:
         await pilot.pause()
         assert {worker.name for worker in app.workers if worker.is_running} == {"session", "storage"}
-        await pilot.press("ctrl+q")
+        await pilot.press("ctrl+q", "down", "enter")
     app.close_session()
     assert not [worker for worker in app.workers if worker.is_running]
     assert app.live

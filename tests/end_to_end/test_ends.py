@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from sar_tui.timing.closed_loop import LEAVE_KEYS
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
 from tests.end_to_end.participant_terminal import command, only_session, rows, run_command, see_the_summary
@@ -118,7 +119,8 @@ def test_a_session_that_was_quit_is_listed_and_resumed_at_the_next_trial(data: P
     with Terminal(run_command(data, prompts_per_attempt=4, attempts=1)) as terminal:
         _answer(terminal, 2)
         terminal.settle()
-        terminal.press("ctrl+q")
+        for key in LEAVE_KEYS:
+            terminal.press(key)
         assert terminal.wait() == 0
     with Terminal(command("resume", only_session(data)[:6], "--data", str(data))) as terminal:
         terminal.wait_for("Welcome back")

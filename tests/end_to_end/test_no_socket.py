@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import pytest
 
+from sar_tui.timing.closed_loop import LEAVE_KEYS
 from tests.end_to_end.operator_terminal import SessionTerminals, children
 from tests.end_to_end.participant_terminal import see_the_summary
 
@@ -104,7 +105,8 @@ def test_session_with_operator_listens_on_one_private_socket(data: Path) -> None
         (place,) = [Path(name) for name in alone.listening]
         assert place.parent == terminals.runtime / "sar-tui"
         assert place.parent.stat().st_mode & 0o777 == 0o700
-        participant.terminal.press("ctrl+q")
+        for key in LEAVE_KEYS:
+            participant.terminal.press(key)
         assert participant.terminal.wait() == 0
         assert not list(place.parent.iterdir()), "no files are left"
     assert alone.network == joined.network == []

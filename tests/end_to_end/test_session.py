@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.framework.clock import MS
+from sar_tui.timing.closed_loop import LEAVE_KEYS
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import Press, ScriptedParticipant, random_answers
 from tests.end_to_end.participant_terminal import (
@@ -135,7 +136,8 @@ def test_only_keys_of_the_task_are_recorded(data: Path) -> None:
         t.wait_for("Press Enter to go on.")
         t.press("enter")
         t.wait_for("Press Enter to begin")
-        t.press("ctrl+q")
+        for key in LEAVE_KEYS:
+            t.press(key)
         assert t.wait() == 0
 
     assert rows(data, "SELECT code FROM participants") == [("SECRET7",)]

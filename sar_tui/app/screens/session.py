@@ -142,9 +142,14 @@ class SessionScreen(AgentScreen):
         """Pause at once, without a question."""
         self._live.operate(SessionCommand(command="pause"))
 
+    @property
+    def is_in_trial(self) -> bool:
+        """True in a trial, which is paused when another screen covers this one."""
+        return self._waiting is not None and self._waiting.stage == "trial"
+
     def on_screen_suspend(self) -> None:
         """Pause a trial that another screen covers: the participant cannot see the prompt."""
-        if self._waiting and self._waiting.stage == "trial":
+        if self.is_in_trial:
             self.action_pause()
 
     def on_pause_menu_chosen(self, event: PauseMenu.Chosen) -> None:

@@ -1,0 +1,37 @@
+"""Question before a session is left."""
+
+from typing import ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.screen import ModalScreen
+from textual.widgets import OptionList
+from textual.widgets.option_list import Option
+
+from sar_tui.widgets.language import language_of
+
+_LEAVE = "leave"
+
+
+class LeaveScreen(ModalScreen[bool]):
+    """Asks whether to leave the session; the result is True to leave. To go on is chosen at first."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(False)", "Go on", id="go-on")]
+
+    def compose(self) -> ComposeResult:
+        tr = language_of(self.app)
+        menu = OptionList(
+            Option(f"{tr('What you did is kept. You can go on with this session later.')}\n", disabled=True),
+            Option(tr("Go on"), id="go on"),
+            Option(tr("Yes, leave"), id=_LEAVE),
+            id="leave",
+            markup=False,
+        )
+        menu.border_title = tr("Leave now?")
+        menu.border_subtitle = tr("arrows to choose, Enter to confirm")
+        menu.highlighted = 1
+        yield menu
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        event.stop()
+        self.dismiss(event.option.id == _LEAVE)

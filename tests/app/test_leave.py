@@ -1,0 +1,117 @@
+"""Ctrl-Q in a session asks first; everywhere else it leaves at once."""
+
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+from tests.app.app_driver import known, open_app, plan, stored
+
+QUESTION = "Leave now?"
+
+
+@pytest.mark.parametrize("go_on", ["enter", "escape"])
+async def test_in_a_trial_it_asks_and_going_on_repeats_the_trial(
+    go_on: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+        prompt = await driver.to_first_prompt()
+        await driver.press("ctrl+q")
+        assert driver.sees(QUESTION)
+        assert driver.sees("What you did is kept. You can go on with this session later.")
+        assert driver.waiting.stage == "paused"
+        await driver.press(go_on)
+        assert not driver.sees(QUESTION)
+        assert driver.waiting.stage == "trial", "no second Go on is needed"
+        again = await driver.to_prompt()
+        assert (again.trial, again.stimulus) == (prompt.trial, prompt.stimulus)
+        await driver.do_attempt(again)
+        await driver.see_the_summary()
+    assert stored(data, "SELECT count(*) FROM trials") == [(2,)]
+    assert stored(data, "SELECT status FROM sessions") == [("completed",)]
+
+
+async def test_only_the_second_choice_leaves_and_the_session_can_be_resumed(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        await driver.press("ctrl+q", "down", "enter")
+        assert not driver.app.is_running
+        assert driver.app.return_code in (None, 0)
+    assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
+    assert stored(data, "SELECT count(*) FROM trials") == [(1,)]
+
+
+async def test_keys_that_arrive_together_with_it_are_answers(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.to_first_prompt()
+        await driver.write("ctrl+q", "ctrl+q", "ctrl+q")
+        assert [type(screen).__name__ for screen in driver.app.screen_stack].count("LeaveScreen") == 1
+        await driver.press("enter")
+        await driver.to_prompt()
+        await driver.write("ctrl+q", "down", "enter")
+        assert not driver.app.is_running
+
+
+async def test_between_attempts_going_on_changes_nothing(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.press("enter")
+        before = driver.text
+        await driver.press("ctrl+q")
+        assert driver.sees(QUESTION)
+        await driver.press("enter")
+        assert driver.text == before
+        assert driver.messages("operator/act") == []
+
+
+async def test_in_a_pause_going_on_returns_to_the_pause(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.to_first_prompt()
+        await driver.press("escape", "down", "enter")
+        before = driver.text
+        await driver.press("ctrl+q", "enter")
+        assert driver.text == before
+        assert driver.sees("Have a rest")
+
+
+async def test_the_palettes_quit_asks_too(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        commands = {command.title: command for command in driver.app.get_system_commands(driver.app.screen)}
+        driver.app.call_later(commands["Quit"].callback)
+        await driver.settle()
+        assert driver.sees(QUESTION)
+
+
+async def test_under_a_cover_it_asks_and_the_answer_is_read_when_the_window_is_large_again(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.to_first_prompt()
+        await driver.press("ctrl+q")
+        await driver.resize(1, 1)
+        await driver.resize(80, 24)
+        assert driver.sees(QUESTION)
+        await driver.press("enter")
+        assert driver.waiting.stage == "trial"
+
+
+async def test_after_the_session_it_leaves_at_once(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+        await driver.do_session()
+        await driver.press("ctrl+q")
+        assert not driver.app.is_running
+    assert stored(data, "SELECT status FROM sessions") == [("completed",)]
+
+
+@pytest.mark.parametrize("keys", [(), ("f2",), ("f1",)])
+async def test_without_a_session_it_leaves_at_once(keys: tuple[str, ...], data: Path, catalogue: Catalogue) -> None:
+    known(data)
+    async with open_app(data, catalogue) as driver:
+        await driver.press(*keys, "ctrl+q")
+        assert not driver.app.is_running
