@@ -58,6 +58,7 @@ async def test_in_turn_the_letter_is_in_the_half_of_the_participant_whose_turn_i
 ) -> None:
     async with open_app(data, catalogue, play("alternate")) as driver:
         prompt = await driver.to_first_prompt()
+        assert "P01, P02" in driver.rows[0]
         left, right = halves(driver)
         assert "█" in left
         assert "█" not in right

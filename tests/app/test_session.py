@@ -146,6 +146,15 @@ async def test_a_wrong_key_is_a_response_and_the_agent_mentions_accuracy(
         assert driver.sees("◇ inaccurate"), "fast enough, but one key of two was wrong"
 
 
+async def test_the_header_says_who_is_playing_until_the_end(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P-27", attempts=1)) as driver:
+        assert driver.rows[0].strip() == "Keyboard reaction · P-27"
+        await driver.do_session()
+        assert driver.rows[0].startswith(" Keyboard reaction · P-27 ")
+
+
 async def test_one_attempt_is_singular(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1, prompts_per_attempt=1)) as driver:
         assert driver.sees("An attempt asks for 1 key.")

@@ -42,6 +42,7 @@ async def test_sensors_are_checked_one_after_the_other_before_the_session(data: 
     left, right = Plugged(), Plugged(at_once=False)
     async with open_check(left, right, hand_b="left") as driver:
         assert driver.screen_name == "SensorCheckScreen"
+        assert "P01, P02" in driver.rows[0]
         await driver.wait(3500)
         assert driver.sees(f"▸ {LEFT} ✓")
         assert driver.sees(f"{RIGHT} !"), "nor is the other out of sight"

@@ -108,7 +108,8 @@ class SensorCheckScreen(Screen[bool]):
     def compose(self) -> ComposeResult:
         with Horizontal(id="top"):
             yield Static(self.tr("Check the sensor"), id="task", markup=False)
-            yield Static(f"{self._plan.participant} · {self.tr(self._plan.task.title)}", id="where", markup=False)
+            codes = ", ".join(filter(None, (self._plan.participant, self._plan.partner)))
+            yield Static(f"{codes} · {self.tr(self._plan.task.title)}", id="where", markup=False)
         if len(self.sensors) > 1:
             yield Static(id="sides")
         yield Static(self.tr(_PLACE), id="place", markup=False)

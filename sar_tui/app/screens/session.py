@@ -60,7 +60,8 @@ class SessionScreen(AgentScreen):
     def compose(self) -> ComposeResult:
         session = self._live.run.session
         with Horizontal(id="top"):
-            yield Static(self.tr(session.task.title), id="task", markup=False)
+            codes = ", ".join(self._live.run.participants.values())
+            yield Static(f"{self.tr(session.task.title)} · {codes}", id="task", markup=False)
             yield from self.compose_voice()
             yield Static("", id="where", markup=False)
         with ContentSwitcher(initial="message", id="stage"):
