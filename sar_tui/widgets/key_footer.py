@@ -10,12 +10,12 @@ class KeyFooter(Footer):
     Textual composes it whenever the focus moves, which takes longer than everything else that a key press does.
     """
 
-    _keys: tuple[tuple[str, str, str, bool], ...] | None = None
+    _keys: tuple[tuple[object, ...], ...] | None = None
 
     def bindings_changed(self, screen: Screen[object]) -> None:
         """Compose the keys anew if they differ from those shown."""
         keys = tuple(
-            (binding.key, binding.description, binding.action, enabled)
+            (binding.key, binding.description, binding.action, binding.group, enabled)
             for _, binding, enabled, _ in screen.active_bindings.values()
             if binding.show
         )

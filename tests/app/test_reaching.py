@@ -247,3 +247,67 @@ async def test_a_resumed_session_moves_the_simulated_hand_by_its_stored_seed(
     async with open_app(data, catalogue, session) as driver:
         assert driver.sees("Welcome back")
     assert seeds == [7]
+
+
+def footer(driver: AppDriver) -> str:
+    return driver.rows[-1]
+
+
+async def test_a_mark_is_replaced_only_if_the_other_key_is_pressed_twice(data: Path, catalogue: Catalogue) -> None:
+    async with at_the_table(data, catalogue, reaches_per_attempt=2, attempts=1) as driver:
+        await to_start(driver)
+        await driver.press("space")
+        await driver.wait(500)
+        await driver.press("f7")
+        await driver.wait(300)
+        await driver.press("f8", "f8")
+        assert driver.sees("Marked: marker missed · F8 again: compensated instead"), "a held key does not count twice"
+        await driver.wait(2300)
+        await driver.press("space")
+        await driver.wait(1500)
+        assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [("missed",)]
+        await driver.press("f8")
+        assert driver.sees("Marked: compensated · Attempt 1 of 1")
+        assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [("compensated",)]
+        await driver.wait(300)
+        await driver.press("f8")
+        assert not driver.sees("Marked")
+        await driver.wait(300)
+        await driver.press("f9")
+        assert driver.sees("Marked: assisted"), "the mark was removed, so nothing is replaced"
+        await driver.press("space")
+        await driver.wait(500)
+        assert not driver.sees("Marked"), "this is another reach"
+        await driver.press("f7")
+        assert driver.sees("Marked: marker missed")
+        await driver.wait(2300)
+        await driver.press("space")
+        await driver.wait(1500)
+        rows = driver.stored("SELECT json_extract(details, '$.mark') FROM trials ORDER BY trial")
+        assert rows == [("assisted",), ("missed",)]
+        assert driver.waiting.stage == "review"
+        await driver.press("f7")
+        assert not driver.sees("Marked"), "also after the last attempt, a removed mark disappears"
+
+
+@pytest.mark.parametrize(
+    ("language", "columns", "shown"),
+    [
+        ("en", 80, "Esc Pause  F7 F8 F9 Mark  Ctrl-Q Quit  F1 Help"),
+        ("en", 100, "Esc Pause  F7 Marker missed  F8 Compensated  F9 Assisted  Ctrl-Q Quit  F1 Help"),
+        ("es", 80, "F7 F8 F9 Marcar"),
+    ],
+)
+async def test_the_footer_names_the_marks_while_there_is_a_trial_to_mark(
+    language: str, columns: int, shown: str, data: Path, catalogue: Catalogue
+) -> None:
+    settings = {"attempts": 2, "imu": "simulated", "language": language}
+    plan = make_plan(catalogue, "reaching", ["P01"], settings, seed=7)
+    async with open_app(data, catalogue, plan, size=(columns, 24)) as driver:
+        await driver.wait(300)
+        await driver.press("enter")
+        assert "F7" not in footer(driver), "nothing can be marked yet"
+        await to_start(driver)
+        assert shown in footer(driver)
+        await reach(driver)
+        assert shown in footer(driver)

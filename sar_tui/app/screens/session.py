@@ -1,16 +1,18 @@
 """The session's screen, from the instructions to the summary."""
 
+import functools
 from typing import ClassVar
 
 from textual import events
 from textual.app import ComposeResult
-from textual.binding import Binding, BindingType
+from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.widgets import ContentSwitcher, Static
 
 from sar_tui.app.agent.screen_base import AgentScreen
 from sar_tui.app.live import LiveSession
 from sar_tui.app.prompt_onset import report_onset
+from sar_tui.app.screens.mark_keys import MarkKeys
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
 from sar_tui.app.screens.waiting_text import WaitingText, help_text, key_name, waiting_text
@@ -33,6 +35,9 @@ from sar_tui.widgets.drawing import DrawingArea
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.progress_line import ProgressLine
 
+_MARKABLE = ("trial", "answer", "review")
+"""Stages in which there is a trial to mark; and before an attempt, except the first."""
+
 
 class SessionScreen(AgentScreen):
     """The stage of a session (see `screen_output.Stage`), which also reads its keys.
@@ -49,8 +54,13 @@ class SessionScreen(AgentScreen):
         self._waiting: Waiting | None = None
         self._last_key = ("", 0.0)
         self._shown: str | None = "message"
-        self._mark = ""
         self._press = ""
+        self._position = ""
+
+    @functools.cached_property
+    def _marks(self) -> MarkKeys:
+        """Keys of the therapist's marks."""
+        return MarkKeys(self._live.run.session.task.marks, self.tr)
 
     @property
     def help_text(self) -> str:
@@ -106,12 +116,19 @@ class SessionScreen(AgentScreen):
         if event.key not in ("escape", "f1", "ctrl+p"):
             event.stop()
             event.prevent_default()
-        for mark in self._live.run.session.task.marks:
-            if event.key == mark.key:
-                self._live.operate(SessionCommand(command="mark", actor="therapist", reason=mark.name))
-                return
+        if event.key in self._marks:
+            if not is_repeat:
+                self._press_mark(event.key, waiting)
+            return
         self._live.keyboard.pressed(event.key, event.character, self._live.stamp(event.time), self._gc.lag)
         self._correct_key(event.key, waiting)
+
+    def _press_mark(self, key: str, waiting: Waiting) -> None:
+        """Mark the trial, or ask for the key again if it would replace another mark."""
+        if mark := self._marks.press(key):
+            self._live.operate(SessionCommand(command="mark", actor="therapist", reason=mark.name))
+        else:
+            self._show_position(waiting)
 
     def _correct_key(self, key: str, waiting: Waiting) -> None:
         """Say which key is awaited after Enter was pressed for the start key, or the other way round."""
@@ -131,6 +148,19 @@ class SessionScreen(AgentScreen):
     def on_paste(self, event: events.Paste) -> None:
         event.stop()
         self._live.keyboard.pasted(len(event.text), self._live.stamp(event.time))
+
+    @property
+    def active_bindings(self) -> dict[str, ActiveBinding]:
+        """The screen's bindings, and the keys of marks while there is a trial to mark."""
+        found, waiting = super().active_bindings, self._waiting
+        if waiting is None or not (waiting.stage in _MARKABLE or (waiting.stage == "attempt" and waiting.attempt > 1)):
+            return found
+        first = {key: each for key, each in found.items() if key == "escape"}
+        return first | self._marks.bindings(found, self.size.width, self) | found
+
+    def on_resize(self) -> None:
+        """Name the keys of marks as far as there is room."""
+        self.refresh_bindings()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
         """Offer a pause if there is something to pause, and its menu while a sensor is awaited."""
@@ -171,11 +201,10 @@ class SessionScreen(AgentScreen):
 
     def begin_attempt(self, started: AttemptStarted) -> None:
         self._gc.begin_attempt()
-        self._mark = ""
+        self._marks.begin_attempt()
 
     def marked(self, marked: TrialMarked) -> None:
-        titles = {mark.name: self.tr(mark.title) for mark in self._live.run.session.task.marks}
-        self._mark = titles.get(marked.mark, "")
+        self._marks.marked(marked)
         if self._waiting:
             self._show_position(self._waiting)
 
@@ -189,6 +218,8 @@ class SessionScreen(AgentScreen):
     def wait(self, waiting: Waiting) -> None:
         before, self._waiting = self._waiting, waiting
         entered = before is None or before.stage != waiting.stage
+        if self._marks.wait(waiting):
+            self._show_position(waiting)
         if waiting.what == "foreperiod" and before is not None and before.reason == "held":
             self.clear_agent("listening")
         self._update_motion(waiting)
@@ -263,16 +294,12 @@ class SessionScreen(AgentScreen):
 
     def _show_position(self, waiting: Waiting) -> None:
         """Show attempt and level in the corner, and the progress at the bottom."""
-        marked = self.tr("Marked: {mark}", mark=self._mark.lower()) if self._mark else ""
-        if waiting.trial > waiting.trials:  # after the last attempt: there is no next level to show
-            if marked:
-                self.query_one("#where", Static).update(marked)
-            self._show_attempts(waiting.attempt)
-            return
-        level = self.tr("level {level}", level=waiting.level)
-        parts = filter(None, (marked, waiting.attempt_name.capitalize(), level))
-        self.query_one("#where", Static).update(" · ".join(parts))
-        self._show_attempts(waiting.attempt - 1)
+        is_over = waiting.trial > waiting.trials  # after the last attempt: there is no next level to show
+        self._show_attempts(waiting.attempt - (not is_over))
+        if not is_over:
+            self._position = f"{waiting.attempt_name.capitalize()} · {self.tr('level {level}', level=waiting.level)}"
+        parts = (self._marks.text, "" if self._marks.asks else self._position)
+        self.query_one("#where", Static).update(" · ".join(filter(None, parts)))
 
     def _show_attempts(self, done: int) -> None:
         """Show the number of attempts done; practice attempts are counted separately."""

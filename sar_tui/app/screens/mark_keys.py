@@ -1,0 +1,106 @@
+"""The keys with which a therapist marks a trial: the mark that is on it, and the footer's bindings."""
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from textual.binding import ActiveBinding, Binding
+
+from sar_tui.framework.language import Language
+from sar_tui.framework.messages import TrialMarked, Waiting
+from sar_tui.framework.trial_types import Mark
+
+_OPEN = ("quiet", "foreperiod", "storage", "response")
+"""Waits of a trial in which a mark is put on that trial; at all other times it is put on the last one."""
+
+_AROUND, _PALETTE = 3, 17
+"""Columns of the blanks around a key and its title; and of the palette's key, at the right end of the footer."""
+
+
+class MarkKeys:
+    """Follows the marks of a session, so that one replaces another only if its key is pressed twice.
+
+    Args:
+        marks: of the task.
+        tr: the session's language.
+    """
+
+    def __init__(self, marks: Sequence[Mark], tr: Language) -> None:
+        self._marks = {mark.key: mark for mark in marks}
+        self._titles = {mark.name: tr(mark.title) for mark in marks}
+        self.tr = tr
+        self._trial = (0, 0)
+        self._marked = ((0, 0), "")
+        self._replaces = ""
+
+    def wait(self, waiting: Waiting) -> bool:
+        """Follow the session to the trial that is marked from now on. Returns True if this changes the text."""
+        before = self.text
+        if waiting.stage == "trial" and waiting.what in _OPEN:
+            self._trial = (waiting.attempt, waiting.trial)
+        return self.text != before
+
+    def begin_attempt(self) -> None:
+        """Forget the last attempt's trial: it cannot be marked any more."""
+        self._trial = (0, 0)
+
+    def marked(self, marked: TrialMarked) -> None:
+        """Follow a mark that was put on a trial, or removed."""
+        self._marked = ((marked.attempt, marked.trial), marked.mark)
+        self._replaces = ""
+
+    def press(self, key: str) -> Mark | None:
+        """Return the mark of a key; None if the key must be pressed again to replace the present mark."""
+        mark = self._marks[key]
+        if self._present in ("", mark.name) or self._replaces == mark.name:
+            self._replaces = ""
+            return mark
+        self._replaces = mark.name
+        return None
+
+    @property
+    def asks(self) -> bool:
+        """True if a key must be pressed again to replace the present mark."""
+        return bool(self._present and self._replaces)
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._marks
+
+    @property
+    def _present(self) -> str:
+        """Name of the mark on the trial that a key would mark; empty without one."""
+        trial, name = self._marked
+        return name if trial == self._trial else ""
+
+    @property
+    def text(self) -> str:
+        """The mark that is on the trial, and the key that would replace it; empty without a mark."""
+        if not self._present:
+            return ""
+        text = self.tr("Marked: {mark}", mark=self._titles.get(self._present, self._present).lower())
+        if not self.asks:
+            return text
+        key = next(mark.key for mark in self._marks.values() if mark.name == self._replaces)
+        instead = self._titles[self._replaces].lower()
+        return f"{text} · {self.tr('{key} again: {mark} instead', key=key.upper(), mark=instead)}"
+
+    def bindings(self, others: Mapping[str, ActiveBinding], width: int, screen: Any) -> dict[str, ActiveBinding]:
+        """Return bindings for the footer: each mark by its title if there is room, else all as one group.
+
+        The keys themselves are read by the screen.
+
+        Args:
+            others: the other bindings of the footer.
+            width: of the footer, in columns.
+            screen: on which the keys are pressed.
+        """
+        made = [
+            Binding(mark.key, f"mark('{mark.name}')", self._titles[mark.name], key_display=mark.key.upper())
+            for mark in self._marks.values()
+        ]
+        shown = [*made, *(each.binding for each in others.values() if each.binding.show)]
+        room = sum(len(binding.key) + len(binding.description) + _AROUND for binding in shown)
+        if room + _PALETTE > width:
+            group = Binding.Group(self.tr("Mark"))
+            made = [dataclasses.replace(binding, group=group) for binding in made]
+        return {binding.key: ActiveBinding(screen, binding, True, "") for binding in made}
