@@ -26,6 +26,11 @@ class ActionQueue:
         return self.current is not None
 
     @property
+    def is_idle(self) -> bool:
+        """True if no action waits or is under way."""
+        return self.current is None and not self._waiting
+
+    @property
     def waiting(self) -> tuple[Action, ...]:
         """The actions that wait, by priority, then by age."""
         return tuple(sorted(self._waiting, key=lambda action: -action.priority))

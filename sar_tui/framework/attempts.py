@@ -4,6 +4,7 @@ from collections.abc import Collection
 
 from sar_tui.framework import attempt_state as steps
 from sar_tui.framework.attempt_state import AttemptScore
+from sar_tui.framework.language import Language
 from sar_tui.framework.messages import AttemptStarted, LevelChanged
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
@@ -22,6 +23,8 @@ class Attempts:
     def __init__(self, task: Task, seed: int) -> None:
         self._task = task
         self._seed = seed
+        self._streams = RandomStreams(seed)
+        self._named: tuple[int, Language, str] | None = None
         self.state = steps.start(task)
 
     @property
@@ -47,6 +50,12 @@ class Attempts:
     @property
     def name(self) -> str:
         """The attempt for people: "attempt 3 of 20"."""
+        attempt, tr = self.attempt, self._task.tr
+        if self._named is None or self._named[0] != attempt or self._named[1] is not tr:
+            self._named = attempt, tr, self._name()
+        return self._named[2]
+
+    def _name(self) -> str:
         practice, tr = self._task.parameters.practice_attempts, self._task.tr
         if steps.is_practice(self._task, self.state):
             return tr("practice {number} of {total}", number=self.attempt, total=practice)
@@ -86,7 +95,7 @@ class Attempts:
             trial=self.trial,
             level=self.level,
             streams=RandomStreams(self._seed, self.attempt, self.trial),
-            session=RandomStreams(self._seed),
+            session=self._streams,
         )
         return OpenTrial(situation, self._task.stimulus(situation), self._task.seats)
 

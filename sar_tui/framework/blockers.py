@@ -63,5 +63,6 @@ class Blockers:
 
     def detail(self, reason: str) -> str:
         """Return the message for the experimenter; empty if ``reason`` concerns neither the disk nor a sensor."""
-        sensors = " ".join(dict.fromkeys(filter(None, self._lost.values())))
-        return {"storage": self._disk_error, "restored": self._disk_error, "sensor": sensors}.get(reason, "")
+        if reason in ("storage", "restored"):
+            return self._disk_error
+        return " ".join(dict.fromkeys(filter(None, self._lost.values()))) if reason == "sensor" else ""

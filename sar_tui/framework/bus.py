@@ -188,11 +188,12 @@ class Bus:
             return
         self._running = True
         try:
-            while self._inputs:
+            inputs, derived, deliver = self._inputs, self._derived, self._deliver
+            while inputs:
                 self._now = self.clock.now()
-                self._deliver(*self._inputs.popleft())
-                while self._derived:
-                    self._deliver(*self._derived.popleft())
+                deliver(*inputs.popleft())
+                while derived:
+                    deliver(*derived.popleft())
                 cascade, self._cascade = self._cascade, []
                 for tap in self._taps:
                     tap(cascade)

@@ -24,6 +24,7 @@ class Language:
 
     def __init__(self, code: str = "en", texts: Mapping[str, str] | None = None) -> None:
         self.code = code
+        self._has_decimal_point = not _DECIMAL_POINT.isdisjoint((code, code.partition("-")[0]))
         self.texts = {english: own for english, own in (texts or {}).items() if not slot_problem(english, own)}
 
     def __call__(self, text: str, **slots: object) -> str:
@@ -34,12 +35,13 @@ class Language:
         translated = self.texts.get(text, text)
         if not slots:
             return translated
-        values = {name: self.figures(value) if isinstance(value, str) else value for name, value in slots.items()}
-        return translated.format(**values)
+        if not self._has_decimal_point:
+            slots = {name: self.figures(value) if isinstance(value, str) else value for name, value in slots.items()}
+        return translated.format(**slots)
 
     def figures(self, text: str) -> str:
         """Return a text with this language's decimal sign in its numbers: 0,5 for 0.5 in Spanish."""
-        if not _DECIMAL_POINT.isdisjoint((self.code, self.code.partition("-")[0])):
+        if self._has_decimal_point:
             return text
         return re.sub(r"(\d)\.(\d)", r"\1,\2", text)
 

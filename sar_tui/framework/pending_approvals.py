@@ -12,6 +12,11 @@ class PendingApprovals:
         self._waiting: dict[str, PendingApproval] = {}
 
     @property
+    def is_empty(self) -> bool:
+        """True if no proposal waits."""
+        return not self._waiting
+
+    @property
     def waiting(self) -> tuple[PendingApproval, ...]:
         """The pending proposals, oldest first."""
         return tuple(self._waiting.values())

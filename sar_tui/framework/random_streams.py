@@ -20,10 +20,10 @@ class RandomStreams:
     """
 
     def __init__(self, *key: int | str) -> None:
-        self._key = key
+        self._prefix = "".join(f"{part}/" for part in key)
 
     def _bits(self, stream: tuple[int | str, ...]) -> int:
-        name = "/".join(map(str, (*self._key, *stream)))
+        name = self._prefix + "/".join(map(str, stream)) if stream else self._prefix[:-1]
         return int.from_bytes(blake2b(name.encode(), digest_size=8).digest(), "big")
 
     def uniform(self, *stream: int | str) -> float:

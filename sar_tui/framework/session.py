@@ -83,7 +83,7 @@ class Session:
     @property
     def broken(self) -> Fault | None:
         """The fault that stopped this session, if there was one."""
-        return next((fault for fault in self.faults if fault.node in self._vital), None)
+        return next((fault for fault in self.faults if fault.node in self._vital), None) if self.faults else None
 
     def begin(self, run: int = 1) -> None:
         """Begin a run: attach the inputs and outputs, and start the loop."""

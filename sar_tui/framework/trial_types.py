@@ -1,5 +1,7 @@
 """Values that a task and the framework exchange: metric and target, stimulus, trial, result, score."""
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import Any, Literal
 
 import msgspec
@@ -218,20 +220,32 @@ class Score(msgspec.Struct, frozen=True):
     won: int | None = None
 
 
-class Performance(msgspec.Struct, frozen=True):
+class Performance:
     """A simulated participant's performance of one prompt.
 
     Args:
         reaction_ms: the reaction time drawn for this prompt.
         slips: True if the response is to be wrong.
-        pace: the duration of a movement, as a multiple of a healthy person's.
+        pace: the duration of a movement, as a multiple of a healthy person's; or what draws it, for a task that moves.
         unsteadiness: 0 for a hand that goes straight, 1 for one that halts and dwells.
     """
 
-    reaction_ms: float
-    slips: bool = False
-    pace: float = 1.0
-    unsteadiness: float = 0.0
+    def __init__(
+        self,
+        reaction_ms: float,
+        slips: bool = False,
+        pace: float | Callable[[], float] = 1.0,
+        unsteadiness: float = 0.0,
+    ) -> None:
+        self.reaction_ms = reaction_ms
+        self.slips = slips
+        self.unsteadiness = unsteadiness
+        self._pace = pace
+
+    @cached_property
+    def pace(self) -> float:
+        """The duration of a movement, as a multiple of a healthy person's."""
+        return self._pace() if callable(self._pace) else self._pace
 
 
 Act = tuple[float, Any]

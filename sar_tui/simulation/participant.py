@@ -87,10 +87,12 @@ class SimulatedParticipant(_Performer):
         if self._next:
             self._next.cancel()
         key = {"enter": "enter", "start": self._task.start_key}.get(waiting.what)
-        streams = RandomStreams(self._seed, "person", waiting.attempt, waiting.stage)
-        if waiting.ask and self._person.wants_feedback(streams):
+        if waiting.ask and self._wants_feedback(waiting):
             key = waiting.ask
         self._next = self._press(key, self.now + READING) if key else None
+
+    def _wants_feedback(self, waiting: Waiting) -> bool:
+        return self._person.wants_feedback(RandomStreams(self._seed, "person", waiting.attempt, waiting.stage))
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:

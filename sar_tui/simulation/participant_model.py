@@ -52,13 +52,16 @@ class Person(msgspec.Struct, frozen=True):
 
     def perform(self, choices: int, attempt: int, streams: RandomStreams) -> Performance:
         """Draw the performance of one prompt among ``choices`` in an attempt (1, 2, …)."""
-        varied = math.exp(streams.generator("pace", self.name).gauss(0, self.pace_sd))
         return Performance(
             reaction_ms=self.reaction_ms(choices, attempt, streams),
             slips=self.slips(streams),
-            pace=self.pace * varied * self._slowed(attempt),
+            pace=lambda: self._drawn_pace(attempt, streams),
             unsteadiness=self.unsteadiness,
         )
+
+    def _drawn_pace(self, attempt: int, streams: RandomStreams) -> float:
+        varied = math.exp(streams.generator("pace", self.name).gauss(0, self.pace_sd))
+        return self.pace * varied * self._slowed(attempt)
 
     def mean_ms(self, choices: int, attempt: int) -> float:
         """Return the mean reaction time among ``choices`` stimuli in an attempt (1, 2, …)."""

@@ -62,19 +62,33 @@ def _text(value: object) -> str:
     return _json.encode(value).decode()
 
 
+_OF_ATTEMPTS = {m.TrialEnded, m.TrialMarked, m.AttemptEnded}
+_OF_ACTIONS = {m.Proposal, m.PendingApproval, m.ProposalSeen, m.Action, m.Dropped, m.LevelDecided, m.OutputReport}
+_OF_SESSIONS = {m.NoteAdded, m.SessionEnded}
+"""Messages that become more than a row of ``events``: a small part of all."""
+
+
 def rows_of(session: str, run: int, records: list[Record]) -> Rows:
     """Return the rows of messages, by the names of the statements in ``SQL``."""
     rows: Rows = {kind: [] for kind in SQL}
-    for record in records:
-        rows["events"].append((session, record.seq, run, record.at, record.topic.name, _text(record.message)))
-        _add_attempts(rows, session, run, record.message)
-        _add_actions(rows, session, record.at, record.message)
-        match record.message:
-            case m.NoteAdded() as n:
-                rows["notes"].append((session, n.at or record.at, n.actor, n.text, n.label))
-            case m.SessionEnded() as e:
-                rows["session_ends"].append((e.status, datetime.now(UTC).isoformat(), session))
+    rows["events"] = [(session, seq, run, at, topic.name, _text(message)) for seq, at, topic, message in records]
+    for _, at, _, message in records:
+        kind = type(message)
+        if kind in _OF_ATTEMPTS:
+            _add_attempts(rows, session, run, message)
+        elif kind in _OF_ACTIONS:
+            _add_actions(rows, session, at, message)
+        elif kind in _OF_SESSIONS:
+            _add_to_session(rows, session, at, message)
     return rows
+
+
+def _add_to_session(rows: Rows, session: str, at: int, message: m.Message) -> None:
+    match message:
+        case m.NoteAdded() as n:
+            rows["notes"].append((session, n.at or at, n.actor, n.text, n.label))
+        case m.SessionEnded() as e:
+            rows["session_ends"].append((e.status, datetime.now(UTC).isoformat(), session))
 
 
 def _add_attempts(rows: Rows, session: str, run: int, message: m.Message) -> None:

@@ -120,6 +120,12 @@ class Arbiter(Approvals):
         """Hold back actions in trials and pauses; stop the instructions when the participant leaves them."""
         in_trial = waiting.what in ("foreperiod", "storage", "response") and waiting.stage == "trial"
         self._is_held_back = in_trial or (waiting.stage == "paused" and waiting.reason != "interrupted")
+        if not self._is_idle:  # in trials it nearly always is
+            self._make_way(waiting)
+        self._begin_next()
+
+    def _make_way(self, waiting: m.Waiting) -> None:
+        """Drop or halt what must not be heard or seen in this phase."""
         if waiting.stage == "trial" and (waiting.what != "agent" or self._rules.version < 2):
             self._drop("late", lambda one: one.policy == "drop")
         current = self._queue.current
@@ -129,7 +135,6 @@ class Arbiter(Approvals):
                 self.emit(HALT, Halt(action=current.id, reason="left", asked=self.now))
         if waiting.stage == "paused" and self._is_held_back and current:
             self.emit(HALT, Halt(action=current.id, reason="left", asked=self.now))
-        self._begin_next()
 
     @on(ATTEMPT_STARTED)
     def attempt_started(self, _: m.AttemptStarted) -> None:
@@ -271,6 +276,11 @@ class Arbiter(Approvals):
 
     def _begin_next(self) -> None:
         """Begin the actions whose turn it is."""
+        if self._is_idle:
+            self.cancel_timer("patience")
+            self.cancel_timer("deadline")
+            self._publish_state()
+            return
         held = _AFTER_FEEDBACK if any(map(arbitration.comes_first, self._pending.waiting)) else ()
         while not self._is_held_back and (action := self._queue.next(self.now, held)):
             if current := self._queue.current:
@@ -288,6 +298,11 @@ class Arbiter(Approvals):
             self.cancel_timer("deadline")
         self._publish_state()
 
+    @property
+    def _is_idle(self) -> bool:
+        """True if nothing waits or is under way."""
+        return self._queue.is_idle and self._pending.is_empty
+
     def _parts(self, utterance: Utterance) -> list[tuple[str, ActionPart]]:
         """Return the parts of an action that take time, by output."""
         wanted = {part for part in LASTING if getattr(utterance, _FIELDS[part])}
@@ -296,10 +311,10 @@ class Arbiter(Approvals):
     def _publish_state(self) -> None:
         """Publish whether the agent acts, and the state for operators, if they changed."""
         awaits_operator = any(arbitration.is_awaited(self._rules, one) for one in self._pending.waiting)
-        acting = m.AgentActing(acting=self._queue.is_acting, awaits_operator=awaits_operator)
-        if acting != self._acting:
-            self._acting = acting
-            self.emit(ACTING, acting)
+        acting = self._queue.is_acting
+        if (acting, awaits_operator) != (self._acting.acting, self._acting.awaits_operator):
+            self._acting = m.AgentActing(acting=acting, awaits_operator=awaits_operator)
+            self.emit(ACTING, self._acting)
         if not self._has_operators:
             return
         state = m.ArbiterState(
