@@ -3,7 +3,7 @@
 import math
 from collections import deque
 
-from sar_tui.motion.filters import Lowpass, usable_cutoff
+from sar_tui.motion.filters import Lowpass, Vector, usable_cutoff
 from sar_tui.motion.rest import SLOW_HZ, STEADY_RAD_S, STILL_RAD_S
 from sar_tui.motion.samples import Floats
 from sar_tui.motion.single_axis import SingleAxisParameters
@@ -22,8 +22,6 @@ NEWEST = 2
 """Number of newest blocks that are not used as rest: they may hold the start of a movement."""
 SPREADS = 2.0
 """Noise floor, in standard deviations at rest."""
-
-Vector = tuple[float, float, float]
 
 
 class _Block:
@@ -79,9 +77,9 @@ class Segmenter:
         self.still_for_s = 0.0
         self.began_s: float | None = None
         self.returned = False
-        self._fast = [Lowpass(cutoff, rate_hz) for _ in range(3)]
-        self._slow = [Lowpass(SLOW_HZ, rate_hz) for _ in range(3)]
-        self._slower = [Lowpass(SLOW_HZ, rate_hz) for _ in range(3)]
+        self._fast = Lowpass(cutoff, rate_hz)
+        self._slow = Lowpass(SLOW_HZ, rate_hz)
+        self._slower = Lowpass(SLOW_HZ, rate_hz)
         self._block_size = max(1, round(BLOCK_S * rate_hz))
         self._blocks: deque[_Block] = deque(maxlen=NEWEST + max(2, round(self.parameters.rest_s / BLOCK_S)))
         self._block = _Block()
@@ -103,17 +101,12 @@ class Segmenter:
         """Add samples: time in s, shape (n,); angular rate in rad/s, shape (n, 3). Non-finite ones are skipped."""
         for now, (x, y, z) in zip(time_s.tolist(), rate.tolist(), strict=True):
             if math.isfinite(x + y + z):
-                self._sample(now, x, y, z)
+                self._sample(now, (x, y, z))
 
-    def _sample(self, now: float, x: float, y: float, z: float) -> None:
+    def _sample(self, now: float, rate: Vector) -> None:
         step = 0.0 if self._last_s is None else min(now - self._last_s, LONGEST_STEP_S)
         self._last_s = now
-        fast = (self._fast[0](x), self._fast[1](y), self._fast[2](z))
-        slow = (
-            self._slower[0](self._slow[0](x)),
-            self._slower[1](self._slow[1](y)),
-            self._slower[2](self._slow[2](z)),
-        )
+        fast, slow = self._fast(rate), self._slower(self._slow(rate))
         self._bias = self._bias or slow
         self._collect(fast, slow)
         bias = self._bias
@@ -170,11 +163,15 @@ class Segmenter:
         block = self._block
         block.count += 1
         block.moved = block.moved or self.moving
-        for axis in range(3):
-            block.fast[axis] += fast[axis]
-            block.slow[axis] += slow[axis]
-            block.squares[0] += fast[axis] * fast[axis]
-            block.squares[1] += slow[axis] * slow[axis]
+        (x, y, z), (u, v, w) = fast, slow
+        block.fast[0] += x
+        block.fast[1] += y
+        block.fast[2] += z
+        block.slow[0] += u
+        block.slow[1] += v
+        block.slow[2] += w
+        block.squares[0] = block.squares[0] + x * x + y * y + z * z  # from left to right: rounding is the same
+        block.squares[1] = block.squares[1] + u * u + v * v + w * w
         if block.count < self._block_size:
             return
         self._blocks.append(block)

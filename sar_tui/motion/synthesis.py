@@ -1,6 +1,7 @@
 """The simulated hand: reaches as measured by a motion sensor on its back, with imperfections of sensor and hand."""
 
 import math
+from bisect import bisect_left
 from typing import NamedTuple
 
 import msgspec
@@ -101,6 +102,8 @@ class SimulatedHand:
         self._period_ns = round(1e9 / rate_hz)
         self._start_ns: int | None = None
         self._moves: list[tuple[int, Waveform]] = []
+        self._over_ns: list[int] = []
+        self._turned = [0.0]
         self._blocks: dict[int, Floats] = {}
         self._along, self._forearm, self._way = _frame(profile.axis)
         up = np.array([0.0, 0.0, GRAVITY_M_S2])
@@ -111,7 +114,11 @@ class SimulatedHand:
 
     def move(self, at_ns: int, shape: ReachShape) -> None:
         """Make a reach with its onset at ``at_ns``. Reaches that overlap add up."""
-        self._moves.append((at_ns, waveform(shape)))
+        form = waveform(shape)
+        self._moves.append((at_ns, form))
+        over_ns = at_ns + math.ceil(form.time_s[-1] * 1e9) + 1
+        self._over_ns.append(max(over_ns, self._over_ns[-1]) if self._over_ns else over_ns)
+        self._turned.append(self._turned[-1] + float(form.angle[-1]))
 
     def samples(self, from_ns: int, to_ns: int) -> Samples:
         """Return the samples with ``from_ns`` <= at < ``to_ns``, dtype SAMPLE.
@@ -177,7 +184,9 @@ class SimulatedHand:
         if not len(at):
             return rate, angle, acceleration
         first_ns, last_ns = int(at[0]), int(at[-1])
-        for onset_ns, form in self._moves:
+        over = bisect_left(self._over_ns, first_ns)
+        angle += self._turned[over]
+        for onset_ns, form in self._moves[over:]:
             if (last_ns - onset_ns) / 1e9 < form.time_s[0]:
                 continue
             if (first_ns - onset_ns) / 1e9 > form.time_s[-1]:

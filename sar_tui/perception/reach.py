@@ -3,6 +3,8 @@
 from collections import deque
 from typing import Literal
 
+import numpy as np
+
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.held_key import HeldKey
 from sar_tui.framework.messages import (
@@ -32,6 +34,8 @@ MARGIN_S = 0.05
 """Added to the stillness that the fixed-threshold detector needs."""
 PATIENCE = 300 * MS
 """Longest wait for samples after the tail."""
+EVER = -(2**63)
+"""Before all stamps."""
 UNMOVED = 1500 * MS
 """A key within this time of the start, without any movement, was pressed by mistake."""
 
@@ -61,6 +65,7 @@ class ReachPerception(TimedNode):
         self._still_s = still_ms / 1000
         self._settled_s = max(SETTLED_S, analysis.fixed_threshold.still_ms / 1000 + MARGIN_S)
         self._blocks: deque[Samples] = deque()
+        self._kept_from = EVER
         self._rate_hz = 0.0
         self._key = HeldKey()
         self._clear()
@@ -83,6 +88,7 @@ class ReachPerception(TimedNode):
             return
         if sensor.state == "attached":
             self._blocks.clear()
+            self._kept_from = EVER
             self._rate_hz = sensor.rate_hz
         elif self._prompt and sensor.state in ("saturated", "error") and sensor.state not in self._flags:
             self._flags.append(sensor.state)
@@ -111,12 +117,10 @@ class ReachPerception(TimedNode):
             self._report("stillness")
 
     def _forget_before(self, stamp: int) -> None:
-        """Drop samples before a stamp, exactly: the blocks of a replay may be divided differently."""
+        """Drop blocks before a stamp. ``_samples`` cuts the oldest, as those of a replay may be divided differently."""
+        self._kept_from = stamp
         while self._blocks and self._blocks[0]["at"][-1] < stamp:
             self._blocks.popleft()
-        if self._blocks:
-            oldest = self._blocks[0]
-            self._blocks[0] = oldest[oldest["at"] >= stamp]
 
     def _watch(self, samples: Samples) -> tuple[float, bool]:
         """Return the time at rest, in s, and True if the hand has been out and back since the start.
@@ -132,7 +136,8 @@ class ReachPerception(TimedNode):
         return self._segmenter.still_for_s, self._segmenter.has_reached(self._started / 1e9)
 
     def _samples(self) -> Samples:
-        return join(self._blocks)
+        samples = join(self._blocks)
+        return samples[np.searchsorted(samples["at"], self._kept_from) :]
 
     # --- the trial -----------------------------------------------------------------------------------------
 
