@@ -1,6 +1,6 @@
 """``sar-tui detect``: finds reaches or repetitions in a recording of a motion sensor."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from enum import StrEnum
 from pathlib import Path
 from statistics import median
@@ -13,9 +13,9 @@ from sar_tui.cli.errors import Refused
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
 
 if TYPE_CHECKING:
-    from sar_tui.motion.reach import Reach
-    from sar_tui.motion.repetitions import Repetitions
-    from sar_tui.motion.samples import Recording
+    from sar_tui.inputs.recording_file import Units
+    from sar_tui.motion.long_recording import LongDetection
+    from sar_tui.motion.samples import Samples
 
 _MOST_MISSING = 10
 """A recording whose holes last longer than this many times the rest of it is refused."""
@@ -109,33 +109,33 @@ def detect(
     import msgspec
 
     from sar_tui.inputs.imu import SourceError
-    from sar_tui.inputs.recording_file import Units, read_recording, refuse_degrees
-    from sar_tui.motion import detection, samples
-    from sar_tui.motion.repetitions import find_repetitions
+    from sar_tui.inputs.recording_file import Units
+    from sar_tui.motion.long_recording import detect_long
 
     units = msgspec.convert({"rate": rate.value, "acceleration": acceleration.value}, Units)
     try:
-        measured = read_recording(file, units)
-        refuse_degrees(file, measured)
-        begin_ns = int(measured["at"][0])
-        recording = samples.recording(measured, begin_ns)  # from 0: large times would cost precision
-        _refuse_mostly_missing(file, recording)
         if repetitions:
-            _report_repetitions(recording, find_repetitions(recording), begin_ns / 1e9, as_json)
+            _report_repetitions(file, units, as_json)
             return
-        found = detection.detect(recording, detector, hand=hand.value)
+        found = detect_long(_blocks(file, units), detector, hand.value)
     except (SourceError, ValueError) as error:
         raise Refused(str(error)) from error
-    reaches = [_shifted(reach, begin_ns / 1e9) for reach in found]
+    _refuse_mostly_missing(file, found.lasts_s, found.samples / found.rate_hz)
     if as_json:
-        print_json({"detector": detector, "rate_hz": round(recording.rate_hz, 3), "reaches": reaches})
+        print_json({"detector": detector, "rate_hz": round(found.rate_hz, 3), "reaches": found.reaches})
     else:
-        _print(recording, reaches, detector)
+        _print(found, detector)
 
 
-def _refuse_mostly_missing(file: Path, recording: "Recording") -> None:
-    time_s = recording.time_s
-    lasts_s, measured_s = float(time_s[-1] - time_s[0]), len(time_s) / recording.rate_hz
+def _blocks(file: Path, units: "Units") -> "Iterator[Samples]":
+    from sar_tui.inputs.recording_file import read_blocks, refuse_degrees
+
+    for block in read_blocks(file, units):
+        refuse_degrees(file, block)
+        yield block
+
+
+def _refuse_mostly_missing(file: Path, lasts_s: float, measured_s: float) -> None:
     if lasts_s > (_MOST_MISSING + 1) * measured_s:
         raise Refused(
             f"{file} lasts {lasts_s:.4g} s, but holds samples for {measured_s:.4g} s of it: "
@@ -143,13 +143,24 @@ def _refuse_mostly_missing(file: Path, recording: "Recording") -> None:
         )
 
 
-def _report_repetitions(recording: "Recording", found: "Repetitions", begin_s: float, as_json: bool) -> None:
+def _report_repetitions(file: Path, units: "Units", as_json: bool) -> None:
+    """Count repetitions in the whole file: their rhythm is that of all of it."""
+    from sar_tui.inputs.recording_file import read_recording, refuse_degrees
+    from sar_tui.motion.repetitions import find_repetitions
+    from sar_tui.motion.samples import recording as as_recording
+
+    samples = read_recording(file, units)
+    refuse_degrees(file, samples)
+    recording = as_recording(samples, int(samples["at"][0]))
+    begin_s, lasts_s = int(samples["at"][0]) / 1e9, float(recording.time_s[-1])
+    _refuse_mostly_missing(file, lasts_s, len(samples) / recording.rate_hz)
+    found = find_repetitions(recording)
     if as_json:
         turns_s = [round(turn + begin_s, 3) for turn in found.turns_s]
         rate_hz = round(recording.rate_hz, 3)
         print_json({"rate_hz": rate_hz, "repetitions": found.count, "period_s": found.period_s, "turns_s": turns_s})
         return
-    where = _where(recording)
+    where = _where(lasts_s, recording.rate_hz)
     if found.period_s is None:
         sentence = f"No repetitions {where}: counting needs at least two of 0.5 to 10 s each, in one rhythm."
     else:
@@ -158,17 +169,10 @@ def _report_repetitions(recording: "Recording", found: "Repetitions", begin_s: f
     console().print(sentence, markup=False, soft_wrap=True)
 
 
-def _shifted(reach: "Reach", by_s: float) -> "Reach":
-    import msgspec
-
-    times = {name: getattr(reach, name) + by_s for name in ("onset_s", "turn_s", "end_s")}
-    return msgspec.structs.replace(reach, **times)
-
-
-def _print(recording: "Recording", reaches: "Sequence[Reach]", detector: str) -> None:
+def _print(found: "LongDetection", detector: str) -> None:
     from sar_tui.cli.tables import add, table
 
-    out = console()
+    out, reaches = console(), found.reaches
     if reaches:
         times = ("onset\ns", "turn\ns", "end\ns", "time\ns")
         numbers = ("reach", *times, "out\nrad/s", "back\nrad/s", "SPARC\nout", "SPARC\nback")
@@ -189,19 +193,18 @@ def _print(recording: "Recording", reaches: "Sequence[Reach]", detector: str) ->
         out.print(made)
         for line in explain_flags(flag for reach in reaches for flag in reach.flags):
             out.print(line, markup=False, soft_wrap=True)
-    out.print(_sentence(recording, reaches, detector), markup=False, soft_wrap=True)
+    out.print(_sentence(found, detector), markup=False, soft_wrap=True)
 
 
-def _where(recording: "Recording") -> str:
-    lasts_s = float(recording.time_s[-1] - recording.time_s[0])
-    return f"in {lasts_s:.1f} s at {recording.rate_hz:.4g} samples a second"
+def _where(lasts_s: float, rate_hz: float) -> str:
+    return f"in {lasts_s:.1f} s at {rate_hz:.4g} samples a second"
 
 
-def _sentence(recording: "Recording", reaches: "Sequence[Reach]", detector: str) -> str:
-    where = f"{_where(recording)}, by the {detector} detector"
-    if not reaches:
+def _sentence(found: "LongDetection", detector: str) -> str:
+    where = f"{_where(found.lasts_s, found.rate_hz)}, by the {detector} detector"
+    if not found.reaches:
         return f"No reach {where}."
-    times = [reach.reach_time_s for reach in reaches]
+    times = [reach.reach_time_s for reach in found.reaches]
     if len(times) == 1:
         return f"One reach {where}: {times[0]:.3f} s."
     return f"{len(times)} reaches {where}: {min(times):.3f} to {max(times):.3f} s, median {median(times):.3f} s."

@@ -3,6 +3,7 @@
 import io
 import math
 import tempfile
+import tracemalloc
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -16,7 +17,8 @@ from hypothesis.extra import numpy as arrays
 
 from sar_tui.inputs import recording_file
 from sar_tui.inputs.imu import SourceError
-from sar_tui.inputs.recording_file import VECTORS, Units, read_recording
+from sar_tui.inputs.recording_file import Units, read_blocks, read_recording
+from sar_tui.inputs.recording_table import VECTORS
 from sar_tui.motion.samples import SAMPLE, Samples, recording
 
 HEADER = "t,ax,ay,az,wx,wy,wz"
@@ -116,6 +118,50 @@ def test_tables_from_spreadsheets_are_read(csv: Callable[..., Path], encoding: s
     assert len(read_recording(csv(header, *ROWS, "", " ", end=end, encoding=encoding))) == 40
 
 
+@pytest.fixture
+def in_small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read files in blocks of 20 rows."""
+    for name in ("csv", "npz"):
+        monkeypatch.setattr(f"sar_tui.inputs.recording_{name}.ROWS", 20)
+
+
+@pytest.mark.usefixtures("in_small_blocks")
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+def test_blocks_are_the_whole_file(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"walk{suffix}"
+    write_recording(path, some_samples(50))
+    blocks = list(read_blocks(path))
+    assert [len(block) for block in blocks] == [20, 20, 10]
+    assert np.concatenate(blocks).tobytes() == read_recording(path).tobytes()
+
+
+@pytest.mark.usefixtures("in_small_blocks")
+def test_a_time_that_goes_back_between_two_blocks_is_a_fault(
+    csv: Callable[..., Path], npz: Callable[..., Path]
+) -> None:
+    said = "the time 0.19 is the same as that of the sample above"
+    assert f"FILE, line 22: {said}" in fault(csv(HEADER, *ROWS[:20], ROWS[19], *ROWS[21:]))
+    times = np.arange(40) / 100
+    times[20] = times[19]
+    assert f"FILE, sample 21: {said}" in fault(npz(t=times))
+
+
+@pytest.mark.usefixtures("in_small_blocks")
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+def test_a_file_read_in_blocks_takes_no_more_memory_if_it_is_longer(tmp_path: Path, suffix: str) -> None:
+    peaks = []
+    for count in (2000, 8000):
+        path = tmp_path / f"{count}{suffix}"
+        write_recording(path, some_samples(count))
+        tracemalloc.start()
+        try:
+            assert sum(map(len, read_blocks(path))) == count
+            peaks.append(tracemalloc.get_traced_memory()[1])
+        finally:
+            tracemalloc.stop()
+    assert peaks[1] < 1.2 * peaks[0]
+
+
 @pytest.mark.parametrize(
     ("lines", "said"),
     [
@@ -168,10 +214,10 @@ def test_a_path_that_is_not_a_file_is_reported(tmp_path: Path, monkeypatch: pyte
     secret = tmp_path / "secret.csv"
     secret.write_text("t")
 
-    def refuse(_: Path) -> bytes:
+    def refuse(_: Path, *args: Any, **options: Any) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "read_bytes", refuse)
+    monkeypatch.setattr(Path, "open", refuse)
     assert fault(secret) == "FILE cannot be read: Permission denied."
 
 

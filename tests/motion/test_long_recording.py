@@ -1,0 +1,109 @@
+"""A recording of any length is analysed in bounded memory, and one that fits exactly as a whole."""
+
+import tracemalloc
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from sar_tui.motion.detection import DETECTORS, detect
+from sar_tui.motion.long_recording import SHORTEST_WINDOW_S, LongDetection, detect_long
+from sar_tui.motion.samples import Samples, recording
+from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, SimulatedHand
+
+RATE_HZ = 60.0
+SMALL = 1000
+"""So few that a window has its shortest duration."""
+SECOND = 1_000_000_000
+BEGIN = 1_700_000_000 * SECOND
+
+
+def reaches(count: int, profile: str = "steady", every_s: int = 4) -> Iterator[Samples]:
+    """Yield samples in blocks of ten seconds: a reach every few seconds, and a minute's rest now and then."""
+    hand, now = SimulatedHand(PROFILES[profile], RATE_HZ, seed=2), BEGIN
+    for number in range(count):
+        hand.move(now + 2 * SECOND, TABLE_4_1[number % 8].shape)
+        until = now + (60 if number % 25 == 24 else every_s) * SECOND
+        while now < until:
+            then = min(now + 10 * SECOND, until)
+            yield hand.samples(now, then)
+            now = then
+
+
+def onsets(found: LongDetection) -> list[float]:
+    return [reach.onset_s for reach in found.reaches]
+
+
+@pytest.mark.parametrize("detector", DETECTORS)
+def test_a_recording_that_fits_is_analysed_as_a_whole(detector: str) -> None:
+    blocks = list(reaches(12))
+    samples = np.concatenate(blocks)
+    whole = recording(samples, BEGIN)
+    found = detect_long(blocks, detector)
+    expected = detect(whole, detector)
+    assert len(expected) == 12
+    for now, then in zip(found.reaches, expected, strict=True):
+        assert now.onset_s == then.onset_s + BEGIN / 1e9
+        assert (now.reach_time_s, now.sparc_out, now.tremor_index) == (
+            then.reach_time_s,
+            then.sparc_out,
+            then.tremor_index,
+        )
+    assert (found.rate_hz, found.samples) == (whole.rate_hz, len(samples))
+
+
+@pytest.mark.parametrize("profile", ["steady", "patient"])
+@pytest.mark.parametrize("detector", DETECTORS)
+def test_in_windows_the_same_reaches_are_found(detector: str, profile: str) -> None:
+    profile = profile if detector == "single-axis" else "clean"
+    whole = detect_long(reaches(150, profile), detector)
+    found = detect_long(reaches(150, profile), detector, window=SMALL)
+    assert len(whole.reaches) == 150
+    assert onsets(found) == pytest.approx(onsets(whole), abs=0.01)
+    for now, then in zip(found.reaches, whole.reaches, strict=True):
+        assert now.reach_time_s == pytest.approx(then.reach_time_s, abs=0.01)
+        assert now.peak_extension_rad_s == pytest.approx(then.peak_extension_rad_s, abs=0.01)
+        assert now.flags == then.flags
+    assert found[1:] == pytest.approx(whole[1:])
+
+
+def test_the_result_does_not_depend_on_the_blocks() -> None:
+    whole = np.concatenate(list(reaches(80)))
+    parts = np.split(whole, [500, 501, 3000, 9000, 9100])
+    assert detect_long([whole], window=SMALL).reaches == detect_long(parts, window=SMALL).reaches
+
+
+def test_memory_does_not_grow_with_the_recording() -> None:
+    peaks = []
+    for count in (60, 180):
+        tracemalloc.start()
+        try:
+            assert len(detect_long(reaches(count), "fixed-threshold", window=SMALL).reaches) == count
+            peaks.append(tracemalloc.get_traced_memory()[1])
+        finally:
+            tracemalloc.stop()
+    assert peaks[1] < 1.1 * peaks[0]
+
+
+def test_what_lies_beyond_a_long_hole_is_analysed_by_itself() -> None:
+    blocks = list(reaches(10))
+    later = [block.copy() for block in blocks]
+    for block in later:
+        block["at"] += 24 * 3600 * SECOND
+    found = detect_long([*blocks, *later], window=SMALL)
+    first, second = onsets(found)[:10], onsets(found)[10:]
+    assert second == pytest.approx([onset + 24 * 3600 for onset in first], abs=1e-5)
+    assert found.lasts_s > 24 * 3600
+
+
+def test_a_movement_without_a_rest_does_not_fill_the_memory() -> None:
+    """A sensor whose bias is above the fixed threshold: it never rests."""
+    found = detect_long(reaches(150, "biased"), "fixed-threshold", window=SMALL)
+    (endless,) = found.reaches
+    assert "endless" in endless.flags
+    assert endless.reach_time_s == pytest.approx(SHORTEST_WINDOW_S, abs=1.0)
+
+
+def test_nothing_is_refused() -> None:
+    with pytest.raises(ValueError, match="There are no samples"):
+        detect_long([])
