@@ -38,7 +38,7 @@ lint: .venv/ready  ## style, types, floors
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
 
-bench: .venv/ready  ## timing, start-up and scale, into benchmarks/results/
+bench: .venv/ready  ## timing, start-up and simulation, into benchmarks/results/
 	@$(BIN)/python -m benchmarks
 
 clean:

@@ -1,1 +1,1 @@
-"""Timing, start-up and scale, measured on the machine at hand: ``python -m benchmarks``."""
+"""Timing, start-up and simulation, measured on the machine at hand: ``python -m benchmarks``."""

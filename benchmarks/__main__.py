@@ -13,9 +13,9 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
-from benchmarks import agent, commands, operator, paint, report, response, scale, sensor
+from benchmarks import agent, commands, operator, paint, report, response, sensor, simulate
 
-PARTS = ("response", "paint", "commands", "scale", "sensor", "agent", "operator")
+PARTS = ("response", "paint", "commands", "simulate", "sensor", "agent", "operator")
 RESULTS = Path(__file__).parent / "results"
 
 
@@ -32,7 +32,7 @@ def main() -> int:
         parser.error(f"there is no part {', '.join(sorted(unknown))}; there is: {', '.join(PARTS)}")
     parts = given.parts or PARTS
     trials = given.trials or (50 if given.quick else 300)
-    starts, attempts, stops, acts = (3, 10, 5, 10) if given.quick else (10, 50, 25, 200)
+    starts, stops, acts = (3, 5, 10) if given.quick else (10, 25, 200)
     console = Console()
     root = RESULTS.parent.parent / "build"
     root.mkdir(exist_ok=True)
@@ -57,8 +57,9 @@ def main() -> int:
         if "commands" in parts:
             ended = progress("commands", len(commands.PROGRAMS) * (starts + 1))
             results["commands"] = commands.measure(starts, place, ended)
-        if "scale" in parts:
-            results["scale"] = scale.measure(attempts, place, progress("simulated attempts", attempts))
+        if "simulate" in parts:
+            simulated = progress("simulated sessions", simulate.total_sessions(given.quick))
+            results["simulate"] = simulate.measure(given.quick, place, simulated)
         if "sensor" in parts:
             streamed = progress("seconds of a sensor's stream", sensor.total_seconds(given.quick))
             results["sensor"] = sensor.measure(given.quick, place, streamed)

@@ -11,6 +11,7 @@ from rich import box
 from rich.table import Table
 
 import sar_tui
+from benchmarks import simulate
 
 Results = Mapping[str, Any]
 Rows = list[list[str]]
@@ -81,11 +82,22 @@ def _commands(commands: Results) -> dict[str, Rows]:
     return {"A command from start to end (s)": [["command", "median", "times Python"], *rows]}
 
 
-def _scale(scale: Results) -> dict[str, Rows]:
+def _simulate(tasks: Results) -> dict[str, Rows]:
     return {
         "A simulated trial, with the database on": [
-            ["trials per second", "ms per trial", "ms per bare commit", "ratio"],
-            [f"{scale[name]:.2f}" for name in ("trials_per_s", "trial_ms", "commit_ms", "ratio")],
+            ["task", "trials", "per second", "ms each", "beside it", "ms each", "ratio"],
+            *(
+                [
+                    task,
+                    f"{figures['trials']}",
+                    f"{figures['trials_per_s']:.0f}",
+                    f"{figures['trial_ms']:.3f}",
+                    simulate.BESIDE[task],
+                    f"{figures['beside_ms']:.3f}",
+                    f"{figures['ratio']:.2f}",
+                ]
+                for task, figures in tasks.items()
+            ),
         ]
     }
 
@@ -140,7 +152,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "response": _response,
     "paint": _paint,
     "commands": _commands,
-    "scale": _scale,
+    "simulate": _simulate,
     "sensor": _sensor,
     "agent": _agent,
     "operator": _operator,
