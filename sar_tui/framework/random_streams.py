@@ -20,7 +20,7 @@ class RandomStreams:
     """
 
     def __init__(self, *key: int | str) -> None:
-        self._prefix = "".join(f"{part}/" for part in key)
+        self._prefix = "/".join(map(str, (*key, "")))
 
     def _bits(self, stream: tuple[int | str, ...]) -> int:
         name = self._prefix + "/".join(map(str, stream)) if stream else self._prefix[:-1]

@@ -20,7 +20,7 @@ from sar_tui.framework.node import STALLED, TimedNode, on
 from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
 from sar_tui.motion.analysis import EARLY_NS, AnalysisParameters, Window, analyse
 from sar_tui.motion.filters import LEAST_RATE_HZ
-from sar_tui.motion.samples import Samples, join, unpack
+from sar_tui.motion.samples import Samples, unpack
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.trace import trace_of
 
@@ -64,7 +64,8 @@ class ReachPerception(TimedNode):
         self._analysis = analysis
         self._still_s = still_ms / 1000
         self._settled_s = max(SETTLED_S, analysis.fixed_threshold.still_ms / 1000 + MARGIN_S)
-        self._blocks: deque[Samples] = deque()
+        self._blocks: deque[tuple[int, bytes]] = deque()
+        """The stamp of each block's newest sample, and its samples."""
         self._kept_from = EVER
         self._rate_hz = 0.0
         self._key = HeldKey()
@@ -98,8 +99,8 @@ class ReachPerception(TimedNode):
         if block.seat != self._seat:
             return
         samples = unpack(block.samples)
-        self._blocks.append(samples)
         newest = int(samples["at"][-1])
+        self._blocks.append((newest, block.samples))
         if self._prompt is None:
             self._forget_before(newest - REST)
             return
@@ -119,7 +120,7 @@ class ReachPerception(TimedNode):
     def _forget_before(self, stamp: int) -> None:
         """Drop blocks before a stamp. ``_samples`` cuts the oldest, as those of a replay may be divided differently."""
         self._kept_from = stamp
-        while self._blocks and self._blocks[0]["at"][-1] < stamp:
+        while self._blocks and self._blocks[0][0] < stamp:
             self._blocks.popleft()
 
     def _watch(self, samples: Samples) -> tuple[float, bool]:
@@ -136,7 +137,7 @@ class ReachPerception(TimedNode):
         return self._segmenter.still_for_s, self._segmenter.has_reached(self._started / 1e9)
 
     def _samples(self) -> Samples:
-        samples = join(self._blocks)
+        samples = unpack(b"".join([block for _, block in self._blocks]))
         return samples[np.searchsorted(samples["at"], self._kept_from) :]
 
     # --- the trial -----------------------------------------------------------------------------------------

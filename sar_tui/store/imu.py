@@ -25,6 +25,9 @@ INSERT_CHUNK = (
 )
 
 
+_OF_SENSORS = {ImuBlock, SensorChanged}
+
+
 def layout() -> str:
     """Return the layout of a sample in ``imu_chunks.data``: names, types and shapes, as in numpy's ``dtype.descr``."""
     from sar_tui.motion.samples import SAMPLE  # imports numpy, which a session without a sensor does not need
@@ -55,6 +58,8 @@ class StreamRows:
         streams, chunks = [], []
         waiting: dict[str, list[Record]] = {}
         for record in records:
+            if type(record.message) not in _OF_SENSORS:
+                continue
             seat = record.message.seat
             match record.message:
                 case ImuBlock():
