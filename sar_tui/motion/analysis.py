@@ -4,12 +4,12 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from sar_tui.motion.detection import DETECTORS, detect
+from sar_tui.motion.detection import DETECTORS, find, measure_all
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters
 from sar_tui.motion.reach import Reach
-from sar_tui.motion.reach_bounds import Hand
-from sar_tui.motion.samples import Samples, recording
+from sar_tui.motion.reach_bounds import Bounds, Detected, Hand
+from sar_tui.motion.samples import Recording, Samples, recording
 from sar_tui.motion.single_axis import SingleAxisParameters
 
 Measured = dict[str, str | int | float | bool | None]
@@ -94,19 +94,18 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         return Finding(details=known, invalid="samples", flags=window.flags)
     whole = recording(inside, window.from_ns, window.flags)
     known["rate_hz"] = round(whole.rate_hz, 3)
-    found: dict[str, tuple[Reach, ...]] = {}
+    reaches: tuple[Reach, ...] = ()
     for name, stored_name in STORED_NAMES.items():
         try:
-            reaches = detect(whole, name, parameters.of(name), parameters.hand)
+            found = find(whole, name, parameters.of(name), parameters.hand)
         except ValueError:
             return Finding(details=known, invalid="rate", flags=window.flags)
-        earliest = (window.started_ns - EARLY_NS - window.from_ns) / NS
-        after_start = (window.started_ns - window.from_ns) / NS
-        found[name] = tuple(r for r in reaches if r.onset_s >= earliest and r.end_s > after_start)
-        largest = _largest(found[name])
-        known[f"{stored_name}_reach_time_ms"] = round(largest.reach_time_s * 1000, 3) if largest else None
-    reach = _largest(found[parameters.detector])
-    known["reaches"] = len(found[parameters.detector])
+        found = found._replace(reaches=tuple(bounds for bounds in found.reaches if _is_expected(bounds, window)))
+        if name == parameters.detector:
+            reaches = measure_all(found, whole)
+        known[f"{stored_name}_reach_time_ms"] = _reach_time_ms(found, whole)
+    reach = _largest(reaches)
+    known["reaches"] = len(reaches)
     holes = _holes(inside["at"], window)
     if reach is None:
         return Finding(details=known, flags=window.flags, invalid="gap" if holes else "")
@@ -148,6 +147,20 @@ def measures(reach: Reach) -> Measured:
     if "saturated" in reach.flags:
         measured |= dict.fromkeys(measured.keys() - _TIMES)
     return measured
+
+
+def _is_expected(bounds: Bounds, window: Window) -> bool:
+    earliest_s = (window.started_ns - EARLY_NS - window.from_ns) / NS
+    started_s = (window.started_ns - window.from_ns) / NS
+    return bounds.onset_s >= earliest_s and bounds.end_s > started_s
+
+
+def _reach_time_ms(found: Detected, recording: Recording) -> float | None:
+    """Return the duration of the largest reach; which one that is needs measuring only if there are several."""
+    if len(found.reaches) > 1:
+        largest = _largest(measure_all(found, recording))
+        return round(largest.reach_time_s * 1000, 3) if largest else None
+    return next((round((bounds.end_s - bounds.onset_s) * 1000, 3) for bounds in found.reaches), None)
 
 
 def _largest(reaches: tuple[Reach, ...]) -> Reach | None:

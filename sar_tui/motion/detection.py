@@ -43,6 +43,21 @@ def detect(
 
     Raises ValueError for an unknown detector, another detector's parameters, or too low a sample rate.
     """
+    return measure_all(find(recording, detector, parameters, hand), recording)
+
+
+def measure_all(found: Detected, recording: Recording) -> tuple[Reach, ...]:
+    """Measure reaches that `find` found in a recording. Its flags are added to each, except that of gaps."""
+    return measure(found, tuple(flag for flag in recording.flags if flag != "gap"))
+
+
+def find(
+    recording: Recording,
+    detector: str = "single-axis",
+    parameters: msgspec.Struct | None = None,
+    hand: Hand = "right",
+) -> Detected:
+    """Return the boundaries of the reaches in a recording, without measuring them: much faster. Else as `detect`."""
     chosen = DETECTORS.get(current_name(detector))
     if chosen is None:
         raise ValueError(f"There is no detector named {detector!r}; there are: {', '.join(DETECTORS)}.")
@@ -50,5 +65,4 @@ def detect(
         raise ValueError(
             f"The detector {detector!r} takes {chosen.parameters.__name__}, not {type(parameters).__name__}."
         )
-    inherited = tuple(flag for flag in recording.flags if flag != "gap")
-    return measure(chosen.find(recording, parameters, hand), inherited)
+    return chosen.find(recording, parameters, hand)

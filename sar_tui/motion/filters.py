@@ -1,6 +1,7 @@
 """Low-pass and notch filters for angular rates: a causal one, and zero-phase ones."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -30,7 +31,7 @@ def usable_cutoff(cutoff_hz: float, rate_hz: float) -> float:
 
 
 class Lowpass:
-    """A causal second-order Butterworth low-pass of three axes, one sample at a time.
+    """A causal second-order Butterworth low-pass of three axes.
 
     The coefficients come from the analogue filter by the bilinear transform with its frequency pre-warped (Oppenheim &
     Schafer, Discrete-Time Signal Processing, 7.2.2). It starts settled at its first input, so a constant bias causes no
@@ -41,34 +42,30 @@ class Lowpass:
         rate_hz: samples per second.
     """
 
-    __slots__ = ("_a1", "_a2", "_b", "_s1", "_s2", "_started")
-    _s1: Vector
-    _s2: Vector
-
     def __init__(self, cutoff_hz: float, rate_hz: float) -> None:
         warped = math.tan(math.pi * cutoff_hz / rate_hz)
         norm = 1.0 + math.sqrt(2.0) * warped + warped * warped
         self._b = warped * warped / norm
         self._a1 = 2.0 * (warped * warped - 1.0) / norm
         self._a2 = (1.0 - math.sqrt(2.0) * warped + warped * warped) / norm
-        self._started = False
+        self._state: tuple[float, ...] | None = None
 
-    def __call__(self, x: Vector) -> Vector:
-        """Return the next output (transposed direct form II). The axes are written out: a loop takes twice as long."""
-        b, a1, a2 = self._b, self._a1, self._a2
-        x0, x1, x2 = x
-        if not self._started:
-            self._s1, self._s2 = (
-                (x0 * (1.0 - b), x1 * (1.0 - b), x2 * (1.0 - b)),
-                (x0 * (b - a2), x1 * (b - a2), x2 * (b - a2)),
-            )
-            self._started = True
-        p0, p1, p2 = self._s1
-        q0, q1, q2 = self._s2
-        y0, y1, y2 = b * x0 + p0, b * x1 + p1, b * x2 + p2
-        self._s1 = 2.0 * b * x0 - a1 * y0 + q0, 2.0 * b * x1 - a1 * y1 + q1, 2.0 * b * x2 - a1 * y2 + q2
-        self._s2 = b * x0 - a2 * y0, b * x1 - a2 * y1, b * x2 - a2 * y2
-        return y0, y1, y2
+    def filter(self, inputs: Sequence[Vector]) -> list[Vector]:
+        """Return the next outputs (transposed direct form II). The axes are written out: a loop takes twice as long."""
+        if not inputs:
+            return []
+        b, twice_b, a1, a2 = self._b, 2.0 * self._b, self._a1, self._a2
+        if self._state is None:
+            self._state = (*(x * (1.0 - b) for x in inputs[0]), *(x * (b - a2) for x in inputs[0]))
+        r0, r1, r2, s0, s1, s2 = self._state
+        outputs = []
+        for x0, x1, x2 in inputs:
+            y0, y1, y2 = b * x0 + r0, b * x1 + r1, b * x2 + r2
+            outputs.append((y0, y1, y2))
+            r0, r1, r2 = twice_b * x0 - a1 * y0 + s0, twice_b * x1 - a1 * y1 + s1, twice_b * x2 - a1 * y2 + s2
+            s0, s1, s2 = b * x0 - a2 * y0, b * x1 - a2 * y1, b * x2 - a2 * y2
+        self._state = r0, r1, r2, s0, s1, s2
+        return outputs
 
 
 def smooth(x: Floats, rate_hz: float, cutoff_hz: float, notch_hz: float | None = None) -> Floats:

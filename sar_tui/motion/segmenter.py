@@ -99,14 +99,19 @@ class Segmenter:
 
     def push(self, time_s: Floats, rate: Floats) -> None:
         """Add samples: time in s, shape (n,); angular rate in rad/s, shape (n, 3). Non-finite ones are skipped."""
-        for now, (x, y, z) in zip(time_s.tolist(), rate.tolist(), strict=True):
-            if math.isfinite(x + y + z):
-                self._sample(now, (x, y, z))
+        samples = [
+            (now, (x, y, z))
+            for now, (x, y, z) in zip(time_s.tolist(), rate.tolist(), strict=True)
+            if math.isfinite(x + y + z)
+        ]
+        rates = [vector for _, vector in samples]
+        fast, slow = self._fast.filter(rates), self._slower.filter(self._slow.filter(rates))
+        for (now, _), quick, calm in zip(samples, fast, slow, strict=True):
+            self._sample(now, quick, calm)
 
-    def _sample(self, now: float, rate: Vector) -> None:
+    def _sample(self, now: float, fast: Vector, slow: Vector) -> None:
         step = 0.0 if self._last_s is None else min(now - self._last_s, LONGEST_STEP_S)
         self._last_s = now
-        fast, slow = self._fast(rate), self._slower(self._slow(rate))
         self._bias = self._bias or slow
         self._collect(fast, slow)
         bias = self._bias

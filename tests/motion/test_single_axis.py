@@ -207,10 +207,10 @@ def test_reaches_in_any_signal_are_ordered_and_within_the_recording(rate: list[t
 
 def test_a_low_pass_keeps_a_bias_and_halves_the_power_at_its_cutoff() -> None:
     lowpass = Lowpass(8.0, 250.0)
-    assert [lowpass((0.3, 0.0, -0.1)) for _ in range(50)] == [pytest.approx((0.3, 0.0, -0.1))] * 50
+    assert lowpass.filter([(0.3, 0.0, -0.1)] * 50) == [pytest.approx((0.3, 0.0, -0.1))] * 50
     wave = np.sin(2 * np.pi * 8 * np.arange(2000) / 250)
     lowpass = Lowpass(8.0, 250.0)
-    passed = np.array([lowpass((0.0, value, 2 * value)) for value in wave.tolist()])
+    passed = np.array(lowpass.filter([(0.0, value, 2 * value) for value in wave.tolist()]))
     assert passed[1000:].max(axis=0) == pytest.approx([0.0, math.sqrt(0.5), math.sqrt(2.0)], abs=0.01)
 
 

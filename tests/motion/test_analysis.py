@@ -1,0 +1,65 @@
+"""The analysis of one reach: what is measured, and which of several reaches counts."""
+
+import pytest
+
+from sar_tui.motion import detection
+from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
+from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
+from sar_tui.motion.reach import Reach
+from sar_tui.motion.reach_bounds import Detected
+from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, SimulatedHand
+
+SECOND = 1_000_000_000
+SMALL, LARGE = TABLE_4_1[0].shape, TABLE_4_1[7].shape
+
+
+@pytest.fixture
+def measured(monkeypatch: pytest.MonkeyPatch) -> list[Detected]:
+    """Return a list to which every set of reaches is added that is measured."""
+    found: list[Detected] = []
+
+    def measure(detected: Detected, flags: tuple[str, ...] = ()) -> tuple[Reach, ...]:
+        found.append(detected)
+        return really(detected, flags)
+
+    really = detection.measure
+    monkeypatch.setattr(detection, "measure", measure)
+    return found
+
+
+@pytest.mark.parametrize("detector", STORED_NAMES)
+def test_only_the_reach_of_the_detector_that_counts_is_measured(
+    measured: list[Detected], detector: DetectorName
+) -> None:
+    hand = SimulatedHand(PROFILES["steady"])
+    hand.move(2 * SECOND, SMALL)
+    window = Window(from_ns=0, started_ns=1_500_000_000, to_ns=5 * SECOND)
+    found = analyse(hand.samples(0, 5 * SECOND), window, AnalysisParameters(detector=detector))
+    assert len(measured) == 1
+    counted = STORED_NAMES[detector]
+    assert found.details[f"{counted}_reach_time_ms"] == found.details["reach_time_ms"]
+    for name in STORED_NAMES.values():
+        assert found.details[f"{name}_reach_time_ms"] == pytest.approx(1340, abs=120)
+
+
+def test_a_reach_before_the_window_s_start_is_not_measured(measured: list[Detected]) -> None:
+    hand = SimulatedHand(PROFILES["steady"])
+    hand.move(2 * SECOND, SMALL)
+    hand.move(7 * SECOND, SMALL)
+    window = Window(from_ns=0, started_ns=6 * SECOND, to_ns=10 * SECOND)
+    found = analyse(hand.samples(0, 10 * SECOND), window, AnalysisParameters())
+    assert [len(detected.reaches) for detected in measured] == [1]
+    assert found.onset_ns == pytest.approx(7 * SECOND, abs=SECOND / 50)
+
+
+@pytest.mark.parametrize("detector", STORED_NAMES)
+def test_of_several_reaches_the_largest_counts_for_both_detectors(detector: DetectorName) -> None:
+    hand = SimulatedHand(PROFILES["steady"])
+    hand.move(2 * SECOND, SMALL)
+    hand.move(6 * SECOND, LARGE)
+    window = Window(from_ns=0, started_ns=SECOND, to_ns=10 * SECOND)
+    found = analyse(hand.samples(0, 10 * SECOND), window, AnalysisParameters(detector=detector))
+    assert (found.details["reaches"], found.flags) == (2, ("several",))
+    assert found.onset_ns == pytest.approx(6 * SECOND, abs=SECOND / 10)
+    for name in STORED_NAMES.values():
+        assert found.details[f"{name}_reach_time_ms"] == pytest.approx(1080, abs=120)
