@@ -15,6 +15,7 @@ from sar_tui.link.protocol import (
     BrokerEvent,
     PeerJoined,
     PeerLeft,
+    PeerUnproven,
     Pong,
     ProtocolError,
     RequestRefused,
@@ -40,6 +41,9 @@ _TOO_LONG = f"It is longer than {protocol.MAX_ACT_BYTES} bytes."
 _OBSERVER = "An observer cannot act."
 _TAKEN = "This name is in use. Choose another one, or wait until its owner has left."
 _FULL = "Too many people are already connected to this session."
+_UNATTENDED = "The terminal of this panel does not answer."
+_NEVER_ANSWERED = "the terminal answers no queries."
+_RELAYED = "tmux, screen, Zellij or mosh answers for the terminal."
 
 
 def role_of(name: str) -> Role | None:
@@ -95,7 +99,7 @@ class Admission:
                 if self._presence.is_present(name, ping.client_id) and self._presence.leave(name):
                     self._notify(PeerLeft(name, "left"))
                 return
-            refusal = self._admit(name, ping.client_id, now)
+            refusal = self._admit(name, ping.client_id, now, ping.silence, is_relayed=ping.is_relayed)
             self._answer(name, Pong(ping.sent_at, now, self._clock_id, self.number, ping.client_id, refusal))
             if ping.wants_snapshot and not refusal and self._bucket("snapshot", name).take(now):
                 self._notify(SnapshotRequested(name))
@@ -115,7 +119,7 @@ class Admission:
                     what = act.topic
                 if act.topic != protocol.TAKE_CONTROL:
                     protocol.decode_act(act.topic, act.message)
-                if refusal := self._admit(name, act.client_id, now):
+                if refusal := self._admit(name, act.client_id, now, act.silence):
                     raise ProtocolError(refusal)
             except ProtocolError as error:
                 self.refuse(name, what, str(error), now)
@@ -133,10 +137,15 @@ class Admission:
                 self._notify(PeerLeft(name, "lost", "The connection broke."))
 
     def tick(self, now: int) -> None:
-        """Report peers that are lost and requests that were refused since the last tick."""
+        """Report peers that are lost or unproven, and requests that were refused, since the last tick."""
+        ms = self._lost_after // 1_000_000
         with self._lock:
-            for name in self._presence.expire(now):
-                self._notify(PeerLeft(name, "lost", f"No heartbeat for {self._lost_after // 1_000_000} ms."))
+            for name, cause in self._presence.expire(now):
+                why = f"No heartbeat for {ms} ms." if cause == "silent" else f"Its terminal did not answer for {ms} ms."
+                self._notify(PeerLeft(name, "lost", why))
+            for name, doubt in self._presence.unproven(now):
+                if role_of(name) == "operator":
+                    self._notify(PeerUnproven(name, _RELAYED if doubt == "relayed" else _NEVER_ANSWERED))
             for (name, what, why), count in self._refused.due(now):
                 self._notify(RequestRefused(name, what, why, count))
 
@@ -150,15 +159,19 @@ class Admission:
             if count := self._refused.add((name, what, why), now):
                 self._notify(RequestRefused(name, what, why, count))
 
-    def _admit(self, name: str, client_id: str, now: int) -> str:
+    def _admit(
+        self, name: str, client_id: str, now: int, silence: int | None, *, is_relayed: bool | None = None
+    ) -> str:
         """Record a heartbeat; return why its sender is not admitted, or an empty string."""
-        match self._presence.heartbeat(name, client_id, now):
+        match self._presence.heartbeat(name, client_id, now, silence, is_relayed=is_relayed):
             case "joined":
                 self._notify(PeerJoined(name))
             case "taken":
                 return _TAKEN
             case "full":
                 return _FULL
+            case "unattended":
+                return _UNATTENDED
         return ""
 
     def _decode(self, name: str, payload: bytes, kind: type[msgspec.Struct]) -> Any:

@@ -7,6 +7,7 @@ import asyncio
 import contextlib
 import re
 import secrets
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 import msgspec
@@ -18,7 +19,7 @@ from sar_tui.framework.topics import ALL
 from sar_tui.link import protocol
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.peer import Connection, Peer, PeerListener
+from sar_tui.link.peer import Connection, Peer, PeerListener, TerminalState
 from sar_tui.link.protocol import Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
 from sar_tui.link.remote_clock import RemoteClock
 from sar_tui.link.transport import ConnectionTarget, Received, Transport, connection_target
@@ -90,6 +91,7 @@ class _Client:
         self._received_at = 0
         self._is_closed = False
         self._goodbye_at: int | None = None
+        self._terminal: Callable[[], TerminalState] = TerminalState
         self._transport = Transport(target, name, self._receive_from_thread)
         loop.call_soon(self._start)
 
@@ -98,6 +100,10 @@ class _Client:
         if topic.name not in protocol.OPERATOR_TOPICS:
             raise ValueError(f"An operator may not send {topic.name}.")
         self._send_act(topic.name, protocol.encode(message))
+
+    def watch_terminal(self, state: Callable[[], TerminalState]) -> None:
+        """See `Peer`."""
+        self._terminal = state
 
     def take_control(self) -> None:
         """See `Peer`."""
@@ -126,7 +132,8 @@ class _Client:
 
     def _send_act(self, topic: str, message: bytes) -> None:
         if self._connection.state == "connected":
-            self._transport.send_act(protocol.encode(protocol.ActRequest(self._id, topic, msgspec.Raw(message))))
+            act = protocol.ActRequest(self._id, topic, msgspec.Raw(message), self._terminal().silence)
+            self._transport.send_act(protocol.encode(act))
 
     def _tick(self) -> None:
         if self._is_closed:
@@ -137,7 +144,9 @@ class _Client:
         self._loop.call_later(PING_INTERVAL_S, self._tick)
 
     def _ping(self) -> None:
-        self._transport.send_ping(protocol.encode(Ping(self._id, host_now(), wants_snapshot=self._number is None)))
+        silence, is_relayed = self._terminal()
+        ping = Ping(self._id, host_now(), wants_snapshot=self._number is None, silence=silence, is_relayed=is_relayed)
+        self._transport.send_ping(protocol.encode(ping))
 
     def _lost(self, why: str) -> None:
         self._is_admitted, self._number = False, None

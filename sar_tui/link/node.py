@@ -20,6 +20,7 @@ from sar_tui.link.protocol import (
     BrokerEvent,
     PeerJoined,
     PeerLeft,
+    PeerUnproven,
     ProtocolError,
     RequestRefused,
     SnapshotRequested,
@@ -100,6 +101,9 @@ class LinkNode(Node):
                 self._peer_joined(name)
             case PeerLeft(name=name, state=state, detail=detail):
                 self._peer_left(name, state, detail)
+            case PeerUnproven(name=name, detail=detail):
+                if role := self._control.peers.get(name):
+                    self._report_presence(name, role, "unproven", detail)
             case SnapshotRequested(name=name):
                 self._need_snapshot[name] = None
                 self._schedule(0)

@@ -101,6 +101,17 @@ class Connection(NamedTuple):
     why: str = ""
 
 
+class TerminalState(NamedTuple):
+    """Evidence that a person's terminal is at a peer's end of the link.
+
+    ``silence``: time since the terminal last answered (ns); None if it never has. ``is_relayed``: another program, such
+    as tmux, answers in its place.
+    """
+
+    silence: int | None = None
+    is_relayed: bool = False
+
+
 PeerEvent = Welcome | list[Frame] | MotionTrace | Connection
 """Received by a peer, in order, on the thread of the loop that it was made on."""
 
@@ -116,6 +127,9 @@ class Peer(Protocol):
 
         The session checks it and fills in who sent it. The message's ``at`` is on the session's clock, see ``now``.
         """
+
+    def watch_terminal(self, state: Callable[[], TerminalState]) -> None:
+        """Send the state of the operator's terminal with every heartbeat, so that its loss is noticed."""
 
     def take_control(self) -> None:
         """Take control of the session from whichever operator has it."""

@@ -5,7 +5,7 @@ Input is never trusted: a message is decoded into exactly its type, or refused w
 
 import struct
 from collections.abc import Iterable
-from typing import IO, Any, Literal, TypeVar
+from typing import IO, Annotated, Any, Literal, TypeVar
 
 import msgspec
 
@@ -95,25 +95,33 @@ SessionMessage = Batch | Snapshot | MotionTraces | Pong | LinkClosed
 # --- from a peer to the session ------------------------------------------------------------------------------
 
 
+Silence = Annotated[int, msgspec.Meta(ge=0)] | None
+"""Time since a peer's terminal last answered (ns); None if it never has."""
+
+
 class Ping(_LinkMessage, frozen=True):
     """Heartbeat of a peer.
 
     ``client_id``: a random id of the program. ``sent_at``: on its clock (ns). ``wants_snapshot``: the peer does not
-    know the state of the session. ``is_leaving``: the peer is about to close.
+    know the state of the session. ``is_leaving``: the peer is about to close. ``silence``, ``is_relayed``: of its
+    terminal, see ``peer.TerminalState``.
     """
 
     client_id: str
     sent_at: int
     wants_snapshot: bool = False
     is_leaving: bool = False
+    silence: Silence = None
+    is_relayed: bool = False
 
 
 class ActRequest(_LinkMessage, frozen=True):
-    """An operator's message for one of ``OPERATOR_TOPICS``, or ``TAKE_CONTROL``."""
+    """An operator's message for one of ``OPERATOR_TOPICS``, or ``TAKE_CONTROL``; ``silence`` as in ``Ping``."""
 
     client_id: str
     topic: str
     message: msgspec.Raw = msgspec.Raw(b"\xc0")
+    silence: Silence = None
 
 
 # --- from the program to its broker --------------------------------------------------------------------------
@@ -183,6 +191,13 @@ class PeerLeft(_LinkMessage, frozen=True):
     detail: str = ""
 
 
+class PeerUnproven(_LinkMessage, frozen=True):
+    """Nothing proves that a person's terminal is at an operator's panel; ``detail`` says why."""
+
+    name: str
+    detail: str
+
+
 class SnapshotRequested(_LinkMessage, frozen=True):
     """A peer needs a snapshot."""
 
@@ -206,7 +221,9 @@ class RequestRefused(_LinkMessage, frozen=True):
     count: int
 
 
-BrokerEvent = BrokerStarted | Heartbeat | PeerJoined | PeerLeft | SnapshotRequested | ActReceived | RequestRefused
+BrokerEvent = (
+    BrokerStarted | Heartbeat | PeerJoined | PeerLeft | PeerUnproven | SnapshotRequested | ActReceived | RequestRefused
+)
 
 encode = msgspec.msgpack.encode
 _decoders: dict[Any, msgspec.msgpack.Decoder[Any]] = {}

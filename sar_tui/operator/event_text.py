@@ -142,6 +142,9 @@ def _presence(changed: OperatorChanged, me: str) -> _Text:
             return f"{who} joined{' to watch' if changed.role == 'observer' else ''}.", "plain"
         case "left":
             return f"{who} left.", "plain"
+        case "unproven":
+            whose = "Your" if you else f"{who}'s"
+            return f"{whose} presence is not proven: {changed.detail}", "bad"
     why = f": {changed.detail.rstrip('.')}" if changed.detail else ""
     return f"{who} lost the connection{why}.", "bad"
 

@@ -19,7 +19,7 @@ from sar_tui.framework.clock import SECOND, Clock, LiveClock, host_now
 from sar_tui.framework.messages import PendingApproval
 from sar_tui.framework.theme import Theme
 from sar_tui.link.errors import LinkError
-from sar_tui.link.peer import Peer, PeerEvent, PeerListener
+from sar_tui.link.peer import Connection, Peer, PeerEvent, PeerListener
 from sar_tui.operator import key_help, keymap, palette, proposal_view, status_view
 from sar_tui.operator.agent_mirror import AgentMirror
 from sar_tui.operator.commands import Commands
@@ -28,6 +28,7 @@ from sar_tui.operator.proposal_strip import ProposalStrip
 from sar_tui.operator.text_charts import wrap
 from sar_tui.operator.widgets import CachedStatic, TooSmallNotice
 from sar_tui.tui.ordered_keys import OrderedScreen
+from sar_tui.tui.terminal_probe import INTERVAL_S as PROBE_INTERVAL_S
 
 FRAME_SECONDS = 1 / 15
 """Shortest time between two drawings."""
@@ -36,6 +37,8 @@ _TALL, _WIDE = 27, 92
 _PALETTE_ROWS = 5
 _GAP, _LINK_SHARE = 2, 0.6
 """Columns between the session and the link in the header, and the largest share of the link (see `operator.tcss`)."""
+_SHORTEST_ABSENCE_S = 1.0
+"""Shorter silences of the terminal are not worth a line in the log."""
 
 
 class PanelLayout(OrderedScreen[str]):
@@ -122,6 +125,9 @@ class PanelLayout(OrderedScreen[str]):
         except LinkError as error:
             self.dismiss(str(error))
             return
+        self.commands.peer.watch_terminal(self.app.terminal_probe.state)
+        self.app.terminal_probe.ask()
+        self.set_interval(PROBE_INTERVAL_S, self.app.terminal_probe.ask)
         if self._file_problem:
             self.commands.log.report(self.commands.peer.now(), self._file_problem)
         self.set_interval(FRAME_SECONDS, self._tick)
@@ -142,6 +148,8 @@ class PanelLayout(OrderedScreen[str]):
         """Handle an event of the link. Draw at once, or with the next frame if the last drawing was too recent."""
         theme = self.commands.state.theme
         self.commands.receive(event)
+        if isinstance(event, Connection) and event.state == "connected":
+            self._report_absence()
         if self.commands.state.theme is not theme:
             self.phrase_book = palette.PhraseBook.of(self.commands.state, self.file)
             if self.commands.state.theme:
@@ -149,6 +157,13 @@ class PanelLayout(OrderedScreen[str]):
         self.is_stale = True
         if host_now() - self._drawn_at > FRAME_SECONDS * SECOND:
             self.call_later(self._tick)
+
+    def _report_absence(self) -> None:
+        """Say in the log that this terminal was away, once it is back."""
+        seconds = self.app.terminal_probe.take_longest_silence() / SECOND
+        if seconds >= _SHORTEST_ABSENCE_S and self.commands.peer:
+            text = f"This terminal did not answer for {seconds:.0f} s. Meanwhile the session went on without it."
+            self.commands.log.report(self.commands.peer.now(), text)
 
     def on_resize(self, event: events.Resize) -> None:
         self.set_class(event.size.height >= _TALL, "tall")

@@ -18,8 +18,8 @@ class Deviation(msgspec.Struct, frozen=True):
     Attributes:
         at_s: from the start of its run.
         what: ``mode``, ``level``, ``skip``, ``repeat``, ``pause``, ``end``, ``stop``, ``mark``; ``baton`` (stored
-            spelling: another operator took control); ``lost``, ``left`` (an operator); ``refused`` (a request),
-            ``missed`` (a late decision).
+            spelling: another operator took control); ``lost``, ``left``, ``unproven`` (an operator, whose terminal
+            nothing proves to be there); ``refused`` (a request), ``missed`` (a late decision).
         actor: who caused it.
         count: number of refused requests that one message reports.
         duration_s: of a pause.
@@ -62,7 +62,7 @@ def _deviation(message: m.Message, operators: Collection[str]) -> Iterator[tuple
             yield what, "" if message.value is None and what == "level" else str(message.value or message.reason)
         case m.OperatorChanged(state="baton"):
             yield "baton", ""
-        case m.OperatorChanged(role="operator", state="lost" | "left" as what):
+        case m.OperatorChanged(role="operator", state="lost" | "left" | "unproven" as what):
             yield what, message.detail
         case m.PeerRequestRefused():
             yield "refused", f"{message.what}: {message.why}"

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from textual import events
 from textual.app import App
 from textual.binding import Binding, BindingType
+from textual.driver import Driver
 from textual.filter import LineFilter
 from textual.geometry import Size
 
@@ -16,7 +17,9 @@ from sar_tui.framework.theme import Theme
 from sar_tui.tui.exit_codes import INTERRUPTED
 from sar_tui.tui.gc_control import SWITCH_INTERVAL
 from sar_tui.tui.ordered_keys import in_order
+from sar_tui.tui.steady_driver import steady
 from sar_tui.tui.terminal_input import UnreadableInput, capped, tolerate_in_terminals
+from sar_tui.tui.terminal_probe import TerminalProbe, is_relayed
 from sar_tui.tui.textual_theme import textual_theme
 from sar_tui.tui.timestamps import stamp_keys_as_read
 from sar_tui.tui.visible_lines import VisibleLines
@@ -31,6 +34,7 @@ class BaseApp(App[int]):
     Attributes:
         failure: why it ended, for the terminal it leaves; empty if all is well.
         key_seconds: when the last key was read (s), for actions, which Textual does not pass the key event.
+        terminal_probe: proves that the terminal is there, for screens that ask it.
     """
 
     TITLE = "sar-tui"
@@ -41,6 +45,9 @@ class BaseApp(App[int]):
     ]
 
     def __init__(self) -> None:
+        self.terminal_probe = TerminalProbe(
+            self._write_to_terminal, is_relayed=lambda: not self.is_web and is_relayed()
+        )
         super().__init__()
         self.failure = ""
         self.key_seconds = 0.0
@@ -55,6 +62,14 @@ class BaseApp(App[int]):
         self.run()
         self._report_unreadable()
         return self.return_code or int(bool(self.failure))
+
+    def get_driver_class(self) -> type[Driver]:
+        return steady(super().get_driver_class(), self.terminal_probe)
+
+    def _write_to_terminal(self, text: str) -> None:
+        if self._driver is not None and not self.is_headless:
+            self._driver.write(text)
+            self._driver.flush()
 
     async def on_event(self, event: events.Event) -> None:
         if isinstance(event, events.Key):

@@ -117,8 +117,9 @@ class SessionTerminals:
         return [row | {name: row[name] and json.loads(row[name]) for name in ("proposed", "final")} for row in found]
 
     def presence(self) -> list[tuple[str, str]]:
-        """Return the operators who joined, left or were lost, in order."""
-        return [(each["actor"], each["state"]) for each in self.reported("operator/presence")]
+        """Return the operators who joined, left or were lost, in order. These terminals prove nobody's presence."""
+        changes = self.reported("operator/presence")
+        return [(each["actor"], each["state"]) for each in changes if each["state"] != "unproven"]
 
     @property
     def is_operated(self) -> bool:

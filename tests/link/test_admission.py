@@ -14,6 +14,7 @@ from sar_tui.link.protocol import (
     BrokerEvent,
     PeerJoined,
     PeerLeft,
+    PeerUnproven,
     Ping,
     Pong,
     RequestRefused,
@@ -36,14 +37,29 @@ class Bench:
         )
 
     def ping(
-        self, name: str, now: int, client_id: str = "1", *, wants_snapshot: bool = False, is_leaving: bool = False
+        self,
+        name: str,
+        now: int,
+        client_id: str = "1",
+        *,
+        wants_snapshot: bool = False,
+        is_leaving: bool = False,
+        silence: int | None = None,
+        is_relayed: bool = False,
     ) -> None:
-        self.admission.receive_ping(name, protocol.encode(Ping(client_id, 77, wants_snapshot, is_leaving)), now)
+        ping = Ping(client_id, 77, wants_snapshot, is_leaving, silence, is_relayed)
+        self.admission.receive_ping(name, protocol.encode(ping), now)
 
     def act(
-        self, name: str, now: int, message: Message = NOTE, topic: str = NOTE_ADDED.name, client_id: str = "1"
+        self,
+        name: str,
+        now: int,
+        message: Message = NOTE,
+        topic: str = NOTE_ADDED.name,
+        client_id: str = "1",
+        silence: int | None = None,
     ) -> None:
-        act = protocol.ActRequest(client_id, topic, msgspec.Raw(protocol.encode(message)))
+        act = protocol.ActRequest(client_id, topic, msgspec.Raw(protocol.encode(message)), silence)
         self.admission.receive_act(name, protocol.encode(act), now)
 
     def take(self) -> list[BrokerEvent]:
@@ -110,6 +126,58 @@ def test_act_is_forwarded(bench: Bench) -> None:
 def test_act_counts_as_heartbeat(bench: Bench) -> None:
     bench.act(ANNA, 0)
     assert isinstance(bench.take()[0], PeerJoined)
+
+
+def test_an_operator_whose_terminal_is_silent_is_lost_after_its_time(bench: Bench) -> None:
+    for at in range(0, 2001, 150):
+        bench.ping(ANNA, at * MS, silence=at * MS)
+    bench.admission.tick(2 * SECOND)
+    assert bench.take() == [PeerJoined(ANNA)]
+    bench.admission.tick(2 * SECOND + 1)
+    assert bench.take() == [PeerLeft(ANNA, "lost", "Its terminal did not answer for 2000 ms.")]
+
+
+def test_an_act_of_a_silent_terminal_does_not_bring_it_back(bench: Bench) -> None:
+    """A panel reports by itself that it shows a proposal."""
+    bench.ping(ANNA, 0, silence=0)
+    bench.admission.tick(3 * SECOND)
+    bench.take()
+    bench.act(ANNA, 3 * SECOND, silence=3 * SECOND)
+    assert bench.take() == [RequestRefused(ANNA, NOTE_ADDED.name, "The terminal of this panel does not answer.", 1)]
+    bench.ping(ANNA, 3 * SECOND, wants_snapshot=True, silence=3 * SECOND)
+    assert bench.take() == []
+    assert isinstance(pong := bench.answers[-1][1], Pong)
+    assert "does not answer" in pong.refusal
+
+
+def test_an_operator_whose_terminal_is_back_joins_again_with_a_snapshot(bench: Bench) -> None:
+    bench.ping(ANNA, 0, silence=0)
+    bench.admission.tick(3 * SECOND)
+    bench.take()
+    bench.ping(ANNA, 4 * SECOND, wants_snapshot=True, silence=MS)
+    assert bench.take() == [PeerJoined(ANNA), SnapshotRequested(ANNA)]
+
+
+def test_an_operator_without_proof_is_reported_once_and_an_observer_not(bench: Bench) -> None:
+    for name in (ANNA, OLAF):
+        bench.ping(name, 0)
+        for at in range(0, 8000, 150):
+            bench.ping(name, at * MS)
+    bench.take()
+    for at in (6, 7):
+        bench.admission.tick(at * SECOND)
+    assert bench.take() == [PeerUnproven(ANNA, "the terminal answers no queries.")]
+
+
+def test_a_multiplexer_proves_nothing(bench: Bench) -> None:
+    bench.ping(ANNA, 0, silence=0, is_relayed=True)
+    bench.admission.tick(1)
+    assert bench.take()[1:] == [PeerUnproven(ANNA, "tmux, screen, Zellij or mosh answers for the terminal.")]
+
+
+def test_a_silence_below_zero_is_refused(bench: Bench) -> None:
+    bench.ping(ANNA, 0, silence=-1)
+    assert bench.take() == [RequestRefused(ANNA, "a heartbeat", "It cannot be read.", 1)]
 
 
 def test_second_program_with_the_same_name_is_refused(bench: Bench) -> None:

@@ -16,7 +16,7 @@ from sar_tui.link import client, protocol
 from sar_tui.link.authority import Authority
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.peer import Connection, Frame, MotionTrace, Peer, PeerEvent, Welcome
+from sar_tui.link.peer import Connection, Frame, MotionTrace, Peer, PeerEvent, TerminalState, Welcome
 from sar_tui.link.protocol import ActRequest, Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
 from sar_tui.link.transport import Received
 from sar_tui.link.zenoh_settings import Endpoint, Guest
@@ -142,6 +142,25 @@ async def test_act_is_sent_only_while_connected(panel: Panel) -> None:
         (topic, panel.transport.pings[0].client_id) for topic in (NOTE_ADDED.name, protocol.TAKE_CONTROL)
     ]
     assert protocol.decode_act(sent[0].topic, sent[0].message) == note
+
+
+async def test_heartbeats_and_acts_say_how_long_the_terminal_has_been_silent(panel: Panel) -> None:
+    assert panel.transport.pings[-1].silence is None
+    panel.peer.watch_terminal(lambda: TerminalState(7, is_relayed=True))
+    await panel.connect()
+    await panel.receive(Connection("connected"))
+    panel.peer.take_control()
+    ping, act = panel.transport.pings[-1], panel.transport.acts[-1]
+    assert (ping.silence, ping.is_relayed, act.silence) == (7, True, 7)
+
+
+async def test_a_panel_whose_terminal_was_silent_shows_the_present_state_when_it_is_back(panel: Panel) -> None:
+    await panel.connect()
+    await panel.receive(panel.pong(refusal="The terminal of this panel does not answer."), batch(4))
+    assert panel.events == [Connection("connecting", "The terminal of this panel does not answer.")]
+    await panel.receive(panel.pong(), Snapshot(9, WELCOME, protocol.encode_frames([level(9)])))
+    assert panel.events[1:3] == [Connection("connected"), WELCOME]
+    assert panel.levels() == [9]
 
 
 async def test_other_topics_cannot_be_sent(panel: Panel) -> None:

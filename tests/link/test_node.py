@@ -31,7 +31,15 @@ from sar_tui.link import protocol
 from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
 from sar_tui.link.node import LinkNode
 from sar_tui.link.peer import Welcome
-from sar_tui.link.protocol import ActReceived, BrokerEvent, PeerJoined, PeerLeft, RequestRefused, SnapshotRequested
+from sar_tui.link.protocol import (
+    ActReceived,
+    BrokerEvent,
+    PeerJoined,
+    PeerLeft,
+    PeerUnproven,
+    RequestRefused,
+    SnapshotRequested,
+)
 
 ANNA, BEN, OLAF = "operator.anna", "operator.ben", "observer.olaf"
 WELCOME = Welcome(
@@ -234,6 +242,12 @@ def test_session_is_operated_while_an_operator_is_present(bench: Bench) -> None:
         (ANNA, "baton", True),
     ]
     assert [changed.holder for changed in bench.of(PRESENCE)] == [BEN, BEN, "", ANNA, ANNA]
+
+
+def test_an_operator_without_proof_still_counts_and_is_reported(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA), PeerUnproven(ANNA, "the terminal answers no queries."), PeerUnproven(BEN, ""))
+    assert bench.presence() == [(ANNA, "joined", True), (ANNA, "baton", True), (ANNA, "unproven", True)]
+    assert bench.of(PRESENCE)[-1].detail == "the terminal answers no queries."
 
 
 def test_all_peers_are_lost_when_the_broker_ends_and_a_final_end_is_reported(bench: Bench) -> None:

@@ -18,7 +18,16 @@ from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import Message, Role
 from sar_tui.framework.theme import Theme
-from sar_tui.link.peer import Connection, Frame, MarkKey, MotionTrace, PeerEvent, PeerListener, Welcome
+from sar_tui.link.peer import (
+    Connection,
+    Frame,
+    MarkKey,
+    MotionTrace,
+    PeerEvent,
+    PeerListener,
+    TerminalState,
+    Welcome,
+)
 from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
@@ -50,6 +59,9 @@ class FakePeer:
 
     def send(self, topic: Topic[Any], message: Message) -> None:
         self.sent.append((topic.name, message))
+
+    def watch_terminal(self, state: Callable[[], TerminalState]) -> None:
+        self.terminal = state
 
     def take_control(self) -> None:
         self.control_requests += 1

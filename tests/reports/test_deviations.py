@@ -38,6 +38,7 @@ def test_a_session_that_went_as_planned_has_none() -> None:
         (m.LateDecision(actor=ANNA, what="veto a3", why="It was over."), "missed", "veto a3: It was over."),
         (m.OperatorChanged(actor=ANNA, state="lost", operated=False, detail="silent"), "lost", "silent"),
         (m.OperatorChanged(actor=ANNA, state="left", operated=False), "left", ""),
+        (m.OperatorChanged(actor=ANNA, state="unproven", operated=True, detail="tmux"), "unproven", "tmux"),
     ],
 )
 def test_each_deviation_has_its_time_and_actor(message: m.Message, what: str, detail: str) -> None:

@@ -97,14 +97,14 @@ class NoteAdded(Message, frozen=True, kw_only=True):
 class OperatorChanged(Message, frozen=True, kw_only=True):
     """A peer joined the link, left it, or was lost.
 
-    ``state``: ``joined``, ``left``, ``lost`` (``detail`` says why), ``baton`` (the peer took control). ``operated``:
-    True if an operator is in control now. ``holder``: that operator's name, or empty. ``peers``: the peers present, by
-    name.
+    ``state``: ``joined``, ``left``, ``lost`` (``detail`` says why), ``baton`` (the peer took control), ``unproven``
+    (the peer is connected, but nothing proves that a person's terminal is; ``detail`` says why). ``operated``: True if
+    an operator is in control now. ``holder``: that operator's name, or empty. ``peers``: the peers present, by name.
     """
 
     actor: str
     role: Role = "operator"
-    state: Literal["joined", "left", "lost", "baton"]
+    state: Literal["joined", "left", "lost", "baton", "unproven"]
     operated: bool
     holder: str = ""
     detail: str = ""

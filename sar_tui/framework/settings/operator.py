@@ -78,7 +78,7 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
         meta(
             "Time until lost",
             "ms",
-            "The operator counts as lost after this time without a sign of life from the panel.",
+            "The operator counts as lost after this time without a sign of life from the panel or its terminal.",
             group="Operator",
             ge=500,
             le=60_000,

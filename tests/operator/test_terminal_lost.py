@@ -1,0 +1,47 @@
+"""The panel proves that its operator's terminal is there, and says when it was not."""
+
+from pathlib import Path
+
+from sar_tui.framework import messages as m
+from sar_tui.framework import topics as t
+from sar_tui.framework.clock import SECOND
+from sar_tui.link.peer import Connection
+from sar_tui.plugins import Catalogue
+from sar_tui.tui.terminal_probe import TerminalProbe
+from tests.operator.panel_driver import ANNA, open_panel
+
+
+async def test_an_answer_of_the_terminal_is_told_to_the_session(catalogue: Catalogue, tmp_path: Path) -> None:
+    async with open_panel(catalogue, tmp_path) as panel:
+        assert panel.peer.terminal().silence is None
+        panel.app.terminal_probe.answered()
+        silence = panel.peer.terminal().silence
+    assert silence is not None
+
+
+async def test_an_operator_who_is_back_reads_how_long_the_terminal_was_away(
+    catalogue: Catalogue, tmp_path: Path
+) -> None:
+    now = 1000 * SECOND
+    async with open_panel(catalogue, tmp_path, size=(110, 30)) as panel:
+        probe = panel.app.terminal_probe = TerminalProbe(lambda _: None, lambda: now)
+        probe.answered()
+        await panel.receive(Connection("connecting", "The terminal of this panel does not answer."))
+        now += 34 * SECOND
+        probe.answered()
+        await panel.join()
+        assert "This terminal did not answer for 34 s." in panel.text
+
+
+async def test_a_presence_without_proof_is_said(catalogue: Catalogue, tmp_path: Path) -> None:
+    async with open_panel(catalogue, tmp_path, size=(110, 30)) as panel:
+        doubt = m.OperatorChanged(
+            actor=ANNA,
+            state="unproven",
+            operated=True,
+            holder=ANNA,
+            detail="the terminal answers no queries.",
+            peers={ANNA: "operator"},
+        )
+        await panel.publish(t.PRESENCE, doubt)
+        assert "Your presence is not proven: the terminal answers no queries." in panel.text
