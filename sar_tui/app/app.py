@@ -3,8 +3,6 @@
 import asyncio
 import contextlib
 import functools
-import os
-import signal
 import sqlite3
 import sys
 from collections.abc import Iterable, Sequence
@@ -23,7 +21,6 @@ from sar_tui.app.opening import OpeningApp
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.database import StoreError, connect, explain
 from sar_tui.theme_folder import may_have_images
-from sar_tui.tui.exit_codes import after_signal
 from sar_tui.tui.terminal_input import UnreadableInput
 from sar_tui.tui.timestamps import OnsetWatch, watched
 from sar_tui.tui.too_small import cover_if_too_small
@@ -82,7 +79,6 @@ class SarTui(OpeningApp):
     # --- beginning ----------------------------------------------------------------------------------------
 
     def on_mount(self) -> None:
-        self._catch_signals()
         self.watch_themes()
         if self._begin is not None:
             self.begin_session(self._begin)
@@ -277,19 +273,6 @@ class SarTui(OpeningApp):
     def on_resize(self, event: events.Resize) -> None:
         if self._has_begun:  # before, there is nothing to cover
             cover_if_too_small(self, event.size)
-
-    def _catch_signals(self) -> None:
-        """End the app in order on a signal: the terminal restored, everything written."""
-        if os.name != "posix" or self.is_headless:
-            return
-        loop = asyncio.get_running_loop()
-        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-            number = getattr(signal, name)
-            loop.add_signal_handler(number, self.exit, None, after_signal(number))
-
-    def _terminal_gone(self) -> None:
-        """End the app; called from the writing thread."""
-        self.call_later(self.exit, None, after_signal(getattr(signal, "SIGHUP", 1)))
 
     def exit(self, *args: Any, **how: Any) -> None:
         """Exit, once the session is written. Until then the screen stays, so that nobody sees an empty terminal."""

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from typing import Any, ClassVar
@@ -14,11 +15,12 @@ from textual.filter import LineFilter
 from textual.geometry import Size
 
 from sar_tui.framework.theme import Theme
-from sar_tui.tui.exit_codes import INTERRUPTED
+from sar_tui.tui.exit_codes import INTERRUPTED, after_signal
 from sar_tui.tui.gc_control import SWITCH_INTERVAL
 from sar_tui.tui.ordered_keys import in_order
 from sar_tui.tui.steady_driver import steady
 from sar_tui.tui.terminal_input import UnreadableInput, capped, tolerate_in_terminals
+from sar_tui.tui.terminal_output import unblocked
 from sar_tui.tui.terminal_probe import TerminalProbe, is_relayed
 from sar_tui.tui.textual_theme import textual_theme
 from sar_tui.tui.timestamps import stamp_keys_as_read
@@ -30,6 +32,8 @@ DEBUG = "SAR_TUI_DEBUG"
 
 class BaseApp(App[int]):
     """An app that ends in order: with an exit code, and after a fault with one sentence in place of a traceback.
+
+    A signal ends it, too, with the terminal restored, even if that takes no output any more.
 
     Attributes:
         failure: why it ended, for the terminal it leaves; empty if all is well.
@@ -64,7 +68,20 @@ class BaseApp(App[int]):
         return self.return_code or int(bool(self.failure))
 
     def get_driver_class(self) -> type[Driver]:
-        return steady(super().get_driver_class(), self.terminal_probe)
+        driver = unblocked(super().get_driver_class(), self._terminal_recovered, self._terminal_gone)
+        return steady(driver, self.terminal_probe)
+
+    def _terminal_gone(self) -> None:
+        """End the app; called from the writing thread."""
+        self.call_later(self.exit, None, after_signal(getattr(signal, "SIGHUP", 1)))
+
+    def _terminal_recovered(self) -> None:
+        """Draw everything; called from a thread."""
+        self.call_later(self._draw_everything)
+
+    def _draw_everything(self) -> None:
+        screen = self.screen
+        self._display(screen, screen._compositor.render_update(full=True, screen_stack=self._background_screens))
 
     def _write_to_terminal(self, text: str) -> None:
         if self._driver is not None and not self.is_headless:

@@ -1,14 +1,20 @@
-"""A driver for our apps that keeps the terminal's answers to itself."""
+"""A driver for our apps: it ends in order on a signal, and keeps the terminal's answers to itself."""
+
+import asyncio
+import os
+import signal
+from typing import Any
 
 from textual import events
 from textual.driver import Driver
 from textual.message import Message
 
+from sar_tui.tui.exit_codes import after_signal
 from sar_tui.tui.terminal_probe import TerminalProbe
 
 
 def steady(driver: type[Driver], probe: TerminalProbe) -> type[Driver]:
-    """Return a driver class that passes the terminal's answers to a probe.
+    """Return a driver class that ends its app on a signal, and passes the terminal's answers to a probe.
 
     Args:
         driver: the class Textual chose.
@@ -16,6 +22,11 @@ def steady(driver: type[Driver], probe: TerminalProbe) -> type[Driver]:
     """
 
     class Steady(driver):  # type: ignore[valid-type, misc]
+        def start_application_mode(self) -> None:
+            """Catch signals before the terminal is changed, so that it is restored however early one comes."""
+            _catch_signals(self._app)
+            super().start_application_mode()
+
         def stop_application_mode(self) -> None:
             if not self.is_web:
                 probe.await_answers()
@@ -29,3 +40,11 @@ def steady(driver: type[Driver], probe: TerminalProbe) -> type[Driver]:
                 super().process_message(message)
 
     return Steady
+
+
+def _catch_signals(app: Any) -> None:
+    if os.name == "posix":
+        loop = asyncio.get_running_loop()
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            number = getattr(signal, name)
+            loop.add_signal_handler(number, app.exit, None, after_signal(number))

@@ -36,6 +36,10 @@ class OnsetWatch:
         if self._stamped is not None and self._text in frame:
             self._written = True
 
+    def missed(self) -> None:
+        """Notice that the frame was dropped: the terminal is stalled. The next one holds the text again."""
+        self._written = False
+
     def flushed(self) -> None:
         """Stamp the awaited text if it was in the flushed frame."""
         if self._written:
@@ -68,7 +72,10 @@ class WatchedFile:
         except (OSError, ValueError):
             self._lost()
         else:
-            self._watch.flushed()
+            if getattr(self._file, "is_stalled", False):
+                self._watch.missed()
+            else:
+                self._watch.flushed()
 
     def _lost(self) -> None:
         gone, self._gone = self._gone, None

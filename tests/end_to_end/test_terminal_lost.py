@@ -1,13 +1,25 @@
-"""A terminal that is frozen: its operator is lost in time, and comes back."""
+"""A terminal that is frozen or stalled: its operator is lost in time, and its program ends when it is asked to."""
 
+import os
+import shutil
 import signal
 import sys
+import tempfile
+import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from sar_tui.link.discovery import JoinableSession, announce
+from sar_tui.timing.pty import Terminal
+from sar_tui.tui.terminal_output import RESET
 from tests.end_to_end.operator_terminal import Panel, SessionTerminals
-from tests.end_to_end.participant_terminal import command
+from tests.end_to_end.participant_terminal import command, run_command
+
+if sys.platform != "win32":
+    import fcntl
+    import termios
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="pseudo-terminals as of Linux")
 
@@ -62,3 +74,68 @@ def test_an_operator_behind_a_frozen_connection_is_lost_and_comes_back(data: Pat
         assert terminals.actions("feedback")[-1]["actor"] == ANA
         states = [state for actor, state in terminals.presence() if actor == ANA]
     assert states == ["joined", "baton", "lost", "joined", "baton"]
+
+
+@pytest.fixture
+def program(request: pytest.FixtureRequest, data: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
+    """Command line of a program that shows something until it is ended."""
+    runtime = Path(tempfile.mkdtemp(prefix="sar-"))
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(runtime))
+    commands = {
+        "wizard": command("wizard", "--wait", "--data", str(data)),
+        "agent": command("agent", "5ab1e", "--data", str(data)),
+        "run": run_command(data),
+    }
+    with announce(JoinableSession(session="5ab1e", task="keyboard", link="5ab1e", pid=os.getpid())):
+        yield commands[request.param]
+    shutil.rmtree(runtime)
+
+
+_FULL = 4000
+"""Bytes that Linux offers of a pseudo-terminal that holds more."""
+PROGRAMS = pytest.mark.parametrize("program", ["wizard", "agent", "run"], indirect=True)
+
+
+@pytest.mark.parametrize("program", ["wizard", "agent"], indirect=True)
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGTERM, 143), pytest.param(signal.SIGHUP, 129, marks=pytest.mark.slow)]
+)
+def test_a_signal_restores_the_terminal(program: list[str], number: int, code: int) -> None:
+    with Terminal(program) as terminal:
+        before = terminal.modes()
+        terminal.wait_for("\x1b[?2004h")
+        terminal.settle()
+        terminal.kill(number)
+        assert terminal.wait() == code
+        assert terminal.modes() == before, "echo and line editing are back"
+        assert b"\x1b[?1049l" in terminal.output
+        assert b"Traceback" not in terminal.output
+
+
+def fill(terminal: Terminal) -> None:
+    """Have the program draw its screen often, without reading, until the terminal takes no more."""
+    columns, deadline = 300, time.monotonic() + 60
+    while unread(terminal) < _FULL:
+        assert time.monotonic() < deadline, "the terminal takes everything"
+        columns = 601 - columns
+        terminal.resize(columns, 90)
+        time.sleep(0.02)
+
+
+def unread(terminal: Terminal) -> int:
+    """Return the number of bytes that can be read."""
+    return int.from_bytes(fcntl.ioctl(terminal.fileno(), termios.FIONREAD, bytes(4)), sys.byteorder)
+
+
+@PROGRAMS
+def test_a_stalled_terminal_does_not_keep_a_program_from_ending(program: list[str]) -> None:
+    with Terminal(program, columns=300, rows=90) as terminal:
+        before = terminal.modes()
+        terminal.wait_for("\x1b[?2004h")
+        terminal.settle()
+        fill(terminal)
+        terminal.kill(signal.SIGTERM)
+        assert terminal.process.wait(60) == 143
+        assert terminal.modes() == before
+        terminal.wait()
+        assert RESET in terminal.output
