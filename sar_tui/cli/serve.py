@@ -60,13 +60,14 @@ def serve(
 
     Prints the address to open, including the token, and serves until Ctrl-C.
     """
-    from sar_tui.cli.wizard import name_at_session
+    from sar_tui.cli.wizard import name_at_session, session_to_show
     from sar_tui.link.errors import need_packages
     from sar_tui.runs.plan import Failed
 
     home = Home.of(context, data, tasks)
     if link is not None and not link.is_file():
-        raise Refused(f"There is no file {link}. Create an invitation with `sar-tui link invite`.")
+        why = f"{link} is not a file." if link.exists() else f"There is no file {link}."
+        raise Refused(f"{why} Create an invitation with `sar-tui link invite`.")
     if link is not None and session is not None:
         raise Refused("An invitation is for one session: leave out --session.")
     if name is not None:
@@ -74,6 +75,8 @@ def serve(
             raise Refused("Only an operator has a name: leave out --name.")
         name_at_session(name, link, observe=False)
     need_packages()
+    if link is not None or session is not None:  # refused here rather than in every browser
+        session_to_show(session, link, wait=False, observe=view == "observer")
     try:
         from sar_tui.serve import address, runner, server, token
     except ImportError as error:
@@ -103,11 +106,23 @@ def serve(
 
     from sar_tui.tui.exit_codes import after_signal
 
-    served = server.Server(view, _program(view, session, link, home, name), place, secret)
+    program = _program(view, session, link, home, name)
+    served = server.Server(view, program, place, secret, is_ready=lambda: link is not None or _is_live(session))
     number = runner.run(served, listening, print_address)
     if number == signal.SIGINT:
         raise KeyboardInterrupt
     raise typer.Exit(after_signal(number))
+
+
+def _is_live(session: str | None) -> bool:
+    """Return True if a session on this machine can be joined now."""
+    from sar_tui.link.discovery import live_sessions
+    from sar_tui.link.errors import LinkError
+
+    try:
+        return any(each.session.startswith(session or "") for each in live_sessions())
+    except LinkError:
+        return False
 
 
 def _program(view: str, session: str | None, link: Path | None, home: Home, name: str | None = None) -> list[str]:

@@ -50,6 +50,7 @@ class BrowserView(AppService):
         self._socket = socket
         self._speak = speak
         self._has_ended = asyncio.Event()
+        self._is_stopping = False
 
     async def _close_socket(self) -> None:
         with contextlib.suppress(ConnectionError, RuntimeError):
@@ -72,7 +73,7 @@ class BrowserView(AppService):
         return process
 
     async def run(self) -> None:
-        """Forward the program's output until it ends; if it failed, show its error in the browser."""
+        """Forward the program's output until it ends, and tell the page how it ended."""
         process = self._process
         assert process
         assert process.stdout
@@ -89,10 +90,14 @@ class BrowserView(AppService):
             code = await process.wait()
             message = await error
             self._has_ended.set()
-        if code and message:
-            lines = message.replace("\n", "\r\n")
-            await self.on_data(f"\x1b[?1049l\x1b[2J\x1b[H\r\n{lines}".encode())
+        if not self._is_stopping:  # else the server ends, and the page tries to come back
+            await self._send_event("ended", {"failed": bool(code), "why": message if code else ""})
         await self._close_socket()
+
+    async def _send_event(self, kind: str, content: object) -> None:
+        """Send a message to the page itself."""
+        with contextlib.suppress(ConnectionError, RuntimeError):
+            await self._socket.send_json([kind, content])
 
     async def _handshake(self, output: asyncio.StreamReader) -> bool:
         """Return True if the program's first lines show that it is a Textual app."""
@@ -126,8 +131,10 @@ class BrowserView(AppService):
             await self.remote_write_bytes(payload)
 
     async def on_meta(self, data: bytes) -> None:
-        """Handle requests for speech, the only ones our apps make."""
+        """Handle signs of life and requests for speech, the only ones our apps make."""
         request: dict[str, Any] = json.loads(data)
+        if request["type"] == "alive":
+            await self._send_event("alive", None)
         if request["type"] == "say":
             await self._speak({"say": str(request["text"]), "language": str(request["language"])})
         elif request["type"] == "hush":
@@ -135,6 +142,7 @@ class BrowserView(AppService):
 
     async def stop(self) -> None:
         """Ask the program to quit, and kill it if it does not. May be called twice."""
+        self._is_stopping = True
         if self._process is None or self._task is None:
             return
         await self.send_meta({"type": "quit"})

@@ -83,6 +83,7 @@ class Server:
         token: the secret that opens it.
         log: called with a line for each event.
         sleep: delays answers to wrong tokens.
+        is_ready: returns True if there is something to show; asked by pages that try to come back.
     """
 
     def __init__(
@@ -93,6 +94,7 @@ class Server:
         token: str,
         log: Callable[[str], None] = log,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
+        is_ready: Callable[[], bool] = lambda: True,
     ) -> None:
         self._kind = kind
         self._program = list(program)
@@ -102,6 +104,7 @@ class Server:
         self._delay = WrongTokenDelay(time.monotonic)
         self._log = log
         self._sleep = sleep
+        self._is_ready = is_ready
         self._views: dict[str, BrowserView] = {}
         self._voices: dict[str, web.WebSocketResponse] = {}
         self._opening = 0
@@ -112,6 +115,7 @@ class Server:
         app.add_routes(
             [
                 web.get("/", self._index),
+                web.get("/ready", self._ready),
                 web.get("/ws/{view:[A-Za-z0-9_-]{1,40}}", self._terminal),
                 web.static("/library", _LIBRARY),
                 web.static("/page", _PAGE),
@@ -182,6 +186,10 @@ class Server:
             view=secrets.token_urlsafe(12),
         )
         return web.Response(text=filled, content_type="text/html")
+
+    async def _ready(self, _: web.Request) -> web.Response:
+        is_full = len(self._views) + self._opening >= MAX_VIEWS
+        return web.Response(status=200 if self._is_ready() and not is_full else 503)
 
     async def _terminal(self, request: web.Request) -> web.StreamResponse:
         """Run a view's program for as long as a browser is connected."""

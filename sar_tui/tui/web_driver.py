@@ -10,6 +10,9 @@ from textual.drivers.web_driver import WebDriver
 from sar_tui.tui.terminal_input import tolerate
 
 tolerate(web_driver)
+
+ALIVE_INTERVAL_S = 0.5
+"""Time between two signs of life of the app, which its page waits for."""
 _ENDS_S = 3.0
 """Longest time for an app to end after its browser, or the server, has gone."""
 
@@ -38,6 +41,14 @@ class ServedDriver(WebDriver):
         super().__init__(app, **how)
         if isinstance(app, Voiced):
             app.voice = self
+
+    def start_application_mode(self) -> None:
+        super().start_application_mode()
+        self._app.call_later(self._app.set_interval, ALIVE_INTERVAL_S, self._show_life)
+
+    def _show_life(self) -> None:
+        """Tell the page that the app's loop runs, so that what it shows is up to date."""
+        self.write_meta({"type": "alive"})
 
     def say(self, text: str, language: str) -> None:
         self.write_meta({"type": "say", "text": text, "language": language})

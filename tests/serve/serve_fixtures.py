@@ -3,7 +3,7 @@
 import asyncio
 import json
 import sys
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import NamedTuple
@@ -56,9 +56,15 @@ class Served(NamedTuple):
 
 
 @asynccontextmanager
-async def serving(diary: Path, kind: Kind = "observer", program: Sequence[str] = ()) -> AsyncIterator[Served]:
+async def serving(
+    diary: Path,
+    kind: Kind = "observer",
+    program: Sequence[str] = (),
+    port: int = 0,
+    is_ready: Callable[[], bool] = lambda: True,
+) -> AsyncIterator[Served]:
     """Serve tiny apps or another program."""
-    listening = listen("127.0.0.1", 0)
+    listening = listen("127.0.0.1", port)
     port = listening.getsockname()[1]
     log: list[str] = []
     slept: list[float] = []
@@ -67,7 +73,7 @@ async def serving(diary: Path, kind: Kind = "observer", program: Sequence[str] =
         slept.append(seconds)
 
     tiny = [sys.executable, "-m", "tests.serve.counter_app", str(diary)]
-    server = Server(kind, program or tiny, Address("127.0.0.1", port), TOKEN, log.append, sleep)
+    server = Server(kind, program or tiny, Address("127.0.0.1", port), TOKEN, log.append, sleep, is_ready)
     runner = web.AppRunner(server.app(), access_log=None, shutdown_timeout=1)
     await runner.setup()
     try:
@@ -98,8 +104,29 @@ async def read_until(socket: aiohttp.ClientWebSocketResponse, screen: TerminalSc
     async with asyncio.timeout(SECONDS):
         while text not in screen.text:
             message = await socket.receive()
+            if message.type is aiohttp.WSMsgType.TEXT:  # for the page itself
+                continue
             assert message.type is aiohttp.WSMsgType.BINARY, f"{message} came while the screen was: {screen.text}"
             screen.feed(message.data)
+
+
+async def told(socket: aiohttp.ClientWebSocketResponse, kind: str) -> object:
+    """Read a view until the page is told something of a kind; return its content."""
+    async with asyncio.timeout(SECONDS):
+        while True:
+            message = await socket.receive()
+            assert message.type in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.BINARY), message
+            if message.type is aiohttp.WSMsgType.TEXT and (received := json.loads(message.data))[0] == kind:
+                content: object = received[1]
+                return content
+
+
+async def close_code(socket: aiohttp.ClientWebSocketResponse) -> int | None:
+    """Read a view until it is closed; return the code."""
+    async with asyncio.timeout(SECONDS):
+        while not socket.closed:
+            await socket.receive()
+    return socket.close_code
 
 
 async def press(socket: aiohttp.ClientWebSocketResponse, keys: str) -> None:

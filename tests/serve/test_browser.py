@@ -1,5 +1,8 @@
 """A served view works in a real browser, and nothing leaves the machine."""
 
+import os
+import signal
+import sys
 from pathlib import Path
 
 from tests.needs_browser import needs_browser
@@ -7,6 +10,14 @@ from tests.serve.chromium import chromium
 from tests.serve.serve_fixtures import TOKEN, logged, serving
 
 pytestmark = needs_browser
+COVER = "(document.body.classList.contains('-covered') ? document.getElementById('why').textContent : '')"
+"""Text that covers the view."""
+COVERS_ALL = """
+(() => {
+  const {x, y, width, height} = document.getElementById("cover").getBoundingClientRect();
+  return x === 0 && y === 0 && width === innerWidth && height === innerHeight;
+})()
+"""
 
 
 async def test_app_is_shown_and_receives_keys(tmp_path: Path) -> None:
@@ -23,7 +34,61 @@ async def test_app_is_shown_and_receives_keys(tmp_path: Path) -> None:
         }
         assert browser.errors == []
         await browser.press("x")
-        await browser.wait_until("getComputedStyle(document.getElementById('closed')).display === 'flex'")
+        await browser.wait_until(f"{COVER} === 'You have left the session.'")
+
+
+async def test_view_that_is_out_of_date_is_covered_until_it_is_not(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary", "operator") as served, chromium() as browser:
+        await browser.open(f"{served.origin}/?token={TOKEN}")
+        await browser.see("Tiny is here")
+        await browser.wait_until("performance.now() > 0 && !document.body.classList.contains('-covered')")
+        pid = int((await served.written("came")).split()[1])
+        os.kill(pid, signal.SIGSTOP)
+        await browser.wait_until(f"{COVER}.startsWith('The connection is lost.')")
+        assert await browser.value(COVERS_ALL)
+        await browser.press("a")
+        os.kill(pid, signal.SIGCONT)
+        await browser.wait_until(f"{COVER} === ''")
+        await browser.press("a")
+        await browser.see("Pressed 1 times")
+
+
+async def test_view_comes_back_by_itself_when_its_server_does(tmp_path: Path) -> None:
+    async with chromium() as browser:
+        async with serving(tmp_path / "diary", "operator") as served:
+            await browser.open(f"{served.origin}/?token={TOKEN}")
+            await browser.see("Tiny is here")
+            await browser.press("a")
+            await browser.see("Pressed 1 times")
+        await browser.wait_until(f"{COVER}.startsWith('The connection is lost.')")
+        async with serving(tmp_path / "diary", "operator", port=served.port):
+            await browser.see("Tiny is here")
+            await browser.wait_until(f"{COVER} === ''")
+            await browser.press("a")
+            await browser.see("Pressed 1 times")
+
+
+async def test_view_of_a_session_that_is_not_there_yet_opens_when_it_is(tmp_path: Path) -> None:
+    there = tmp_path / "there"
+    session = f"""
+import sys
+from pathlib import Path
+if not Path({str(there)!r}).exists():
+    sys.exit("There is no such session.")
+sys.argv = ["tiny", {str(tmp_path / "diary")!r}]
+from tests.serve.counter_app import Tiny
+Tiny().run()
+"""
+    program = [sys.executable, "-c", session]
+    async with (
+        serving(tmp_path / "diary", "operator", program, is_ready=there.exists) as served,
+        chromium() as browser,
+    ):
+        await browser.open(f"{served.origin}/?token={TOKEN}")
+        await browser.wait_until(f"{COVER}.startsWith('There is no such session.')")
+        there.touch()
+        await browser.see("Tiny is here")
+        await browser.wait_until(f"{COVER} === ''")
 
 
 async def test_page_without_token_is_one_sentence(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ def test_page_refers_only_to_existing_files() -> None:
     named.remove("data:,")
     folders = {"page": PAGE, "library": LIBRARY}
     files = [folders[name.split("/")[1]] / name.split("/", 2)[2] for name in named]
-    assert len(files) == 7
+    assert len(files) == 8
     assert [file for file in files if not file.is_file()] == []
 
 

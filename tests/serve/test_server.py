@@ -11,9 +11,20 @@ import aiohttp
 import pytest
 
 from sar_tui.serve.server import MAX_VIEWS
-from tests.serve.serve_fixtures import SECONDS, TOKEN, Served, TerminalScreen, logged, press, read_until, serving
+from tests.serve.serve_fixtures import (
+    SECONDS,
+    TOKEN,
+    Served,
+    TerminalScreen,
+    close_code,
+    logged,
+    press,
+    read_until,
+    serving,
+    told,
+)
 
-PATHS = ("/", "/page/page.js", "/library/js/textual.js", "/ws/one", "/voice/one", "/download/x", "/nowhere")
+PATHS = ("/", "/ready", "/page/page.js", "/library/js/textual.js", "/ws/one", "/voice/one", "/download/x", "/nowhere")
 UPGRADE = {
     "Connection": "Upgrade",
     "Upgrade": "websocket",
@@ -105,10 +116,41 @@ async def test_browser_is_disconnected_when_the_program_ends(tmp_path: Path) -> 
     ):
         await read_until(socket, TerminalScreen(), "Tiny is here")
         await press(socket, "x")
-        async with asyncio.timeout(SECONDS):
-            while not socket.closed:
-                await socket.receive()
+        assert await told(socket, "ended") == {"failed": False, "why": ""}
+        assert await close_code(socket) == aiohttp.WSCloseCode.OK
         assert await served.written("went")
+
+
+async def test_page_is_told_that_the_app_runs(tmp_path: Path) -> None:
+    async with (
+        serving(tmp_path / "diary") as served,
+        served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed) as socket,
+    ):
+        for _ in range(3):
+            await told(socket, "alive")
+
+
+async def test_page_is_not_told_so_by_an_app_that_hangs(tmp_path: Path) -> None:
+    async with (
+        serving(tmp_path / "diary") as served,
+        served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed) as socket,
+    ):
+        await told(socket, "alive")
+        pid = int((await served.written("came")).split()[1])
+        os.kill(pid, signal.SIGSTOP)
+        await socket.send_str(json.dumps(["ping", "7"]))
+        assert await told(socket, "pong") == "7", "the server itself goes on"
+        os.kill(pid, signal.SIGCONT)
+        await told(socket, "alive")
+
+
+async def test_page_that_wants_to_come_back_asks_whether_there_is_a_session(tmp_path: Path) -> None:
+    there = [False]
+    async with serving(tmp_path / "diary", is_ready=lambda: there[0]) as served:
+        assert (await status(served, "/ready", served.cookie))[0] == 503
+        there[0] = True
+        assert (await status(served, "/ready", served.cookie))[0] == 200
+        assert not served.diary.exists(), "no program is started for it"
 
 
 async def test_error_of_a_program_is_shown_in_the_browser(tmp_path: Path) -> None:
@@ -117,9 +159,8 @@ async def test_error_of_a_program_is_shown_in_the_browser(tmp_path: Path) -> Non
         serving(tmp_path / "diary", program=failing) as served,
         served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed) as socket,
     ):
-        screen = TerminalScreen()
-        await read_until(socket, screen, "There is no such session.")
-        assert (await socket.receive()).type in (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSED)
+        assert await told(socket, "ended") == {"failed": True, "why": "There is no such session."}
+        assert await close_code(socket) == aiohttp.WSCloseCode.OK
 
 
 @pytest.mark.parametrize("sent", ["{", "[]", '["stdin", 3]', '["run", "rm"]', '["resize", {"width": "x"}]'])

@@ -3,7 +3,6 @@
 
 if (document.body.dataset.kind === "agent" && "speechSynthesis" in window) {
   const button = document.getElementById("speak");
-  const view = document.getElementById("terminal").dataset.view;
   const origin = window.location.origin.replace(/^http/, "ws");
 
   // Only local voices: others send the text to the browser's maker.
@@ -36,15 +35,39 @@ if (document.body.dataset.kind === "agent" && "speechSynthesis" in window) {
     speechSynthesis.speak(utterance);
   };
 
-  button.addEventListener("click", () => {
-    button.hidden = true;
-    speechSynthesis.speak(new SpeechSynthesisUtterance(""));
-    const socket = new WebSocket(origin + "/voice/" + view);
-    socket.addEventListener("message", (event) => speak(JSON.parse(event.data)));
-    socket.addEventListener("close", () => {
+  let view = document.getElementById("terminal").dataset.view;
+  let isAllowed = false;
+  let socket = null;
+
+  // A browser speaks only after a touch, which counts for as long as the page is open.
+  const listen = () => {
+    const listening = new WebSocket(origin + "/voice/" + view);
+    socket = listening;
+    listening.addEventListener("message", (event) => speak(JSON.parse(event.data)));
+    listening.addEventListener("close", () => {
       speechSynthesis.cancel();
-      show("Let it speak");
+      if (listening === socket) {
+        socket = null;
+        show("Let it speak");
+      }
     });
+  };
+
+  const allow = () => {
+    button.hidden = true;
+    isAllowed = true;
+    speechSynthesis.speak(new SpeechSynthesisUtterance(""));
+    listen();
+  };
+
+  button.addEventListener("click", allow);
+  window.addEventListener("view", (event) => {
+    const isOther = view !== event.detail;
+    view = event.detail;
+    if (isOther && isAllowed) {
+      button.hidden = true;
+      listen();
+    }
   });
   speechSynthesis.getVoices();
   button.hidden = false;
