@@ -193,6 +193,7 @@ def _start_log(guests: tuple[str, ...], admission: Admission) -> None:
 
 def main() -> None:
     """Run until the commands end."""
+    os.umask(0o177)  # the socket's folder is private already, and so is the socket
     commands = os.fdopen(os.dup(0), "rb")
     events = os.dup(1)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # libraries must not print into the pipe of events

@@ -19,6 +19,11 @@ from sar_tui.link.errors import LinkError
 
 MAX_PATH_BYTES = 100
 """For a socket's path, the system allows 108 bytes (Linux) or 104 (macOS)."""
+_RUNTIME_FOLDERS = "/run/user"
+"""Folder in which systemd makes each user's runtime folder, also if the variable is missing, as after ``su``."""
+_ELSEWHERE = (
+    "Set XDG_RUNTIME_DIR to a folder that only you can use, with a short path, for the session and for its operators."
+)
 _MAX_FILE_BYTES = 64 * 1024
 _LOCK_TIMEOUT_S = 0.5
 """``live_sessions`` in another program may hold the lock for a moment."""
@@ -39,7 +44,8 @@ class JoinableSession(msgspec.Struct, frozen=True):
 
 
 def socket_folder() -> Path:
-    """Return the folder, created if needed: ``$XDG_RUNTIME_DIR/sar-tui``, else ``sar-tui-UID`` in the temporary folder.
+    """Return the folder, created if needed: ``sar-tui`` in the user's runtime folder, else ``sar-tui-UID`` in the
+    temporary folder. The runtime folder is ``$XDG_RUNTIME_DIR``, else its usual place.
 
     Raises:
         LinkError: this system has no Unix sockets, or the folder is not private to this user.
@@ -49,23 +55,26 @@ def socket_folder() -> Path:
             "An operator on the same machine needs Unix sockets, which this system does not have. Invite them, and let "
             "the session listen on the network instead: sar-tui link invite operator --name NAME --host 127.0.0.1"
         )
-    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
-    if runtime and os.access(runtime, os.W_OK | os.X_OK):
-        folder = Path(runtime) / "sar-tui"
-    else:
-        folder = Path(tempfile.gettempdir()) / f"sar-tui-{os.getuid()}"
+    places = os.environ.get("XDG_RUNTIME_DIR", ""), f"{_RUNTIME_FOLDERS}/{os.getuid()}"
+    runtime = next(filter(_is_usable, places), "")
+    folder = Path(runtime) / "sar-tui" if runtime else Path(tempfile.gettempdir()) / f"sar-tui-{os.getuid()}"
     try:
         with contextlib.suppress(FileExistsError):
             folder.mkdir(mode=0o700)
         found = folder.lstat()
     except OSError as error:
         raise LinkError(
-            f"{folder}, the folder for an operator's socket, cannot be created: {error.strerror}."
+            f"{folder}, the folder for an operator's socket, cannot be created: {error.strerror}. {_ELSEWHERE}"
         ) from None
-    reason = _why_unsafe(found)
-    if reason:
-        raise LinkError(f"{folder} {reason}, so it is not safe to use. Remove it and try again.")
+    if reason := _why_unsafe(found):
+        advice = "Remove it and try again." if found.st_uid == os.getuid() else _ELSEWHERE
+        raise LinkError(f"{folder} {reason}, so it is not safe to use. {advice}")
     return folder
+
+
+def _is_usable(runtime: str) -> bool:
+    """Return True if a runtime folder exists and this user may create files there."""
+    return bool(runtime) and os.path.isdir(runtime) and os.access(runtime, os.W_OK | os.X_OK)
 
 
 def socket_path(session: str) -> Path:
@@ -98,6 +107,7 @@ def announce(live: JoinableSession) -> Iterator[Path]:
     try:
         try:
             half = path.with_suffix(".half")
+            half.touch(mode=0o600)
             half.write_bytes(msgspec.json.encode(live))
             half.replace(path.with_suffix(".json"))
         except OSError as error:

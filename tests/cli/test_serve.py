@@ -5,6 +5,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,8 +16,10 @@ import pytest
 import sar_tui.serve.browser_view
 from sar_tui.cli.common import Home
 from sar_tui.cli.serve import _program
-from sar_tui.link import errors
+from sar_tui.link import discovery, errors, invitation
+from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import NO_PACKAGES, LinkError
+from tests.link.tls_fixtures import invite_guests
 from tests.program import Call
 
 
@@ -97,6 +100,36 @@ def test_invalid_options_are_refused(call: Call, arguments: list[str], said: str
     called = call("serve", "observer", "--port", 0, *arguments)
     assert (called.code, called.out) == (2, "")
     assert said in called.err
+
+
+def test_something_that_is_no_invitation_is_refused_before_anything_is_served(call: Call, tmp_path: Path) -> None:
+    with tempfile.TemporaryDirectory(prefix="sar-") as folder, socket.socket(socket.AF_UNIX) as listening:
+        listening.bind(f"{folder}/a.sock")
+        for path, said in (
+            (f"{folder}/a.sock", "is not a file"),
+            (folder, "is not a file"),
+            (__file__, "is not an invitation"),
+        ):
+            called = call("serve", "operator", "--port", 0, "--link", path)
+            assert (called.code, called.out) == (2, "")
+            assert said in called.err
+
+
+def test_a_session_that_is_not_there_is_refused_before_anything_is_served(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(discovery, "live_sessions", lambda: [JoinableSession("abc1", "keyboard", "l1", 1)])
+    called = call("serve", "operator", "--port", 0, "--session", "nonsense")
+    assert (called.code, called.out) == (2, "")
+    assert called.err == "No session that can be joined begins with nonsense. These can: abc1 (keyboard).\n"
+
+
+def test_an_operators_invitation_is_not_served_to_observers(call: Call, data: Path, tmp_path: Path) -> None:
+    path = tmp_path / "anna.sar-link"
+    invitation.write(invite_guests(data).anna, path)
+    called = call("serve", "observer", "--port", 0, "--link", path)
+    assert (called.code, called.out) == (2, "")
+    assert "ask for an observer's invitation" in called.err
 
 
 @pytest.mark.parametrize("missing", ["textual_serve", "aiohttp"])

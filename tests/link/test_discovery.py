@@ -30,6 +30,7 @@ with announce(JoinableSession("feedbeef00", "reaching", "feedbeef00", 1)) as pat
 def runtime(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The user's runtime folder."""
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setattr(discovery, "_RUNTIME_FOLDERS", str(tmp_path / "run"))
     return tmp_path
 
 
@@ -47,6 +48,13 @@ def test_without_a_runtime_folder_it_is_in_the_temporary_folder(
         monkeypatch.setenv("XDG_RUNTIME_DIR", configured)
     monkeypatch.setattr(discovery.tempfile, "gettempdir", lambda: str(tmp_path))
     assert socket_folder() == tmp_path / f"sar-tui-{os.getuid()}"
+
+
+def test_without_the_variable_the_usual_runtime_folder_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = tmp_path / "run" / str(os.getuid())
+    usual.mkdir(parents=True, mode=0o700)
+    monkeypatch.delenv("XDG_RUNTIME_DIR")
+    assert socket_folder() == usual / "sar-tui"
 
 
 def test_a_folder_that_others_can_enter_is_refused(runtime: Path) -> None:
@@ -71,8 +79,18 @@ def test_a_file_in_its_place_is_refused(runtime: Path) -> None:
 def test_a_folder_of_another_user_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     owner = socket_folder().stat().st_uid
     monkeypatch.setattr(discovery.os, "getuid", lambda: owner + 1)
-    with pytest.raises(LinkError, match="belongs to somebody else"):
+    with pytest.raises(LinkError, match=r"belongs to somebody else.* Set XDG_RUNTIME_DIR to a folder that only you"):
         socket_folder()
+
+
+def test_files_of_a_session_can_be_read_by_this_user_alone() -> None:
+    before = os.umask(0)
+    try:
+        with announce(HERE) as path:
+            modes = {each.name: stat.S_IMODE(each.stat().st_mode) for each in path.parent.iterdir()}
+    finally:
+        os.umask(before)
+    assert modes == {"1a2b3c4d5e.json": 0o600, "1a2b3c4d5e.live": 0o600}
 
 
 def test_without_unix_sockets_the_network_is_offered(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,7 @@ import os
 import secrets
 import shutil
 import signal
+import stat
 import subprocess
 import sys
 import tempfile
@@ -113,8 +114,9 @@ class LinkSession:
         return [record.message for record in self.log if record.topic is topic]
 
     def states(self, name: str) -> list[str]:
-        """Return the states reported of a peer."""
-        return [changed.state for changed in self.of(PRESENCE) if changed.actor == name]
+        """Return the states reported of a peer; no terminal proves its presence."""
+        changes = (changed for changed in self.of(PRESENCE) if changed.actor == name)
+        return [changed.state for changed in changes if changed.state != "unproven"]
 
     async def panel(self, name: str, role: m.Role = "operator") -> Panel:
         """Start a panel in this process and wait until it is connected."""
@@ -160,6 +162,12 @@ async def test_late_peer_gets_welcome_and_snapshot(session: LinkSession) -> None
     assert distinct == {(ANNA, "operator", session.live.session)}, "on a busy machine it may come twice"
     await until(lambda: STARTED in [frame.message for frame in panel.frames])
     assert session.states(ANNA) == ["joined", "baton"]
+
+
+async def test_files_beside_the_socket_are_private_whatever_the_folder_is(session: LinkSession) -> None:
+    files = list(session.live.socket.parent.iterdir())
+    assert session.live.socket in files
+    assert {stat.S_IMODE(each.stat().st_mode) & 0o177 for each in files} == {0}
 
 
 async def test_act_is_published_and_returns_to_the_panel(session: LinkSession) -> None:
