@@ -113,13 +113,15 @@ class _Client:
         """See `Peer`."""
         return self._clock.now()
 
-    def close(self) -> None:
+    def close(self, *, says_goodbye: bool = True) -> None:
         """See `Peer`. May be called twice."""
-        if not self._is_closed:
-            self._is_closed = True
+        if self._is_closed:
+            return
+        self._is_closed = True
+        if says_goodbye:
             self._goodbye_at = host_now()
             self._transport.send_ping(protocol.encode(Ping(self._id, self._goodbye_at, is_leaving=True)))
-            self._transport.close(awaits_answer=self._connection.state == "connected")
+        self._transport.close(awaits_answer=says_goodbye and self._connection.state == "connected")
 
     # --- on the loop --------------------------------------------------------------------------------------------
 

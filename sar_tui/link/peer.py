@@ -137,8 +137,8 @@ class Peer(Protocol):
     def now(self) -> int:
         """Return the session's time (ns): exact on the same machine, else estimated from pings."""
 
-    def close(self) -> None:
-        """Leave the session and close the connection."""
+    def close(self, *, says_goodbye: bool = True) -> None:
+        """Leave the session and close the connection; without a goodbye, the session counts this peer as lost."""
 
 
 PeerListener = Callable[[PeerEvent], None]

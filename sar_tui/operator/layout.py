@@ -135,7 +135,7 @@ class PanelLayout(OrderedScreen[str]):
 
     def on_unmount(self) -> None:
         if self.commands.peer:
-            self.commands.peer.close()
+            self.commands.peer.close(says_goodbye=not self.app.has_lost_terminal)
 
     def _on_link(self, event: PeerEvent) -> None:
         """Receive from the link, which knows no app: an exception here must end the app with a message."""

@@ -140,12 +140,16 @@ class BrowserView(AppService):
         elif request["type"] == "hush":
             await self._speak({"hush": True})
 
-    async def stop(self) -> None:
-        """Ask the program to quit, and kill it if it does not. May be called twice."""
+    async def stop(self, *, is_lost: bool = False) -> None:
+        """Ask the program to quit, and kill it if it does not. May be called twice.
+
+        Args:
+            is_lost: the browser did not say goodbye.
+        """
         self._is_stopping = True
         if self._process is None or self._task is None:
             return
-        await self.send_meta({"type": "quit"})
+        await self.send_meta({"type": "quit", "lost": is_lost})
         self.stdin.close()
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(self._has_ended.wait(), _QUIT_TIMEOUT_S)

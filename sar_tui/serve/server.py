@@ -13,7 +13,7 @@ from typing import Literal
 
 import msgspec
 import textual_serve
-from aiohttp import WSMsgType, web
+from aiohttp import WSCloseCode, WSMsgType, web
 
 from sar_tui.serve.address import Address
 from sar_tui.serve.browser_view import BrowserView, SpeechRequest
@@ -25,6 +25,8 @@ MAX_VIEWS = 8
 _MAX_MESSAGE_BYTES = 64 * 1024
 """From a browser: enough for pasted text."""
 _HEARTBEAT_S = 10.0
+_GOODBYES = (WSCloseCode.OK, WSCloseCode.GOING_AWAY)
+"""Sent by a browser whose tab is closed; one whose connection breaks sends nothing."""
 _PAGE = Path(__file__).parent / "page"
 _LIBRARY = Path(textual_serve.__file__).parent / "static"
 _HEADERS = {
@@ -212,12 +214,13 @@ class Server:
         except OSError as error:
             self._log(f"{request.remote} the view cannot be started: {error.strerror}")
         finally:
-            await asyncio.shield(self._leave(name, view))
+            is_lost = socket.close_code not in _GOODBYES
+            await asyncio.shield(self._leave(name, view, is_lost=is_lost))
             self._log(f"{request.remote} left the {self._kind}'s view")
         return socket
 
-    async def _leave(self, name: str, view: BrowserView) -> None:
-        await view.stop()
+    async def _leave(self, name: str, view: BrowserView, *, is_lost: bool) -> None:
+        await view.stop(is_lost=is_lost)
         self._views.pop(name, None)
 
     async def _forward_input(self, socket: web.WebSocketResponse, view: BrowserView) -> None:

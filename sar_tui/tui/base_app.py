@@ -38,6 +38,7 @@ class BaseApp(App[int]):
     Attributes:
         failure: why it ended, for the terminal it leaves; empty if all is well.
         key_seconds: when the last key was read (s), for actions, which Textual does not pass the key event.
+        has_lost_terminal: True if it ends because its terminal is gone: closed, or the connection to it broken.
         terminal_probe: proves that the terminal is there, for screens that ask it.
     """
 
@@ -57,6 +58,7 @@ class BaseApp(App[int]):
         self.key_seconds = 0.0
         self._visible_lines = VisibleLines()
         self._unreadable, self._last_unreadable = 0, ""
+        self.has_lost_terminal = False
 
     def run_here(self) -> int:
         """Run in this terminal or browser; returns the exit code."""
@@ -71,9 +73,14 @@ class BaseApp(App[int]):
         driver = unblocked(super().get_driver_class(), self._terminal_recovered, self._terminal_gone)
         return steady(driver, self.terminal_probe)
 
+    def lose_terminal(self) -> None:
+        """End the app, as its terminal has hung up."""
+        self.has_lost_terminal = True
+        self.exit(return_code=after_signal(getattr(signal, "SIGHUP", 1)))
+
     def _terminal_gone(self) -> None:
         """End the app; called from the writing thread."""
-        self.call_later(self.exit, None, after_signal(getattr(signal, "SIGHUP", 1)))
+        self.call_later(self.lose_terminal)
 
     def _terminal_recovered(self) -> None:
         """Draw everything; called from a thread."""

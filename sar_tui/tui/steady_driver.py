@@ -45,6 +45,6 @@ def steady(driver: type[Driver], probe: TerminalProbe) -> type[Driver]:
 def _catch_signals(app: Any) -> None:
     if os.name == "posix":
         loop = asyncio.get_running_loop()
-        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-            number = getattr(signal, name)
+        for number in (signal.SIGINT, signal.SIGTERM):
             loop.add_signal_handler(number, app.exit, None, after_signal(number))
+        loop.add_signal_handler(signal.SIGHUP, app.lose_terminal)

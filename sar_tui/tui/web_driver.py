@@ -39,6 +39,7 @@ class ServedDriver(WebDriver):
 
     def __init__(self, app: Any, **how: Any) -> None:
         super().__init__(app, **how)
+        self._is_exiting = False
         if isinstance(app, Voiced):
             app.voice = self
 
@@ -65,9 +66,9 @@ class ServedDriver(WebDriver):
             super().write_meta(data)
 
     def on_meta(self, packet_type: str, payload: dict[str, object]) -> None:
-        """Exit the app, as by its own key, if the browser's tab was closed."""
+        """Exit the app: as by its own key if the browser's tab was closed, else because the browser is lost."""
         if packet_type == "quit":
-            self._app.call_later(self._app.exit)
+            self._exit(is_lost=bool(payload.get("lost")))
         else:
             super().on_meta(packet_type, payload)
 
@@ -75,6 +76,14 @@ class ServedDriver(WebDriver):
         """Exit the app when its server has ended."""
         super().run_input_thread()
         if not self.exit_event.is_set():
-            self._app.call_later(self._app.exit)
+            self._exit(is_lost=True)
             if not self.exit_event.wait(_ENDS_S):
                 os._exit(1)
+
+    def _exit(self, *, is_lost: bool) -> None:
+        """Exit the app, for the first reason that is given."""
+        if not self._is_exiting:
+            self._is_exiting = True
+            app: Any = self._app
+            app.has_lost_terminal = is_lost
+            app.call_later(app.exit)

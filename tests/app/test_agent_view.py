@@ -68,7 +68,7 @@ class Link:
     def take_control(self) -> None:
         raise AssertionError("a view acts on nothing")
 
-    def close(self) -> None:
+    def close(self, *, says_goodbye: bool = True) -> None:
         self.closed = True
 
     def say(self, text: str, language: str) -> None:

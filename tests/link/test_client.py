@@ -242,6 +242,13 @@ def test_name_as_part_of_a_key(name: str, part: str) -> None:
     assert client.to_key_part(name) == part
 
 
+async def test_a_panel_that_has_lost_its_terminal_says_no_goodbye(panel: Panel) -> None:
+    await panel.connect()
+    panel.peer.close(says_goodbye=False)
+    assert not any(each.is_leaving for each in panel.transport.pings)
+    assert (panel.transport.is_closed, panel.transport.awaits_answer) == (True, False)
+
+
 async def test_close_without_connection_does_not_wait(panel: Panel) -> None:
     panel.peer.close()
     assert (panel.transport.is_closed, panel.transport.awaits_answer) == (True, False)

@@ -69,8 +69,8 @@ class FakePeer:
     def now(self) -> int:
         return self.clock.now()
 
-    def close(self) -> None:
-        self.is_closed = True
+    def close(self, *, says_goodbye: bool = True) -> None:
+        self.is_closed, self.says_goodbye = True, says_goodbye
 
 
 def welcome(role: Role = "operator", **other: Any) -> Welcome:

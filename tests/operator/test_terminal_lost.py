@@ -45,3 +45,15 @@ async def test_a_presence_without_proof_is_said(catalogue: Catalogue, tmp_path: 
         )
         await panel.publish(t.PRESENCE, doubt)
         assert "Your presence is not proven: the terminal answers no queries." in panel.text
+
+
+async def test_an_operator_who_closes_the_panel_has_left_and_one_whose_terminal_hangs_up_is_lost(
+    catalogue: Catalogue, tmp_path: Path
+) -> None:
+    said = []
+    for is_gone in (False, True):
+        async with open_panel(catalogue, tmp_path) as panel:
+            if is_gone:
+                panel.app.lose_terminal()
+        said.append(panel.peer.says_goodbye)
+    assert said == [True, False]

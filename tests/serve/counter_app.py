@@ -14,6 +14,7 @@ from sar_tui.tui.web_driver import BrowserVoice
 class Tiny(App[None]):
     voice: BrowserVoice | None = None
     presses = 0
+    has_lost_terminal = False
 
     def compose(self) -> ComposeResult:
         yield Static("Tiny is here", id="words")
@@ -22,7 +23,7 @@ class Tiny(App[None]):
         write_down(f"came {os.getpid()}")
 
     def on_unmount(self) -> None:
-        write_down("went")
+        write_down(f"went {'lost' if self.has_lost_terminal else 'left'}")
 
     def on_key(self, event: events.Key) -> None:
         if event.key == "s" and self.voice:

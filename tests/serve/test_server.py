@@ -104,9 +104,18 @@ async def test_program_lives_as_long_as_its_browser(tmp_path: Path) -> None:
             await read_until(socket, screen, "Tiny is here")
             await press(socket, "aa")
             await read_until(socket, screen, "Pressed 2 times")
-        assert await served.written("went")
+        assert await served.written("went") == "went left"
         await logged(served, "127.0.0.1 left the observer's view")
         assert "127.0.0.1 opened the observer's view (1 of 8)" in served.log
+
+
+async def test_a_browser_whose_connection_breaks_has_not_left(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary") as served:
+        socket = await served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed)
+        await read_until(socket, TerminalScreen(), "Tiny is here")
+        transport = socket.get_extra_info("transport") or socket._writer.transport
+        transport.abort()
+        assert await served.written("went") == "went lost"
 
 
 async def test_browser_is_disconnected_when_the_program_ends(tmp_path: Path) -> None:
@@ -195,7 +204,7 @@ async def test_programs_end_with_the_server(tmp_path: Path) -> None:
         socket = await served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed)
         await read_until(socket, TerminalScreen(), "Tiny is here")
         pid = int((await served.written("came")).split()[1])
-    assert served.diary.read_text().splitlines()[-1] == "went"
+    assert served.diary.read_text().splitlines()[-1].startswith("went")
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
 
@@ -256,4 +265,4 @@ async def test_program_ends_when_its_server_is_killed(tmp_path: Path) -> None:
         if process.returncode is None:
             process.send_signal(signal.SIGKILL)
     assert process.returncode == 0
-    assert (tmp_path / "diary").read_text().splitlines()[-1] == "went"
+    assert (tmp_path / "diary").read_text().splitlines()[-1] == "went lost"
