@@ -157,6 +157,9 @@ class BaseApp(App[int]):
         if self.is_headless or os.environ.get(DEBUG):
             super()._handle_exception(error)
             return
+        if self._exit:  # a signal came while screens were still being made: they miss what is not made any more
+            self._close_messages_no_wait()
+            return
         self.failure = f"sar-tui failed ({type(error).__name__}: {error}). Set {DEBUG}=1 to see where."
         self._return_code = 1
         self._close_messages_no_wait()

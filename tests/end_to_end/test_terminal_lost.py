@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.link.discovery import JoinableSession, announce
-from sar_tui.timing.pty import Terminal
+from sar_tui.timing.pty import Terminal, visible
 from sar_tui.tui.terminal_output import RESET
 from tests.end_to_end.operator_terminal import Panel, SessionTerminals
 from tests.end_to_end.participant_terminal import command, run_command
@@ -106,7 +106,7 @@ def test_a_signal_restores_the_terminal(program: list[str], number: int, code: i
         terminal.wait_for("\x1b[?2004h")
         terminal.settle()
         terminal.kill(number)
-        assert terminal.wait() == code
+        assert terminal.wait() == code, visible(bytes(terminal.output))
         assert terminal.modes() == before, "echo and line editing are back"
         assert b"\x1b[?1049l" in terminal.output
         assert b"Traceback" not in terminal.output
@@ -125,6 +125,15 @@ def fill(terminal: Terminal) -> None:
 def unread(terminal: Terminal) -> int:
     """Return the number of bytes that can be read."""
     return int.from_bytes(fcntl.ioctl(terminal.fileno(), termios.FIONREAD, bytes(4)), sys.byteorder)
+
+
+@pytest.mark.parametrize("program", ["wizard"], indirect=True)
+def test_a_signal_while_the_first_screen_is_made_ends_it_in_order(program: list[str]) -> None:
+    with Terminal(program) as terminal:
+        terminal.wait_for("\x1b[?2004h")
+        terminal.kill(signal.SIGTERM)
+        assert terminal.wait() == 143, visible(bytes(terminal.output))
+        assert b"\x1b[?1049l" in terminal.output
 
 
 @PROGRAMS
