@@ -41,7 +41,7 @@ async def test_view_that_is_out_of_date_is_covered_until_it_is_not(tmp_path: Pat
     async with serving(tmp_path / "diary", "operator") as served, chromium() as browser:
         await browser.open(f"{served.origin}/?token={TOKEN}")
         await browser.see("Tiny is here")
-        await browser.wait_until("performance.now() > 0 && !document.body.classList.contains('-covered')")
+        await browser.wait_until("document.body.classList.contains('-alive')")
         pid = int((await served.written("came")).split()[1])
         os.kill(pid, signal.SIGSTOP)
         await browser.wait_until(f"{COVER}.startsWith('The connection is lost.')")

@@ -99,6 +99,7 @@ async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
                 await logged_message(data, "arbiter/stalling")  # keys pressed too soon after a proposal are ignored
                 await browser.press("Enter")
             await asyncio.to_thread(terminal.wait_for, text[:20])
+            await browser.call("Page.navigate", url="about:blank")
         async with keep_reading(terminal):
             left = await logged_message(data, "operator/presence", state="left")
     assert left["actor"].startswith("operator.")

@@ -96,6 +96,7 @@
     alive(view) {
       this.isAlive = true;
       this.failures = 0;
+      document.body.classList.add("-alive");
       uncover();
       if (this.view !== view) {
         this.view = view;
