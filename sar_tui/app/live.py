@@ -74,17 +74,21 @@ class LiveSession:
             self._peers.welcome = session_welcome(task, self.run.id, self._link.link, self.run.participants)
 
     def _nodes(self, task: Task, theme: Theme, seed: int) -> list[Node]:
-        """Make the nodes for keyboard, sensors, the task's view, the outputs and the link."""
+        """Make the nodes for keyboard, sensors, the task's view, the outputs and the link.
+
+        The link comes first, so that it is told which sensors and outputs there are.
+        """
         shows_agent = "screen" in task.parameters.outputs
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
         self.view = GuardedView(task)
-        outputs = [self.view, self.screen, *output_nodes(task, theme), *self._linked()]
+        inputs = [*self._linked(), self.keyboard]
+        outputs = [self.view, self.screen, *output_nodes(task, theme)]
         if not task.sensor_seats(task.parameters):
-            return [self.keyboard, *outputs]
+            return [*inputs, *outputs]
         from sar_tui.runs.sensors import open_sensors, sensor_nodes
 
         feeds = self._feeds or open_sensors(type(task), task.parameters, seed, self.clock, self._folder)
-        return [self.keyboard, *sensor_nodes(task, seed, *feeds), *outputs]
+        return [*inputs, *sensor_nodes(task, seed, *feeds), *outputs]
 
     @property
     def can_be_joined(self) -> bool:

@@ -28,7 +28,7 @@ ACTS = frozenset(topic.name for topic in (COMMAND, DECISION, REMARK, MODE, NOTE_
 """Names of the topics of acts."""
 SLOW = 3 * SECOND
 """An act that the session has not confirmed after this time may never have arrived."""
-_LONGEST = 48
+_LONGEST = 36
 _DOING = {
     "Approved": "Approving",
     "Cancelled": "Cancelling",

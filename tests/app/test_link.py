@@ -10,7 +10,9 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.topics import COMMAND, PROMPT, SHOWN, THEME
 from sar_tui.link import protocol
 from sar_tui.link.channel import OutgoingBatch, OutgoingSnapshot
+from sar_tui.link.peer import Frame
 from sar_tui.link.protocol import ActReceived, PeerJoined, SnapshotRequested
+from sar_tui.operator.session_state import SessionState
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import open_app, plan, stored
 from tests.link.test_node import ANNA, FakeChannel
@@ -51,3 +53,20 @@ async def test_operator_who_ends_the_session_is_recorded_by_name(
         assert [(act["command"], act["actor"]) for act in driver.messages(COMMAND.name)] == [("end", ANNA)]
         assert any(f"sar-tui report wizard {driver.session_id}" in words for words in driver.app.exit_lines(0))
     assert stored(data, "SELECT status FROM sessions") == [("aborted",)]
+
+
+async def test_a_panel_knows_the_outputs_and_hears_that_they_are_still(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], channel: FakeChannel
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard), link=channel) as driver:
+        channel.notify(PeerJoined(ANNA))
+        channel.notify(SnapshotRequested(ANNA))
+        await driver.wait(100)
+        (snapshot,) = (sent for sent in channel.sent if isinstance(sent, OutgoingSnapshot))
+        state = SessionState().receive(snapshot.welcome).receive([Frame(*record) for record in snapshot.records])
+        assert state.outputs == {"screen"}
+        await driver.press("f2")
+        await driver.wait(1000)
+        records = [record for sent in channel.sent if isinstance(sent, OutgoingBatch) for record in sent.records]
+        (stop,) = state.receive([Frame(*record) for record in records]).stops
+        assert (stop.by, stop.awaited, stop.outcome(0)[1]) == ("P01 pressed F2", frozenset(), "good")
