@@ -13,9 +13,9 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
-from benchmarks import agent, commands, operator, paint, report, response, sensor, simulate
+from benchmarks import agent, commands, many_sessions, operator, paint, report, response, sensor, simulate
 
-PARTS = ("response", "paint", "commands", "simulate", "sensor", "agent", "operator")
+PARTS = ("response", "paint", "commands", "simulate", "sessions", "sensor", "agent", "operator")
 RESULTS = Path(__file__).parent / "results"
 
 
@@ -60,6 +60,10 @@ def main() -> int:
         if "simulate" in parts:
             simulated = progress("simulated sessions", simulate.total_sessions(given.quick))
             results["simulate"] = simulate.measure(given.quick, place, simulated)
+        if "sessions" in parts:
+            many, long = (100, 2000) if given.quick else (many_sessions.MANY, 20_000)
+            listed = progress("lists of sessions", many_sessions.REPEATED)
+            results["sessions"] = many_sessions.measure(many, long, place, listed)
         if "sensor" in parts:
             streamed = progress("seconds of a sensor's stream", sensor.total_seconds(given.quick))
             results["sensor"] = sensor.measure(given.quick, place, streamed)

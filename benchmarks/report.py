@@ -52,7 +52,7 @@ def _processor() -> str:
 def checks(results: Results) -> dict[str, bool]:
     """Return all checks by name; True if one passed."""
     found: dict[str, bool] = {}
-    for name in ("response", "sensor", "agent", "operator"):
+    for name in ("response", "sessions", "sensor", "agent", "operator"):
         found |= results.get(name, {}).get("checks", {})
     return found
 
@@ -99,6 +99,18 @@ def _simulate(tasks: Results) -> dict[str, Rows]:
                 for task, figures in tasks.items()
             ),
         ]
+    }
+
+
+def _sessions(many: Results) -> dict[str, Rows]:
+    few, most = many["sessions"]
+    looks = [
+        [name, f"{fast:.3f}", f"{slow:.3f}", f"{slow / fast:.2f}"] for name, (fast, slow) in many["looks_s"].items()
+    ]
+    figures = [f"{many['bytes_a_trial']:.0f}", f"{many['trials']}", f"{many['resume_s']:.2f}"]
+    return {
+        "Lists of sessions of 400 trials (s)": [["", f"{few} sessions", f"{most} sessions", "ratio"], *looks],
+        "A long session": [["bytes a trial", "trials", "resume (s)"], figures],
     }
 
 
@@ -153,6 +165,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "paint": _paint,
     "commands": _commands,
     "simulate": _simulate,
+    "sessions": _sessions,
     "sensor": _sensor,
     "agent": _agent,
     "operator": _operator,

@@ -175,12 +175,11 @@ def resume(
 
     from sar_tui.framework.parameters import TaskParameters
     from sar_tui.runs.run import find_resumable
-    from sar_tui.store.sessions import listing
+    from sar_tui.store.sessions import latest_interrupted
 
     with home.database() as database:
         if session in (None, "last"):
-            rows = listing(database, home.folder)
-            latest = next((row for row in rows if (row["status"], row["mode"]) == ("interrupted", "live")), None)
+            latest = latest_interrupted(database, home.folder)
             if latest is None:
                 raise Refused("There is no interrupted session to resume.")
             session = str(latest["id"])

@@ -53,17 +53,17 @@ def sessions(
         )
         return
 
-    from sar_tui.cli.tables import add, table
+    from sar_tui.cli.long_table import print_table
     from sar_tui.store.sessions import local_time, participant_codes
 
-    made = table("session", "began", "who", "task", "status", "attempts", right=("attempts",))
-    for row in rows:
+    def cells(row: Row) -> tuple[object, ...]:
         status = row["status"] if row["mode"] == "live" else f"{row['status']}, {row['mode']}"
         status += ", operator" if row["operators"] else ""
-        add(
-            made, row["id"], local_time(row["started_at"]), participant_codes(row), row["task"], status, row["attempts"]
-        )
-    out.print(made)
+        began = local_time(row["started_at"])
+        return row["id"], began, participant_codes(row), row["task"], status, row["attempts"]
+
+    columns = ("session", "began", "who", "task", "status", "attempts")
+    print_table(out, columns, [cells(row) for row in rows], right=("attempts",))
 
 
 def show(

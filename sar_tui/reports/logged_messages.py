@@ -4,11 +4,8 @@ import sqlite3
 from collections.abc import Iterable
 from typing import NamedTuple
 
-import msgspec
-
 from sar_tui.framework.messages import Message, OperatorChanged, Role, SessionStarted
-from sar_tui.framework.topics import ALL
-from sar_tui.store.database import StoreError
+from sar_tui.store import messages
 
 
 class LoggedMessage(NamedTuple):
@@ -33,23 +30,13 @@ def read(database: sqlite3.Connection, session: str) -> list[LoggedMessage]:
     Raises:
         StoreError: this version of the program cannot read a message.
     """
-    found = []
-    for seq, run, at, name, text in database.execute(
-        "SELECT seq, run, at_ns, topic, message FROM events WHERE session=? ORDER BY seq", (session,)
-    ):
-        try:
-            found.append(LoggedMessage(run, at, msgspec.json.decode(text, type=ALL[name].type)))
-        except (KeyError, msgspec.MsgspecError) as error:
-            raise StoreError(
-                f"Message {seq} of session {session} cannot be read by this version of sar-tui."
-            ) from error
-    return found
+    return [LoggedMessage(one.run, one.at, one.message) for one in messages.read(database, session)]
 
 
-def spans(messages: Iterable[LoggedMessage]) -> dict[int, Span]:
+def spans(logged: Iterable[LoggedMessage]) -> dict[int, Span]:
     """Return the runs of a session by number. A run begins with its `SessionStarted`."""
     found: dict[int, Span] = {}
-    for run, at, message in messages:
+    for run, at, message in logged:
         if isinstance(message, SessionStarted):
             found[run] = Span(run, at, at)
         elif run in found:
@@ -57,7 +44,7 @@ def spans(messages: Iterable[LoggedMessage]) -> dict[int, Span]:
     return found
 
 
-def peers(messages: Iterable[LoggedMessage], role: Role) -> list[str]:
+def peers(logged: Iterable[LoggedMessage], role: Role) -> list[str]:
     """Return the names of those who had a role, in the order in which they joined."""
-    changes = (message for _, _, message in messages if isinstance(message, OperatorChanged))
+    changes = (message for _, _, message in logged if isinstance(message, OperatorChanged))
     return list(dict.fromkeys(changed.actor for changed in changes if changed.role == role))

@@ -5,6 +5,7 @@ import errno
 import os
 import sqlite3
 import stat
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -22,10 +23,12 @@ RESCUE, RESCUED = "sar-tui-rescue-", "sar-tui-rescued-"
 """Beginnings of the names of rescue files: to be brought back, and those that were. See `store.rescue`."""
 SAVED = "saved"
 """Folder of the notes of what was saved. See `store.last_saved`."""
-VERSION = 4
+VERSION = 5
 """The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
 _LOCK_TIMEOUT_S = 10
 _NOT_OURS = "{path} is not a SQLite database. Move it away, or choose another --data folder."
+_LARGE_MB = 200.0
+"""Size of a database from which it is announced that it is copied and brought up to date."""
 _TEMPORARY = {
     sqlite3.SQLITE_FULL,
     sqlite3.SQLITE_IOERR,
@@ -284,6 +287,7 @@ def _migrate(database: sqlite3.Connection, path: Path) -> None:
     version = _version(database, path)
     if version < VERSION:
         if version:
+            _announce(path)
             _back_up(database, path, version)
         _apply_migrations(database)
         database.execute(f"PRAGMA user_version={VERSION}")
@@ -296,6 +300,17 @@ def _apply_migrations(database: sqlite3.Connection) -> None:
     from sar_tui.store.schema import migrations
 
     migrations.apply(Database(database))
+
+
+def _announce(path: Path) -> None:
+    """Say what takes a moment if a large file is brought up to date."""
+    megabytes = path.stat().st_size / 1e6
+    if megabytes > _LARGE_MB:
+        print(
+            f"{path} ({megabytes:.0f} MB) is brought up to date for this version of sar-tui. A copy of it is kept.",
+            file=sys.stderr,
+            flush=True,
+        )
 
 
 def _back_up(database: sqlite3.Connection, path: Path, version: int) -> Path:

@@ -16,6 +16,7 @@ import msgspec
 from sar_tui.drivers.private_folder import make_private
 from sar_tui.framework.bus import Record
 from sar_tui.framework.messages import TrialEnded
+from sar_tui.store import messages
 from sar_tui.store.database import SAVED
 from sar_tui.store.locks import is_held
 from sar_tui.store.rescue import rescue_files
@@ -138,7 +139,7 @@ def merge_log(database: sqlite3.Connection) -> bool:
 def _kept(database: sqlite3.Connection, session: str) -> Saved | None:
     if not database.execute("SELECT 1 FROM sessions WHERE id=?", (session,)).fetchone():
         return None
-    (seq,) = database.execute("SELECT coalesce(max(seq), 0) FROM events WHERE session=?", (session,)).fetchone()
+    _, seq = messages.extent(database, session)
     last = database.execute(
         "SELECT attempt, trial FROM trials WHERE session=? ORDER BY rowid DESC LIMIT 1", (session,)
     ).fetchone()

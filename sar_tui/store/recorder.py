@@ -12,6 +12,7 @@ from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.topics import STORAGE, STORED
 from sar_tui.store import imu
 from sar_tui.store.database import StoreConnection, StoreError, transaction
+from sar_tui.store.messages import Numbers, numbers
 from sar_tui.store.rows import SQL, rows_of
 from sar_tui.store.safeguard import Safeguard
 
@@ -67,6 +68,7 @@ class Recorder:
         self._locked = 0
         self._committed: list[list[Record]] = []
         self.safeguard = safeguard
+        self._numbers: tuple[sqlite3.Connection, Numbers] | None = None
         self._streams = imu.resume_streams(database, session, run)
         bus.tap(self)
 
@@ -197,7 +199,8 @@ class Recorder:
             return
         records = [record for cascade in list(self._queue)[:count] for record in cascade]
         try:
-            rows = rows_of(self._session, self._run, [record for record in records if not record.topic.stream])
+            messages = [record for record in records if not record.topic.stream]
+            rows = rows_of(self._session, self._run, messages, self._numbers_here())
             rows["streams"], rows["chunks"], streams = self._streams.rows(records)
             with transaction(self._database) as connection:
                 for kind, statement in SQL.items():
@@ -224,6 +227,12 @@ class Recorder:
         for record in records:
             if isinstance(trial := record.message, m.TrialEnded):
                 self._bus.post(STORED, _stored(trial))
+
+    def _numbers_here(self) -> Numbers:
+        """Return the numbers of the session and the topics in the database that is written to."""
+        if self._numbers is None or self._numbers[0] is not self._database:
+            self._numbers = self._database, numbers(self._database, self._session)
+        return self._numbers[1]
 
 
 def _stored(trial: m.TrialEnded) -> m.Stored:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sar_tui.drivers.private_folder import make_private
+from sar_tui.store import messages
 from sar_tui.store.database import (
     RESCUE,
     RESCUED,
@@ -217,9 +218,7 @@ def _bring(
 
 def _extent(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
     """Return the numbers of a session's first and last message and of its last run; 0 if there are none."""
-    first, last = database.execute(
-        "SELECT coalesce(min(seq), 0), coalesce(max(seq), 0) FROM events WHERE session=?", (session,)
-    ).fetchone()
+    first, last = messages.extent(database, session)
     (run,) = database.execute("SELECT coalesce(max(run), 0) FROM runs WHERE session=?", (session,)).fetchone()
     return first, last, run
 

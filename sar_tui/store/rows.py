@@ -8,11 +8,12 @@ import msgspec
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record
 from sar_tui.store import imu
+from sar_tui.store.messages import Numbers, encoder
 
 Rows = dict[str, list[tuple[Any, ...]]]
 
 SQL = {
-    "events": "INSERT INTO events (session, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)",
+    "messages": "INSERT INTO messages (session_number, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)",
     "trials": (
         "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, correct, onset_ns, response_ns,"
         " reaction_time_ms, timing, details) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)"
@@ -65,13 +66,16 @@ def _text(value: object) -> str:
 _OF_ATTEMPTS = {m.TrialEnded, m.TrialMarked, m.AttemptEnded}
 _OF_ACTIONS = {m.Proposal, m.PendingApproval, m.ProposalSeen, m.Action, m.Dropped, m.LevelDecided, m.OutputReport}
 _OF_SESSIONS = {m.NoteAdded, m.SessionEnded}
-"""Messages that become more than a row of ``events``: a small part of all."""
+"""Messages that become more than a row of ``messages``: a small part of all."""
 
 
-def rows_of(session: str, run: int, records: list[Record]) -> Rows:
+def rows_of(session: str, run: int, records: list[Record], numbers: Numbers) -> Rows:
     """Return the rows of messages, by the names of the statements in ``SQL``."""
     rows: Rows = {kind: [] for kind in SQL}
-    rows["events"] = [(session, seq, run, at, topic.name, _text(message)) for seq, at, topic, message in records]
+    rows["messages"] = [
+        (numbers.session, seq, run, at, numbers.topics[topic.name], encoder(topic)(message))
+        for seq, at, topic, message in records
+    ]
     for _, at, _, message in records:
         kind = type(message)
         if kind in _OF_ATTEMPTS:

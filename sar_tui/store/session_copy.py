@@ -2,6 +2,7 @@
 
 import sqlite3
 
+from sar_tui.store import messages
 from sar_tui.store.database import transaction
 
 
@@ -20,6 +21,7 @@ def copy_session(source: sqlite3.Connection, target: sqlite3.Connection, session
             if not adds:
                 connection.execute(f'DELETE FROM "{table}" WHERE session=?', (session,))
             copy_rows(source, connection, table, "session=?", session, or_ignore=adds)
+        messages.copy(source, connection, session, adds=adds)
         connection.execute("DELETE FROM sessions WHERE id=?", (session,))
         copy_rows(source, connection, "sessions", "id=?", session)
         seated = "(SELECT participant FROM seats WHERE session=?)"

@@ -16,8 +16,8 @@ from sar_tui.framework.clock import host_now
 from sar_tui.framework.messages import AttemptEnded
 from sar_tui.framework.parameters import TaskParameters, current_values, fields
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ALL, PRESENCE
-from sar_tui.store import imu
+from sar_tui.framework.topics import PRESENCE
+from sar_tui.store import imu, messages
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
 
@@ -114,10 +114,10 @@ def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str =
     rows = db.execute(
         f"SELECT level, {best_of}(metric) FROM attempts JOIN sessions ON sessions.id = attempts.session"
         " JOIN seats ON seats.session = attempts.session AND seats.seat = attempts.seat AND participant=?"
-        f" WHERE attempts.session IN ({','.join('?' * len(comparable))}) AND NOT practice AND metric IS NOT NULL"
+        " WHERE attempts.session IN (SELECT value FROM json_each(?)) AND NOT practice AND metric IS NOT NULL"
         " AND metric_unit=? AND COALESCE(accuracy, 1) >= COALESCE(json_extract(parameters, '$.min_accuracy'), 0)"
         " GROUP BY level",
-        (participant, *comparable, metric.unit),
+        (participant, _dump(comparable), metric.unit),
     )
     return {str(level): value for level, value in rows}
 
@@ -165,6 +165,16 @@ def _typed(table: str, row: Row) -> Row:
     return row | decoded | booleans
 
 
+_LISTED = (
+    "SELECT sessions.*, seats.participant, other.participant AS partner,"
+    " (SELECT count(DISTINCT attempt) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts"
+    " FROM sessions CROSS JOIN seats ON seats.session=sessions.id AND seats.seat='A'"
+    " LEFT JOIN seats AS other ON other.session=sessions.id AND other.seat='B'"
+)
+"""``CROSS``: sessions are visited in their own order, so that a limit ends the search."""
+_NEWEST_FIRST = " ORDER BY sessions.rowid DESC LIMIT :limit"
+
+
 def listing(db: sqlite3.Connection, folder: Path, *, participant: str | None = None, limit: int = -1) -> list[Row]:
     """Return sessions, newest first, with ``participant``, ``partner`` (or None) and their number of ``attempts``.
 
@@ -173,17 +183,19 @@ def listing(db: sqlite3.Connection, folder: Path, *, participant: str | None = N
     ``participant`` selects the sessions of one participant, at any seat. The status of a session that is stored as
     running and not locked by a program is ``interrupted``.
     """
-    rows = _query(
-        db,
-        "SELECT sessions.*, seats.participant, other.participant AS partner,"
-        " (SELECT count(DISTINCT attempt) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts"
-        " FROM sessions JOIN seats ON seats.session=sessions.id AND seats.seat='A'"
-        " LEFT JOIN seats AS other ON other.session=sessions.id AND other.seat='B'"
-        " WHERE :who IS NULL OR :who IN (seats.participant, other.participant)"
-        " ORDER BY sessions.rowid DESC LIMIT :limit",
-        {"who": participant, "limit": limit},
-    )
+    of_participant = " WHERE sessions.id IN (SELECT session FROM seats WHERE participant=:who)" if participant else ""
+    rows = _query(db, f"{_LISTED}{of_participant}{_NEWEST_FIRST}", {"who": participant, "limit": limit})
     return [_with_status(_typed("sessions", row), folder) for row in rows]
+
+
+def latest_interrupted(db: sqlite3.Connection, folder: Path) -> Row | None:
+    """Return the newest live session that can be resumed, as `listing` does; None if there is none."""
+    rows = _query(
+        db, f"{_LISTED} WHERE mode='live' AND status IN ('running', 'interrupted'){_NEWEST_FIRST}", {"limit": -1}
+    )
+    interrupted = (row for row in rows if _with_status(row, folder)["status"] == "interrupted")
+    row = next(interrupted, None)
+    return _typed("sessions", row) if row else None
 
 
 def operators(db: sqlite3.Connection, session: str | None = None) -> dict[str, list[str]]:
@@ -192,16 +204,25 @@ def operators(db: sqlite3.Connection, session: str | None = None) -> dict[str, l
     ``session`` selects a single session.
     """
     found: dict[str, list[str]] = {}
-    of_session = "session=:session AND " if session else ""
-    for joined, actor in db.execute(
-        f"SELECT session, json_extract(message, '$.actor') FROM events WHERE {of_session}"
-        "topic=:topic AND json_extract(message, '$.role')='operator' ORDER BY session, seq",
-        {"session": session, "topic": PRESENCE.name},
-    ):
-        names = found.setdefault(joined, [])
-        if actor not in names:
-            names.append(actor)
+    for source, name in ((_EARLIER_PRESENCE, "session"), (_PRESENCE, "session_numbers.id")):
+        of_session = f" AND {name}=:session" if session else ""
+        for joined, actor in db.execute(f"{source}{of_session} ORDER BY {name}, seq", {"session": session}):
+            names = found.setdefault(joined, [])
+            if actor not in names:
+                names.append(actor)
     return found
+
+
+_IS_OPERATOR = "json_extract(message, '$.role')='operator'"
+_EARLIER_PRESENCE = (
+    "SELECT session, json_extract(message, '$.actor') FROM earlier_events"
+    f" WHERE topic='{PRESENCE.name}' AND {_IS_OPERATOR}"
+)
+_PRESENCE = (
+    "SELECT session_numbers.id, json_extract(message, '$.actor') FROM messages INDEXED BY idx_messages_presence"
+    f" JOIN session_numbers ON number=session_number WHERE topic={messages.PRESENCE_ID} AND {_IS_OPERATOR}"
+)
+"""The conditions on the topic are literals, as in the indexes, so that no other message is looked at."""
 
 
 def participant_codes(row: Row) -> str:
@@ -215,9 +236,11 @@ def find(db: sqlite3.Connection, folder: Path, name: str) -> Row:
     Raises:
         StoreError: there is no such session, or more than one.
     """
-    found = (
-        listing(db, folder, limit=1) if name == "last" else [r for r in listing(db, folder) if r["id"].startswith(name)]
-    )
+    if name == "last":
+        found = listing(db, folder, limit=1)
+    else:
+        rows = _query(db, f"{_LISTED} WHERE substr(sessions.id, 1, length(:name))=:name LIMIT 2", {"name": name})
+        found = [_with_status(_typed("sessions", row), folder) for row in rows]
     if not name or not found:
         raise StoreError(f"There is no session {name}. `sar-tui sessions` lists them.", bad_input=True)
     if len(found) > 1:
@@ -271,17 +294,5 @@ def history(db: sqlite3.Connection, session: str) -> Iterator[Record]:
     Raises:
         StoreError: this version of the program cannot read a message, or samples are damaged.
     """
-    return merge(imu.blocks(db, session), _events(db, session), key=lambda record: record.seq)
-
-
-def _events(db: sqlite3.Connection, session: str) -> Iterator[Record]:
-    for seq, at, name, text in db.execute(
-        "SELECT seq, at_ns, topic, message FROM events WHERE session=? ORDER BY seq", (session,)
-    ):
-        try:
-            topic = ALL[name]
-            yield Record(seq, at, topic, msgspec.json.decode(text, type=topic.type))
-        except (KeyError, msgspec.MsgspecError) as error:
-            raise StoreError(
-                f"Message {seq} of session {session} cannot be read by this version of sar-tui."
-            ) from error
+    records = (Record(stored.seq, stored.at, stored.topic, stored.message) for stored in messages.read(db, session))
+    return merge(imu.blocks(db, session), records, key=lambda record: record.seq)

@@ -218,7 +218,7 @@ class AppDriver:
 
     def messages(self, topic: str) -> list[dict[str, Any]]:
         """The recorded messages of a topic."""
-        found = self.stored("SELECT message FROM events WHERE topic=? ORDER BY rowid", topic)
+        found = self.stored("SELECT message FROM events WHERE topic=? ORDER BY seq", topic)
         return [msgspec.json.decode(text) for (text,) in found]
 
 

@@ -122,8 +122,8 @@ def test_samples_that_were_never_stored_are_reported(call: Call, tmp_path: Path,
 def test_samples_from_before_a_reattachment_are_not_used(call: Call, tmp_path: Path, reached: str) -> None:
     change(
         tmp_path,
-        """UPDATE events SET topic='input/sensor', message='{"state": "attached"}' WHERE seq=
-        (SELECT min(seq) FROM events WHERE topic='event_handler/prompt')""",
+        """UPDATE messages SET topic=(SELECT id FROM topics WHERE name='input/sensor'), message='["attached", 0]'
+        WHERE seq=(SELECT min(seq) FROM events WHERE topic='event_handler/prompt')""",
     )
     first, second, _ = call("reanalyse", reached, "--json").json["trials"]
     assert first["missing_samples"] > 500

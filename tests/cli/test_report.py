@@ -121,7 +121,8 @@ def test_an_unknown_session_is_bad_input(call: Call, session: str) -> None:
 
 def test_an_unreadable_record_is_one_sentence(call: Call, simulated: str, tmp_path: Path) -> None:
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
-        connection.execute("UPDATE events SET topic='of/tomorrow' WHERE seq=3")
+        connection.execute("INSERT INTO topics (name, fields) VALUES ('of/tomorrow', '[]')")
+        connection.execute("UPDATE messages SET topic=last_insert_rowid() WHERE seq=3")
     called = call("report", "wizard", simulated)
     assert called.code != 0
     assert called.err == f"Message 3 of session {simulated} cannot be read by this version of sar-tui.\n"

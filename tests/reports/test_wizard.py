@@ -181,6 +181,8 @@ def test_without_an_operator_all_proposals_are_the_agents(
 
 def test_a_message_that_cannot_be_read_is_named(keyboard: type[Task], catalogue: Catalogue, tmp_path: Path) -> None:
     session = Simulated(keyboard, catalogue, tmp_path, "careful", attempts=1)
-    session.database.execute("UPDATE events SET message='{}' WHERE topic='input/key'")
+    session.database.execute(
+        "UPDATE messages SET message='{}' WHERE topic IN (SELECT id FROM topics WHERE name='input/key')"
+    )
     with pytest.raises(StoreError, match="cannot be read by this version"):
         read(session.database, session.id)

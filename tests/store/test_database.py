@@ -43,7 +43,7 @@ def pragma(database: sqlite3.Connection, name: str) -> object:
 
 
 def test_a_new_database_has_the_tables_of_the_contract(database: sqlite3.Connection) -> None:
-    assert set(Database(database).table_names()) >= TABLES
+    assert {*Database(database).table_names(), *Database(database).view_names()} >= TABLES
     assert pragma(database, "user_version") == VERSION == len(migrations.pending(Database(memory=True)))
     columns = {table: {column.name for column in Database(database)[table].columns} for table in TABLES}
     assert columns["sessions"] >= set(
@@ -67,7 +67,7 @@ def test_a_new_database_has_the_tables_of_the_contract(database: sqlite3.Connect
 
 
 def test_the_keys_are_those_of_the_contract(database: sqlite3.Connection) -> None:
-    assert Database(database)["events"].pks == ["session", "seq"]
+    assert Database(database)["messages"].pks == ["session_number", "seq"]
     assert Database(database)["trials"].pks == ["session", "attempt", "trial", "seat"]
     assert Database(database)["attempts"].pks == ["session", "attempt", "seat"]
 
@@ -262,6 +262,18 @@ def test_a_database_of_the_third_version_keeps_its_actions_and_notes_and_can_sto
     assert [action[name] for name in ("mode", "ground", "reason", "shown_ns", "deadline_ns")] == [None] * 5
     (note,) = sessions.rows(opened, "notes", "s")
     assert (note["text"], note["label"]) == ("tired", None)
+
+
+@pytest.mark.parametrize("is_large", [True, False])
+def test_it_is_announced_that_a_large_database_is_brought_up_to_date(
+    older: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], is_large: bool
+) -> None:
+    monkeypatch.setattr(module, "_LARGE_MB", 0.0 if is_large else 1.0)
+    connect(older)
+    connect(older)
+    assert capsys.readouterr().err.count(
+        "is brought up to date for this version of sar-tui. A copy of it is kept."
+    ) == (1 if is_large else 0)
 
 
 @posix

@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.messages import SessionStarted
+from sar_tui.framework.messages import KeyPressed, SessionStarted
 from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
-from sar_tui.framework.topics import SESSION
+from sar_tui.framework.topics import KEY, SESSION
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume
@@ -113,11 +113,40 @@ def test_saved_settings_make_a_plan(data: Path, catalogue: Catalogue) -> None:
     assert (plan.parameters.attempts, plan.theme) == (2, "calm")
 
 
-def test_opening_it_changes_nothing(call: Call, data: Path) -> None:
+def test_its_messages_are_read_as_they_were_after_it_is_brought_up_to_date(call: Call, data: Path) -> None:
+    before = events(data)
+    assert call("sessions").code == 0
+    assert events(data) == before
+
+
+def test_an_earlier_program_whose_session_is_under_way_goes_on_storing_it(data: Path) -> None:
+    under_way = sqlite3.connect(data / "sar-tui.db")
+    connect(data).close()
+    (seq,) = under_way.execute("SELECT max(seq) FROM events WHERE session=?", (INTERRUPTED,)).fetchone()
+    row = (INTERRUPTED, seq + 1, 1, 7, "input/key", '{"key":"f","at":7}')
+    under_way.execute("INSERT INTO events (session, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)", row)
+    under_way.commit()
+    under_way.close()
+    assert events(data)[-1] == row
+    database = connect(data)
+    last = list(sessions.history(database, INTERRUPTED))[-1]
+    database.close()
+    assert (last.seq, last.at, last.topic, last.message) == (seq + 1, 7, KEY, KeyPressed(key="f", at=7))
+
+
+def test_opening_it_again_changes_nothing(call: Call, data: Path) -> None:
+    call("sessions")
     before = contents(data)
     call("sessions")
     call("show", OPERATED)
     assert contents(data) == before
+
+
+def events(data: Path) -> list[tuple[object, ...]]:
+    """Return all messages, those of the interrupted session last."""
+    with closing(sqlite3.connect(data / "sar-tui.db")) as database:
+        query = "SELECT session, seq, run, at_ns, topic, message FROM events ORDER BY session=?, session, seq"
+        return database.execute(query, (INTERRUPTED,)).fetchall()
 
 
 def contents(data: Path) -> list[str]:

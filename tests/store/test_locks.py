@@ -206,7 +206,10 @@ def test_a_session_that_cannot_be_resumed_leaves_its_participant_free(
     plan: Plan, data: Path, catalogue: Catalogue
 ) -> None:
     session = begin(plan, data, catalogue)
-    connect(data).execute("UPDATE events SET message=replace(message, '\"trials\":3', '\"trials\":4')")
+    connect(data).execute(
+        "UPDATE messages SET message=json_replace(message, '$[6]', 4)"
+        " WHERE topic=(SELECT id FROM topics WHERE name='event_handler/waiting')"
+    )
     with pytest.raises(Failed, match="cannot be resumed") as caught:
         resume(session, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     assert "has changed since" in str(caught.value)

@@ -25,6 +25,7 @@ from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
+from sar_tui.store.messages import numbers
 from sar_tui.store.recorder import GROUP, Recorder
 from tests.outputs.fake_outputs import FakeOutput, Speaker
 
@@ -102,12 +103,18 @@ class Recorded:
         thread.start()
         thread.join()
 
+    def take_first_number(self) -> None:
+        """Store a message with the number of the first."""
+        here = numbers(self.reader, self.id)
+        self.reader.execute("INSERT INTO messages VALUES (?,1,1,0,?,'[]')", (here.session, here.topics["input/key"]))
+
     def all(self, topic: Any) -> list[Any]:
         return [record.message for record in self.records if record.topic is topic]
 
     def stored(self, table: str) -> list[Any]:
         """Return what another program sees in the database."""
-        return list(Database(self.reader).query(f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", [self.id]))
+        order = "seq" if table == "events" else "rowid"
+        return list(Database(self.reader).query(f"SELECT * FROM {table} WHERE session=? ORDER BY {order}", [self.id]))
 
     @property
     def history(self) -> list[Record]:
@@ -217,6 +224,7 @@ def test_the_last_trial_closes_the_session(data: Path) -> None:
 
 def test_on_a_virtual_clock_each_trial_is_acknowledged_at_once_and_many_are_one_transaction(data: Path) -> None:
     recorded = Recorded(data, attempts=12, prompts_per_attempt=20)
+    numbers(recorded.database, recorded.id)  # stored before the first message, in a transaction of their own
     statements: list[str] = []
     recorded.database.set_trace_callback(statements.append)
     recorded.session.begin()
@@ -335,16 +343,16 @@ def test_on_a_full_disk_only_stored_trials_are_acknowledged_and_later_all(data: 
 def test_another_error_than_a_full_disk_is_reported_and_everything_is_stored(data: Path) -> None:
     recorded = Recorded(data, inline=False)
     recorded.session.begin()
-    recorded.reader.execute("INSERT INTO events VALUES (?,1,1,0,'input/key','{}')", (recorded.id,))
+    recorded.take_first_number()
     for _ in range(3):
         recorded.write_on_a_thread()
         recorded.clock.advance(0)
     (refusal,) = recorded.all(STORAGE)
     assert not refusal.working
-    assert "UNIQUE constraint failed: events.session, events.seq" in refusal.reason
+    assert "UNIQUE constraint failed: messages.session_number, messages.seq" in refusal.reason
     assert "full" not in refusal.reason
     assert recorded.recorder.pending > 0
-    recorded.reader.execute("DELETE FROM events")
+    recorded.reader.execute("DELETE FROM messages")
     recorded.write_on_a_thread()
     recorded.clock.advance(0)
     assert [storage.working for storage in recorded.all(STORAGE)] == [False, True]
@@ -356,7 +364,7 @@ def test_a_second_error_of_another_kind_is_reported_too(data: Path) -> None:
     recorded.database.execute("PRAGMA query_only=1")
     recorded.write_on_a_thread()
     recorded.database.execute("PRAGMA query_only=0")
-    recorded.reader.execute("INSERT INTO events VALUES (?,1,1,0,'input/key','{}')", (recorded.id,))
+    recorded.take_first_number()
     recorded.write_on_a_thread()
     recorded.clock.advance(0)
     first, second = [storage.reason for storage in recorded.all(STORAGE)]

@@ -2,8 +2,11 @@
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.topics import MARKED, TRIAL
+from sar_tui.framework.topics import ALL, MARKED, TRIAL
+from sar_tui.store.messages import Numbers
 from sar_tui.store.rows import rows_of
+
+NUMBERS = Numbers(1, dict.fromkeys(ALL, 2))
 
 
 def record(seq: int, topic: Topic[m.TrialMarked] | Topic[m.TrialEnded], message: m.Message) -> Record:
@@ -41,7 +44,8 @@ def test_a_mark_that_came_before_its_trials_row_is_in_it_already_and_one_that_ca
         "s",
         1,
         [record(1, MARKED, marked()), record(2, MARKED, marked("B")), record(3, TRIAL, missed)],
+        NUMBERS,
     )
     assert rows["marks"] == [(True, "leaned", "s", 1, 2, "B")]
-    rows = rows_of("s", 1, [record(1, TRIAL, missed), record(2, MARKED, marked(mark=""))])
+    rows = rows_of("s", 1, [record(1, TRIAL, missed), record(2, MARKED, marked(mark=""))], NUMBERS)
     assert rows["marks"] == [(True, None, "s", 1, 2, "A")]

@@ -1,0 +1,227 @@
+"""Messages in the database: as arrays of their values, so that the names of their fields are stored once a topic.
+
+A row of ``topics`` holds the names and defaults of the fields that messages were written with. The view ``events``
+makes objects of them again; this module does so for the program. Messages that an earlier version stored, as objects,
+stay in ``earlier_events``.
+"""
+
+import sqlite3
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from heapq import merge
+from itertools import chain
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+import msgspec
+from msgspec.structs import FieldInfo, asdict, fields
+
+from sar_tui.framework.bus import Topic
+from sar_tui.framework.messages import Message
+from sar_tui.framework.topics import ALL, PRESENCE
+from sar_tui.store.database import StoreError, explain, transaction
+
+PRESENCE_ID = 1
+"""The number of `PRESENCE` in ``topics``: it is in the condition of an index. Its messages are stored as objects."""
+
+_json = msgspec.json.Encoder()
+
+
+class StoredMessage(NamedTuple):
+    """A message of a session with its number, its run, and the time of its cascade (ns, within its run)."""
+
+    seq: int
+    run: int
+    at: int
+    topic: Topic[Any]
+    message: Message
+
+
+class Numbers(NamedTuple):
+    """The numbers that stand for a session, and for each topic by its name, in one database."""
+
+    session: int
+    topics: Mapping[str, int]
+
+
+# --- the form of messages --------------------------------------------------------------------------------------------
+
+
+@cache
+def layout(topic: Topic[Any]) -> str:
+    """Return the fields of a topic's messages as JSON, ``[name, default]`` or ``[name]``; empty if they are objects."""
+    if topic is PRESENCE:
+        return ""
+    return _json.encode([[one.encode_name, *_default(one)] for one in _ordered(topic.type)]).decode()
+
+
+def _ordered(kind: type[Message]) -> list[FieldInfo]:
+    """Return the fields of a message in the order in which they are stored: at the end what is most often a default."""
+    return sorted(fields(kind), key=lambda one: (bool(_default(one)), one.name == "seat"))
+
+
+def _default(one: FieldInfo) -> list[Any]:
+    """Return a list with the default of a field; empty if it has none."""
+    if one.default_factory is not msgspec.NODEFAULT:
+        return [one.default_factory()]
+    return [] if one.default is msgspec.NODEFAULT else [one.default]
+
+
+@cache
+def encoder(topic: Topic[Any]) -> Callable[[Message], str]:
+    """Return the function that encodes a topic's messages. Values at the end that are defaults are left out."""
+    if topic is PRESENCE:
+        return lambda message: _json.encode(message).decode()
+    ordered = _ordered(topic.type)
+    values_of = attrgetter(*(one.name for one in ordered))
+    defaults = [default for one in reversed(ordered) for default in _default(one)]
+
+    def encode(message: Message) -> str:
+        values = values_of(message)
+        kept = len(values)
+        for default in defaults:
+            if values[kept - 1] != default:
+                break
+            kept -= 1
+        return _json.encode(values[:kept]).decode()
+
+    return encode
+
+
+@cache
+def _decoder(topic: Topic[Any], stored: str) -> Callable[[str], Message]:
+    """Return the function that decodes messages that were stored with the layout ``stored``."""
+    kind: type[Message] = topic.type
+    if not stored:
+        return msgspec.json.Decoder(kind).decode
+    if stored == layout(topic):
+        decode = msgspec.json.Decoder(_array_like(kind)).decode
+        return lambda text: kind(**asdict(decode(text)))
+    names = [name for name, *_ in msgspec.json.decode(stored)]
+    defaults = {name: default[0] for name, *default in msgspec.json.decode(stored) if default}
+
+    def decode_earlier(text: str) -> Message:
+        values = msgspec.json.decode(text, type=list[Any])
+        return msgspec.convert(defaults | dict(zip(names, values, strict=False)), kind)
+
+    return decode_earlier
+
+
+def _array_like(kind: type[Message]) -> type[msgspec.Struct]:
+    """Return a type with the fields of a message that is decoded from an array."""
+
+    def as_declared(one: FieldInfo) -> Any:
+        if one.default_factory is not msgspec.NODEFAULT:
+            return msgspec.field(default_factory=one.default_factory)
+        return msgspec.field(default=one.default)
+
+    same = [(one.name, one.type, as_declared(one)) for one in _ordered(kind)]
+    return msgspec.defstruct(kind.__name__, same, array_like=True, kw_only=True)
+
+
+# --- in the database -------------------------------------------------------------------------------------------------
+
+
+def numbers(database: sqlite3.Connection, session: str) -> Numbers:
+    """Return the numbers of a session and of all topics in a database; those that it lacks are stored.
+
+    Raises:
+        StoreError: the database cannot be used.
+    """
+    try:
+        if missing := _missing(database, session):
+            with transaction(database) as connection:
+                for statement, values in missing:
+                    connection.execute(statement, values)
+        (number,) = database.execute("SELECT number FROM session_numbers WHERE id=?", (session,)).fetchone()
+        known = {(name, form): id for id, name, form in database.execute("SELECT id, name, fields FROM topics")}
+    except sqlite3.Error as error:
+        raise explain(error) from error
+    return Numbers(number, {name: known[name, layout(topic)] for name, topic in ALL.items()})
+
+
+def _missing(database: sqlite3.Connection, session: str) -> list[tuple[str, tuple[str, ...]]]:
+    """Return the statements that store the numbers that a database lacks."""
+    known = set(database.execute("SELECT name, fields FROM topics"))
+    missing: list[tuple[str, tuple[str, ...]]] = [
+        ("INSERT OR IGNORE INTO topics (name, fields) VALUES (?, ?)", (name, layout(topic)))
+        for name, topic in ALL.items()
+        if (name, layout(topic)) not in known
+    ]
+    if not database.execute("SELECT 1 FROM session_numbers WHERE id=?", (session,)).fetchone():
+        missing.append(("INSERT OR IGNORE INTO session_numbers (id) VALUES (?)", (session,)))
+    return missing
+
+
+def extent(database: sqlite3.Connection, session: str) -> tuple[int, int]:
+    """Return the numbers of the first and the last message of a session; 0 if there are none."""
+    number = "(SELECT number FROM session_numbers WHERE id=:session)"
+    found = database.execute(
+        f"SELECT (SELECT min(seq) FROM messages WHERE session_number={number}),"
+        f" (SELECT max(seq) FROM messages WHERE session_number={number}),"
+        " (SELECT min(seq) FROM earlier_events WHERE session=:session),"
+        " (SELECT max(seq) FROM earlier_events WHERE session=:session)",
+        {"session": session},
+    ).fetchone()
+    numbers = [seq for seq in found if seq is not None]
+    return min(numbers, default=0), max(numbers, default=0)
+
+
+def copy(source: sqlite3.Connection, target: sqlite3.Connection, session: str, *, adds: bool = False) -> None:
+    """Copy the messages of a session to another database, in its transaction; replace what it has unless ``adds``.
+
+    The two databases have numbers of their own for sessions and topics. What an earlier version stored is not copied.
+    """
+    target.execute("INSERT OR IGNORE INTO session_numbers (id) VALUES (?)", (session,))
+    (number,) = target.execute("SELECT number FROM session_numbers WHERE id=?", (session,)).fetchone()
+    if not adds:
+        target.execute("DELETE FROM messages WHERE session_number=?", (number,))
+    topics = source.execute("SELECT id, name, fields FROM topics").fetchall()
+    target.executemany("INSERT OR IGNORE INTO topics (name, fields) VALUES (?, ?)", [row[1:] for row in topics])
+    known = {row[1:]: row[0] for row in target.execute("SELECT id, name, fields FROM topics")}
+    there = {id: known[name, stored] for id, name, stored in topics}
+    rows = source.execute(
+        "SELECT seq, run, at_ns, topic, message FROM messages"
+        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) ORDER BY seq",
+        (session,),
+    )
+    target.executemany(
+        "INSERT OR IGNORE INTO messages (session_number, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)",
+        ((number, seq, run, at, there[topic], text) for seq, run, at, topic, text in rows),
+    )
+
+
+def read(database: sqlite3.Connection, session: str, after: int = 0) -> Iterator[StoredMessage]:
+    """Yield the messages of a session whose number is above ``after``, in order.
+
+    Raises:
+        StoreError: this version of the program cannot read a message.
+    """
+    for seq, run, at, name, stored, text in _rows(database, session, after):
+        try:
+            topic = ALL[name]
+            message = _decoder(topic, stored)(text)
+        except (KeyError, TypeError, msgspec.MsgspecError) as error:
+            raise StoreError(
+                f"Message {seq} of session {session} cannot be read by this version of sar-tui."
+            ) from error
+        yield StoredMessage(seq, run, at, topic, message)
+
+
+def _rows(database: sqlite3.Connection, session: str, after: int) -> Iterator[tuple[int, int, int, str, str, str]]:
+    """Yield number, run, time, topic, layout and text of each message, in order."""
+    earlier = database.execute(
+        "SELECT seq, run, at_ns, topic, '', message FROM earlier_events WHERE session=? AND seq>? ORDER BY seq",
+        (session, after),
+    )
+    topics = {id: (name, stored) for id, name, stored in database.execute("SELECT id, name, fields FROM topics")}
+    rows = database.execute(
+        "SELECT seq, run, at_ns, topic, message FROM messages"
+        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) AND seq>? ORDER BY seq",
+        (session, after),
+    )
+    present = ((seq, run, at, *topics[topic], text) for seq, run, at, topic, text in rows)
+    if (first := earlier.fetchone()) is None:
+        yield from present
+    else:
+        yield from merge(chain([first], earlier), present)
