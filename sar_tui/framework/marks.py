@@ -33,7 +33,7 @@ def find(marks: Iterable[Mark], name: str) -> Mark | None:
 
 def toggled(present: Mark | None, mark: Mark) -> Mark | None:
     """Return the mark of a trial after ``mark`` was chosen: choosing the present one again removes it."""
-    return None if present is mark else mark
+    return None if present == mark else mark
 
 
 def messages(attempt: int, trial: int, mark: Mark | None, correct: Mapping[str, bool]) -> list[TrialMarked]:

@@ -1,6 +1,8 @@
 """A session: the nodes, inputs and outputs on one bus."""
 
+from collections import deque
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from sar_tui.framework.bus import FAULT, Bus, Record
 from sar_tui.framework.clock import Clock, VirtualClock
@@ -23,6 +25,9 @@ RULES = 2
 1: the session waits for an operator's decision on feedback and level only, encouragement that is still due when Enter
 is pressed is dropped, and each proposal has ``operator_time_ms``.
 """
+
+_STATE = ("ended", "is_agent_acting", "awaits_operator", "_rules")
+"""Attributes of a session that change while it runs, beside its nodes, its faults and the task's names."""
 
 
 class ReplayError(ValueError):
@@ -70,11 +75,11 @@ class Session:
         self._tr = task.tr
         self._use_texts(theme)
         self.bus.subscribe(THEME, lambda applied: self._use_texts(applied.theme))
-        core = core_nodes(task, theme, seed)
-        for node in core:
+        self.core = core_nodes(task, theme, seed)
+        for node in self.core:
             node.attach(self.bus)
-        self.nodes = (*core, *extra)
-        self._vital = next(node.vital for node in core if isinstance(node, EventHandler))
+        self.nodes = (*self.core, *extra)
+        self._vital = next(node.vital for node in self.core if isinstance(node, EventHandler))
         self._extra = extra
         self.bus.subscribe(SESSION_ENDED, lambda _: self._end())
         self.bus.subscribe(ACTING, self._agent_acted)
@@ -107,6 +112,27 @@ class Session:
         self.theme = theme
         self.bus.publish(THEME, ThemeApplied(theme=theme))
 
+    def state(self) -> dict[str, Any]:
+        """Return the state between two cascades, for a checkpoint (see `checkpoint.save`)."""
+        return {
+            "session": {name: getattr(self, name) for name in _STATE},
+            "faults": self.faults,
+            "names": self.task.names,
+            "bus": self.bus.state(),
+            "nodes": {node.name: node.state() for node in self.core},
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Bring a new session to the state of a checkpoint. What was recorded after it must then be replayed."""
+        for node in self.core:
+            node.restore(state["nodes"][node.name])
+        self.bus.restore(state["bus"])
+        vars(self).update(state["session"])
+        self.faults.extend(state["faults"])
+        self.task.names = state["names"]
+        if applied := self.bus.last(THEME):
+            self._use_texts(applied.theme)
+
     def replay(self, history: Iterable[Record]) -> None:
         """Bring the nodes to the state at the end of a record. Call it before ``begin``.
 
@@ -119,40 +145,36 @@ class Session:
         """
         clock = VirtualClock()
         self.bus.clock = clock
-        derived: list[Record] = []
+        derived: deque[Record] = deque()
+        expected: deque[Record] = deque()
 
         def listen(cascade: list[Record]) -> None:
-            derived.extend(cascade)
+            derived.extend(record for record in cascade if not record.topic.stream)
 
         self.bus.tap(listen)
-        recorded = list(history)
-        for record in recorded:
+        last = 0
+        for record in history:
             if isinstance(record.message, SessionStarted):
                 self._rules = record.message.rules
             if record.topic.origin == "input":
                 clock.set(record.at)
                 self.bus.publish(record.topic, record.message)
+            if not record.topic.stream:
+                last = record.seq
+                if not self._is_fault_of_extra(record):
+                    expected.append(record)
+            _compare(expected, derived)
         self.bus.untap(listen)
         self.bus.clock = self.clock
-        derived = [record for record in derived if not record.topic.stream]
-        recorded = [record for record in recorded if not record.topic.stream]
-        expected = [record for record in recorded if not self._is_fault_of_extra(record)]
-        for was, now in zip(expected, derived, strict=False):
-            if was.topic is not now.topic or not is_same(was.message, now.message):
-                raise ReplayError(
-                    f"Message {was.seq} ({was.topic.name}) differs from the record: "
-                    "the task, the theme or the program has changed since."
-                )
-        if len(derived) != len(expected):
+        if expected or derived:
             raise ReplayError("The record of this session is incomplete: it cannot be resumed.")
         if fault := self.broken:
             raise ReplayError(f"The task failed in this session: {fault.error}, {fault.place}.")
-        if recorded:
-            self.bus.count_from(recorded[-1].seq + 1)
+        if last:
+            self.bus.count_from(last + 1)
 
     def _is_fault_of_extra(self, record: Record) -> bool:
-        core = {node.name for node in self.nodes} - {node.name for node in self._extra}
-        return isinstance(record.message, Fault) and record.message.node not in core
+        return isinstance(record.message, Fault) and record.message.node not in {node.name for node in self.core}
 
     def detach(self) -> None:
         """Release devices. May be called again."""
@@ -170,6 +192,17 @@ class Session:
     def _agent_acted(self, agent: AgentActing) -> None:
         self.is_agent_acting = agent.acting
         self.awaits_operator = agent.awaits_operator
+
+
+def _compare(expected: deque[Record], derived: deque[Record]) -> None:
+    """Compare recorded with derived messages as far as there are both, and forget them."""
+    while expected and derived:
+        was, now = expected.popleft(), derived.popleft()
+        if was.topic is not now.topic or not is_same(was.message, now.message):
+            raise ReplayError(
+                f"Message {was.seq} ({was.topic.name}) differs from the record: "
+                "the task, the theme or the program has changed since."
+            )
 
 
 def core_nodes(task: Task, theme: Theme, seed: int) -> tuple[Node, ...]:

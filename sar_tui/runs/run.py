@@ -4,10 +4,11 @@ import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import TypedDict
+from typing import Any, TypedDict
 
 from filelock import BaseFileLock
 
+from sar_tui.framework.checkpoint import CheckpointError, restore
 from sar_tui.framework.clock import Clock, VirtualClock
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.node import Node
@@ -16,8 +17,9 @@ from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue, task_folder
+from sar_tui.runs.checkpoints import Checkpoints, program
 from sar_tui.runs.plan import Failed, Plan, set_up
-from sar_tui.store import locks, participants, sessions
+from sar_tui.store import checkpoints, locks, participants, sessions
 from sar_tui.store.database import StoreError, connect, open_file
 from sar_tui.store.last_saved import forget
 from sar_tui.store.provenance import machine, measured_timing, software
@@ -139,11 +141,14 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
             **provenance,
         )
         number = sessions.begin_run(database, session_id, **provenance)
-        return _with_recorder(session_id, number, session, folder, database, held)
+        run = _with_recorder(session_id, number, session, folder, database, held)
+        if plan.mode == "live":
+            Checkpoints(session, run.recorder, provenance["software"])
+        return run
 
 
 def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, make_nodes: NodeFactory) -> Run:
-    """Replay an interrupted session up to its interruption, and build its run, ready to begin.
+    """Bring an interrupted session to the state at its interruption, and build its run, ready to begin.
 
     Raises:
         StoreError: there is no such session, or it is live, or it has ended.
@@ -167,12 +172,43 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ma
             task = set_up(kind, parameters)
             facts = _participant_facts(database, task, codes, "live", without=row["id"])
             nodes = make_nodes(task, theme, row["seed"])
-            session = Session(task, theme, clock, row["seed"], nodes, **facts)
-            session.replay(sessions.history(database, row["id"]))
+            provenance = _provenance(kind, row["theme"], folder, catalogue)
+
+            def new_session() -> Session:
+                return Session(task, theme, clock, row["seed"], nodes, **facts)
+
+            session = _replayed(new_session, database, row["id"], provenance["software"])
         except (ParameterError, ReplayError) as error:
             raise Failed(f"The session {row['id']} cannot be resumed. {error}") from error
-        number = sessions.begin_run(database, row["id"], **_provenance(kind, row["theme"], folder, catalogue))
-        return _with_recorder(row["id"], number, session, folder, database, held)
+        number = sessions.begin_run(database, row["id"], **provenance)
+        run = _with_recorder(row["id"], number, session, folder, database, held)
+        Checkpoints(session, run.recorder, provenance["software"])
+        return run
+
+
+def _replayed(
+    new_session: Callable[[], Session], database: sqlite3.Connection, session_id: str, software: dict[str, Any]
+) -> Session:
+    """Return a session in the state at its interruption: from its last checkpoint if it has one, else replayed.
+
+    A checkpoint that cannot be used is left out; a replay then tells what is wrong.
+
+    Raises:
+        ReplayError: the replay differs from the record.
+        StoreError: the record cannot be read.
+    """
+    session = new_session()
+    if found := checkpoints.find(database, session_id, program(session, software)):
+        try:
+            restore(session, found.state)
+            session.replay(sessions.history(database, session_id, found.seq))
+        except (CheckpointError, ReplayError):
+            pass
+        else:
+            return session
+        session = new_session()
+    session.replay(sessions.history(database, session_id))
+    return session
 
 
 def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> sessions.Row:
@@ -229,7 +265,7 @@ def _participant_facts(
     }
 
 
-def _provenance(kind: type[Task], theme: str, folder: Path, catalogue: Catalogue) -> dict[str, object]:
+def _provenance(kind: type[Task], theme: str, folder: Path, catalogue: Catalogue) -> dict[str, dict[str, Any]]:
     """Describe the software and the machine of a run, as they are stored."""
     return {
         "software": software(kind, task_folder(kind), catalogue.theme_folder(theme)),

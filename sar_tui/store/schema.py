@@ -197,6 +197,8 @@ _COMPACT_MESSAGES = (
     "CREATE TABLE messages (session_number INTEGER NOT NULL, seq INTEGER NOT NULL, run INTEGER NOT NULL,"
     " at_ns INTEGER NOT NULL, topic INTEGER NOT NULL, message TEXT NOT NULL,"
     " PRIMARY KEY (session_number, seq)) WITHOUT ROWID",
+    "CREATE TABLE checkpoints (session TEXT PRIMARY KEY, seq INTEGER NOT NULL, program TEXT NOT NULL,"
+    " crc32 INTEGER NOT NULL, state BLOB NOT NULL)",
     "CREATE INDEX idx_messages_presence ON messages (session_number, seq) WHERE topic=1",
     "CREATE INDEX idx_earlier_events_presence ON earlier_events (session, seq) WHERE topic='operator/presence'",
     f"""CREATE VIEW events AS

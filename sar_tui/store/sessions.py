@@ -288,11 +288,12 @@ def attempt_ended(row: Row) -> AttemptEnded:
     )
 
 
-def history(db: sqlite3.Connection, session: str) -> Iterator[Record]:
-    """Yield every message of a session, sensor samples included, in the order of a replay.
+def history(db: sqlite3.Connection, session: str, after: int = 0) -> Iterator[Record]:
+    """Yield the messages of a session after number ``after``, sensor samples included, in the order of a replay.
 
     Raises:
         StoreError: this version of the program cannot read a message, or samples are damaged.
     """
-    records = (Record(stored.seq, stored.at, stored.topic, stored.message) for stored in messages.read(db, session))
-    return merge(imu.blocks(db, session), records, key=lambda record: record.seq)
+    stored = messages.read(db, session, after)
+    records = (Record(one.seq, one.at, one.topic, one.message) for one in stored)
+    return merge(imu.blocks(db, session, after), records, key=lambda record: record.seq)

@@ -1,6 +1,7 @@
 """A session that is cut off anywhere can be replayed and resumed without loss."""
 
 import functools
+from collections.abc import Iterable
 from typing import Any
 
 import msgspec
@@ -203,7 +204,7 @@ def test_a_session_cut_off_between_its_last_trial_and_the_acknowledgement_waits_
     assert not any(r.topic is TRIAL for r in records)
 
 
-def replay(records: list[Record], **changed: Any) -> None:
+def replay(records: Iterable[Record], **changed: Any) -> None:
     kind = Catalogue().task("keyboard")
     task = kind(build(kind.Parameters, {**SET_UP, **changed}))
     Session(task, Catalogue().theme("calm"), VirtualClock(), 3).replay(records)
@@ -222,6 +223,17 @@ def test_a_derived_message_that_was_changed_is_noticed(data: st.DataObject) -> N
     records[place] = record._replace(message=msgspec.structs.replace(record.message, seat="B"))
     with pytest.raises(ReplayError, match=rf"Message {record.seq} \({record.topic.name}\)"):
         replay(records)
+
+
+def test_a_replay_reads_a_record_as_it_goes_and_no_further_than_a_difference() -> None:
+    records = list(whole().records)
+    place = next(i for i, record in enumerate(records) if record.topic is TRIAL)
+    records[place] = records[place]._replace(message=msgspec.structs.replace(records[place].message, seat="B"))
+    read: list[int] = []
+    history = (read.append(record.seq) or record for record in records)  # type: ignore[func-returns-value]
+    with pytest.raises(ReplayError):
+        replay(history)
+    assert read[-1] == records[place].seq
 
 
 def test_a_corrected_sentence_does_not_stop_a_replay() -> None:

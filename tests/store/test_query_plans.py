@@ -1,4 +1,4 @@
-"""What lists and shows sessions looks at their own rows only, however many other sessions there are."""
+"""Lists of sessions and views of one look at their own rows only, however many other sessions there are."""
 
 import re
 import sqlite3
