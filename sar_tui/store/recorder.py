@@ -24,6 +24,8 @@ GROUP = 2000
 """Number of messages in a transaction on a virtual clock, where nobody waits for a trial."""
 LOCKED_TRIES = 10
 """Failed writes in succession until it is reported that another program keeps the database locked."""
+_CACHE_KB = 256
+"""Memory for pages of the database: a recorder reads next to nothing, and would fill SQLite's 2 MB."""
 _PERMANENT = "Waiting will not help. End the session: what was saved so far is kept."
 
 
@@ -71,6 +73,8 @@ class Recorder:
         self._locked = 0
         self._committed: list[list[Record]] = []
         self.safeguard = safeguard
+        if not inline:
+            database.execute(f"PRAGMA cache_size=-{_CACHE_KB}")
         self._numbers: tuple[sqlite3.Connection, Numbers] | None = None
         self.checkpoint: checkpoints.Checkpoint | None = None
         self._streams = imu.resume_streams(database, session, run)

@@ -340,6 +340,11 @@ def test_on_a_full_disk_only_stored_trials_are_acknowledged_and_later_all(data: 
     assert recorded.session.faults == []
 
 
+def test_a_recorder_of_its_own_keeps_few_pages_in_memory(data: Path) -> None:
+    recorded = Recorded(data, inline=False)
+    assert recorded.database.execute("PRAGMA cache_size").fetchone() == (-256,)
+
+
 def test_another_error_than_a_full_disk_is_reported_and_everything_is_stored(data: Path) -> None:
     recorded = Recorded(data, inline=False)
     recorded.session.begin()
