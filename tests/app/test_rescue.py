@@ -69,7 +69,7 @@ async def test_a_database_that_is_removed_in_a_session_costs_nothing(
         await pilot.press("enter")
         delete(data)
         await _settled(app, lambda: rescue_files(data))
-        await pilot.press("ctrl+q")
+        await pilot.press("ctrl+c")
     app.close_session()
     (path,) = rescue_files(data)
     with closing(open_file(path)) as rescue:
@@ -90,7 +90,7 @@ async def test_a_session_that_is_left_while_the_database_is_locked_is_in_a_rescu
         await pilot.pause()
         with closing(sqlite3.connect(data / FILE, isolation_level=None)) as other:
             other.execute("BEGIN IMMEDIATE")
-            await pilot.press("enter", "ctrl+q")
+            await pilot.press("enter", "ctrl+c")
             app.close_session()
     (path,) = rescue_files(data)
     with closing(open_file(path)) as rescue:
@@ -114,9 +114,9 @@ async def test_the_screen_stays_until_the_session_is_written(
 
     monkeypatch.setattr(LiveSession, "is_written", wait)
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
-        await driver.press("ctrl+q")
+        await driver.press("ctrl+c")
         assert driver.sees("One moment… Your results are being saved.")
-        await driver.press("ctrl+q", "enter")
+        await driver.press("ctrl+c", "enter")
         assert driver.app.is_running
         is_written.set()
         await _settled(driver.app, lambda: not driver.app.is_running)
