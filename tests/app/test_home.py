@@ -7,6 +7,7 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.store.locks import hold
 from tests.app.app_driver import known, open_app, plan, stored
 from tests.examples import first
 
@@ -112,7 +113,7 @@ async def test_settings_that_became_invalid_are_reported_and_no_session_starts(
     assert stored(data, "SELECT id FROM sessions") == []
 
 
-async def test_an_interrupted_session_is_listed_first_and_enter_resumes_it(
+async def test_sessions_are_listed_newest_first_and_enter_resumes_an_interrupted_one(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, "P01")) as driver:
@@ -123,12 +124,13 @@ async def test_an_interrupted_session_is_listed_first_and_enter_resumes_it(
         await driver.do_session()
     async with open_app(data, catalogue) as driver:
         recent = [row for row in driver.rows if "keyboard  " in row]
-        assert "P01" in recent[0]
-        assert "interrupted: Enter resumes" in recent[0]
-        assert "P02" in recent[1]
-        assert "completed" in recent[1]
+        assert "P02" in recent[0]
+        assert "completed" in recent[0]
+        assert "P01" in recent[1]
+        assert "interrupted: Enter resumes" in recent[1]
 
-        await driver.press(*["right"] * 5, "enter")
+        driver.app.screen.query_one("#recent").focus()
+        await driver.press("down", "enter")
         assert driver.session_id == session
         assert driver.sees("Welcome back We go on with attempt 1 of 2.")
         assert driver.sees("Press Enter to go on.")
@@ -146,6 +148,57 @@ async def test_an_interrupted_session_is_listed_first_and_enter_resumes_it(
         (2, 1),
         (2, 2),
     ]
+
+
+async def test_an_interrupted_session_is_dismissed_and_taken_back(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P01")) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        session = driver.session_id
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P02", attempts=1)) as driver:
+        await driver.do_session()
+    tables = ("trials", "events", "runs", "seats")
+    everything = [stored(data, f"SELECT * FROM {table}") for table in tables]
+    async with open_app(data, catalogue) as driver:
+        assert "Dismiss" not in driver.rows[-1]
+        driver.app.screen.query_one("#recent").focus()
+        await driver.settle()
+        assert "Dismiss" not in driver.rows[-1], "a completed session is not dismissed"
+        await driver.press("delete")
+        await driver.press("down")
+        assert "Del Dismiss" in driver.rows[-1]
+        await driver.press("delete")
+        assert stored(data, "SELECT id FROM sessions WHERE status='dismissed'") == [(session,)]
+        assert not driver.sees("interrupted: Enter resumes")
+        assert driver.sees("dismissed")
+        assert "Del Take back" in driver.rows[-1]
+        await driver.press("enter")
+        assert driver.screen_name == "PastSessionScreen"
+        assert driver.sees("dismissed")
+        await driver.press("enter")
+        await driver.press("delete")
+        assert driver.sees("interrupted: Enter resumes")
+        await driver.press("enter")
+        assert driver.session_id == session
+        assert driver.sees("Welcome back")
+    now = [stored(data, f"SELECT * FROM {table}") for table in tables]
+    assert all(row in after for before, after in zip(everything, now, strict=True) for row in before)
+
+
+async def test_a_session_that_another_program_goes_on_with_is_not_dismissed(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P01")) as driver:
+        session = driver.session_id
+    async with open_app(data, catalogue) as driver:
+        driver.app.screen.query_one("#recent").focus()
+        await driver.settle()
+        lock = hold(data, "session", session)
+        await driver.press("delete")
+        assert driver.sees("is in a live session already")
+        lock.release()
+    assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
 
 
 async def test_a_completed_session_is_shown_with_its_plot(

@@ -1,5 +1,6 @@
 """The first screen: participant, task, theme, and the recent sessions."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import on
@@ -30,7 +31,8 @@ class HomeScreen(Screen[None]):
         "Choose who takes part, the task and the theme; then Start.\n"
         "The arrows move within and between lists, Enter chooses.\n\n"
         "A task for two asks next who sits on the right.\n\n"
-        "Interrupted sessions come first among the recent ones: Enter resumes one.\n\n"
+        "Enter resumes an interrupted session. Delete dismisses one that nobody goes on with: nothing of it is lost, "
+        "and Delete takes that back.\n\n"
         "Participants are codes, never names.\n"
     )
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -38,6 +40,8 @@ class HomeScreen(Screen[None]):
         Binding("left,up", "previous", "Previous list", show=False, id="previous"),
         Binding("f2", "settings", "Settings (therapist)", id="settings"),
         Binding("f3", "operate", "Operator's panel", id="operate"),
+        Binding("delete,backspace", "dismiss_session", "Dismiss", id="dismiss-session"),
+        Binding("delete,backspace", "take_back", "Take back", id="take-back"),
     ]
 
     app: Any
@@ -47,6 +51,7 @@ class HomeScreen(Screen[None]):
         self._theme_of: tuple[str, str] | None = None
         self._can_operate = False
         self._is_filled = False
+        self._recent: dict[str, Row] = {}
 
     def compose(self) -> ComposeResult:
         yield Static(_title(), id="title", markup=False)
@@ -119,13 +124,13 @@ class HomeScreen(Screen[None]):
     def _list_recent(self) -> None:
         from sar_tui.store import sessions
 
-        recent = self.query_one("#recent", OptionList)
+        recent, chosen = self.query_one("#recent", OptionList), self._chosen("recent")
         rows = sessions.listing(self.app.database, self.app.folder, limit=30)
-        rows.sort(key=lambda row: not _can_resume(row))
+        self._recent = {row["id"]: row for row in rows}
         recent.clear_options()
         recent.add_options([Option(_line(row), id=row["id"]) for row in rows])
         if rows:
-            recent.highlighted = 0
+            recent.highlighted = list(self._recent).index(chosen) if chosen in self._recent else 0
         else:
             recent.add_option(Option("None yet.", disabled=True))
 
@@ -194,6 +199,30 @@ class HomeScreen(Screen[None]):
         else:
             self.app.push_screen(PastSessionScreen(row))
 
+    @on(OptionList.OptionHighlighted, "#recent")
+    def _offer_dismissal(self) -> None:
+        """Show the key that dismisses the highlighted session, if it is interrupted."""
+        self.refresh_bindings()
+
+    def action_dismiss_session(self) -> None:
+        """Dismiss the highlighted session, which nobody goes on with."""
+        from sar_tui.store import dismissal
+
+        self._change_recent(lambda session: dismissal.dismiss(self.app.database, self.app.folder, session))
+
+    def action_take_back(self) -> None:
+        """Let the highlighted session be resumed again."""
+        from sar_tui.store import dismissal
+
+        self._change_recent(lambda session: dismissal.take_back(self.app.database, session))
+
+    def _change_recent(self, change: Callable[[str], None]) -> None:
+        try:
+            change(self._chosen("recent") or "")
+        except StoreError as error:
+            self.notify(str(error), severity="error", timeout=15)
+        self._list_recent()
+
     # --- the operator's panel -----------------------------------------------------------------------------
 
     def look_for_sessions(self) -> None:
@@ -212,7 +241,15 @@ class HomeScreen(Screen[None]):
             self.refresh_bindings()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        return self._can_operate if action == "operate" else super().check_action(action, parameters)
+        match action:
+            case "operate":
+                return self._can_operate
+            case "dismiss_session" | "take_back":
+                row = self._recent.get(self._chosen("recent") or "") if self._recent else None
+                if row is None or not self.query_one("#recent").has_focus:
+                    return False
+                return _can_resume(row) if action == "dismiss_session" else row["status"] == "dismissed"
+        return super().check_action(action, parameters)
 
     def action_operate(self) -> None:
         """Choose a session, and open its panel."""
