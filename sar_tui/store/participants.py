@@ -42,6 +42,15 @@ def codes(db: sqlite3.Connection) -> list[str]:
     return [code for (code,) in db.execute("SELECT code FROM participants ORDER BY code")]
 
 
+def last_used(db: sqlite3.Connection) -> str | None:
+    """Return the (first) participant of the live session that was begun or resumed last; None without a session."""
+    row = db.execute(
+        "SELECT participant FROM runs JOIN sessions ON sessions.id = runs.session"
+        " JOIN seats ON seats.session = runs.session AND seat='A' WHERE mode='live' ORDER BY runs.rowid DESC LIMIT 1"
+    ).fetchone()
+    return row[0] if row else None
+
+
 class Settings(msgspec.Struct, frozen=True):
     """A participant's saved settings for a task. ``parameters`` holds only values that differ from the defaults."""
 

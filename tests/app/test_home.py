@@ -201,6 +201,25 @@ async def test_a_session_that_another_program_goes_on_with_is_not_dismissed(
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
 
 
+async def test_home_opens_on_the_participant_of_the_last_session(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    for code in ("P01", "P02", "P03"):
+        known(data, code)
+    async with open_app(data, catalogue) as driver:
+        assert driver.sees("P01: Keyboard reaction")
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P02")) as driver:
+        resumed = driver.session_id
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P03")) as driver:
+        pass
+    async with open_app(data, catalogue) as driver:
+        assert driver.sees("P03: Keyboard reaction")
+    async with open_app(data, catalogue, resumed) as driver:
+        pass
+    async with open_app(data, catalogue) as driver:
+        assert driver.sees("P02: Keyboard reaction")
+
+
 async def test_a_completed_session_is_shown_with_its_plot(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

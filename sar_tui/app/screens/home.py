@@ -114,7 +114,7 @@ class HomeScreen(Screen[None]):
         from sar_tui.store import participants
 
         people = self.query_one("#participant", OptionList)
-        chosen = chosen or self._chosen("participant")
+        chosen = chosen or self._chosen("participant") or participants.last_used(self.app.database)
         codes = participants.codes(self.app.database)
         people.clear_options()
         people.add_options([Option(code, id=code) for code in codes])
