@@ -238,7 +238,7 @@ class SarTui(OpeningApp):
 
         session = self._open.run.session if self._open else None
         if session is None or session.ended or session.broken:
-            self.exit()
+            await super().action_quit()
         elif not any(isinstance(screen, LeaveScreen) for screen in self.screen_stack):
             in_trial = getattr(self.screen, "is_in_trial", False)
             answered = functools.partial(self._left_or_went_on, was_in_trial=in_trial)

@@ -119,8 +119,12 @@ class PanelScreen(PanelLayout):
             self._show_result(self.commands.command("Ended the session", "end", self._at))
 
     def action_close(self) -> None:
-        if self.is_over or self._confirm("close"):
+        if self.may_quit():
             self.dismiss("")
+
+    def may_quit(self) -> bool:
+        """Return True if the panel may be left; else ask."""
+        return self.is_over or self.is_covered or self._confirm("close")
 
     def _confirm(self, question: str) -> bool:
         """Ask a question, or return True if it was asked already."""

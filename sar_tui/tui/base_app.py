@@ -148,6 +148,11 @@ class BaseApp(App[int]):
         elif is_new:
             self.mutate_reactive(App.theme)
 
+    async def action_quit(self) -> None:
+        """Ctrl-Q: exit, unless the screen has a ``may_quit`` that asks first, and returns True if it was asked."""
+        if getattr(self.screen, "may_quit", lambda: True)():
+            self.exit()
+
     def action_interrupt(self) -> None:
         """Ctrl-C."""
         self.exit(return_code=INTERRUPTED)

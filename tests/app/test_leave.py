@@ -115,3 +115,23 @@ async def test_without_a_session_it_leaves_at_once(keys: tuple[str, ...], data: 
     async with open_app(data, catalogue) as driver:
         await driver.press(*keys, "ctrl+q")
         assert not driver.app.is_running
+
+
+async def test_unsaved_settings_are_discarded_only_by_a_second_press(data: Path, catalogue: Catalogue) -> None:
+    known(data)
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2")
+        await driver.write("7")
+        await driver.press("ctrl+q")
+        assert driver.app.is_running
+        assert driver.sees("Not saved. Save with Ctrl-S, or")
+        await driver.press("ctrl+q")
+        assert not driver.app.is_running
+
+
+async def test_the_question_is_in_the_sessions_language(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, language="es")) as driver:
+        await driver.press("ctrl+q")
+        assert driver.sees("¿Salir ahora?")
+        assert driver.sees("Seguir")
+        assert driver.sees("Sí, salir")

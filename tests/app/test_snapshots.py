@@ -25,6 +25,7 @@ SESSION = (
     "tired",
     "in-pain",
     "end-now",
+    "leave-now",
     "before-an-attempt",
     "disk-full",
     "disk-works-again",
@@ -79,6 +80,9 @@ async def test_snapshots_of_a_session(theme: str, data: Path, catalogue: Catalog
         for name in ("tired", "in-pain", "end-now"):
             await driver.press("down", "enter")
             album.take(name, driver)
+        await driver.press("ctrl+q")
+        album.take("leave-now", driver)
+        await driver.press("escape")
         await driver.press("enter")
         await driver.answer(await driver.to_prompt())
         album.take("before-an-attempt", driver)

@@ -369,6 +369,16 @@ async def test_an_approved_action_that_is_due_later_is_counted_down(catalogue: C
         assert "goes out in 0.9 s" in driver.text
 
 
+async def test_ctrl_q_asks_before_the_panel_of_a_session_is_left(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.press("ctrl+q")
+        assert "Leave the panel?" in driver.text
+        await driver.press("escape")
+        assert "Leave the panel?" not in driver.text
+        await driver.press("ctrl+q", "ctrl+q")
+        assert not driver.app.is_running
+
+
 async def test_after_the_session_the_panel_says_so_and_one_key_leaves_it(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.publish(t.SESSION_ENDED, m.SessionEnded(status="completed"))

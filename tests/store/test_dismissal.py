@@ -11,7 +11,6 @@ from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.dismissal import dismiss, take_back
 from sar_tui.store.locks import Held, hold
-from sar_tui.store.participants import last_used
 from tests.program import Call
 from tests.store.test_sessions import enter
 
@@ -59,14 +58,3 @@ def test_a_dismissed_session_is_listed_by_the_program_and_not_resumed(call: Call
     assert "dismissed" in call("sessions").out
     assert call("sessions", "--json").json["sessions"][0]["id"] == session
     assert call("resume").code == 2
-
-
-def test_the_participant_used_last_is_that_of_the_last_live_run(database: sqlite3.Connection) -> None:
-    assert last_used(database) is None
-    first, second = enter(database, "P01"), enter(database, "P02", partner="P09")
-    simulated = enter(database, "P03", mode="simulated")
-    for session in (first, second, simulated):
-        sessions.begin_run(database, session, software={}, machine={})
-    assert last_used(database) == "P02"
-    sessions.begin_run(database, first, software={}, machine={})
-    assert last_used(database) == "P01"

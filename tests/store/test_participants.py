@@ -8,8 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.participants import Settings, add, check_code, codes, save_settings, settings
+from sar_tui.store.participants import Settings, add, check_code, codes, last_used, save_settings, settings
+from tests.store.test_sessions import enter
 
 
 @pytest.mark.parametrize(
@@ -64,3 +66,14 @@ def test_settings_saved_again_take_the_place_of_the_old(database: sqlite3.Connec
     save_settings(database, "P01", "keyboard", Settings({"attempts": 5}))
     save_settings(database, "P01", "keyboard", Settings({"threshold": 900}))
     assert settings(database, "P01", "keyboard") == Settings({"threshold": 900})
+
+
+def test_the_participant_used_last_is_that_of_the_last_live_run(database: sqlite3.Connection) -> None:
+    assert last_used(database) is None
+    first, second = enter(database, "P01"), enter(database, "P02", partner="P09")
+    simulated = enter(database, "P03", mode="simulated")
+    for session in (first, second, simulated):
+        sessions.begin_run(database, session, software={}, machine={})
+    assert last_used(database) == "P02"
+    sessions.begin_run(database, first, software={}, machine={})
+    assert last_used(database) == "P01"

@@ -177,8 +177,13 @@ class SettingsScreen(Screen[None]):
     @on(Button.Pressed, "#back")
     def action_leave(self) -> None:
         """Go back; ask for a second press if there are unsaved changes."""
-        if self._shown() == self._saved:
+        if self.may_quit():
             self.dismiss()
-        else:
-            self._saved = self._shown()
-            self.notify("Not saved. Save with Ctrl-S, or go back again to discard the changes.", severity="warning")
+
+    def may_quit(self) -> bool:
+        """Return True if nothing is unsaved, or the changes may be discarded; else ask for a second press."""
+        if self._shown() == self._saved:
+            return True
+        self._saved = self._shown()
+        self.notify("Not saved. Save with Ctrl-S, or leave again to discard the changes.", severity="warning")
+        return False
