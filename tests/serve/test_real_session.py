@@ -100,8 +100,8 @@ async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
                 await browser.press("Enter")
             await asyncio.to_thread(terminal.wait_for, text[:20])
             await browser.call("Page.navigate", url="about:blank")
-        async with keep_reading(terminal):
-            left = await logged_message(data, "operator/presence", state="left")
+            async with keep_reading(terminal):
+                left = await logged_message(data, "operator/presence", state="left")
     assert left["actor"].startswith("operator.")
     ((decision, actor, final, decided),) = rows(
         data, "SELECT decision, actor, final, decided_ns FROM actions WHERE kind='feedback'"
